@@ -89,9 +89,10 @@ def run_block(
             level = None if next(catches[index]) else state.tracks[index].procedure.level
             slot = Slot(index, state.next_trial, level)
         outcome = yield from block.task.trial(_presentation(state.tracks[index], slot), rng)
+        # A row names what its presentation aborts: the state moves on before the row is recorded.
         before, state = state, state.after(slot, outcome)
         yield from _recorded(block, number, slot, outcome, before, state)
-        if outcome.valid and state.open():
+        if outcome.valid and state.open():  # no rest after the last trial
             yield from _rest(block.options, state.n_valid)
     return state.tracks, state.next_trial
 

@@ -138,7 +138,7 @@ class BlockState:
             track = replace(track, procedure=_in_order(track.procedure, slot, outcome))
             return _with(self.tracks, slot.track, track)
         delivered = None if outcome.stimulus is None else outcome.stimulus.level_delivered
-        success = outcome.success is not False
+        success = outcome.success is not False  # a task that judges nothing moves an adaptive rule as a success does
         procedures = answered([track.procedure for track in self.tracks], slot.track, success, delivered)
         pairs = zip(self.tracks, procedures, strict=True)
         return tuple(replace(track, procedure=procedure) for track, procedure in pairs)
@@ -178,6 +178,7 @@ def catch_schedule(catch_rate: float, rng: np.random.Generator) -> Iterator[bool
     if catch_rate == 0:
         while True:
             yield False
+    # One in each group: drawn trial by trial, a short track could have none, or a run of them.
     n_group = max(round(1 / catch_rate), 1)
     while True:
         caught = int(rng.integers(n_group))

@@ -146,9 +146,9 @@ class Crossing(Generic[T]):
         levels = self._levels(name, outer)
         rule = self.rules.get(name, "fixed")
         order = ORDERS[rule](len(levels), row, rng)
-        n_round, own = divmod(row, n_orders(rule, len(levels)))
+        n_round, turn = divmod(row, n_orders(rule, len(levels)))
         for position, index in enumerate(order):
-            yield from self._inner(faster, {**outer, name: levels[index]}, n_round + own * len(order) + position, rng)
+            yield from self._inner(faster, {**outer, name: levels[index]}, n_round + turn * len(order) + position, rng)
 
     def _levels(self, name: str, outer: Mapping[str, T]) -> Sequence[T]:
         given = (

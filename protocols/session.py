@@ -124,6 +124,7 @@ def session(
     trial = 1
     for number, part in enumerate(parts, 1):
         shown: Done = yield _page(parts, number, part)
+        # Between parts only: a part that has begun comes to its end, or to that of its own time.
         if longest_s is not None and shown.at_s - begun.at_s > longest_s:
             tracks += [replace(track, begun=False) for part in parts[number - 1 :] for track in part.tracks]
             break

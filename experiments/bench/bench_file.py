@@ -149,11 +149,11 @@ class BenchFile:
 
     def __post_init__(self) -> None:
         for name in ("force", "position"):
-            part = getattr(self, name)
-            if part is not None and part.sensor not in self.sensors:
+            table = getattr(self, name)
+            if table is not None and table.sensor not in self.sensors:
                 raise InvalidParameter(
-                    f"{name}.sensor: found {part.sensor!r}, expected one of the file's sensors "
-                    f"({', '.join(self.sensors) or 'it has none'}){nearest(part.sensor, self.sensors)}"
+                    f"{name}.sensor: found {table.sensor!r}, expected one of the file's sensors "
+                    f"({', '.join(self.sensors) or 'it has none'}){nearest(table.sensor, self.sensors)}"
                 )
 
     def limits_with(self, study: Limits) -> Limits:
@@ -171,7 +171,7 @@ class BenchFile:
         DeviceFailed
             If a calibration is older than the file allows, or was not made with this output.
         """
-        if touched:
+        if touched:  # before a driver is made: nothing plays under a finger that nobody watches
             self.check_gate()
         driver = self.output.settings.driver(self.output.gain)
         if driver.connected and self.output.gain is not None:
@@ -308,12 +308,12 @@ def parse_bench(tables: Mapping[str, Any]) -> BenchFile:
 
 
 def _output(table: dict[str, Any], path: str) -> OutputPart:
-    own = {key: value for key, value in table.items() if key not in ("gain", "load", "ramp_s", "ungated")}
+    of_device = {key: value for key, value in table.items() if key not in ("gain", "load", "ramp_s", "ungated")}
     kept = {key: table[key] for key in ("ramp_s", "ungated") if key in table}
-    device = settings(OUTPUTS, {"kind": "null", **own}, path)
+    device = settings(OUTPUTS, {"kind": "null", **of_device}, path)
     gain = build(Gain, table["gain"], f"{path}.gain") if "gain" in table else None
     load = build(Load, table["load"], f"{path}.load") if "load" in table else None
-    if own.get("kind") == "packed":
+    if of_device.get("kind") == "packed":  # one bit has no ramp
         kept = {"ramp_s": 0.0, **kept}
     return build(OutputPart, kept, path, hidden=("settings", "gain", "load"), settings=device, gain=gain, load=load)
 
@@ -326,15 +326,15 @@ def _sensors(table: dict[str, Any], path: str) -> dict[str, SensorPart]:
 
 
 def _sensor(table: dict[str, Any], path: str) -> SensorPart:
-    own = {key: value for key, value in table.items() if key != "delay_s"}
+    of_device = {key: value for key, value in table.items() if key != "delay_s"}
     kept = {key: table[key] for key in ("delay_s",) if key in table}
-    return build(SensorPart, kept, path, hidden=("settings",), settings=settings(SENSORS, own, path))
+    return build(SensorPart, kept, path, hidden=("settings",), settings=settings(SENSORS, of_device, path))
 
 
 def _force(table: dict[str, Any], path: str) -> ForcePart:
-    own = {key: value for key, value in table.items() if key in ("sensor", "channel", "release")}
-    calibration = build(ForceCalibration, {key: table[key] for key in table if key not in own}, path)
-    return build(ForcePart, own, path, calibration=calibration)
+    of_force = {key: value for key, value in table.items() if key in ("sensor", "channel", "release")}
+    calibration = build(ForceCalibration, {key: table[key] for key in table if key not in of_force}, path)
+    return build(ForcePart, of_force, path, calibration=calibration)
 
 
 _PARTS: Mapping[str, Callable[[dict[str, Any], str], Any]] = {

@@ -37,6 +37,7 @@ TONE_S, TONE_RAMP_S = 0.5, 0.1
 def devices(
     bench: BenchFile, limits: Limits | None, experiment: Experiment | None, *, hands_off: bool
 ) -> Iterator[Finding]:
+    # Without limits anywhere a volt is the most that is tried; hands are off, so that no gate of force is asked for.
     connected = bench.devices(limits or Limits(voltage_peak_v=1.0), date.today(), touched=False)
     for name, reader in connected.readers.items():
         yield from guarded(f"sensor {name}", partial(_sensor, name, reader))

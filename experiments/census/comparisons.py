@@ -50,8 +50,8 @@ def census(
     `options` of `fit`. Open ends of intervals, and those that are not told, hold all on their side."""
     for person in people:
         pse, n_more = answers(person, n_sets, rng)
-        found = fit_many(LEVELS, n_more, person.n_trials, **options)
-        ends = [[one.interval_low, one.interval_high, one.width_low, one.width_high, one.width] for one in found]
+        fitted = fit_many(LEVELS, n_more, person.n_trials, **options)
+        ends = [[one.interval_low, one.interval_high, one.width_low, one.width_high, one.width] for one in fitted]
         table = pd.DataFrame(ends, columns=["pse_low", "pse_high", "jnd_low", "jnd_high", "jnd"], dtype=float)
         table[["jnd_low", "jnd_high", "jnd"]] *= DIFFERENCE_PER_WIDTH
         named = {"sd": person.sd, "n_trials": person.n_trials, "lapse_rate": person.lapse_rate}
@@ -68,7 +68,7 @@ def summary(outcomes: pd.DataFrame) -> pd.DataFrame:
 COLUMNS = ("n", "jnd_covered", "jnd_above", "jnd_below", "pse_covered", "jnd_over_truth")
 
 
-def _row(each: pd.DataFrame) -> tuple[float, ...]:
-    above, below = ((each["jnd_low"] > each["true_jnd"]).mean(), (each["jnd_high"] < each["true_jnd"]).mean())
-    missed = (each["pse_low"] > each["true_pse"]) | (each["pse_high"] < each["true_pse"])
-    return len(each), 1 - above - below, above, below, 1 - missed.mean(), (each["jnd"] / each["true_jnd"]).median()
+def _row(rows: pd.DataFrame) -> tuple[float, ...]:
+    above, below = ((rows["jnd_low"] > rows["true_jnd"]).mean(), (rows["jnd_high"] < rows["true_jnd"]).mean())
+    missed = (rows["pse_low"] > rows["true_pse"]) | (rows["pse_high"] < rows["true_pse"])
+    return len(rows), 1 - above - below, above, below, 1 - missed.mean(), (rows["jnd"] / rows["true_jnd"]).median()

@@ -168,17 +168,17 @@ def tracks(
     return Tracks(thresholds_db, levels_db, answers)
 
 
-def fits(found: Tracks, task: SimulatedTask, n_trials: int, rng: np.random.Generator) -> tuple[ThresholdFit, ...]:
+def fits(simulated: Tracks, task: SimulatedTask, n_trials: int, rng: np.random.Generator) -> tuple[ThresholdFit, ...]:
     """Of the first trials of each track, as an analysis fits them."""
     n_catch = round(task.catch * n_trials)
     return fit_many(
-        found.levels_db[:, :n_trials],
-        found.answers[:, :n_trials],
+        simulated.levels_db[:, :n_trials],
+        simulated.answers[:, :n_trials],
         1,
         shape=SHAPE,
         guess_rate=task.told,
         scale_free_width=True,
-        n_false_alarms=rng.binomial(n_catch, task.guess_rate, len(found.answers)),
+        n_false_alarms=rng.binomial(n_catch, task.guess_rate, len(simulated.answers)),
         n_catch=n_catch,
     )
 
@@ -206,12 +206,12 @@ def census(
     lapse_rate: float = LAPSE_RATE,
 ) -> Iterator[pd.DataFrame]:
     """A table for each setting, with a row (`OUTCOMES`) for each participant and number of trials."""
-    for (procedure, task, place), own in zip(chosen, rng.spawn(len(chosen)), strict=True):
-        found = tracks(procedure, task, place, n_sets, own, n_trials=max(n_trials), lapse_rate=lapse_rate)
+    for (procedure, task, place), stream in zip(chosen, rng.spawn(len(chosen)), strict=True):
+        simulated = tracks(procedure, task, place, n_sets, stream, n_trials=max(n_trials), lapse_rate=lapse_rate)
         rows = [
             (procedure, task.name, place, n, one.status.value, *_ends(one), one.threshold, true_db)
             for n in n_trials
-            for one, true_db in zip(fits(found, task, n, own), found.thresholds_db, strict=True)
+            for one, true_db in zip(fits(simulated, task, n, stream), simulated.thresholds_db, strict=True)
         ]
         yield pd.DataFrame(rows, columns=OUTCOMES).astype({"threshold_db": float})
 
@@ -236,17 +236,17 @@ TOLD, OUT = (Status.OK, Status.SEPARATED), (Status.BELOW, Status.ABOVE)
 COLUMNS = ("n", "ok", "separated", "out", "flat", "other", "covered", "covered_all", "bias_sd", "length_db")
 
 
-def _row(each: pd.DataFrame) -> tuple[float, ...]:
-    shares = [each["status"].isin(of).mean() for of in ((Status.OK,), (Status.SEPARATED,), OUT, (Status.FLAT,))]
-    holds = (each["low_db"] <= each["true_db"]) & (each["true_db"] <= each["high_db"])
-    told = each[each["status"].isin(TOLD)]
-    error_db = (told["threshold_db"] - told["true_db"]).to_numpy()
+def _row(outcomes: pd.DataFrame) -> tuple[float, ...]:
+    shares = [outcomes["status"].isin(of).mean() for of in ((Status.OK,), (Status.SEPARATED,), OUT, (Status.FLAT,))]
+    holds = (outcomes["low_db"] <= outcomes["true_db"]) & (outcomes["true_db"] <= outcomes["high_db"])
+    with_threshold = outcomes[outcomes["status"].isin(TOLD)]
+    error_db = (with_threshold["threshold_db"] - with_threshold["true_db"]).to_numpy()
     return (
-        len(each),
+        len(outcomes),
         *shares,
         1 - sum(shares),
-        holds[each["status"] == Status.OK].mean(),
+        holds[outcomes["status"] == Status.OK].mean(),
         holds.mean(),
         error_db.mean() / error_db.std() if len(error_db) >= FEWEST else math.nan,
-        (told["high_db"] - told["low_db"]).median() if len(error_db) >= FEWEST else math.nan,
+        (with_threshold["high_db"] - with_threshold["low_db"]).median() if len(error_db) >= FEWEST else math.nan,
     )

@@ -22,21 +22,21 @@ ELSEWHERE = ((4, 4, "left"), (5, -7, "left"), (-4, 4, "right"), (-5, -7, "right"
 """Where it is written if it would cover another, with its alignment."""
 
 
-def error_against_price(found: Climb, peers: Sequence[Point] = ()) -> Figure:
+def error_against_price(climb: Climb, peers: Sequence[Point] = ()) -> Figure:
     """One ladder; a point below the reference's own error is drawn at it. Hollow points are recorded peers."""
     figure = Figure(figsize=(6.4, 4.5), layout="constrained", facecolor="white")
     axes = figure.subplots()
-    names = dict.fromkeys([*found.contenders, *(point.contender for point in peers)])
+    names = dict.fromkeys([*climb.contenders, *(point.contender for point in peers)])
     for place, name in enumerate(names):
-        points = [point for point in (*found.points, *peers) if point.contender == name]
-        _draw(axes, points, found.floor, COLOURS[place % 6], MARKERS[place % 6], recorded=name not in found.contenders)
-    axes.loglog(*zip(*frontier(found), strict=True), color=GREY, linewidth=1, zorder=1, label="cheapest")
-    errors = [drawn_at(point, found.floor) for point in (*found.points, *peers)]
+        points = [point for point in (*climb.points, *peers) if point.contender == name]
+        _draw(axes, points, climb.floor, COLOURS[place % 6], MARKERS[place % 6], recorded=name not in climb.contenders)
+    axes.loglog(*zip(*frontier(climb), strict=True), color=GREY, linewidth=1, zorder=1, label="cheapest")
+    errors = [drawn_at(point, climb.floor) for point in (*climb.points, *peers)]
     lowest = min([GOALS[-1], *errors]) / 5
-    if found.floor > 0:
-        axes.axhspan(lowest / 10, found.floor, color=GREY, alpha=0.2, label="reference's own error")
-    axes.set(xlabel=found.problem.price, ylabel="relative error", ylim=(lowest, 3 * TOP))
-    _finish(axes, f"{found.problem.name}\n{found.problem.title}")
+    if climb.floor > 0:
+        axes.axhspan(lowest / 10, climb.floor, color=GREY, alpha=0.2, label="reference's own error")
+    axes.set(xlabel=climb.problem.price, ylabel="relative error", ylim=(lowest, 3 * TOP))
+    _finish(axes, f"{climb.problem.name}\n{climb.problem.title}")
     figure.legend(fontsize="x-small", loc="outside lower center", ncols=3, frameon=False)
     _part(figure, [text for text in axes.texts if isinstance(text, Annotation) and text.anncoords == "offset points"])
     return figure
@@ -98,12 +98,12 @@ def _finish(axes: Axes, title: str) -> None:
     axes.spines[["top", "right"]].set_visible(False)
 
 
-def frontier(found: Climb) -> list[tuple[float, float]]:
+def frontier(climb: Climb) -> list[tuple[float, float]]:
     """Prices and errors of the points that no other point beats in both."""
     best: list[tuple[float, float]] = []
-    for point in sorted(found.points, key=lambda each: (each.price, each.error)):
-        if not point.unstable and (not best or max(point.error, found.floor) < best[-1][1]):
-            best.append((point.price, max(point.error, found.floor)))
+    for point in sorted(climb.points, key=lambda each: (each.price, each.error)):
+        if not point.unstable and (not best or max(point.error, climb.floor) < best[-1][1]):
+            best.append((point.price, max(point.error, climb.floor)))
     return best
 
 

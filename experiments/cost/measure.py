@@ -85,9 +85,9 @@ def timed(run: Callable[[], Any]) -> tuple[float, Any]:
     return max(time.process_time() - start_s, SHORTEST_S), answer
 
 
-def cheapest(found: Climb, goal: float) -> Point | None:
+def cheapest(climb: Climb, goal: float) -> Point | None:
     """The rung with the lowest price whose error, or the floor, is at most `goal`; None if there is none."""
-    good = [point for point in found.points if max(point.error, found.floor) <= goal]
+    good = [point for point in climb.points if max(point.error, climb.floor) <= goal]
     return min(good, key=lambda point: point.price, default=None)
 
 

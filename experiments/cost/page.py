@@ -53,8 +53,8 @@ def write_page(climbs: Sequence[Climb], path: Path, today: date) -> None:
     folder = path.with_suffix("")
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for found in climbs:
-            write_svg(error_against_price(found, peers_of(found)), folder / f"{found.problem.name}.svg")
+        for climb in climbs:
+            write_svg(error_against_price(climb, peers_of(climb)), folder / f"{climb.problem.name}.svg")
         path.write_text(page(climbs, folder.name, today), encoding="utf-8")
     except OSError as error:
         raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a place to write to") from None
@@ -71,32 +71,32 @@ def page(climbs: Sequence[Climb], folder: str, today: date) -> str:
         "|---|---|---|---|---|---|",
     ]
     lines += [f"| [`{c.problem.name}`](#{c.problem.name}) | {' | '.join(_prices(c))} | {digit(c)} |" for c in climbs]
-    lines += [text for found in climbs for text in _section(found, folder)]
+    lines += [text for climb in climbs for text in _section(climb, folder)]
     return "\n".join(lines) + TAIL
 
 
-def digit(found: Climb) -> str:
+def digit(climb: Climb) -> str:
     """What a tenth of the error costs: the factor of the price per digit, from end to end of the frontier."""
-    best = frontier(found)
+    best = frontier(climb)
     digits = math.log10(best[0][1] / best[-1][1])
     return f"x {(best[-1][0] / best[0][0]) ** (1 / digits):.2g}" if digits > 0 else "nothing"
 
 
-def _prices(found: Climb) -> list[str]:
-    return [_price(found, cheapest(found, goal)) for goal in GOALS]
+def _prices(climb: Climb) -> list[str]:
+    return [_price(climb, cheapest(climb, goal)) for goal in GOALS]
 
 
-def _price(found: Climb, point: Point | None) -> str:
+def _price(climb: Climb, point: Point | None) -> str:
     if point is None:
         return "not reached"
-    unit = found.problem.price.partition("(")[2].partition(")")[0]
+    unit = climb.problem.price.partition("(")[2].partition(")")[0]
     return f"{label(point)}: {point.price:.2g} {unit}".rstrip()
 
 
-def _section(found: Climb, folder: str) -> list[str]:
-    problem = found.problem
-    words = f"{problem.title[0].upper()}{problem.title[1:]}. Reference: {problem.by} (good to {found.floor:.0e}); "
-    rows = [_row(point) for point in (*found.points, *peers_of(found))]
+def _section(climb: Climb, folder: str) -> list[str]:
+    problem = climb.problem
+    words = f"{problem.title[0].upper()}{problem.title[1:]}. Reference: {problem.by} (good to {climb.floor:.0e}); "
+    rows = [_row(point) for point in (*climb.points, *peers_of(climb))]
     return [
         "",
         f"## {problem.name}",

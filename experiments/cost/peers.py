@@ -15,11 +15,11 @@ from .measure import Climb, Point
 RECORD = Path(__file__).with_name("peers.csv")
 
 
-def peers_of(found: Climb, record: Path = RECORD) -> tuple[Point, ...]:
+def peers_of(climb: Climb, record: Path = RECORD) -> tuple[Point, ...]:
     """The recorded points of a ladder's peers, as dear as they would be on this machine."""
     with record.open(newline="", encoding="utf-8") as file:
-        rows = [row for row in csv.DictReader(file) if row["ladder"] == found.problem.name]
-    now_s = found.points[-1].median_s
+        rows = [row for row in csv.DictReader(file) if row["ladder"] == climb.problem.name]
+    now_s = climb.points[-1].median_s
     return tuple(_slowed(msgspec.convert(row, Point, strict=False), now_s / float(row["yardstick_s"])) for row in rows)
 
 

@@ -14,10 +14,10 @@ from .problem import OURS
 ROW = "{:<29}{:>10}{:>12}{:>12}{:>11}{:>12}{:>12}"
 
 
-def table(found: Climb) -> str:
+def table(climb: Climb) -> str:
     """The points of a ladder, 98 columns wide, and the cheapest rungs."""
     head = ROW.format("setting", "error", "price", "median (s)", "+- (s)", "memory (B)", "answer (B)")
-    problem = found.problem
+    problem = climb.problem
     lines = [f"{problem.name}: {problem.title}", f"against {problem.by}", f"price: {problem.price}", head]
     lines += [
         ROW.format(
@@ -29,9 +29,9 @@ def table(found: Climb) -> str:
             point.peak_bytes,
             point.answer_bytes,
         )
-        for point in found.points
+        for point in climb.points
     ]
-    return "\n".join([*lines, f"reference good to {found.floor:.0e}", *answers(found)])
+    return "\n".join([*lines, f"reference good to {climb.floor:.0e}", *answers(climb)])
 
 
 def label(point: Point) -> str:
@@ -39,9 +39,9 @@ def label(point: Point) -> str:
     return point.setting if point.contender == OURS else f"{point.contender}, {point.setting}"
 
 
-def answers(found: Climb) -> list[str]:
+def answers(climb: Climb) -> list[str]:
     """What each error costs at least."""
-    return [f"{goal:.2%}: {_said(cheapest(found, goal))}" for goal in GOALS]
+    return [f"{goal:.2%}: {_said(cheapest(climb, goal))}" for goal in GOALS]
 
 
 def _said(point: Point | None) -> str:
@@ -61,7 +61,7 @@ def write_csv(climbs: Sequence[Climb], path: Path) -> None:
         with path.open("w", newline="", encoding="utf-8") as file:
             writer = csv.DictWriter(file, [field.name for field in fields(Point)])
             writer.writeheader()
-            writer.writerows(asdict(point) for found in climbs for point in found.points)
+            writer.writerows(asdict(point) for climb in climbs for point in climb.points)
     except OSError as error:
         raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a place to write to") from None
 

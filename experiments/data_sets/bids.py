@@ -48,8 +48,8 @@ def bids_files(source: ExportedDataSet, authors: Sequence[str] = ()) -> dict[str
         stem += f"_task-{_label(source.text('study') or 'trials')}"
         trials = [row for row in rows if not source.form(row)]
         for timed, name in ((True, f"{stem}_run-01_events"), (False, f"{stem}_beh")):
-            part = [row for row in trials if bool(row.get("onset_s")) is timed]
-            files |= _table(name, part, source, source.description, timed=timed)
+            chosen = [row for row in trials if bool(row.get("onset_s")) is timed]
+            files |= _table(name, chosen, source, source.description, timed=timed)
     return files | _phenotypes(source)
 
 
@@ -75,22 +75,22 @@ def _heading(source: ExportedDataSet, authors: Sequence[str]) -> dict[str, bytes
         "GeneratedBy": [{"Name": "Tactometry", "Version": __version__}],
     }
     people = sorted({row["participant"] for row in source.rows})
-    found = {
+    files = {
         "dataset_description.json": pretty(description),
         "README.md": _readme(source).encode(),
         "participants.tsv": separated(["participant_id"], [[f"sub-{code}"] for code in people], "\t"),
         "participants.json": pretty({"participant_id": {"Description": "Code of the participant"}}),
     }
     for code in people:
-        found[f"sub-{code}/sub-{code}_sessions.tsv"] = _sessions(source, code)
-    return found
+        files[f"sub-{code}/sub-{code}_sessions.tsv"] = _sessions(source, code)
+    return files
 
 
 def _sessions(source: ExportedDataSet, code: str) -> bytes:
     """Sessions with the time of their first answer, where it is known."""
     rows = []
-    for participant, session, part in source.sessions():
-        times = sorted(time for row in part if (time := row.get("timestamp_utc")))
+    for participant, session, of_session in source.sessions():
+        times = sorted(time for row in of_session if (time := row.get("timestamp_utc")))
         if participant == code:
             rows.append([f"ses-{session}", times[0][:19] if times else MISSING])
     return separated(["session_id", "acq_time"], rows, "\t")
@@ -144,17 +144,17 @@ def _sidecar(
     units = {row.get("level_unit", "") for row in rows}
     level_unit = units.pop() if len(units) == 1 else ""
     software = {"SoftwareName": "Tactometry", "SoftwareVersion": __version__}
-    found: dict[str, object] = {"StimulusPresentation": software}
+    sidecar: dict[str, object] = {"StimulusPresentation": software}
     if not timed:
-        found |= {"TaskName": task, "TaskDescription": description, **dict.fromkeys(UNKNOWN, MISSING)}
-        found |= {"CogAtlasID": TERMS[0], "CogPOID": TERMS[1]}
+        sidecar |= {"TaskName": task, "TaskDescription": description, **dict.fromkeys(UNKNOWN, MISSING)}
+        sidecar |= {"CogAtlasID": TERMS[0], "CogPOID": TERMS[1]}
     else:  # bids-validator 1 takes every key of an events.json for a column, bids-validator 3 only misses them
-        found["onset"] = {"Description": "Onset of the (first) stimulus since the start of the session", "Units": "s"}
-        found["duration"] = {"Description": "Duration of the stimulus; n/a: see the study", "Units": "s"}
+        sidecar["onset"] = {"Description": "Onset of the (first) stimulus since the start of the session", "Units": "s"}
+        sidecar["duration"] = {"Description": "Duration of the stimulus; n/a: see the study", "Units": "s"}
     for column in columns:
         unit = column.unit or (level_unit if column.name in LEVELS else "")
-        found[column.name] = {"Description": column.description} | ({"Units": unit} if unit else {})
-    return found
+        sidecar[column.name] = {"Description": column.description} | ({"Units": unit} if unit else {})
+    return sidecar
 
 
 LEVELS = ("level", "level_delivered", "level_measured", "standard_level")

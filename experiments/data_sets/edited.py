@@ -20,27 +20,27 @@ def edited(path: Path) -> list[str]:
     files = sorted(path.glob("data/*_data.csv")) if path.is_dir() else [path]
     pairs = [(file, root / "journals" / f"{file.stem.removesuffix('_data')}.jsonl") for file in files]
     known = [(file, journal) for file, journal in pairs if journal.is_file()]
-    told = [text for file, journal in known if (text := _difference(file, journal)) is not None]
-    if not told:
+    texts = [text for file, journal in known if (text := _difference(file, journal)) is not None]
+    if not texts:
         return []
-    differ = "differs from its journal" if len(told) == 1 else "differ from their journals"
+    differ = "differs from its journal" if len(texts) == 1 else "differ from their journals"
     return [
-        f"{len(told)} of {counted(len(known), 'trials file')} {differ}, and what stands in the table is analysed: "
-        f"{told[0]}{'; tactometry validate names all' if len(told) > 1 else ''}"
+        f"{len(texts)} of {counted(len(known), 'trials file')} {differ}, and what stands in the table is analysed: "
+        f"{texts[0]}{'; tactometry validate names all' if len(texts) > 1 else ''}"
     ]
 
 
 def _difference(file: Path, journal: Path) -> str | None:
     """How a trials file differs from its journal."""
-    found = read_file(file, "a trials file")
-    names = found.split(b"\n", 1)[0].decode("utf-8-sig", "replace").strip().split(",")
+    content = read_file(file, "a trials file")
+    names = content.split(b"\n", 1)[0].decode("utf-8-sig", "replace").strip().split(",")
     try:
         recording = read(journal)
     except TactometryError as damage:
         return f"{file.name}: {damage}"
     head = recording.head
     if head is None:
-        return None if found.count(b"\n") < 2 else f"{file.name}: holds trials, and its journal none"
+        return None if content.count(b"\n") < 2 else f"{file.name}: holds trials, and its journal none"
     described = _described(file)
     if described and names != described:
         return f"{file.name}, row 1: found other columns than {file.with_suffix('.json').name} describes"
@@ -49,7 +49,7 @@ def _difference(file: Path, journal: Path) -> str | None:
         expected = trials_csv(recording.trials, Session(head.participant, head.session, head.study), head.rig, columns)
     except KeyError as unknown:
         return f"{file.name}, row 1: found the column {unknown}, which the journal does not hold"
-    differs = disagreement(found, expected)
+    differs = disagreement(content, expected)
     return None if differs is None else f"{file.name}, row {differs[0]}: {differs[1]}"
 
 

@@ -29,11 +29,11 @@ def measured_losses(path: Path) -> list[LossRow]:
     if set(trials.factors) != set(FACTORS):
         raise InvalidFile(f"{path}: found the factors {', '.join(trials.factors)}, expected {', '.join(FACTORS)}")
     used = used_rows(trials)
-    own = losses(used[used["task"] == TASK], FACTORS)
-    if own.empty:
+    measured = losses(used[used["task"] == TASK], FACTORS)
+    if measured.empty:
         raise InvalidFile(f"{path}: found no measured level, expected readings of the study force-loss")
     variants = load(str(path / "study.toml"))[0].variants["contactor"]
-    rows = loss_table(own, FACTORS).to_dict("records")
+    rows = loss_table(measured, FACTORS).to_dict("records")
     return [LossRow(*_contactor(variants, row), row["place"], row["force_n"], row["mean"]) for row in rows]
 
 

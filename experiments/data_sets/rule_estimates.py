@@ -75,7 +75,7 @@ def _text(value: Any) -> str:
 
 def _told(ready: ReadyProcedure, block: pd.DataFrame, names: list[str]) -> Sequence[Procedure]:
     """The tracks' procedures after all answers of the block."""
-    procedures = ready.for_tracks(names, np.random.default_rng(0))
+    procedures = ready.for_tracks(names, np.random.default_rng(0))  # rules that draw an order are not replayed
     for track, yes, level in zip(block["track"], block["yes"], block["x"], strict=True):
         procedures = answered(procedures, names.index(str(track)), int(yes), float(level))
     return procedures

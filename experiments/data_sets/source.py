@@ -99,14 +99,14 @@ def read_source(path: Path) -> ExportedDataSet:
         _check_study(table, file)
     fullest = max(tables, key=lambda table: table.shape[1])  # older sessions lack the columns that came later
     names = [str(name) for name in fullest.columns if name != "row"]
-    told = _description(path)
-    title = str(told.get("name") or path.stem)
+    description = _description(path)
+    title = str(description.get("name") or path.stem)
     return ExportedDataSet(
         rows=tuple(row for table in tables for row in _rows(table, names)),
-        columns=tuple(_column(name, told) for name in names),
+        columns=tuple(_column(name, description) for name in names),
         factors=trials.factors,
         title=title,
-        description=str(told.get("description") or f"Trials of {title}."),
+        description=str(description.get("description") or f"Trials of {title}."),
         used=used_rows(trials),
         forms=_forms(trials),
         origin=origin,
@@ -146,11 +146,11 @@ def _description(path: Path) -> Mapping[str, object]:
     return content if isinstance(content, dict) else {}
 
 
-def _column(name: str, told: Mapping[str, object]) -> Column:
+def _column(name: str, description: Mapping[str, object]) -> Column:
     known = {column.name: column for column in (*FIRST, *ALWAYS, *OPTIONAL)}
     if name in known:
         return known[name]
-    variables = told.get("variableMeasured")
+    variables = description.get("variableMeasured")
     for variable in variables if isinstance(variables, list) else []:
         if isinstance(variable, dict) and variable.get("name") == name:
             return Column(name, str(variable.get("description", "")) or name, str(variable.get("unitText", "")))

@@ -167,18 +167,18 @@ def _trials_file(file: Path, content: bytes, stems: list[str]) -> Iterator[Defec
 
 def _misnamed(file: Path, content: bytes) -> Iterator[Defect]:
     """The first row of another participant, session or study than the name of its file says."""
-    told = keys_of(file.stem)
+    named = keys_of(file.stem)
     try:
         header, *rows = csv.reader(io.StringIO(content.decode("utf-8-sig"), newline=""))
     except (UnicodeDecodeError, csv.Error, ValueError):
         return
     for key in ("participant", "session", "study"):
-        if key not in told or key not in header:
+        if key not in named or key not in header:
             continue
         place = header.index(key)
         for number, cells in enumerate(rows, 2):
-            if "".join(cells[place : place + 1]).replace("-", "") != told[key]:
-                text = f"column {key!r}: found {''.join(cells[place : place + 1])!r}, expected {told[key]!r} as in"
+            if "".join(cells[place : place + 1]).replace("-", "") != named[key]:
+                text = f"column {key!r}: found {''.join(cells[place : place + 1])!r}, expected {named[key]!r} as in"
                 yield Defect(f"data/{file.name}", number, f"{text} the file's name")
                 return
 

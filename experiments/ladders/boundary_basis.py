@@ -45,8 +45,8 @@ def levy_hz() -> Real:
     """
     k_max = math.sqrt(2 * math.pi * F_MAX_HZ / PLATE.wave_constant_m2_per_s)
     n_max = math.ceil(PLATE.length_m * k_max / math.pi) + 1
-    found = [k for m in range(1, n_max) for k in _wavenumbers(m * math.pi / PLATE.length_m, k_max)]
-    return np.sort(PLATE.wave_constant_m2_per_s * np.square(found) / (2 * np.pi))
+    wavenumbers = [k for m in range(1, n_max) for k in _wavenumbers(m * math.pi / PLATE.length_m, k_max)]
+    return np.sort(PLATE.wave_constant_m2_per_s * np.square(wavenumbers) / (2 * np.pi))
 
 
 def _wavenumbers(along_rad_per_m: float, k_max_rad_per_m: float) -> Iterator[float]:

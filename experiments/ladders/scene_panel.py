@@ -25,21 +25,21 @@ Course = tuple[Real, Real]
 
 def problem() -> Problem:
     """The electrostatic force, straight between the samples, over its peak."""
-    found = load_scene(path_of("electrovibration-panel"))
+    scene = load_scene(path_of("electrovibration-panel"))
     return Problem(
         "scene-electrovibration-panel",
         "largest error of the electrostatic force over its peak, for the accuracy asked for",
         "the exact solution in pieces",
         "recurrence on fine samples",
-        reference=lambda: (_exact(found), 1e-12),
-        independent=lambda: (_stepped(found), 1e-4),
+        reference=lambda: (_exact(scene), 1e-12),
+        independent=lambda: (_stepped(scene), 1e-4),
         error=_error,
-        rungs=tuple(Rung(f"accuracy {accuracy:g}", partial(_run, found, accuracy)) for accuracy in ACCURACIES),
+        rungs=tuple(Rung(f"accuracy {accuracy:g}", partial(_run, scene, accuracy)) for accuracy in ACCURACIES),
     )
 
 
-def _run(found: SceneFile, accuracy: float) -> Course:
-    values = replace(found.scene, outputs=OUTPUTS, accuracy=accuracy).resolve().run(found.given)
+def _run(scene: SceneFile, accuracy: float) -> Course:
+    values = replace(scene.scene, outputs=OUTPUTS, accuracy=accuracy).resolve().run(scene.given)
     return values["t_s"], values["electrostatic_force_n"]
 
 
@@ -48,16 +48,16 @@ def _error(found: Course, reference: Course) -> float:
     return float(np.abs(lines - reference[1]).max() / reference[1].max())
 
 
-def _exact(found: SceneFile) -> Course:
+def _exact(scene: SceneFile) -> Course:
     tone, t_s = _tone(20e3), np.linspace(0, 0.2, N_TIMES)
-    pieces = tone.pieces(found.given["level_db_re_1v"])
+    pieces = tone.pieces(scene.given["level_db_re_1v"])
     return t_s, electrostatic_force_n_at(t_s, pieces, skin=Skin(), area_m2=_area_m2(), law="sc_layer")
 
 
-def _stepped(found: SceneFile) -> Course:
+def _stepped(scene: SceneFile) -> Course:
     """Fine samples of the voltage, and the recurrence of the circuit."""
     rate_hz = (N_TIMES - 1) / 0.2 * STEPS_BETWEEN
-    voltage_v = _tone(rate_hz).at(found.given["level_db_re_1v"]).samples[0]
+    voltage_v = _tone(rate_hz).at(scene.given["level_db_re_1v"]).samples[0]
     force_n = electrostatic_force_n(voltage_v, rate_hz=rate_hz, skin=Skin(), area_m2=_area_m2(), law="sc_layer")
     return np.arange(N_TIMES - 1) * STEPS_BETWEEN / rate_hz, force_n[::STEPS_BETWEEN]
 

@@ -52,37 +52,37 @@ def hybrid_screen() -> Problem:
 
 
 def _problem(name: str, loads: Sequence[PlateLoad], uncertainty: float) -> Problem:
-    found = load_scene(path_of(name))
-    at_s = np.arange(-round(AROUND_S * FINER * _surface(found).rate_hz), 1) / (FINER * _surface(found).rate_hz)
+    scene = load_scene(path_of(name))
+    at_s = np.arange(-round(AROUND_S * FINER * _surface(scene).rate_hz), 1) / (FINER * _surface(scene).rate_hz)
     return Problem(
         f"scene-{name}",
         "largest error of the displacement in the 0.1 ms before the focus over its peak, for the accuracy asked for",
         f"the scene at an accuracy of {FINEST:g}",
         "impulse responses and the drive in time, extrapolated to all modes",
-        reference=lambda: (_run(found, at_s, FINEST), FINEST),
-        independent=lambda: (_in_time(found, loads, len(at_s)), uncertainty),
+        reference=lambda: (_run(scene, at_s, FINEST), FINEST),
+        independent=lambda: (_in_time(scene, loads, len(at_s)), uncertainty),
         error=lambda course, reference: float(np.abs(course - reference).max() / np.abs(reference).max()),
-        rungs=tuple(Rung(f"accuracy {accuracy:g}", partial(_run, found, at_s, accuracy)) for accuracy in ACCURACIES),
+        rungs=tuple(Rung(f"accuracy {accuracy:g}", partial(_run, scene, at_s, accuracy)) for accuracy in ACCURACIES),
     )
 
 
-def _surface(found: SceneFile) -> Any:
-    return getattr(found.scene.surface, "time_reversal", found.scene.surface)
+def _surface(scene: SceneFile) -> Any:
+    return getattr(scene.scene.surface, "time_reversal", scene.scene.surface)
 
 
-def _run(found: SceneFile, at_s: Real, accuracy: float) -> Real:
-    plan = replace(found.scene, outputs=OUTPUTS, accuracy=accuracy).resolve()
-    values = plan.run({name: found.given[name] for name in plan.given})
+def _run(scene: SceneFile, at_s: Real, accuracy: float) -> Real:
+    plan = replace(scene.scene, outputs=OUTPUTS, accuracy=accuracy).resolve()
+    values = plan.run({name: scene.given[name] for name in plan.given})
     return np.asarray(np.interp(at_s, values["t_s"], values["focus_displacement_m"]))
 
 
-def _in_time(found: SceneFile, loads: Sequence[PlateLoad], n: int) -> Real:
+def _in_time(scene: SceneFile, loads: Sequence[PlateLoad], n: int) -> Real:
     """The drive is learnt and emitted sample by sample."""
-    surface, (screen, cutoff_hz) = _surface(found), _screen(found)
+    surface, (screen, cutoff_hz) = _surface(scene), _screen(scene)
     focus, band = [(surface.focus_x_m, surface.focus_y_m)], Band(0.0, surface.band_max_hz, surface.flank_hz)
     timing = {"rate_hz": surface.rate_hz, "duration_s": surface.reversal_s, "f_max_hz": surface.band_max_hz}
     learnt = inaudible(band_limited(impulse_responses(screen, focus, **timing), band), cutoff_hz, 2e3)
-    signal = _band_limited(drive(learnt, found.given["voltage_v"], OneBit()), band)
+    signal = _band_limited(drive(learnt, scene.given["voltage_v"], OneBit()), band)
     courses = []
     for factor in HIGHER:
         timing = {"rate_hz": signal.rate_hz, "duration_s": HEARD_S, "f_max_hz": factor * surface.band_max_hz}
@@ -92,9 +92,9 @@ def _in_time(found: SceneFile, loads: Sequence[PlateLoad], n: int) -> Real:
     return np.asarray(np.linalg.solve([[1.0, 1 / f, 1 / f**3] for f in HIGHER], courses)[0])
 
 
-def _screen(found: SceneFile) -> tuple[Screen, float]:
+def _screen(scene: SceneFile) -> tuple[Screen, float]:
     """As the file says, and where the audible band ends."""
-    effects, surface = {effect.kind: vars(effect) for effect in found.scene.effects}, _surface(found)
+    effects, surface = {effect.kind: vars(effect) for effect in scene.scene.effects}, _surface(scene)
     patches = border(surface.plate, surface.n_transducers, effects["patches"]["side_m"], surface.inset_m)
     shear_factor = 5 / 6 if "shear" in effects else None
     screen = Screen(surface.plate, patches, Attenuation(effects["attenuation"]["tau_s"]), shear_factor)

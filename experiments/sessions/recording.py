@@ -120,6 +120,7 @@ def record(
     flawed = flaw(experiment, root)
     if flawed:
         tell(flawed)
+    # The session is ours before any device opens, and closed after the last of them, whatever fails between.
     keeper = OpenSession(root, design, session, kind.name, resume=resume)
     try:
         seed, n_resumed = _agreed(keeper.head, who, kind), keeper.n_trials

@@ -121,18 +121,28 @@ class Wiring:
                 f"touch.kind: found 'slide' with the stimulus {of['stimulus']['kind']!r}, expected 'press': a finger "
                 "that slides leaves a focus; take 'hybrid' for a focus and friction at once"
             )
-        of_stimulus, of_touch = _fields(factors, stimulus_class), _fields(factors, touch_class)
         self._check_effect(factors, of, stimulus_class, touch_class)
-        stimulus = build(stimulus_class, {**without(of["stimulus"], "kind"), **of_stimulus}, "stimulus")
+        stimulus = build(stimulus_class, _keys(of["stimulus"], factors, stimulus_class), "stimulus")
+        # A touch lasts as long as what is felt: no file states it twice.
         touch: Touch = build(
-            touch_class, {**without(of["touch"], "kind"), **of_touch}, "touch", duration_s=stimulus.duration_s
+            touch_class, _keys(of["touch"], factors, touch_class), "touch", duration_s=stimulus.duration_s
         )
-        speed_m_per_s = touch.speed_m_per_s if isinstance(touch, Sliding) else None
-        named = {**of_stimulus, **{name: level for name, level in factors.items() if name in self.study.variants}}
-        name = ", ".join([of["stimulus"]["kind"], *(f"{key}={cell_text(level)}" for key, level in named.items())])
-        condition = Condition(dict(factors), name, stimulus.level_unit, touch, speed_m_per_s)
-        return WiredCell(
-            condition, stimulus, self.procedure(of["procedure"]), self._sensation(kind, of["sensation"], stimulus)
+        condition = Condition(
+            dict(factors),
+            self._name(of["stimulus"]["kind"], factors, stimulus_class),
+            stimulus.level_unit,
+            touch,
+            touch.speed_m_per_s if isinstance(touch, Sliding) else None,
+        )
+        sensation = self._sensation(kind, of["sensation"], stimulus)
+        return WiredCell(condition, stimulus, self.procedure(of["procedure"]), sensation)
+
+    def _name(self, kind: str, factors: Factors, stimulus_class: Any) -> str:
+        """Of a stimulus, by all factors that change it: journals hold it, and cells of one name share a stimulus."""
+        of_stimulus = _fields(factors, stimulus_class)
+        of_variants = {name: level for name, level in factors.items() if name in self.study.variants}
+        return ", ".join(
+            [kind, *(f"{key}={cell_text(level)}" for key, level in {**of_stimulus, **of_variants}.items())]
         )
 
     def procedure(self, table: Mapping[str, Any]) -> ReadyProcedure:
@@ -165,6 +175,11 @@ class Wiring:
                         f"{where}.{name}: found a value that is a factor too, expected one of the two; remove it here "
                         "or in factors"
                     )
+
+
+def _keys(table: Mapping[str, Any], factors: Factors, kind: type) -> dict[str, Any]:
+    """The keys of a table, with the factors that are fields of what it is read by."""
+    return {**without(table, "kind"), **_fields(factors, kind)}
 
 
 def _fields(factors: Factors, kind: Any) -> dict[str, float | str]:

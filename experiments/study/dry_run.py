@@ -96,8 +96,8 @@ def check_duration(experiment: Experiment, blocks: list[PlannedBlock]) -> str | 
     lasting_s = duration_s(experiment, blocks)
     if lasting_s <= LONG_S:
         return None
-    found = f"found a session of at most {lasting_s / 3600:.3g} hours"
+    lasts = f"found a session of at most {lasting_s / 3600:.3g} hours"
     ways = "ask for fewer trials, or part it into sessions ([plan]: sessions, longest_s)"
     if lasting_s > LONGEST_S:
-        raise InvalidParameter(f"procedure: {found}, expected at most {LONGEST_S / 3600:g}; {ways}")
-    return f"{found}, which is more than {LONG_S / 3600:g}: {ways}, unless people bear it"
+        raise InvalidParameter(f"procedure: {lasts}, expected at most {LONGEST_S / 3600:g}; {ways}")
+    return f"{lasts}, which is more than {LONG_S / 3600:g}: {ways}, unless people bear it"

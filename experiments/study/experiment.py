@@ -120,6 +120,7 @@ class Experiment:
         return self.people.participant(stream(seed, participant, "traits"))
 
     def simulated_rig(self, participant: str, n_session: int, seed: int) -> SimulatedRig:
+        # Each trial has a stream of its own, so that a session that is resumed goes on as it would have gone.
         return SimulatedRig(
             self.bank,
             self.study.limits,

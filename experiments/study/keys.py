@@ -84,8 +84,8 @@ def keys_of(table: KeyTable) -> tuple[Key, ...]:
     """
     hints = typing.get_type_hints(table.reads)
     fields = settable(table.reads, table.given)
-    found = [_key(table, one, hints[name]) for name, one in fields.items() if not _in_python_only(hints[name])]
-    return tuple(sorted(found, key=lambda key: not key.required))
+    keys = [_key(table, one, hints[name]) for name, one in fields.items() if not _in_python_only(hints[name])]
+    return tuple(sorted(keys, key=lambda key: not key.required))
 
 
 def _key(table: KeyTable, one: dataclasses.Field[Any], hint: Any) -> Key:
@@ -128,9 +128,9 @@ def _expected(table: KeyTable, name: str, probe: object) -> str:
         table.made(build(table.reads, {**table.example, name: probe}, ASKED, (), **table.given))
     except TactometryError as error:
         where, _, rest = str(error).partition(": found ")
-        own = re.fullmatch(rf"(?:.*[.: ])?{name}(\[\d+\])?", where)
-        expected = _plain(rest.partition(", expected ")[2]) if own else ""
-        of_each = own is not None and own[1] and expected and not expected.startswith("each")
+        of_this_key = re.fullmatch(rf"(?:.*[.: ])?{name}(\[\d+\])?", where)
+        expected = _plain(rest.partition(", expected ")[2]) if of_this_key else ""
+        of_each = of_this_key is not None and of_this_key[1] and expected and not expected.startswith("each")
         return f"each {expected}" if of_each else expected
     return ""
 

@@ -110,7 +110,7 @@ def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
     """
     kind: ProcedureKind = kind_of(table, "procedure", PROCEDURES)
     built: Any = build(kind.table, without(table, "kind", "shared"), "procedure")
-    try:
+    try:  # some tables make a rule that refuses more than they do themselves
         rule = kind.rule(built)
     except InvalidParameter as error:
         raise InvalidParameter(f"procedure: {error}") from None

@@ -62,15 +62,15 @@ def task_of(study: Study) -> TaskTable:
         If it holds what its kind does not know.
     """
     task_kind: TaskKind = kind_of(study.task, "task", TASKS)
-    common, own = _names(BlockOptions), _names(task_kind.table)
+    common, of_kind = _names(BlockOptions), _names(task_kind.table)
     for key in study.task:
-        if key not in ("kind", *own, *common):
+        if key not in ("kind", *of_kind, *common):
             raise InvalidParameter(
-                f"task.{key}: found an unknown key, expected one of kind, {', '.join((*own, *common))}"
-                f"{nearest(key, (*own, *common))}"
+                f"task.{key}: found an unknown key, expected one of kind, {', '.join((*of_kind, *common))}"
+                f"{nearest(key, (*of_kind, *common))}"
             )
     options = build(BlockOptions, {key: study.task[key] for key in common if key in study.task}, "task")
-    keys: Any = build(task_kind.table, {key: study.task[key] for key in own if key in study.task}, "task")
+    keys: Any = build(task_kind.table, {key: study.task[key] for key in of_kind if key in study.task}, "task")
     task = task_kind.made(keys, lambda name: form_of(study, name, "task.form"))
     table = TaskTable(study.task["kind"], task, options, keys.over if isinstance(keys, Over) else None)
     _check(study, table)

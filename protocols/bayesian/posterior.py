@@ -37,7 +37,7 @@ class Posterior:
         highest = float(log_weights.max())
         if not math.isfinite(highest):
             return None
-        shifted = log_weights - highest
+        shifted = log_weights - highest  # the largest weight is 1 before they are divided: none overflows
         weights = np.exp(shifted)
         total = float(weights.sum())
         shifted -= math.log(total)

@@ -121,7 +121,7 @@ class SharedQuestPlus:
         except InvalidParameter as error:
             raise InvalidParameter(f"SharedQuestPlus track {track!r}, {error}") from None
         pool = replace(self, runs={**self.runs, track: run})
-        if run.contradicted:
+        if run.contradicted:  # what nothing allows would leave no weight to the other tracks
             return pool
         log_likelihood = self.rule.grid.log_likelihood(run.delivered[-1], run.responses[-1]).reshape(self._size)
         table = self.log_likelihoods.get(track, 0.0) + log_likelihood

@@ -194,7 +194,7 @@ class StaircaseRun(Run[UpDown]):
 
     def _moved(self, level: float, direction: int) -> Self:
         """A step from the level that was delivered; it counts as pinned if a bound stood there already."""
-        turned = self.direction == -direction
+        turned = self.direction == -direction  # never at the first move, whose predecessor is STAY
         reversals = (*self.reversals, level) if turned else self.reversals
         pinned = level >= self.rule.high if direction == UP else level <= self.rule.low
         return replace(
