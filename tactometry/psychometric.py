@@ -66,6 +66,7 @@ def log1mexp(x: Array) -> Array:
     """
     x = np.asarray(x, dtype=np.float64)
     with np.errstate(divide="ignore"):
+        # on both sides of exp(-x) = 1/2 the form that subtracts nothing close to 1 from 1
         return np.where(x < np.log(2), np.log(-np.expm1(-x)), np.log1p(-np.exp(-x)))
 
 
@@ -76,6 +77,7 @@ def _gumbel_log_sf(z: Array) -> Array:
 
 def _gumbel_log_cdf(z: Array) -> Array:
     """log(1 - exp(-exp z)); exp(z) is below 1e-16 for z < -37 and the series ends at its first term."""
+    # `where` computes both: the maximum keeps the one that is thrown away from the logarithm of 0
     return np.where(z < -37.0, z, log1mexp(-_gumbel_log_sf(np.maximum(z, -40.0))))
 
 
@@ -94,6 +96,7 @@ def _log_of_minus(log_probability: Array) -> Array:
 
 
 def _normal_at(log_cdf: Array, log_sf: Array) -> Array:
+    # from the smaller tail: the logarithm of the larger is near 0 and has lost where on the curve it is
     return np.where(log_cdf < log_sf, special.ndtri_exp(log_cdf), -special.ndtri_exp(log_sf))
 
 
@@ -228,7 +231,7 @@ class PsychometricFunction:
         if answer.dtype.kind not in "biuf" or not np.isin(answer, (0, 1)).all():
             raise InvalidParameter(f"response: found {response!r}, expected 1 or 0")
         yes, no = self._log_chances(self._z(level))
-        return np.where(answer == 1, yes, no)[()]
+        return np.where(answer == 1, yes, no)[()]  # a number for a number, where numpy keeps an array of no axes
 
     def level(self, probability: ArrayLike) -> Any:
         """The level where psi is `probability`: the inverse of `probability`, of its shape.
@@ -276,7 +279,7 @@ def log_mixture(log_cdf: Array, log_sf: Array, guess_rate: ArrayLike, lapse_rate
     (-10000.0, 0.0)
     """
     guess, lapse = np.asarray(guess_rate, dtype=np.float64), np.asarray(lapse_rate, dtype=np.float64)
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore"):  # a rate of 0 is log 0 = -inf, which `logaddexp` takes as it is
         log_guess, log_lapse, log_span = np.log(guess), np.log(lapse), np.log1p(-guess - lapse)
     return np.logaddexp(log_guess, log_span + log_cdf), np.logaddexp(log_lapse, log_span + log_sf)
 

@@ -58,6 +58,7 @@ class SimulatedFinger:
             return np.zeros_like(times_s), 0.0
         mean_m_per_s = request.speed_m_per_s * math.exp(self.speed_cv * float(rng.standard_normal()))
         speeds = mean_m_per_s * np.maximum(1 + self.speed_waver_cv * self._waver(times_s.size, rng), 0.0)
+        # a speed is that of the step behind its sample: nothing follows the last
         path_m = np.concatenate([[0.0], np.cumsum(speeds[:-1]) / self.rate_hz])
         return triangle(path_m, request.length_m), float(speeds[:-1].mean())
 
@@ -65,13 +66,13 @@ class SimulatedFinger:
         for ratio in np.exp(self.force_cv * rng.standard_normal(100)):
             if abs(ratio - 1) <= tolerance:
                 return float(ratio)
-        return 1.0
+        return 1.0  # a band so narrow that none of a hundred falls into it
 
     def _waver(self, n_samples: int, rng: np.random.Generator) -> NDArray[np.float64]:
         """A stationary first-order process of unit variance."""
         keep = math.exp(-1 / (self.waver_s * self.rate_hz))
         steps = rng.standard_normal(n_samples)
-        steps[1:] *= math.sqrt(1 - keep**2)
+        steps[1:] *= math.sqrt(1 - keep**2)  # the first has the variance of the process: stationary from there on
         waver = np.empty(n_samples)
         state = 0.0
         for n, step in enumerate(steps.tolist()):

@@ -66,12 +66,14 @@ class SignalDetectionObserver:
 
     def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
         """Whether a stimulus is reported as felt."""
+        # all draws, used or not: the generator stands at the same place behind any answer
         noise, lapses, guess = rng.standard_normal(), rng.random() < self.lapse_rate, rng.random() < 0.5
         return bool(guess) if lapses else bool(self.d_prime(sensation_db) + noise > self.criterion)
 
     def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:
         """The index of the interval that is felt most."""
-        felt = np.array([self.d_prime(level) for level in sensations_db]) + rng.standard_normal(len(sensations_db))
+        signals = np.array([self.d_prime(level) for level in sensations_db])
+        felt = signals + rng.standard_normal(len(sensations_db))
         lapses, guess = rng.random() < self.lapse_rate, int(rng.integers(len(sensations_db)))
         return guess if lapses else int(np.argmax(felt))
 

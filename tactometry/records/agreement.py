@@ -19,8 +19,9 @@ def first_difference(found: bytes, expected: bytes) -> int | None:
     if found == expected:
         return None
     pairs = zip(found.split(b"\n"), expected.split(b"\n"), strict=False)
-    alike = next((n for n, (a, b) in enumerate(pairs, 1) if a != b), None)
-    return alike if alike is not None else min(found.count(b"\n"), expected.count(b"\n")) + 1
+    differing = next((n for n, (a, b) in enumerate(pairs, 1) if a != b), None)
+    # the lines of the shorter one are all equal: the first that it lacks
+    return differing if differing is not None else min(found.count(b"\n"), expected.count(b"\n")) + 1
 
 
 def disagreement(found: bytes, expected: bytes) -> tuple[int, str] | None:

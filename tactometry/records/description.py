@@ -52,9 +52,9 @@ def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> Non
     """
     path = root / NAME
     there = read_description(path) if path.exists() else None
-    told = with_columns(description(design) if there is None else there, design.columns)
-    wanted = marked(told) if is_simulated else told
-    if wanted != there:
+    complete = with_columns(description(design) if there is None else there, design.columns)
+    wanted = marked(complete) if is_simulated else complete
+    if wanted != there:  # a file that says all already keeps its bytes
         write_atomically(path, pretty(wanted))
 
 
@@ -67,17 +67,17 @@ def read_description(path: Path) -> dict[str, object]:
         If it is none.
     """
     try:
-        found = json.loads(read_file(path, "the description of a data set"))
+        described = json.loads(read_file(path, "the description of a data set"))
     except (ValueError, RecursionError) as error:
         raise InvalidFile(
             f"{path}: found no description ({error}), expected that of Psych-DS; remove it, and it is made anew"
         ) from None
-    if not isinstance(found, dict) or not isinstance(found.get("variableMeasured"), list):
+    if not isinstance(described, dict) or not isinstance(described.get("variableMeasured"), list):
         raise InvalidFile(
             f"{path}: found no list 'variableMeasured', expected the description of Psych-DS; remove it, and it is "
             "made anew"
         )
-    return found
+    return described
 
 
 def with_columns(described: Mapping[str, Any], columns: Sequence[Column]) -> dict[str, object]:
@@ -102,7 +102,8 @@ def marked(described: Mapping[str, object]) -> dict[str, object]:
         return dict(described)
     keywords = described.get("keywords")
     text = f"{described.get('description', '')} {SENTENCE}".strip()
-    return {**described, "description": text, "keywords": [*(keywords if isinstance(keywords, list) else []), KEYWORD]}
+    others = keywords if isinstance(keywords, list) else []
+    return {**described, "description": text, "keywords": [*others, KEYWORD]}
 
 
 def is_marked(described: Mapping[str, object]) -> bool:
@@ -123,16 +124,16 @@ def describe_columns(path: Path, columns: Sequence[Column]) -> None:
     InvalidFile
         If it can't be read or written.
     """
-    if not path.exists() or _described(read_file(path, "the description of a table")) != [c.name for c in columns]:
+    if not path.exists() or _column_names(read_file(path, "the description of a table")) != [c.name for c in columns]:
         write_atomically(path, _sidecar_json(columns))
 
 
-def _described(content: bytes) -> list[str]:
+def _column_names(content: bytes) -> list[str]:
     try:
-        found = json.loads(content)
+        columns = json.loads(content)
     except (ValueError, RecursionError):
         return []
-    return list(found) if isinstance(found, dict) else []
+    return list(columns) if isinstance(columns, dict) else []
 
 
 def _sidecar_json(columns: Sequence[Column]) -> bytes:

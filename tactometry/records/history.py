@@ -32,18 +32,21 @@ def exposure_before(own: Path, others: list[Path], elapsed_s: float, window_s: f
     stimulus that was stopped counts as long as it was to be. One that is yet to come by the wall clock, which was set
     back, has just begun.
     """
+    # the wall clock is what sittings share: `perf_counter` begins somewhere else in each
     now_s, now_utc_s = time.perf_counter(), time.time()
     of_session = list(stimuli(own))
-    begun = [
-        (min(utc_s - now_utc_s, 0.0), event.duration_s)
-        for events in (of_session, *map(stimuli, others))
-        for event in events
-        if (utc_s := _utc_s(event)) is not None and event.duration_s is not None
-    ]
-    recent = sorted((now_s + ago_s, lasts_s) for ago_s, lasts_s in begun if ago_s > -window_s - lasts_s)
-    intervals_s = tuple((begin_s, begin_s + lasts_s) for begin_s, lasts_s in recent)
+    of_others = [event for journal in others for event in stimuli(journal)]
+    intervals_s = []
+    for event in (*of_session, *of_others):
+        utc_s = _utc_s(event)
+        if utc_s is None or event.duration_s is None:
+            continue
+        since_s = min(utc_s - now_utc_s, 0.0)
+        if since_s > -window_s - event.duration_s:
+            begin_s = now_s + since_s
+            intervals_s.append((begin_s, begin_s + event.duration_s))
     charges_c = [charge for event in of_session if isinstance(charge := event.facts.get("charge_c"), float)]
-    return Exposure(now_s - elapsed_s, intervals_s, sum(charges_c))
+    return Exposure(now_s - elapsed_s, tuple(sorted(intervals_s)), sum(charges_c))
 
 
 def _utc_s(event: Event) -> float | None:

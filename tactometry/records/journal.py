@@ -65,7 +65,7 @@ class Recording:
             if isinstance(request, Record) and request.aborted is not None
         ]
         numbered = [*zip(self.event_lines, self.events, strict=True), *aborts]
-        return tuple(event for _, event in sorted(numbered, key=lambda each: each[0]))
+        return tuple(event for _, event in sorted(numbered, key=lambda pair: pair[0]))
 
     def replay(self, where: str) -> Replay:
         """The rig that answers as recorded; `where` names the journal."""
@@ -113,9 +113,9 @@ def encode_entry(request: Request[Any], answer: object, before: int = 0) -> byte
 
 def encode_event(event: Event, before: int = 0) -> bytes:
     """One line of an event."""
-    told: dict[str, object] = {"event": event.kind, "at_s": event.at_s, "timestamp_utc": event.timestamp_utc}
+    what: dict[str, object] = {"event": event.kind, "at_s": event.at_s, "timestamp_utc": event.timestamp_utc}
     lasting = {} if event.duration_s is None else {"duration_s": event.duration_s}
-    return encode({**told, **lasting, "facts": event.facts}, before)
+    return encode({**what, **lasting, "facts": event.facts}, before)
 
 
 def encode_sitting(head: Head, before: int = 0) -> bytes:
@@ -124,6 +124,7 @@ def encode_sitting(head: Head, before: int = 0) -> bytes:
 
 
 def _decode(line: bytes, before: int, where: str) -> dict[str, Any]:
+    # as text, from behind: the checksum is that of the bytes before it, whatever they hold
     body, mark, tail = line.rpartition(b',"crc32":"')
     if not mark or tail != b'%08x"}' % zlib.crc32(body, before):
         raise InvalidFile(
@@ -156,10 +157,10 @@ def read(path: Path) -> Recording:
     InvalidFile
         If it cannot be read, or a line but an unfinished last one is damaged or out of place, with its number.
     """
-    return decoded(read_file(path, "a journal"), path)
+    return decode_journal(read_file(path, "a journal"), path)
 
 
-def decoded(content: bytes, path: Path) -> Recording:
+def decode_journal(content: bytes, path: Path) -> Recording:
     """As `read`, of the bytes of a journal."""
     *whole, torn = content.split(b"\n")
     head: Head | None = None

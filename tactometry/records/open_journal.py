@@ -19,7 +19,7 @@ from .head import Head
 from .journal import (
     Recording,
     checksum,
-    decoded,
+    decode_journal,
     encode,
     encode_entry,
     encode_event,
@@ -53,13 +53,15 @@ class Journal:
 
     def _repair(self) -> tuple[Recording, bytes]:
         content = read_file(self.path, "a journal")
-        recording = decoded(content, self.path)
+        recording = decode_journal(content, self.path)
         kept = recording if recording.complete else _until_last_trial(recording)
-        n_bytes = sum(len(line) + 1 for line in content.split(b"\n")[: _n_lines(kept)])
+        kept_lines = content.split(b"\n")[: _n_lines(kept)]
+        n_bytes = sum(len(line) + 1 for line in kept_lines)
         self._before = checksum(content[: n_bytes - 1].rpartition(b"\n")[2]) if n_bytes else 0
         cut = content[n_bytes:]
         if cut:
             self.keep(after_trials=len(kept.trials), cut=cut.decode("utf-8", "backslashreplace"))
+            # what was not asked happened all the same: it stays, behind what is kept
             behind = _unasked(recording)[len(kept.events) + len(kept.resumed) :]
             self._exchange(content[:n_bytes], behind)
             kept = _with_behind(kept, behind)
@@ -85,7 +87,7 @@ class Journal:
                 lines.append(encode_sitting(value, self._before))
             self._before = checksum(lines[-1])
         with draft(self.path, kept + b"".join(lines)) as (file, beside):
-            _lock(file, self.path)
+            _lock(file, self.path)  # before it has the name: no other process gets in between
             put_in_place(beside, self.path)
         os.close(self._file)
         self._file = file
@@ -183,7 +185,7 @@ def _open_locked(path: Path) -> int:
         except BaseException:
             os.close(file)
             raise
-        os.close(file)
+        os.close(file)  # the name leads to another file by now: that one
 
 
 def _refuse_recorded(path: Path, *, resume: bool) -> None:

@@ -94,8 +94,8 @@ class OpenSession:
             self.format = FORMAT if self.head is None else self.head.format
             self._columns = columns_in(design.columns, self.format)
             self._events_columns = columns_in(COLUMNS, self.format)
-            told = replace(design, columns=self._columns)
-            describe(root, told, is_simulated=self._rig == SIMULATED and self.format > 1)
+            of_format = replace(design, columns=self._columns)
+            describe(root, of_format, is_simulated=self._rig == SIMULATED and self.format > 1)
             self.tally = tally(self.journal.recording.trials)
             self._say_cut()
             self._rebuild()
@@ -159,7 +159,7 @@ class OpenSession:
             self._append(request, answer)
 
     def _append(self, request: Request[Any], answer: object) -> None:
-        self.journal.append(request, answer)
+        self.journal.append(request, answer)  # the truth first: a crash from here on leaves a table to rebuild
         if isinstance(request, Record):
             self.recorded_s = time.perf_counter()
             line = csv_bytes([row(request.trial, self._session, self._rig, self._columns)])
@@ -208,11 +208,11 @@ class OpenSession:
 
     def _keep_surplus(self, path: Path, content: bytes) -> None:
         """Keep the rows of a derived file that its new content lacks: the journal may be an older copy."""
-        found = read_file(path, "a file of a data set") if path.exists() else b""
-        if is_beginning(found, content):
+        existing = read_file(path, "a file of a data set") if path.exists() else b""
+        if is_beginning(existing, content):
             return
         known = set(content.split(b"\n"))
-        header, *rows = found.split(b"\n")
+        header, *rows = existing.split(b"\n")
         lost = [line.decode("utf-8", "backslashreplace") for line in rows if line not in known]
         if lost:
             self.journal.keep(

@@ -31,9 +31,9 @@ def heads(path: Path) -> tuple[Head, ...]:
         If one is damaged.
     """
     first, *rest = read_file(path, "a journal").split(b"\n")[:-1] or [b""]
-    told = [first, *(line for line in rest if line.startswith(_SITTING))] if first else []
+    lines = [first, *(line for line in rest if line.startswith(_SITTING))] if first else []
     try:
-        values = [msgspec.json.decode(line) for line in told]
+        values = [msgspec.json.decode(line) for line in lines]
         return tuple(head_of(value.get("sitting", value)) for value in values)
     except (msgspec.DecodeError, UnicodeDecodeError, AttributeError, RecursionError) as error:
         raise InvalidFile(f"{path}: found a damaged head ({error}), expected those that the journal wrote") from None
@@ -51,7 +51,7 @@ def differences(before: Head, after: Head) -> list[str]:
     """
     parts = (("version of ", before.versions, after.versions), ("", before.facts, after.facts))
     return [
-        f"{label}{name} was {_told(old.get(name))}, is {_told(new.get(name))}"
+        f"{label}{name} was {_words(old.get(name))}, is {_words(new.get(name))}"
         for label, old, new in parts
         for name in dict.fromkeys([*old, *new])
         if not VARYING.search(name) and not _alike(name, old, new)
@@ -65,13 +65,13 @@ def _alike(name: str, old: Mapping[str, Fact], new: Mapping[str, Fact]) -> bool:
     return before == after
 
 
-def _told(fact: Fact) -> str:
+def _words(fact: Fact) -> str:
     return "not stated" if fact is None else str(fact)
 
 
 def changes(heads: Sequence[Head]) -> Iterator[str]:
     """A sentence for each sitting that differs from the one before it."""
     for number, (before, after) in enumerate(pairwise(heads), 2):
-        found = differences(before, after)
-        if found:
-            yield f"sitting {number} differs from the one before: {'; '.join(found)}"
+        phrases = differences(before, after)
+        if phrases:
+            yield f"sitting {number} differs from the one before: {'; '.join(phrases)}"

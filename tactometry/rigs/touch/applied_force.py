@@ -41,11 +41,14 @@ class AppliedForce:
     def hear(self, times_s: FloatArray, forces_n: FloatArray) -> None:
         self._trace.hear(times_s, forces_n)
         for time_s, force_n in zip(times_s.tolist(), forces_n.tolist(), strict=True):
-            was_open, self._gate = self._gate.open, self._gate.after(time_s, force_n)
+            was_open = self._gate.open
+            self._gate = self._gate.after(time_s, force_n)
             self._since.hear(self._gate.since_s)
-            self.opened_s = time_s if self._gate.open and not was_open else self.opened_s
+            if self._gate.open and not was_open:
+                self.opened_s = time_s
             self.force_n = force_n if math.isfinite(force_n) else None
-            self._known_s = time_s if self._known_s is None or self.force_n is not None else self._known_s
+            if self._known_s is None or self.force_n is not None:
+                self._known_s = time_s  # of a first sample that is lost too: from there on the silence counts
 
     @property
     def silent(self) -> bool:

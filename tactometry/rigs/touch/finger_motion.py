@@ -34,10 +34,13 @@ class FingerMotion:
     def hear(self, times_s: FloatArray, positions_m: FloatArray) -> None:
         self._trace.hear(times_s, positions_m)
         for time_s, place_m in zip(times_s.tolist(), positions_m.tolist(), strict=True):
-            was_open, self._gate = self._gate.open, self._gate.after(time_s, place_m[0])
+            was_open = self._gate.open
+            self._gate = self._gate.after(time_s, place_m[0])
             self._since.hear(self._gate.since_s)
-            self.opened_s = time_s if self._gate.open and not was_open else self.opened_s
-            self._moved_s = time_s if self._moved_s is None or self._gate.moving else self._moved_s
+            if self._gate.open and not was_open:
+                self.opened_s = time_s
+            if self._moved_s is None or self._gate.moving:
+                self._moved_s = time_s  # a finger that never moves has `HALT_S` from the first sample on
 
     @property
     def loss(self) -> Reason | None:
@@ -52,7 +55,7 @@ class FingerMotion:
     def motion(self, begin_s: float, end_s: float) -> SpeedCompliance | None:
         """How the speed was kept; None where it was not measured."""
         times_s, positions_m = self._trace.between(begin_s, end_s)
-        if times_s.size < 2 or np.any(np.diff(times_s) == 0):
+        if times_s.size < 2 or np.any(np.diff(times_s) == 0):  # two places at one time have no speed
             return None
         gate = self._gate
         return motion(times_s, positions_m[:, 0], gate.target_m_per_s, gate.tolerance)

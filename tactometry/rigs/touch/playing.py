@@ -33,8 +33,8 @@ class Playing:
             while True:
                 onset_s = self.emitter.emit(signal)
                 self.stage.hold(onset_s + request.duration_s, self.page, each_frame=look)
-                look()
-                if self.stage.paused_until_s < begin_s:
+                look()  # what happened since the last frame counts too
+                if self.stage.paused_until_s < begin_s:  # no pause since it began
                     break
                 begin_s = self.stage.present(self.page)
         digest = self.emitter.digest(signal) or ""

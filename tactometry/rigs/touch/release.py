@@ -45,4 +45,6 @@ class Release:
         """Whether the force was out of the band of a gate since then."""
         with self._lock:
             heard = self._low_n <= self._high_n
-            return not self._needed or (heard and not (gate.holds(self._low_n) and gate.holds(self._high_n)))
+            # where both extremes are in the band, so was all between them
+            stayed = gate.holds(self._low_n) and gate.holds(self._high_n)
+            return not self._needed or (heard and not stayed)

@@ -151,9 +151,10 @@ class TouchCourse:
         begin_s = self._present(playing)
         onset_s = self.emitter.emit(signal)
         self.stage.hold(onset_s + self.request.duration_s, playing, self.dress)
-        paused = self.stage.paused_until_s >= begin_s
         n_gaps = self.emitter.n_gaps(signal)
-        reason: Reason | None = "experimenter" if paused else "output_gap" if n_gaps else None
+        reason: Reason | None = "output_gap" if n_gaps else None
+        if self.stage.paused_until_s >= begin_s:
+            reason = "experimenter"
         return TouchResult(self._touched(signal, onset_s, reason, n_gaps))
 
     def _touched(
@@ -187,7 +188,7 @@ class TouchCourse:
             last_first.enter_context(hearing(sensor, held.grip.hear, trigger.consider))
             if held.glide is not None:
                 last_first.enter_context(hearing(self.position, held.glide.hear, trigger.consider))
-            last_first.callback(trigger.disarm)
+            last_first.callback(trigger.disarm)  # the first to run on any way out: nothing fires behind it
             begun = self._begun(held, trigger, sensor)
             if begun is None:
                 self.say("not played")
@@ -215,7 +216,7 @@ class TouchCourse:
                 trigger.disarm()
                 break
             self._frame(held, playing=False)
-        return trigger.begun
+        return trigger.begun  # asked after disarming: it may have fired just before
 
     def _said(self, held: Held, said_s: float) -> float:
         """Tell the experimenter the force, once in a while: when it was told last."""
@@ -244,7 +245,8 @@ class TouchCourse:
         return self.stage.present(self.dress(page, time.perf_counter()))
 
     def _bar(self, held: Held, *, playing: bool) -> Page:
-        request, words = self.request, self.words if playing or held.released else self.release_words
+        request = self.request
+        words = self.words if playing or held.released else self.release_words
         marker = layout.marker_page(request.interval, playing=playing, words=words)
         return layout.force_page(marker, held.grip.force_n, request.target_n, request.tolerance)
 
@@ -254,9 +256,9 @@ class TouchCourse:
         speed = None if held.glide is None else held.glide.motion(*during_s)
         n_gaps = self.emitter.n_gaps(signal)
         reason = cut_by or ("output_gap" if n_gaps else None)
+        speed_is_lost = held.glide is not None and speed is None
         if reason is None:
-            lost = force is None or (held.glide is not None and speed is None)
-            reason = "sensor_lost" if lost or force is None else broken(self.request, force, speed)
+            reason = "sensor_lost" if force is None or speed_is_lost else broken(self.request, force, speed)
         kept = {
             "force_mean_n": None if force is None else force.mean_n,
             "force_sd_n": None if force is None else force.sd_n,

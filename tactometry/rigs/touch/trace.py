@@ -26,8 +26,9 @@ class Trace:
         if times_s.size:
             self._blocks.append((times_s, values))
             self.last_s, self.last = float(times_s[-1]), values[-1]
-            self._taken_s = min(now_s, self.last_s)
-        self._told_s, self._silent_s = now_s, 0.0 if times_s.size else now_s - self._taken_s
+            self._taken_s = min(now_s, self.last_s)  # a stamp may be ahead of us by an error of the clocks
+        self._told_s = now_s
+        self._silent_s = 0.0 if times_s.size else now_s - self._taken_s
 
     def quiet(self, longest_s: float) -> bool:
         """Whether nothing is known of longer. What waits to be read while the process is held up is no silence."""
@@ -40,7 +41,7 @@ class Trace:
 
     def between(self, begin_s: float, end_s: float) -> tuple[FloatArray, FloatArray]:
         """Times and values of the finite samples of an interval; none where a stamp goes back."""
-        blocks = self._blocks.copy()
+        blocks = self._blocks.copy()  # the sensor's thread adds to them meanwhile
         if not blocks:
             return np.empty(0), np.empty(0)
         times_s, values = (np.concatenate(parts) for parts in zip(*blocks, strict=True))

@@ -70,7 +70,8 @@ class Trigger:
 
     def _begin(self) -> None:
         if self._opens():
-            decided_s, onset_s = time.perf_counter(), self._fire()
+            decided_s = time.perf_counter()  # before the output begins: `delay_s` is that of the decision alone
+            onset_s = self._fire()
             if onset_s is not None:
                 self._begun, self._step = (decided_s, onset_s), self._watch
 
@@ -81,9 +82,9 @@ class Trigger:
 
     def disarm(self, longest_s: float = BEGIN_WITHIN_S) -> None:
         """Neither fire nor stop any more; waits for one that is under way, but for no output that hangs."""
-        taken = self._lock.acquire(timeout=longest_s)
-        self._step = None
-        if taken:
+        is_free = self._lock.acquire(timeout=longest_s)
+        self._step = None  # without the lock too: what hangs in it has fired already
+        if is_free:
             self._lock.release()
 
 

@@ -55,7 +55,7 @@ def vigil(
         nonlocal lost
         if sensor is not None:
             consider()
-        if lost:
+        if lost:  # seen in the sensor's thread; a pause needs the screen's. By now it may be over
             pause(wrong() or SILENT, lambda: wrong() is None)
             lost = False
 
