@@ -87,6 +87,7 @@ class WithOffset:
         peak_v = peak_voltage_v(level, self.level_unit)
         share = 1 / (1 + abs(self.ratio))
         total_v = share * signal.samples + self.ratio * share * peak_v * constant
+        # two peaks of rounded parts may add up to one digit more than the peak that was promised
         return Signal(np.clip(total_v, -peak_v, peak_v), signal.rate_hz, "V")
 
     def pieces(self, level: float) -> Pieces:
@@ -111,15 +112,17 @@ class WithOffset:
         >>> tone.remark(Skin(), "parallel_plate") is None
         True
         """
-        found = force_form(law, skin, area_m2).relaxations
-        if self.ratio == 0 or (found.dc_gain != 0 and not found.rates_per_s):
+        relaxations = force_form(law, skin, area_m2).relaxations
+        keeps = relaxations.dc_gain != 0
+        if self.ratio == 0 or (keeps and not relaxations.rates_per_s):
             return None
-        fates = "blocks a constant: below 1 % of its force", "keeps a constant: its force has risen fully"
-        after_ms = 5e3 / min(found.rates_per_s, default=inf)
-        return f"WithOffset.ratio: {law} {fates[found.dc_gain != 0]} 5 tau ({after_ms:.3g} ms) after its last change"
+        fate = "keeps a constant: its force has risen fully" if keeps else "blocks a constant: below 1 % of its force"
+        after_ms = 5e3 / min(relaxations.rates_per_s, default=inf)
+        return f"WithOffset.ratio: {law} {fate} 5 tau ({after_ms:.3g} ms) after its last change"
 
 
 def _sum(one: Pieces, other: Pieces) -> Pieces:
+    # both with all starts of both, so that they add piece by piece
     one, other = one.split_at(other.starts_s), other.split_at(one.starts_s)
     return replace(
         one,

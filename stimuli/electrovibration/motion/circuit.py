@@ -35,11 +35,12 @@ class Circuit:
         rates = [r for r, moves in zip(self.relaxations.rates_per_s, self.active, strict=True) if moves]
         z[range(n_active), range(n_active)] = np.negative(rates)
         if self.has_slope:
-            z[: first - 1, first - 1] = 1.0
+            z[: first - 1, first - 1] = 1.0  # the slope of the line drives the line and every relaxation
         for k, f_hz in enumerate(self.frequencies_hz):
-            real, imag, omega = first + 2 * k, first + 2 * k + 1, 2 * np.pi * f_hz
+            real, imag = first + 2 * k, first + 2 * k + 1
+            omega = 2 * np.pi * f_hz
             z[real, imag], z[imag, real] = -omega, omega
-            z[:n_active, imag] = -omega
+            z[:n_active, imag] = -omega  # v' of the real part of a phasor is -omega times its imaginary part
         return z
 
     def output(self) -> Real:
@@ -47,6 +48,7 @@ class Circuit:
         r = self.relaxations
         moving = [gain for gain, moves in zip(r.gains, self.active, strict=True) if moves]
         still = [(gain, rate) for gain, rate, m in zip(r.gains, r.rates_per_s, self.active, strict=True) if not m]
+        # one that is still follows its input: a slope gives slope/rate, a sinusoid its response
         line = [r.dc_gain] if self.has_line else []
         slope = [sum(gain / rate for gain, rate in still)] if self.has_slope else []
         turns = Relaxations(tuple(g for g, _ in still), tuple(s for _, s in still), r.dc_gain)

@@ -60,7 +60,8 @@ def pairs(n: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 def _square_form(g: Real) -> Real:
     """The linear form on the products that is ``(g z)^2``."""
     i, j = pairs(len(g))
-    return np.asarray(g[i] * g[j] * np.where(i == j, 1.0, 2.0))
+    times = np.where(i == j, 1.0, 2.0)  # z_i z_j stands for z_j z_i too
+    return np.asarray(g[i] * g[j] * times)
 
 
 def product_matrix(z: Real) -> Real:
@@ -72,6 +73,6 @@ def product_matrix(z: Real) -> Real:
     lift = np.zeros((i.size, i.size))
     rows = np.arange(i.size)
     for other in range(n):
-        np.add.at(lift, (rows, column[other, j]), z[i, other])
-        np.add.at(lift, (rows, column[i, other]), z[j, other])
+        lift[rows, column[other, j]] += z[i, other]
+        lift[rows, column[i, other]] += z[j, other]
     return lift

@@ -77,6 +77,7 @@ def moving(since: Real, relaxations: Relaxations) -> NDArray[np.bool_]:
 def nodes_of(pieces: Pieces, relaxations: Relaxations, t_s: Real) -> Real:
     """Times asked for, 0, starts of pieces and ends of decays, ascending, up to the last time asked for."""
     rates = np.array([rate for rate in relaxations.rates_per_s if rate > 0])
+    # (n_pieces * n_rates,), and the end of the piece of each: a decay that outlasts its piece ends with it
     decayed = (pieces.starts_s[:, None] + DECAYED / rates[None, :]).ravel()
     ends = np.repeat(np.r_[pieces.starts_s[1:], pieces.end_s], rates.size)
     nodes = np.unique(np.concatenate([[0.0], pieces.starts_s, decayed[decayed < ends], t_s]))

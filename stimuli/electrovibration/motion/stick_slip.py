@@ -162,6 +162,7 @@ def _plan(
     gains, moves = np.array(relaxations.gains), moving(shared.since, relaxations)
     # the force goes with the square of the voltage, so that its rates are doubled
     electric = np.max(2 * rates[None, :] * moves, axis=1, initial=2 * omegas.max(initial=0.0))
+    # in stick the pad follows the screen and does not swing; (2, n_nodes): stick, slip
     fastest = np.stack([electric, np.maximum(electric, _fastest_rad_per_s(finger))])
     longest = np.divide(power_series.REACH, fastest, out=np.full(fastest.shape, inf), where=fastest > 0)
     layers = power_series.Layers(gains, relaxations.dc_gain, rates, omegas, shared.responses, form.newton_per_v2)

@@ -51,12 +51,10 @@ class DispersiveLayer:
         """Relative permittivity and resistivity (ohm m), of the shape of `frequency_hz` (0: the first
         row)."""
         f_hz = np.maximum(np.asarray(frequency_hz, dtype=np.float64), self.frequencies_hz[0])
-        x = np.log(self.frequencies_hz)
-        permittivity, resistivity = (
-            np.exp(np.interp(np.log(f_hz), x, np.log(column)))
-            for column in (self.permittivities, self.resistivities_ohm_m)
-        )
-        return np.asarray(permittivity), np.asarray(resistivity)
+        x, rows = np.log(f_hz), np.log(self.frequencies_hz)
+        log_permittivity = np.interp(x, rows, np.log(self.permittivities))
+        log_resistivity = np.interp(x, rows, np.log(self.resistivities_ohm_m))
+        return np.asarray(np.exp(log_permittivity)), np.asarray(np.exp(log_resistivity))
 
 
 FREQUENCIES_HZ = (1.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
@@ -98,20 +96,22 @@ def shares(
         raise InvalidParameter(
             "shares.layers: found none that can hold a voltage, expected one of thickness and resistivity above 0"
         )
-    found = np.zeros((len(layers), f_hz.size), dtype=np.complex128)
-    found[holds] = _ratios([layers[i] for i in np.flatnonzero(holds)], f_hz, resistance_ohm * area_m2)
-    return found
+    ratios = np.zeros((len(layers), f_hz.size), dtype=np.complex128)
+    ratios[holds] = _ratios([layers[i] for i in np.flatnonzero(holds)], f_hz, resistance_ohm * area_m2)
+    return ratios
 
 
 def _ratios(
     layers: Sequence[Layer | DispersiveLayer], f_hz: NDArray[np.float64], body_ohm_m2: float
 ) -> NDArray[np.complex128]:
-    admittances = np.array([_admittance(layer, f_hz) for layer in layers])
+    admittances = np.array([_admittance(layer, f_hz) for layer in layers])  # (n_layers, n_frequencies)
+    # at 0 Hz a layer without a leak passes no current: such layers take all, in the ratio of their elastances
     blocks = (admittances == 0).any(axis=0)
     impedances = np.empty_like(admittances)
     impedances[:, ~blocks] = 1 / admittances[:, ~blocks]
     impedances[:, blocks] = np.where(admittances[:, blocks] == 0, _elastances(layers)[:, None], 0)
-    return np.asarray(impedances / (np.where(blocks, 0.0, body_ohm_m2) + impedances.sum(axis=0)))
+    in_series = np.where(blocks, 0.0, body_ohm_m2) + impedances.sum(axis=0)
+    return np.asarray(impedances / in_series)
 
 
 @checked

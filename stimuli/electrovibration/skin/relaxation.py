@@ -66,7 +66,7 @@ def phi1(x: ArrayLike) -> NDArray[np.float64]:
     [1.0, 1.0, 0.632121, 0.0]
     """
     x = np.asarray(x, dtype=np.float64)
-    safe = np.where(x == 0, 1.0, x)
+    safe = np.where(x == 0, 1.0, x)  # `where` computes both sides: no 0/0 on the one that is thrown away
     return np.where(x == 0, 1.0, -np.expm1(-safe) / safe)
 
 
@@ -77,6 +77,7 @@ def scan(decays: NDArray[np.float64], gained: NDArray[np.float64]) -> NDArray[np
     [1.0, 1.5, 7.0]
     """
     total, factor, reach = gained.copy(), np.r_[0.0, decays], 1
+    # before each round total_n holds what the last `reach` steps gained, factor_n the product of their decays
     while reach < total.size and factor.any():
         total[reach:] += factor[reach:] * total[:-reach]
         factor[reach:] *= factor[:-reach]
@@ -101,6 +102,7 @@ def high_passed(steps_v: NDArray[np.float64], decay: float) -> NDArray[np.float6
     up (1e-9 over 1e7 samples).
     """
     weighted = steps_v * phi1(decay)
+    # the first is a jump, which passes whole; a relaxation without duration passes nothing
     weighted[..., :1] = steps_v[..., :1] * (0.0 if np.isinf(decay) else 1.0)
     n = weighted.shape[-1]
     if n <= BLOCK or decay == 0:
@@ -121,7 +123,9 @@ def _in_blocks(weighted: NDArray[np.float64], decay: float) -> NDArray[np.float6
     padded[..., :n] = weighted
     inside = _recurrence(padded.reshape(*lead, n_blocks, BLOCK), decay)
     ends = _recurrence(inside[..., -1], decay * BLOCK)
-    inside[..., 1:, :] += ends[..., :-1, None] * np.exp(-decay * np.arange(1, BLOCK + 1))
+    # the state that a block begins with decays through it, by exponentials and not by repeated products
+    carried = np.exp(-decay * np.arange(1, BLOCK + 1))
+    inside[..., 1:, :] += ends[..., :-1, None] * carried
     return inside.reshape(*lead, n_blocks * BLOCK)
 
 

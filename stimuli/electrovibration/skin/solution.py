@@ -90,6 +90,7 @@ class Solution:
             return np.zeros(len(starts))
         at_start = self._forced(order, index, starts)
         at_end = self._forced(order, index[:-1], starts[1:])
+        # the free decay takes up what the forced parts of two neighbouring pieces lack to the jump between them
         gained = self.pieces.jumps_v() - at_start + np.r_[0.0, at_end]
         return scan(np.exp(-rate * np.diff(starts)), gained)
 

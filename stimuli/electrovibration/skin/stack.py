@@ -144,7 +144,7 @@ class _Pole:
 
 
 def _dc_gain(elastances: Sequence[float], rates: Sequence[float], group: int, resistance_ohm_m2: float) -> float:
-    if rates[0] == 0:
+    if rates[0] == 0:  # what does not leak holds all of a constant voltage
         return 1.0 if group == 0 else 0.0
     resistances = [s / r for s, r in zip(elastances, rates, strict=True)]
     return resistances[group] / (resistance_ohm_m2 + sum(resistances))
@@ -161,6 +161,7 @@ def _gain(elastances: Sequence[float], pole: _Pole, group: int) -> float:
 def _poles(elastances: Sequence[float], rates: Sequence[float], resistance_ohm_m2: float) -> list[_Pole]:
     """Zeros of ``R + sum_h s_h/(r_h - rate)``: one between each two rates, one above them if R > 0."""
     poles = [_between(elastances, rates, resistance_ohm_m2, low) for low in range(len(rates) - 1)]
+    # below, the resistance is none: its pole would lie beyond the largest numbers
     if resistance_ohm_m2 > 2 * sum(elastances) / LARGEST:
         reach = 2 * sum(elastances) / resistance_ohm_m2
         poles.append(_from(elastances, rates, resistance_ohm_m2, len(rates) - 1, reach))
@@ -169,6 +170,7 @@ def _poles(elastances: Sequence[float], rates: Sequence[float], resistance_ohm_m
 
 def _between(elastances: Sequence[float], rates: Sequence[float], resistance_ohm_m2: float, low: int) -> _Pole:
     """The zero between two rates, measured from the nearer one."""
+    # a pole may lie so near to a rate that only its distance from there still holds digits
     half = (rates[low + 1] - rates[low]) / 2
     at_half = _secular(elastances, [r - rates[low] for r in rates], resistance_ohm_m2, half)
     if at_half >= 0:
@@ -182,6 +184,7 @@ def _from(
     """The zero between ``rates[origin]`` and ``rates[origin] + reach``."""
     offsets = [rate - rates[origin] for rate in rates]
 
+    # the secular function times the shift: without the pole at the origin, where the search begins
     def regular(shift: float) -> float:
         others = [(s, o) for i, (s, o) in enumerate(zip(elastances, offsets, strict=True)) if i != origin]
         return -elastances[origin] + shift * (resistance_ohm_m2 + sum(s / (o - shift) for s, o in others))
