@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from time_reversal_rounds import interleaved, machine, row
 
 from tactometry.stimuli.time_reversal import Plate
+from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.closed_reversal import ClosedReversal
 from tactometry.stimuli.time_reversal.plate.glass import GLASSES
 from tactometry.stimuli.time_reversal.plate.modes import modes_of, values
-from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen

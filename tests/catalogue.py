@@ -52,18 +52,17 @@ from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     Grating,
     PlayedTexture,
-    PulseTrain,
     Sampled,
     SensorModel,
     Sine,
     Square,
     Step,
     Trapezoid,
-    Triangle,
     Velvet,
     WithOffset,
 )
 from tactometry.stimuli.electrovibration.textures.played_texture import straight_path_m
+from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.stimuli.hybrid import Hybrid
 from tactometry.stimuli.scenes.effect import FingerContact
 from tactometry.stimuli.scenes.scene import Scene
@@ -73,21 +72,19 @@ from tactometry.stimuli.time_reversal.responses.responses import Responses
 from tactometry.stimuli.time_reversal.stimulus.family import TimeReversalStimulus
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
+from tactometry.target import resolve
 
 LIMITS = Limits(voltage_peak_v=200.0)
 
 STIMULI = {
-    "sine": Sine(frequency_hz=60.0, duration_s=0.2),
+    **{kind: resolve(waveform.target)(**waveform.example, duration_s=0.2) for kind, waveform in WAVEFORMS.items()},
     "amplitude_modulated": AmplitudeModulated(frequency_hz=240.0, duration_s=0.2),
     "amplitude_modulated_full": AmplitudeModulated(frequency_hz=240.0, duration_s=0.2, modulation="full"),
     "amplitude_modulated_suppressed": AmplitudeModulated(
         frequency_hz=120.0, duration_s=0.2, modulation="suppressed_carrier"
     ),
-    "square": Square(frequency_hz=60.0, duration_s=0.2),
     "square_band_limited": Square(frequency_hz=60.0, duration_s=0.2, band_limited=True),
-    "triangle": Triangle(frequency_hz=60.0, duration_s=0.2),
     "trapezoid": Trapezoid(rise_s=0.002, high_s=0.003, fall_s=0.004, low_s=0.001, duration_s=0.2, ramp_s=0.05),
-    "pulse_train": PulseTrain(frequency_hz=60.0, width_s=0.001, duration_s=0.2),
     "step": Step(onset_s=0.01, rise_s=0.01, fall_s=0.01, duration_s=0.2),
     "sampled": Sampled((0.0, 1.0, -2.0, 0.5, 0.0), rate_hz=100.0, ramp_s=0.0),
     "played_grating": PlayedTexture(Grating(1e-3, "sinusoidal"), straight_path_m(0.1, 0.2, 20e3), ramp_s=0.05),

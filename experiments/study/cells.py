@@ -10,6 +10,7 @@ from tactometry.protocols.tasks.touch import Pressing, Sliding, Touch
 from tactometry.protocols.track import Condition
 from tactometry.rigs.simulated import Sensation
 from tactometry.signal import Stimulus
+from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.target import resolve
 from tactometry.trials.cells import cell as cell_text
 
@@ -40,18 +41,7 @@ FOCUSING = StimulusKind(
     stands=True,
 )
 STIMULI: Mapping[str, StimulusKind] = {
-    **{
-        kind: StimulusKind(f"tactometry.stimuli.electrovibration.waveforms.{kind}:{name}", ELECTROVIBRATION)
-        for kind, name in (
-            ("amplitude_modulated", "AmplitudeModulated"),
-            ("sine", "Sine"),
-            ("square", "Square"),
-            ("triangle", "Triangle"),
-            ("trapezoid", "Trapezoid"),
-            ("pulse_train", "PulseTrain"),
-            ("step", "Step"),
-        )
-    },
+    **{kind: StimulusKind(waveform.target, ELECTROVIBRATION) for kind, waveform in WAVEFORMS.items()},
     "focus": FOCUSING,
     "pattern": FOCUSING,
     "measured_focus": StimulusKind(

@@ -21,6 +21,7 @@ from tactometry.stimuli.electrovibration.attraction.polarity import Polarity
 from tactometry.stimuli.electrovibration.motion.friction import CoulombFriction, FrictionLag
 from tactometry.stimuli.electrovibration.skin.skin import Skin
 from tactometry.stimuli.electrovibration.skin.stack import Layer
+from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 from tactometry.target import resolve
 
@@ -37,11 +38,6 @@ _TOP = {
     "name": "a", "title": "A", "description": "It.", "task": {}, "factors": {"force_n": [1.0]}, "stimulus": {},
     "touch": {}, "procedure": {}, "limits": {"voltage_peak_v": 100.0},
 }  # fmt: skip
-_STIMULI: Final[Mapping[str, Mapping[str, object]]] = {
-    **{kind: {"frequency_hz": 60.0} for kind in ("amplitude_modulated", "sine", "square", "triangle")},
-    "pulse_train": {"frequency_hz": 60.0, "width_s": 1e-3},
-    "trapezoid": {"rise_s": 1e-3, "high_s": 2e-3, "fall_s": 1e-3, "low_s": 2e-3},
-}
 _TOUCH = {"force_n": 1.0, "hold_s": 0.3, "timeout_s": 10.0}
 _TOUCHES: Final[Mapping[str, Mapping[str, object]]] = {"press": _TOUCH, "slide": {**_TOUCH, "speed_m_per_s": 0.05}}
 _FOCUS = {"setup": {"n_transducers": 4, "modes_to_hz": 4e3, "rate_hz": 10e3}, "f_max_hz": 3e3}
@@ -120,10 +116,10 @@ def pages() -> dict[Path, str]:
 
 def _stimuli() -> Iterator[tuple[list[str], KeyTable]]:
     """Kinds that one class reads stand together."""
+    examples = {"focus": _FOCUS, "hybrid": _BOTH, **{kind: wave.example for kind, wave in WAVEFORMS.items()}}
     for target in dict.fromkeys(kind.stimulus for kind in STIMULI.values()):
         kinds = [name for name, kind in STIMULI.items() if kind.stimulus == target]
-        examples = {"focus": _FOCUS, "hybrid": _BOTH, **_STIMULI}
-        yield kinds, KeyTable(resolve(target), examples.get(kinds[0], {}))
+        yield kinds, KeyTable(resolve(target), examples[kinds[0]])
 
 
 def _touch(kind: str) -> KeyTable:

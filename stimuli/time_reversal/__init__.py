@@ -18,10 +18,12 @@ if TYPE_CHECKING:
         width_m as width_m,
     )
     from .field.sound import noise as noise
+    from .filters import Band as Band, Butterworth as Butterworth, Hold as Hold, MeasuredGain as MeasuredGain
     from .finger.contactor import Contactor as Contactor
-    from .finger.finger import Emission as Emission, Finger as Finger, amplitude_loss as amplitude_loss
+    from .finger.finger import Finger as Finger, amplitude_loss as amplitude_loss
     from .finger.force_loss import LossRow as LossRow
     from .focusing.closed_reversal import ClosedReversal as ClosedReversal
+    from .focusing.emission import Emission as Emission
     from .focusing.focusing import (
         drive as drive,
         emitted as emitted,
@@ -42,15 +44,7 @@ if TYPE_CHECKING:
     from .plate.plate import Plate as Plate
     from .plate.statics import bending_stress_pa as bending_stress_pa, deflection_m as deflection_m
     from .responses.decay import tau_estimate as tau_estimate
-    from .responses.filtering import (
-        Band as Band,
-        Butterworth as Butterworth,
-        Hold as Hold,
-        MeasuredGain as MeasuredGain,
-        band_limited as band_limited,
-        inaudible as inaudible,
-        through as through,
-    )
+    from .responses.filtering import band_limited as band_limited, inaudible as inaudible, through as through
     from .responses.load import PlateLoad as PlateLoad, loaded_responses as loaded_responses
     from .responses.material_constants import (
         alpha_from_resolutions as alpha_from_resolutions,

@@ -57,9 +57,9 @@ def command(
     """
     from tactometry.stimuli.time_reversal.design.guide import OFF, Target, Transducers
     from tactometry.stimuli.time_reversal.design.thickness import SHEETS_M, recommended, sheets
+    from tactometry.stimuli.time_reversal.filters import Band
     from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     from tactometry.stimuli.time_reversal.plate.plate_file import read_plate
-    from tactometry.stimuli.time_reversal.responses.filtering import Band
 
     check_figure(figure)
     plate = A4_SCREEN if plate_file is None else read_plate(plate_file)

@@ -37,8 +37,9 @@ from tactometry.experiments.bench.calibration import (
 from tactometry.experiments.bench.figures import force_figure, responses_figure
 from tactometry.experiments.bench.learning import Learning, Microphone, joined, learn
 from tactometry.experiments.bench.tone import tone
+from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
-from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.learning import as_displacement, read_provenance, sequence, sweep
 from tactometry.stimuli.time_reversal.responses.measured import read
 from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses

@@ -57,10 +57,10 @@ from tactometry.stimuli.time_reversal import (
     TimeReversalStimulus,
 )
 from tactometry.stimuli.time_reversal.design.guide import Transducers
+from tactometry.stimuli.time_reversal.filters import Butterworth, Hold, MeasuredGain
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
 from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
 from tactometry.stimuli.time_reversal.responses.decay import TauEstimate
-from tactometry.stimuli.time_reversal.responses.filtering import Butterworth, Hold, MeasuredGain
 from tactometry.stimuli.time_reversal.stimulus.vibrometer import FocusReading
 
 
@@ -159,11 +159,13 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "movie": {**driven, "samples": [3, 7], "at_m": GRID},
             "modal_history": {**driven, "samples": [3, 7]},
         },
+        "focusing.emission": {
+            "Emission.responses": {"self": EMISSION, "screen": SCREEN, "points": POINTS, "loads": [Finger(0.1, 0.1)]},
+        },
         "finger.finger": {
             "Finger.load": {"self": Finger(0.1, 0.1)},
             "Finger.weights": {"self": Finger(0.1, 0.1), "screen": SCREEN, **LOW},
             "Finger.dynamic_stiffness": {"self": Finger(0.1, 0.1), "s": S},
-            "Emission.responses": {"self": EMISSION, "screen": SCREEN, "points": POINTS, "loads": [Finger(0.1, 0.1)]},
             "amplitude_loss": {
                 "screen": SCREEN, "focus": (0.1, 0.1), "loads": [PlateLoad(0.2, 0.1, 9.0)], "emission": EMISSION,
                 "relearn": False,
@@ -366,11 +368,13 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "noise": {**driven, "distance_m": 0.3, "duration_s": 0.1},
             "velocity_spectrum": driven,
         },
-        "responses.filtering": {
+        "filters": {
             **{
                 f"{type(gain).__name__}.at": {"self": gain, "frequency_hz": np.array([0.0, 50.0])}
                 for gain in (BAND, Butterworth(500.0), MeasuredGain((1.0, 2.0), (1.0, 1j)), Hold(1e3))
             },
+        },
+        "responses.filtering": {
             "through": {**heard, "gain": Hold(2e3)},
             "band_limited": {**heard, "band": BAND},
             "inaudible": {**heard, "cutoff_hz": 100.0, "flank_hz": 50.0},

@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass, replace
 from math import inf
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -13,31 +12,8 @@ from ..skin.skin import Skin
 from ..waveforms.level import LevelUnit, peak_voltage_v
 from ..waveforms.pieces import Pieces, ramped as ramped_pieces
 from ..waveforms.timing import ramped
+from ..waveforms.waveform import Waveform
 from .force import Law, force_form
-
-
-@runtime_checkable
-class Waveform(Protocol):
-    """A stimulus with ramps and frequencies, as the ones of this package."""
-
-    @property
-    def duration_s(self) -> float: ...
-
-    @property
-    def ramp_s(self) -> float: ...
-
-    @property
-    def level_unit(self) -> LevelUnit: ...
-
-    @property
-    def voltage_frequency_hz(self) -> float: ...
-
-    @property
-    def force_frequency_hz(self) -> float: ...
-
-    def at(self, level: float) -> Signal: ...
-
-    def pieces(self, level: float) -> Pieces: ...
 
 
 @checked

@@ -41,7 +41,8 @@ class Amplifier(Effect):
 
 def heard_through(cutoff_hz: float, order: int) -> "Callable[[Responses], Responses]":
     """Responses of the amplifier and the plate."""
-    from ...time_reversal.responses.filtering import Butterworth, through
+    from ...time_reversal.filters import Butterworth
+    from ...time_reversal.responses.filtering import through
 
     gain = Butterworth(cutoff_hz, order)
     return lambda learnt: through(learnt, gain)
@@ -49,7 +50,7 @@ def heard_through(cutoff_hz: float, order: int) -> "Callable[[Responses], Respon
 
 def sent_through(cutoff_hz: float, order: int) -> "Callable[[Emission], Emission]":
     """What leaves the amplifier."""
-    from ...time_reversal.responses.filtering import Butterworth
+    from ...time_reversal.filters import Butterworth
     from ..stages.emission import through
 
     gain = Butterworth(cutoff_hz, order)

@@ -10,7 +10,7 @@ from tactometry.errors import InvalidParameter
 from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
-    from ...electrovibration.attraction.offset import Waveform
+    from ...electrovibration.waveforms.waveform import Waveform
 
 Modulation = Literal["square_root", "full", "suppressed_carrier"]
 

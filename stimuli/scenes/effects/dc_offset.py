@@ -10,7 +10,8 @@ from tactometry.errors import InvalidParameter
 from ..effect import Demand, Effect, Size, Stage, Surroundings
 
 if TYPE_CHECKING:
-    from ...electrovibration.attraction.offset import Waveform, WithOffset
+    from ...electrovibration.attraction.offset import WithOffset
+    from ...electrovibration.waveforms.waveform import Waveform
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,12 @@ from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 
+from ...time_reversal.filters import Band, GainCurve
 from ...time_reversal.focusing.focusing import reversed_waveform
 from ...time_reversal.focusing.quantiser import Analogue, Quantiser
 from ...time_reversal.plate.modes import Modes
 from ...time_reversal.plate.plate import Plate
-from ...time_reversal.responses.filtering import Band, GainCurve, band_limited
+from ...time_reversal.responses.filtering import band_limited
 from ...time_reversal.responses.responses import Responses, impulse_responses
 from ...time_reversal.screen.attenuation import Attenuation
 from ...time_reversal.screen.screen import Screen

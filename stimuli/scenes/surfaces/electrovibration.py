@@ -13,9 +13,9 @@ from ..stages.scaling import MULTIPLIED
 
 if TYPE_CHECKING:
     from ...electrovibration.attraction.force import ForceForm
-    from ...electrovibration.attraction.offset import Waveform
     from ...electrovibration.skin.skin import Skin
     from ...electrovibration.waveforms.pieces import Pieces, Real
+    from ...electrovibration.waveforms.waveform import Waveform
     from ..effect import Demand
 
 

@@ -24,8 +24,8 @@ from tactometry.arguments.require import (
     positive_array,
 )
 
+from ..filters import Band
 from ..plate.plate import Plate
-from ..responses.filtering import Band
 
 FloatArray = NDArray[np.float64]
 

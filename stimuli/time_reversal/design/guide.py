@@ -18,10 +18,10 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import given, positive
 from tactometry.errors import InvalidParameter
 
+from ..filters import Band
 from ..plate.dispersion import group_velocity_m_per_s, wavenumber_rad_per_m
 from ..plate.plate import Plate
 from ..plate.statics import bending_stress_pa
-from ..responses.filtering import Band
 from ..screen.transducer import MOMENT_N_PER_V
 from .closed_forms import (
     Reverberation,

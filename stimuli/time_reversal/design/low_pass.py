@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive
 
+from ..filters import Band
 from ..plate.dispersion import wavenumber_rad_per_m
 from ..plate.plate import Plate
-from ..responses.filtering import Band
 
 FloatArray = NDArray[np.float64]
 

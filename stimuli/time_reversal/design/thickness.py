@@ -16,9 +16,9 @@ from typing import Final
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive, positive_array, some
 
+from ..filters import Band
 from ..plate.plate import Plate
 from ..plate.statics import bending_stress_pa, deflection_m
-from ..responses.filtering import Band
 from .guide import (
     FINGER_DIAMETER_M,
     FINGER_FORCE_N,

@@ -14,7 +14,7 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import whole
 from tactometry.errors import InvalidParameter
 
-from ..finger.finger import Emission
+from ..focusing.emission import Emission
 from ..focusing.focusing import drive
 from ..responses.responses import Point, Responses
 from ..screen.screen import Screen

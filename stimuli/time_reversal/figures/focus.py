@@ -11,10 +11,10 @@ from tactometry.signal import Signal
 
 from ..field.field import field, grid
 from ..field.merit import width_m
-from ..finger.finger import Emission
+from ..filters import Band
+from ..focusing.emission import Emission
 from ..focusing.focusing import drive, emitted, focus_amplitude
 from ..responses.decay import schroeder_db, tau_s
-from ..responses.filtering import Band
 from ..responses.responses import Point, Responses
 from ..screen.screen import Screen
 from .style import BLUE, DIVERGING, ORANGE, colours, label, sheet

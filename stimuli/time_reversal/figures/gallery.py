@@ -17,13 +17,13 @@ from ..field.variability import (
     contributions_m,
     resolution_per_focus_m,
 )
+from ..filters import Band
 from ..finger.contactor import Contactor
-from ..finger.finger import Emission
 from ..finger.force_loss import force_loss
+from ..focusing.emission import Emission
 from ..focusing.focusing import drive
 from ..focusing.quantiser import OneBit, SigmaDelta
 from ..plate.glass import A4_SCREEN, BOROFLOAT_33
-from ..responses.filtering import Band
 from ..responses.responses import Point, impulse_responses
 from ..screen.attenuation import Attenuation
 from ..screen.screen import A4_PROTOTYPE, TAU_S, Screen

@@ -15,9 +15,9 @@ from ..design.closed_forms import (
     one_bit_amplitude_ratio,
     resolution_m,
 )
+from ..filters import Band
 from ..plate.plate import Plate
 from ..plate.statics import bending_stress_pa, deflection_m
-from ..responses.filtering import Band
 from .style import BLACK, BLUE, ORANGE, colours, label, sheet
 
 FloatArray = NDArray[np.float64]

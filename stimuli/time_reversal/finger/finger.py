@@ -15,15 +15,13 @@ from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative, positive, within
-from tactometry.errors import InvalidParameter
 
 from ..design.closed_forms import one_bit_amplitude_ratio
+from ..focusing.emission import Emission
 from ..focusing.focusing import drive, focus_amplitude
-from ..focusing.quantiser import Quantiser
 from ..plate.plate import Plate
-from ..responses.filtering import Band, band_limited
-from ..responses.load import Attached, PlateLoad, loaded_responses
-from ..responses.responses import Point, Responses, samples_in
+from ..responses.load import Attached, PlateLoad
+from ..responses.responses import Point
 from ..screen.screen import Screen
 
 FloatArray = NDArray[np.float64]
@@ -93,42 +91,6 @@ class Finger:
     def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
         """Force per displacement (N/m) at complex frequencies s (rad/s)."""
         return self.load().dynamic_stiffness(s)
-
-
-@checked
-@dataclass(frozen=True)
-class Emission:
-    """How a focus is made: band, T, sampling and voltage, each above 0, and quantiser."""
-
-    band: Band
-    reversal_s: float
-    rate_hz: float
-    voltage_v: float = 30.0
-    quantiser: Quantiser | None = None
-
-    def __post_init__(self) -> None:
-        positive("Emission", reversal_s=self.reversal_s, rate_hz=self.rate_hz, voltage_v=self.voltage_v)
-        if samples_in("Emission.reversal_s", self.reversal_s, self.rate_hz) == 0:
-            raise InvalidParameter(
-                f"Emission.reversal_s: found {self.reversal_s}, expected at least half a sample of 1 / {self.rate_hz} s"
-            )
-        if 2 * self.band.f_max_hz > self.rate_hz:
-            raise InvalidParameter(
-                f"Emission.band: found {self.band.f_max_hz} Hz, above the Nyquist frequency {self.rate_hz / 2}; "
-                "raise rate_hz or lower the band"
-            )
-
-    @property
-    def f_max_hz(self) -> float:
-        """Modes up to a tenth above the band, within the Nyquist frequency."""
-        return min(1.1 * self.band.f_max_hz, self.rate_hz / 2)
-
-    def responses(self, screen: Screen, points: Sequence[Point], loads: Sequence[Attached] = ()) -> Responses:
-        """Responses of the screen over T, within the band."""
-        found = loaded_responses(
-            screen, points, loads, rate_hz=self.rate_hz, duration_s=self.reversal_s, f_max_hz=self.f_max_hz
-        )
-        return band_limited(found, self.band)
 
 
 @checked

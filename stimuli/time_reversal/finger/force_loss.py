@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import some
 
+from ..focusing.emission import Emission
 from ..focusing.focusing import drive, focus_amplitude
 from ..responses.responses import Point
 from ..screen.screen import Screen
 from .contactor import Contactor
-from .finger import Emission
 
 
 @checked

@@ -18,9 +18,9 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import some, within
 from tactometry.errors import InvalidParameter
 
+from ..filters import Band
 from ..plate.dispersion import wavenumber_rad_per_m
 from ..plate.plate import Plate
-from ..responses.filtering import Band
 from ..responses.responses import Point, Responses
 
 FloatArray = NDArray[np.float64]

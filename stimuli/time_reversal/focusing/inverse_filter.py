@@ -14,7 +14,7 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import finite_array, positive, within
 from tactometry.errors import InvalidParameter
 
-from ..responses.filtering import Band
+from ..filters import Band
 from ..responses.responses import Responses, samples_in
 
 FloatArray = NDArray[np.float64]

@@ -9,6 +9,7 @@ from tactometry.arguments.require import given, positive, whole
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
+from ..filters import Band
 from ..focusing.pattern import (
     PATTERNS,
     Envelope,
@@ -20,7 +21,7 @@ from ..focusing.pattern import (
     Table,
 )
 from ..focusing.quantiser import Analogue, OneBit, Quantiser, SigmaDelta
-from ..responses.filtering import Band, band_limited
+from ..responses.filtering import band_limited
 from ..responses.responses import Responses, samples_in
 from .family import TimeReversalStimulus
 from .setup import Setup

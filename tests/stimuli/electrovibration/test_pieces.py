@@ -17,8 +17,8 @@ from tactometry.stimuli.electrovibration import (
     WithOffset,
     electrostatic_force_n,
 )
-from tactometry.stimuli.electrovibration.attraction.offset import Waveform
 from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces, straight
+from tactometry.stimuli.electrovibration.waveforms.waveform import Waveform
 from tactometry.stimuli.perception import components
 
 RAMPED = [

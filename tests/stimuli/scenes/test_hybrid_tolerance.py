@@ -25,11 +25,12 @@ from tactometry.stimuli.scenes.effect import FingerContact
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid
+from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger.finger import Finger
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted
 from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
-from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation

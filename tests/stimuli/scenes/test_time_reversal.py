@@ -32,11 +32,12 @@ from tactometry.stimuli.scenes.stages.truncation import cut, n_frequencies, n_mo
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
 from tactometry.stimuli.time_reversal.field.energy import deformation_energy_j
 from tactometry.stimuli.time_reversal.field.field import field
+from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger.finger import Finger
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
-from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation

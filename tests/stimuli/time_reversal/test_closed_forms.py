@@ -30,12 +30,13 @@ from tactometry.stimuli.time_reversal.field.merit import (
     contrast_temporal_of,
     contrast_whole_of,
 )
+from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.pattern import Pattern, focus_samples, pattern_drive
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
 from tactometry.stimuli.time_reversal.plate.dispersion import wavelength_m, wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33, D263T
-from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen

@@ -25,13 +25,13 @@ from tactometry.stimuli.time_reversal.design.guide import (
 from tactometry.stimuli.time_reversal.field.field import field, grid
 from tactometry.stimuli.time_reversal.field.merit import contrast_whole_of
 from tactometry.stimuli.time_reversal.field.variability import resolution_per_focus_m
-from tactometry.stimuli.time_reversal.finger.finger import Emission
+from tactometry.stimuli.time_reversal.filters import Band
+from tactometry.stimuli.time_reversal.focusing.emission import Emission
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.pattern import Pattern, focus_samples, pattern_drive
 from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.plate.plate_file import read_plate
-from tactometry.stimuli.time_reversal.responses.filtering import Band
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 from tactometry.stimuli.time_reversal.screen.transducer import border

@@ -40,15 +40,16 @@ from tactometry.stimuli.time_reversal.field.merit import (
     width_m,
 )
 from tactometry.stimuli.time_reversal.field.sound import noise
+from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger.contactor import Contactor
-from tactometry.stimuli.time_reversal.finger.finger import Emission, amplitude_ratio_elsewhere
+from tactometry.stimuli.time_reversal.finger.finger import amplitude_ratio_elsewhere
+from tactometry.stimuli.time_reversal.focusing.emission import Emission
 from tactometry.stimuli.time_reversal.focusing.focusing import drive
 from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, Pattern, burst_s, pattern_drive
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, PulseWidth, SigmaDelta
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa, deflection_m
-from tactometry.stimuli.time_reversal.responses.filtering import Band
 from tactometry.stimuli.time_reversal.responses.material_constants import rigidity_ratio_from_modes
 from tactometry.stimuli.time_reversal.responses.measured import read
 from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses

@@ -18,13 +18,13 @@ from tactometry.stimuli.time_reversal.field.variability import (
 from tactometry.stimuli.time_reversal.figures import drives, prototype, theory
 from tactometry.stimuli.time_reversal.figures.gallery import FOCI, FOCUS, GALLERY, UNFILTERED, rig
 from tactometry.stimuli.time_reversal.figures.style import save
-from tactometry.stimuli.time_reversal.finger.finger import Emission
+from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger.force_loss import LossRow
+from tactometry.stimuli.time_reversal.focusing.emission import Emission
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS
 from tactometry.stimuli.time_reversal.focusing.quantiser import SigmaDelta
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
-from tactometry.stimuli.time_reversal.responses.filtering import Band
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 SMALL = Emission(Band(500.0, 12e3), 4e-3, 50e3)

@@ -25,7 +25,8 @@ from tactometry.stimuli.time_reversal.field.field import field, grid, movie
 from tactometry.stimuli.time_reversal.field.merit import MINUS_3_DB, area_m2, contrast_whole_of, temporal_width_s
 from tactometry.stimuli.time_reversal.field.sound import noise
 from tactometry.stimuli.time_reversal.field.variability import resolution_per_focus_m
-from tactometry.stimuli.time_reversal.finger.finger import Emission
+from tactometry.stimuli.time_reversal.filters import Band
+from tactometry.stimuli.time_reversal.focusing.emission import Emission
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
 from tactometry.stimuli.time_reversal.plate.dispersion import (
@@ -34,7 +35,7 @@ from tactometry.stimuli.time_reversal.plate.dispersion import (
     wavelength_m,
 )
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33, D263T
-from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen

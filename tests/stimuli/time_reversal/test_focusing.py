@@ -11,6 +11,7 @@ from hypothesis.extra.numpy import arrays
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.field.field import field, grid, modal_amplitudes, modal_history, movie
+from tactometry.stimuli.time_reversal.filters import Band, Butterworth, Hold, MeasuredGain
 from tactometry.stimuli.time_reversal.focusing.focusing import (
     drive,
     emitted,
@@ -21,15 +22,7 @@ from tactometry.stimuli.time_reversal.focusing.focusing import (
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.plate.modes import modes_of
-from tactometry.stimuli.time_reversal.responses.filtering import (
-    Band,
-    Butterworth,
-    Hold,
-    MeasuredGain,
-    band_limited,
-    inaudible,
-    through,
-)
+from tactometry.stimuli.time_reversal.responses.filtering import band_limited, inaudible, through
 from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen

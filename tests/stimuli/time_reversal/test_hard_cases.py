@@ -17,6 +17,7 @@ from scipy.sparse.linalg import eigsh, splu
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.field.field import field
+from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude, focus_amplitudes
 from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
@@ -28,7 +29,7 @@ from tactometry.stimuli.time_reversal.plate.modes import RitzModes, modes_of, va
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz
 from tactometry.stimuli.time_reversal.rectangle.ritz import ellipse, pairs, pencil
 from tactometry.stimuli.time_reversal.responses.decay import tau_estimate
-from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.measured import inspect
 from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation

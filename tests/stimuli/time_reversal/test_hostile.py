@@ -52,10 +52,10 @@ from tactometry.stimuli.time_reversal import (
 )
 from tactometry.stimuli.time_reversal.design.guide import Transducers
 from tactometry.stimuli.time_reversal.field.sound import NoiseSpectrum
+from tactometry.stimuli.time_reversal.filters import Butterworth, Hold, MeasuredGain
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
 from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
 from tactometry.stimuli.time_reversal.responses.decay import TauEstimate
-from tactometry.stimuli.time_reversal.responses.filtering import Butterworth, Hold, MeasuredGain
 from tactometry.stimuli.time_reversal.responses.learning import Excitation
 from tactometry.stimuli.time_reversal.stimulus.vibrometer import FocusReading
 
@@ -106,7 +106,8 @@ def constructors() -> Iterator[tuple[str, object]]:
         "screen.attenuation": Attenuation(3e-3, 0.1), "responses.bonded_patches": (Stiffener(0.1, 0.1, 1.0), Ceramic()),
         "design.closed_forms": ROOM, "finger.contactor": Contactor("soft"),
         "responses.decay": TauEstimate(1.0, 0.5, 2.0),
-        "design.guide": (Transducers(8), Target(contrast=3.0), DESIGN), "finger.finger": (Finger(0.1, 0.1), EMISSION),
+        "design.guide": (Transducers(8), Target(contrast=3.0), DESIGN), "finger.finger": Finger(0.1, 0.1),
+        "focusing.emission": EMISSION,
         "stimulus.focus_train": TRAIN, "plate.glass": Glass("x", 64e9, 0.2, 2230.0, "here"),
         "responses.learning": Excitation(CLICK, 2e3, 0.0, 1e3, "click"), "responses.load": PlateLoad(0.1, 0.1, 10.0),
         "focusing.pattern": (
@@ -116,7 +117,7 @@ def constructors() -> Iterator[tuple[str, object]]:
         "stimulus.vibrometer": FocusReading(SETUP), "responses.responses": RESPONSES, "screen.screen": SCREEN,
         "stimulus.sensation": TimeReversalSensation(SETUP), "stimulus.setup": SETUP,
         "field.sound": NoiseSpectrum(np.array([10.0, 20.0]), np.array([1e-9, 1e-9])),
-        "responses.filtering": (BAND, Butterworth(500.0), MeasuredGain((1.0, 2.0), (1.0, 1j)), Hold(1e3)),
+        "filters": (BAND, Butterworth(500.0), MeasuredGain((1.0, 2.0), (1.0, 1j)), Hold(1e3)),
         "stimulus.family": TimeReversalStimulus(FOCUS, reversal_s=0.1, heard=FOCUS, path=[0], tau_s=0.1),
         "design.thickness": SHEETS[0],
         "screen.transducer": (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), DiscPatch(0.1, 0.1, 0.01)),

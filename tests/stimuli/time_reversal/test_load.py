@@ -11,9 +11,9 @@ from hard_cases import exact_case, hard_case
 from hypothesis import given, settings, strategies as st
 
 from tactometry.errors import InvalidParameter
+from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger.contactor import Contactor
 from tactometry.stimuli.time_reversal.finger.finger import (
-    Emission,
     Finger,
     absorbing_tau_s,
     amplitude_loss,
@@ -23,11 +23,12 @@ from tactometry.stimuli.time_reversal.finger.finger import (
     ejection_force_n,
 )
 from tactometry.stimuli.time_reversal.finger.force_loss import force_loss
+from tactometry.stimuli.time_reversal.focusing.emission import Emission
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.modes import modes_of
-from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.load import (
     PlateLoad,
     Receptances,

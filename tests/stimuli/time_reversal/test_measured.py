@@ -9,6 +9,7 @@ from soak import SOAK
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.design.closed_forms import ALPHA, resolution_m
+from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude, focus_amplitudes
 from tactometry.stimuli.time_reversal.focusing.interpolation import (
     estimator,
@@ -21,7 +22,7 @@ from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
 from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.decay import mean_estimate, schroeder_db, tau_estimate, tau_s
-from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.material_constants import (
     alpha_from_resolutions,
     rigidity_ratio_from_dispersion,

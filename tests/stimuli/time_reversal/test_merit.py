@@ -34,10 +34,11 @@ from tactometry.stimuli.time_reversal.field.sound import (
     radiation_efficiency,
     velocity_spectrum,
 )
+from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited, inaudible
+from tactometry.stimuli.time_reversal.responses.filtering import band_limited, inaudible
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen

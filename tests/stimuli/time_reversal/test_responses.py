@@ -11,9 +11,10 @@ from soak import SOAK
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal import Plate
+from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.modes import laplacians, modes_of, values
-from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.load import Receptances
 from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses, samples_in
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation

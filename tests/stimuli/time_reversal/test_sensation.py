@@ -11,11 +11,12 @@ from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.signal import Signal
 from tactometry.stimuli.perception.sensitivity import sensitivity_db
+from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger.finger import Finger
 from tactometry.stimuli.time_reversal.focusing.focusing import drive as reversed_drive, emitted
 from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS, focus_samples
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
-from tactometry.stimuli.time_reversal.responses.filtering import Band, band_limited
+from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.load import PlateLoad, loaded_responses
 from tactometry.stimuli.time_reversal.screen.transducer import MOMENT_N_PER_V
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain, measured

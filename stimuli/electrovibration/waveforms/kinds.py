@@ -1,0 +1,29 @@
+"""Every waveform that a study can name, by its kind: the one list of them."""
+
+from collections.abc import Mapping
+from typing import Final, NamedTuple
+
+
+class WaveformKind(NamedTuple):
+    """Where the class of a waveform is, which is imported when it is named, and fields that make one.
+
+    The fields are those without a default: with them the laws of all stimuli run, and its keys are described.
+    """
+
+    target: str
+    example: Mapping[str, object]
+
+
+_TONE: Final = {"frequency_hz": 60.0}
+
+WAVEFORMS: Final[Mapping[str, WaveformKind]] = {
+    "amplitude_modulated": WaveformKind(f"{__package__}.amplitude_modulated:AmplitudeModulated", _TONE),
+    "sine": WaveformKind(f"{__package__}.sine:Sine", _TONE),
+    "square": WaveformKind(f"{__package__}.square:Square", _TONE),
+    "triangle": WaveformKind(f"{__package__}.triangle:Triangle", _TONE),
+    "trapezoid": WaveformKind(
+        f"{__package__}.trapezoid:Trapezoid", {"rise_s": 1e-3, "high_s": 2e-3, "fall_s": 1e-3, "low_s": 2e-3}
+    ),
+    "pulse_train": WaveformKind(f"{__package__}.pulse_train:PulseTrain", {**_TONE, "width_s": 1e-3}),
+    "step": WaveformKind(f"{__package__}.step:Step", {}),
+}

@@ -1,0 +1,134 @@
+"""Gains over frequency: bands, amplifiers, a hold."""
+
+import math
+from dataclasses import dataclass
+from typing import Final, Protocol, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import positive, within
+from tactometry.errors import InvalidParameter
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+AUDIBLE_MAX_HZ: Final = 20e3
+"""Where the audible-band filter begins to pass; unverified default."""
+
+
+@runtime_checkable
+class GainCurve(Protocol):
+    """A linear element in the frequency domain."""
+
+    def at(self, frequency_hz: FloatArray) -> ComplexArray:
+        """Complex gain at frequencies of at least 0."""
+
+
+@checked
+@dataclass(frozen=True)
+class Band:
+    """Passes f_min..f_max without a change of phase; raised-cosine flanks of `flank_hz` lie inside the band.
+
+    Parameters
+    ----------
+    f_min_hz, f_max_hz : float
+        0 <= f_min < f_max.
+    flank_hz : float
+        At least 0; at most the width of the band.
+
+    Raises
+    ------
+    InvalidParameter
+        If the band is empty.
+    """
+
+    f_min_hz: float
+    f_max_hz: float
+    flank_hz: float = 0.0
+
+    def __post_init__(self) -> None:
+        positive("Band", f_max_hz=self.f_max_hz)
+        within("Band", 0, np.inf, f_min_hz=self.f_min_hz, flank_hz=self.flank_hz)
+        if not self.f_min_hz < self.f_max_hz:
+            raise InvalidParameter(
+                f"Band: found {self.f_min_hz} to {self.f_max_hz} Hz, which is empty; expected f_min_hz below f_max_hz"
+            )
+
+    @property
+    def width_hz(self) -> float:
+        return self.f_max_hz - self.f_min_hz
+
+    @property
+    def mean_hz(self) -> float:
+        return (self.f_max_hz + self.f_min_hz) / 2
+
+    def at(self, frequency_hz: FloatArray) -> ComplexArray:
+        rise = _step(frequency_hz - self.f_min_hz, self.flank_hz) if self.f_min_hz > 0 else 1.0
+        return np.asarray(rise * _step(self.f_max_hz - frequency_hz, self.flank_hz), complex)
+
+
+@checked
+@dataclass(frozen=True)
+class Butterworth:
+    """Amplifier that rolls off: 1 / prod(s - poles), order n, -3 dB at the cut-off."""
+
+    cutoff_hz: float
+    order: int = 1
+
+    def __post_init__(self) -> None:
+        positive("Butterworth", cutoff_hz=self.cutoff_hz, order=self.order)
+
+    def at(self, frequency_hz: FloatArray) -> ComplexArray:
+        s = 1j * np.asarray(frequency_hz) / self.cutoff_hz
+        k = np.arange(self.order)
+        poles = np.exp(1j * math.pi * (2 * k + self.order + 1) / (2 * self.order))
+        return np.asarray(np.prod(-poles / (s[..., None] - poles), axis=-1))
+
+
+@checked
+@dataclass(frozen=True)
+class MeasuredGain:
+    """An amplifier's measured gain, linear between its frequencies and constant outside.
+
+    Parameters
+    ----------
+    frequency_hz : tuple of float
+        Ascending.
+    gain : tuple of complex
+        As many.
+    """
+
+    frequency_hz: tuple[float, ...]
+    gain: tuple[complex, ...]
+
+    def __post_init__(self) -> None:
+        if len(self.frequency_hz) != len(self.gain) or not self.gain:
+            raise InvalidParameter(
+                f"MeasuredGain: found {len(self.frequency_hz)} frequencies and {len(self.gain)} gains, expected as many"
+            )
+        if any(b <= a for a, b in zip(self.frequency_hz, self.frequency_hz[1:], strict=False)):
+            raise InvalidParameter("MeasuredGain.frequency_hz: found values that do not rise, expected ascending ones")
+
+    def at(self, frequency_hz: FloatArray) -> ComplexArray:
+        return np.asarray(np.interp(frequency_hz, self.frequency_hz, np.asarray(self.gain, complex)))
+
+
+@checked
+@dataclass(frozen=True)
+class Hold:
+    """An output that holds each sample: sinc(f / rate) and half a sample of delay."""
+
+    rate_hz: float
+
+    def at(self, frequency_hz: FloatArray) -> ComplexArray:
+        relative = np.asarray(frequency_hz) / self.rate_hz
+        return np.asarray(np.sinc(relative) * np.exp(-1j * math.pi * relative))
+
+
+def _step(above_hz: FloatArray, flank_hz: float) -> FloatArray:
+    """0 below 0, 1 above the flank, a raised cosine between."""
+    if flank_hz == 0:
+        return np.asarray(above_hz >= 0, float)
+    return np.asarray((1 - np.cos(math.pi * np.clip(above_hz, 0, flank_hz) / flank_hz)) / 2)
