@@ -1,0 +1,98 @@
+"""A waveform is added as CONTRIBUTING says, one file and one line: a study is felt with it, and the laws hold it."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tactometry.experiments.study.study_file import load
+
+FILE = '''
+"""A sawtooth, as it would stand in stimuli/electrovibration/waveforms/sawtooth.py."""
+
+from dataclasses import dataclass
+
+from tactometry.stimuli.electrovibration.waveforms.corners import Corners
+from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit
+from tactometry.stimuli.electrovibration.waveforms.periodic import Periodic, check_periodic
+
+
+@dataclass(frozen=True)
+class Sawtooth(Periodic):
+    frequency_hz: float
+    duration_s: float = 1.0
+    ramp_s: float = 0.05
+    rate_hz: float = 20_000.0
+    band_limited: bool = False
+    level_unit: LevelUnit = "dB re 1 V"
+
+    def __post_init__(self) -> None:
+        check_periodic(self)
+
+    @property
+    def corners(self) -> Corners:
+        return Corners((0.0, 0.5, 0.5, 1.0), (0.0, 1.0, -1.0, 0.0))
+
+    @property
+    def voltage_frequency_hz(self) -> float:
+        return self.frequency_hz
+'''
+
+LINE = """
+import json, sys
+from tactometry.stimuli.electrovibration.waveforms import kinds
+
+kinds.WAVEFORMS["sawtooth"] = kinds.WaveformKind("sawtooth:Sawtooth", {"frequency_hz": 60.0})  # the line
+
+from catalogue import STIMULI
+from tactometry.cli import main
+from tactometry.experiments.study.key_tables import study_tables
+
+said = {"keys": [heading for heading, _ in study_tables()], "laws": list(STIMULI), "status": []}
+for arguments in json.loads(sys.argv[1]):
+    try:
+        main(arguments)
+    except SystemExit as ended:
+        said["status"].append(ended.code)
+print(json.dumps(said), file=sys.stderr)
+"""
+
+
+@pytest.fixture(scope="module")
+def added(tmp_path_factory):
+    """What a fresh program does that finds the file and the line."""
+    folder = tmp_path_factory.mktemp("sawtooth")
+    (folder / "sawtooth.py").write_text(FILE)
+    study = load("tutorial")[1].decode().replace('kind = "amplitude_modulated"', 'kind = "sawtooth"')
+    (folder / "good.toml").write_text(study)
+    (folder / "mistyped.toml").write_text(study.replace('"sawtooth"', '"sawtoth"'))
+    data = str(folder / "d")
+    commands = [
+        ["simulate", str(folder / "good.toml"), "--participants", "1", "--seed", "1", "--out", data],
+        ["validate", data],
+        ["replay", data],
+        ["run", str(folder / "mistyped.toml"), "--participant", "P01", "--dry-run"],
+    ]
+    tests = Path(__file__).parents[2]
+    path = os.pathsep.join(map(str, (folder, tests, tests / "support")))
+    return subprocess.run(
+        [sys.executable, "-c", LINE, json.dumps(commands)],
+        capture_output=True, text=True, check=True, env={**os.environ, "PYTHONPATH": path},
+    ).stderr.splitlines()  # fmt: skip
+
+
+def test_a_study_is_simulated_validated_and_replayed_with_it(added):
+    assert json.loads(added[-1])["status"] == [0, 0, 0, 2]
+
+
+def test_the_page_of_keys_and_the_laws_of_all_stimuli_have_it(added):
+    told = json.loads(added[-1])
+    assert '`[stimulus]`, `kind = "sawtooth"`' in told["keys"]
+    assert "sawtooth" in told["laws"]
+
+
+def test_a_mistyped_name_of_it_is_told(added):
+    assert "did you mean 'sawtooth'" in " ".join(added[:-1])
