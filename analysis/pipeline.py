@@ -9,7 +9,7 @@ import pandas as pd
 
 from tactometry.errors import InvalidFile, InvalidParameter
 
-from .outcomes.findings import PURE_NUMBERS, Outcome
+from .outcomes.findings import Outcome
 from .outcomes.hierarchical_outcome import HierarchicalOutcome, together
 from .outcomes.outcome import outcome
 from .outcomes.ratings import ratings
@@ -169,7 +169,7 @@ def _outcomes(
     for task in (task for task in ANALYSES if task in estimates):
         for dependent in ANALYSES[task].dependents:
             # differences that count as none are in the unit of the levels, which an exponent has not
-            bounds = {} if dependent in PURE_NUMBERS else plan.equivalence
+            bounds = {} if task in RESULTS and not RESULTS[task].in_levels else plan.equivalence
             yield outcome(estimates[task], factors, task, dependent, forces=forces, bounds=bounds, primary=plan.primary)
 
 

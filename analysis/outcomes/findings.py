@@ -8,10 +8,10 @@ import pandas as pd
 from ..anova.censored import CensoredAnova
 from ..anova.design import DesignStatus
 from ..mixed_models.linear import MixedModel
+from ..tasks.kinds import RESULTS
 from .primary import TITLES, Primary
 
 FORCE = "force_n"
-PURE_NUMBERS = ("exponent",)
 DIFFERENCES = ("jnd",)
 
 
@@ -52,7 +52,7 @@ class Outcome:
 
     def unit(self, of_levels: str) -> str:
         """Of the dependent value: an exponent has none, and a difference in decibels has no reference."""
-        if self.dependent in PURE_NUMBERS:
+        if self.task in RESULTS and not RESULTS[self.task].in_levels:
             return ""
         return of_levels.partition(" re ")[0] if self.dependent in DIFFERENCES else of_levels
 

@@ -15,6 +15,7 @@ from tactometry.records.sittings import changes, heads
 
 from ..arrays import Bools
 from ..wording.labels import NAMED
+from .level_scale import SETTINGS
 from .trials import Trials
 
 Key = tuple[str, float]
@@ -100,7 +101,7 @@ def _unplayed(rows: pd.DataFrame) -> Iterator[str]:
     """
     if not {"rig", "level_delivered"} <= set(rows.columns):
         return
-    asked = rows[(rows["rig"] != "") & (rows["valid"] == 1) & rows["level"].notna() & (rows["task"] != "adjustment")]
+    asked = rows[(rows["rig"] != "") & (rows["valid"] == 1) & rows["level"].notna() & ~rows["task"].isin(SETTINGS)]
     silent = asked[asked["level_delivered"].isna()]
     if len(silent):
         yield f"nothing was played where a level was to be felt ({_named(silent)}): these answers are to no stimulus"

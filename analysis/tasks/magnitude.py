@@ -114,5 +114,6 @@ ANALYSIS = TaskAnalysis(
             "and effects of sidetone. Journal of the Acoustical Society of America, 33, 160-167.",
         ),
         dependent=DEPENDENT,
+        in_levels=False,
     ),
 )

@@ -29,6 +29,8 @@ class Results:
     dependent : str
         The column of the table named as the task that is compared between conditions, with a row for each participant
         and condition; empty: none is.
+    in_levels : bool
+        The dependent value is in the unit of the levels, as are the differences that a plan counts as none.
     title, lead, in_terminal : str
         Of a table that is told as it stands, as that of a dependent value is not: the heading and the sentence of the
         page, and the title of the terminal.
@@ -40,6 +42,7 @@ class Results:
     methods: str = ""
     works: tuple[str, ...] = ()
     dependent: str = ""
+    in_levels: bool = True
     title: str = ""
     lead: str = ""
     in_terminal: str = ""

@@ -46,7 +46,16 @@ def dependent_title(name: str) -> str:
     >>> dependent_title("pse"), dependent_title("threshold")
     ('Point of subjective equality', 'Detection threshold')
     """
-    return "Detection threshold" if name == "threshold" else DEPENDENT_NAMES[name].capitalize()
+    return "Detection threshold" if name == "threshold" else dependent_name(name).capitalize()
+
+
+def dependent_name(name: str) -> str:
+    """A dependent value as a person calls it.
+
+    >>> dependent_name("jnd"), dependent_name("tip_speed")
+    ('just noticeable difference', 'tip speed')
+    """
+    return DEPENDENT_NAMES.get(name, name.replace("_", " "))
 
 
 def with_unit(name: str, unit: str) -> str:

@@ -7,7 +7,7 @@ from ...outcomes.hierarchical_outcome import HierarchicalOutcome
 from ...result import Analysis
 from ...tasks.kinds import CURVES
 from ...wording.cross_table import cross_table
-from ...wording.labels import DEPENDENT_NAMES, dependent_title, with_unit
+from ...wording.labels import dependent_name, dependent_title, with_unit
 from ..grid import grid
 from ..section import Block, Details, Figure, Kind, Lead, Section, Sentences, Table, TextTable, plain_rows
 from ..sentences import hierarchical_sentences
@@ -66,7 +66,7 @@ def _terminal(found: Analysis) -> Iterator[TextTable]:
     for outcome in found.together:
         if outcome.fit is not None:
             unit = f", {found.unit}" if found.unit else ""
-            name = DEPENDENT_NAMES[_dependent(outcome)]
+            name = dependent_name(_dependent(outcome))
             title = f"check, all participants at once: {name}{unit} (mean, 95 % interval)"
             cross = cross_table(outcome.conditions, outcome.fit.factors)
             yield TextTable(cross, title, hierarchical_sentences(outcome, found.unit))

@@ -11,7 +11,7 @@ from ...result import Analysis
 from ...tasks.magnitude import DEPENDENT as EXPONENT, GROWTH
 from ...wording.cross_table import cross_table
 from ...wording.decibels import as_amplitudes, is_decibel
-from ...wording.labels import DEPENDENT_NAMES, dependent_title, in_words, with_unit
+from ...wording.labels import dependent_name, dependent_title, in_words, with_unit
 from ...wording.numbers import p_text
 from ..captions import figure_text, means_sentence, means_text
 from ..grid import TextGrid, grid
@@ -108,7 +108,7 @@ def _terminal(found: Analysis) -> Iterator[TextTable]:
     for outcome in found.outcomes:
         unit = f", {outcome.unit(found.unit)}" if outcome.unit(found.unit) else ""
         primary = [outcome.heading(), *primary_sentences(outcome)] if outcome.primary else []
-        title = f"{DEPENDENT_NAMES[outcome.dependent]}{unit} ({means_text(outcome.group)}, n)"
+        title = f"{dependent_name(outcome.dependent)}{unit} ({means_text(outcome.group)}, n)"
         yield TextTable(outcome.cross, title, [*outcome.notes, *primary])
 
 
