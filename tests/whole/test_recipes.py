@@ -28,6 +28,12 @@ LINES = (
         '    "spring": "tactometry.devices.sensors.spring:SpringSettings",\n',
         '    "recorded": ',
     ),
+    (
+        "analysis/report/kinds.py",
+        "from .sections.latency import LATENCY\n",
+        "from .sections.loss import LOSS\n",
+    ),
+    ("analysis/report/kinds.py", "    LATENCY,\n", "    LOSS,\n"),
 )
 """In which file, the line, and what stands behind it."""
 
@@ -186,3 +192,9 @@ def test_a_questionnaire_is_a_file(folder: Path) -> None:
 
 def test_a_sensor_is_a_file_and_a_line(folder: Path) -> None:
     assert {row["force_mean_n"] for row in rows_of(folder / "pressed")} == {"1"}
+
+
+def test_a_kind_of_result_is_a_file_and_a_line(folder: Path) -> None:
+    page = (folder / "odd.html").read_text(encoding="utf-8")
+    assert "<h2>Times to answer</h2>" in page
+    assert "Median of all answers: " in page
