@@ -10,6 +10,8 @@ from soak import SOAK
 from tactometry.analysis.threshold.fitting import Status, fit
 from tactometry.psychometric import PsychometricFunction
 
+pytestmark = pytest.mark.slow
+
 N_SETS = 100 if SOAK else 3
 LEVELS, N_TRIALS = np.arange(1.0, 8.0), 20
 PEER_GRID = 0.025
