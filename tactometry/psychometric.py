@@ -7,7 +7,7 @@ another, so that both tails keep their digits wherever a float can hold the loga
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache
 from math import isfinite, log
 from types import MappingProxyType
@@ -132,14 +132,7 @@ SHAPES: Mapping[str, Shape] = MappingProxyType(
             score=lambda z: -_gumbel_score(-z),
             at=lambda log_cdf, log_sf: -_log_of_minus(log_cdf),
         ),
-        "weibull": Shape(
-            log_cdf=_GUMBEL.log_cdf,
-            log_sf=_GUMBEL.log_sf,
-            log_pdf=_GUMBEL.log_pdf,
-            score=_GUMBEL.score,
-            at=_GUMBEL.at,
-            on_log_levels=True,
-        ),
+        "weibull": replace(_GUMBEL, on_log_levels=True),
     }
 )
 

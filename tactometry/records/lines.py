@@ -51,7 +51,7 @@ def decode_entry(value: dict[str, Any]) -> Entry:
 def _strictly(value: Any, kind: type[T]) -> T:
     """A value as a class; a key that the class does not know is refused, also in the trial of a `Record`."""
     built = msgspec.convert(value, kind)
-    _refuse_unknown(value, built)
+    _refuse_unknown(value, built)  # msgspec lets a key pass that a dataclass does not know
     if isinstance(built, Record):
         _refuse_unknown(value["trial"], built.trial)
     return built

@@ -62,7 +62,7 @@ class Journal:
         if cut:
             self.keep(after_trials=len(kept.trials), cut=cut.decode("utf-8", "backslashreplace"))
             # what was not asked happened all the same: it stays, behind what is kept
-            behind = _unasked(recording)[len(kept.events) + len(kept.resumed) :]
+            behind = _not_asked(recording)[len(kept.events) + len(kept.resumed) :]
             self._exchange(content[:n_bytes], behind)
             kept = _with_behind(kept, behind)
         os.lseek(self._file, 0, os.SEEK_END)
@@ -147,7 +147,7 @@ def _until_last_trial(recording: Recording) -> Recording:
     )
 
 
-def _unasked(recording: Recording) -> list[Event | Head]:
+def _not_asked(recording: Recording) -> list[Event | Head]:
     """Every line that answers no request: events and heads of later sittings, in their order."""
     by_line: dict[int, Event | Head] = dict(zip(recording.event_lines, recording.events, strict=True))
     by_line |= dict(zip(recording.resumed_lines, recording.resumed, strict=True))

@@ -127,10 +127,10 @@ class AudioOutput:
     def _numbers(self, signal: Signal) -> NDArray[np.generic]:
         """What the card gets, (n_channels, n_samples); the last signal's is kept, so that `play` begins at once."""
         if self._numbered is None or self._numbered[0] is not signal:
-            self._numbered = signal, self._rounded(signal)
+            self._numbered = signal, self._round_to_zero(signal)
         return self._numbered[1]
 
-    def _rounded(self, signal: Signal) -> NDArray[np.generic]:
+    def _round_to_zero(self, signal: Signal) -> NDArray[np.generic]:
         """Rounded towards zero, so that no limit is passed by rounding."""
         units = self._gain.to_units(signal)
         kind = np.dtype(self._settings.sample_format)

@@ -98,7 +98,7 @@ class Guarded:
         LimitExceeded
             If a limit that the load needs is missing; the device stays closed.
         """
-        self._stated()
+        self._stated_limits()
         self.driver.open()
         self._exposure = Exposure(self.clock()) if self._before is None else self._before
         self._counting = threading.Lock()
@@ -130,7 +130,7 @@ class Guarded:
         LimitExceeded, DeviceFailed
             If the signal must not or cannot be played.
         """
-        limits = self._stated()
+        limits = self._stated_limits()
         if self._checked is None or self._checked[0] is not signal:
             self._checked = signal, self._final(signal, limits)
         return limits, self._checked[1]
@@ -157,7 +157,7 @@ class Guarded:
     def close(self) -> None:
         self.driver.close()
 
-    def _stated(self) -> Limits:
+    def _stated_limits(self) -> Limits:
         if self.limits is None:
             raise LimitExceeded(
                 f"output {self.name!r}: found no limits, expected those of what is connected; state them in the bench "

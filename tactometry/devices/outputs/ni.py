@@ -138,7 +138,7 @@ class NiOutput:
         try:
             self._task = start_task(task, self._settings)
         except Exception as error:
-            raise _failed(self.name, error) from None
+            raise _refusal(self.name, error) from None
         return time.perf_counter()
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> None:
@@ -173,7 +173,7 @@ class NiOutput:
         except DeviceFailed:
             raise
         except Exception as error:
-            raise _failed(self.name, error) from None
+            raise _refusal(self.name, error) from None
 
 
 def start_task(task: NiTask, settings: NiSettings) -> Any:
@@ -214,5 +214,5 @@ def _library() -> Any:
     return nidaqmx
 
 
-def _failed(name: str, error: Exception) -> DeviceFailed:
+def _refusal(name: str, error: Exception) -> DeviceFailed:
     return DeviceFailed(f"output {name!r}: NI-DAQmx refused ({' '.join(str(error).split())}); nothing was played")

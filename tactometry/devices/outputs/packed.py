@@ -90,7 +90,7 @@ class PackedOutput:
     def final(self, signal: Signal) -> Signal:
         """What comes out of the bits again; every voltage is that of the supply."""
         try:
-            emitted = decode(self._encoded(signal))
+            emitted = decode(self._stream_of(signal))
         except InvalidParameter as error:
             raise DeviceFailed(f"output {self.name!r}: {error}; nothing was played") from None
         supply_v = self._gain.load_volts_per_unit
@@ -102,7 +102,7 @@ class PackedOutput:
             )
         return Signal(np.sign(emitted.samples) * supply_v, emitted.rate_hz, "V")
 
-    def _encoded(self, signal: Signal) -> bytes:
+    def _stream_of(self, signal: Signal) -> bytes:
         """The stream of a signal; the last one is kept, so that `play` begins at once."""
         if self._kept is None or self._kept[0] is not signal:
             self._kept = signal, encode(signal)
@@ -117,7 +117,7 @@ class PackedOutput:
             # a stop that the board did not read has let its line go
             self._line = self._line or open_line(self._path, AGAIN_WITHIN_S)
             onset_s = time.perf_counter()
-            self._sending = Sending(self._line, self._encoded(signal), signal.duration_s + SEND_BESIDE_S)
+            self._sending = Sending(self._line, self._stream_of(signal), signal.duration_s + SEND_BESIDE_S)
         return onset_s
 
     def _finish(self) -> None:

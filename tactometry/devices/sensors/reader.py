@@ -171,7 +171,7 @@ class Reader:
             try:
                 self._take(self.source.receive())
             except Exception as error:  # whatever it was, the device is looked for again
-                self._failure = str(self._failed(error))
+                self._failure = str(self._as_failure(error))
                 self._n_outages += 1
                 with contextlib.suppress(Exception):
                     self.source.close()
@@ -183,9 +183,9 @@ class Reader:
         try:
             self.source.open()
         except Exception as error:
-            raise self._failed(error) from None
+            raise self._as_failure(error) from None
 
-    def _failed(self, error: Exception) -> DeviceFailed:
+    def _as_failure(self, error: Exception) -> DeviceFailed:
         if isinstance(error, DeviceFailed):
             return error
         words = f"{type(error).__name__}: {' '.join(str(error).split())}"

@@ -3,7 +3,7 @@
 import math
 
 from . import layout
-from .page import EDGE, INK, QUIET, Answer, Box, Button, Item, Page, Text
+from .page import EDGE, INK, Answer, Box, Button, Item, Page, Text
 
 ROWS = ("789", "456", "123", ".0<")
 POINT, ERASE = ".", "<"
@@ -21,7 +21,7 @@ def value_of(typed: str, low: float, high: float | None) -> float | None:
     >>> value_of("12.5", 0.0, None), value_of(".", 0.0, None), value_of("11", 0.0, 10.0)
     (12.5, None, None)
     """
-    if not typed.strip(POINT):
+    if not typed.strip(POINT):  # nothing, or a point alone, which `float` refuses
         return None
     value = float(typed)
     return value if low <= value <= (math.inf if high is None else high) else None
@@ -44,7 +44,7 @@ def after(typed: str, answer: Answer, low: float, high: float | None) -> tuple[s
 def entry_page(words: str, typed: str, hint: str, aspect: float, *, ready: bool) -> Page:
     """The question, what was typed, and keys to touch."""
     items: list[Item] = [
-        Text(words, 0, 0.37, layout.HEADING, wrap_width=min(layout.WIDEST, layout.MARGIN * aspect)),
+        layout.heading(words, 0.37, aspect),
         Box(0, 0.24, 0.5, 0.11, line=INK),
         Text(typed or " ", 0, 0.24, 0.07),
     ]
@@ -56,6 +56,6 @@ def entry_page(words: str, typed: str, hint: str, aspect: float, *, ready: bool)
             buttons.append(Button(symbol, KEYS[symbol], x, y, 0.14, 0.09))
     line = INK if ready else EDGE
     items += [Box(0.42, -0.21, 0.2, 0.09, line=line), Text("OK", 0.42, -0.21, layout.BODY, line)]
-    items.append(Text(hint, 0, -0.42, layout.HINT, QUIET, layout.MARGIN * aspect))
+    items.append(layout.hint_line(hint, aspect))
     confirm = Button(layout.CONFIRM, layout.CONTINUE_KEYS, 0.42, -0.21, 0.2, 0.09)
     return Page(tuple(items), (*buttons, confirm))

@@ -88,7 +88,7 @@ def after(form: Form, marks: Marks, answer: Answer) -> tuple[Marks, bool]:
     if answer in (NEXT, BEFORE):
         row = marks.row + (1 if answer == NEXT else -1)
         return replace(marks, row=min(max(row, 0), len(form.rows) - 1)), False
-    return marks.set(marks.row, _shifted(marks.places[marks.row], answer, form.n_positions)), False
+    return marks.set(marks.row, _shift(marks.places[marks.row], answer, form.n_positions)), False
 
 
 def _leaving(marks: Marks) -> tuple[Marks, bool]:
@@ -97,8 +97,8 @@ def _leaving(marks: Marks) -> tuple[Marks, bool]:
     return replace(marks, row=marks.places.index(None), warned=True), False
 
 
-def _shifted(place: int | None, answer: Answer, n_positions: int) -> int:
-    if place is None:
+def _shift(place: int | None, answer: Answer, n_positions: int) -> int:
+    if place is None:  # the first arrow marks the middle, whichever it is
         return n_positions // 2
     return min(max(place + (1 if answer == layout.RIGHT else -1), 0), n_positions - 1)
 
@@ -110,11 +110,12 @@ def form_page(form: Form, marks: Marks, aspect: float) -> Page:
     items: list[Item] = []
     buttons: list[Button] = []
     for k, (row, y) in enumerate(zip(form.rows, centres, strict=True)):
-        items += [Box(0, y, layout.MARGIN * aspect, 0.94 * pitch, line=ACCENT)] if k == marks.row else []
+        if k == marks.row:
+            items.append(Box(0, y, layout.MARGIN * aspect, 0.94 * pitch, line=ACCENT))
         items += _row(form, row, marks.places[k], y, pitch, aspect)
         buttons += _places(form, k, y, pitch)
-    said = form.gaps if marks.warned else form.hint
-    return Page((*items, *_foot(said, marks, aspect)), (*buttons, *_keys(form)))
+    words = form.gaps if marks.warned else form.hint
+    return Page((*items, *_foot(words, marks, aspect)), (*buttons, *_keys(form)))
 
 
 def _row(
@@ -141,11 +142,15 @@ def _scale(form: Form, place: int | None, y: float) -> list[Item]:
     xs = _xs(form.n_positions)
     line = Box(0, y, xs[-1] - xs[0], 0.004, fill=EDGE)
     radius = min(0.024, 0.4 * SCALE_LENGTH / form.n_positions)
+    items: list[Item] = [line]
     if form.rings:
-        rings = [Disc(x, y, radius, fill=PAPER, line=INK) for x in xs]
-        return [line, *rings, *([Disc(xs[place], y, 0.7 * radius, fill=GOOD)] if place is not None else [])]
-    ends = [Box(side * SCALE_LENGTH / 2, y, 0.005, 0.05, fill=INK) for side in (-1, 1)]
-    return [line, *ends, *([Box(xs[place], y, 0.012, 0.06, fill=GOOD)] if place is not None else [])]
+        items += [Disc(x, y, radius, fill=PAPER, line=INK) for x in xs]
+    else:
+        items += [Box(side * SCALE_LENGTH / 2, y, 0.005, 0.05, fill=INK) for side in (-1, 1)]
+    if place is not None:  # last, so that the mark is drawn over what it marks
+        x = xs[place]
+        items.append(Disc(x, y, 0.7 * radius, fill=GOOD) if form.rings else Box(x, y, 0.012, 0.06, fill=GOOD))
+    return items
 
 
 def _places(form: Form, row: int, y: float, pitch: float) -> list[Button]:
@@ -154,12 +159,12 @@ def _places(form: Form, row: int, y: float, pitch: float) -> list[Button]:
     return [Button((row, k), (), x, middle, width, height) for k, x in enumerate(_xs(form.n_positions))]
 
 
-def _foot(said: str, marks: Marks, aspect: float) -> list[Item]:
+def _foot(words: str, marks: Marks, aspect: float) -> list[Item]:
     line = INK if marks.complete or marks.warned else EDGE
     return [
         Box(0, -0.32, 0.26, 0.09, line=line),
         Text("OK", 0, -0.32, layout.BODY, line),
-        Text(said, 0, -0.43, layout.HINT, GOOD if marks.warned else QUIET, layout.MARGIN * aspect),
+        Text(words, 0, -0.43, layout.HINT, GOOD if marks.warned else QUIET, layout.MARGIN * aspect),
     ]
 
 

@@ -21,32 +21,44 @@ from .page import (
     Text,
 )
 
-BODY = 0.042
-HEADING = 0.056
-HINT = 0.032
+BODY, HEADING, HINT = 0.042, 0.056, 0.032
+"""Heights of letters, in heights of the screen."""
 N_POSITIONS_CONTINUOUS = 101
 MARGIN = 0.9
+"""Part of the screen's width that may be filled."""
 WIDEST = 1.5
+"""No line of words is longer, on however wide a screen."""
 
 CONTINUE_KEYS = ("space", "return", "num_enter")
 LEFT, RIGHT, UP, DOWN, CONFIRM = "left", "right", "up", "down", "confirm"
 
 
+def heading(words: str, y: float, aspect: float) -> Text:
+    """Words at the top of a page, as wide as can be read."""
+    return Text(words, 0, y, HEADING, wrap_width=min(WIDEST, MARGIN * aspect))
+
+
+def hint_line(words: str, aspect: float) -> Text:
+    """What may be pressed, at the bottom of a page."""
+    return Text(words, 0, -0.42, HINT, QUIET, MARGIN * aspect)
+
+
 def message_page(words: str, hint: str, aspect: float, progress: float | None = None) -> Page:
     """A text that is left by the space bar, return or a click anywhere; `progress` (0..1) is drawn as a bar."""
     width = min(WIDEST, MARGIN * aspect)
-    heading, _, body = words.strip().partition("\n\n")
-    items = (
-        Text(heading, 0, 0.33 if body else 0.05, HEADING, wrap_width=width),
-        *([Text(body.strip(), 0, 0, BODY, wrap_width=width)] if body else []),
-        *([] if progress is None else _progress_bar(progress)),
-        Text(hint, 0, -0.42, HINT, QUIET, width),
-    )
-    return Page(items, (Button("continue", CONTINUE_KEYS, 0, 0, aspect, 1.0),))
+    first, _, body = words.strip().partition("\n\n")
+    items: list[Item] = [heading(first, 0.33 if body else 0.05, aspect)]
+    if body:
+        items.append(Text(body.strip(), 0, 0, BODY, wrap_width=width))
+    if progress is not None:
+        items += _progress_bar(progress)
+    items.append(Text(hint, 0, -0.42, HINT, QUIET, width))
+    return Page(tuple(items), (Button("continue", CONTINUE_KEYS, 0, 0, aspect, 1.0),))
 
 
 def _progress_bar(progress: float) -> list[Item]:
-    length, done = 0.8, 0.8 * min(max(progress, 0.0), 1.0)
+    length = 0.8
+    done = length * min(max(progress, 0.0), 1.0)
     return [
         Box((done - length) / 2, -0.26, done, 0.02, fill=ACCENT),
         Box(0, -0.26, length, 0.02, line=EDGE),
@@ -55,27 +67,28 @@ def _progress_bar(progress: float) -> list[Item]:
 
 def bar_page(words: str, hint: str, aspect: float, length: float) -> Page:
     """A bar of `length` beside a text, which is left as a message is."""
-    left = message_page("", hint, aspect)
-    heading, _, body = words.partition("\n\n")
+    message = message_page("", hint, aspect)
+    first, _, body = words.partition("\n\n")
     items = (
-        Text(heading, 0, 0.36, HEADING, wrap_width=min(WIDEST, MARGIN * aspect)),
+        heading(first, 0.36, aspect),
         Box(-0.5, 0, 0.02, length, fill=INK),
         Text(body, -0.4, 0, BODY, wrap_width=0.95, align="left"),
-        left.items[-1],
+        message.items[-1],
     )
-    return Page(items, left.buttons)
+    return Page(items, message.buttons)
 
 
 def question_page(words: str, options: Sequence[int], labels: Sequence[str], hint: str, aspect: float) -> Page:
     """A question with a box for each option, which shows its label and its key."""
-    width, gap = min(0.42, MARGIN * aspect / len(options) - 0.04), 0.04
+    gap = 0.04
+    width = min(0.42, MARGIN * aspect / len(options) - gap)
     left = -(len(options) - 1) / 2 * (width + gap)
     centres = [left + k * (width + gap) for k in range(len(options))]
     keys = option_keys(options, labels)
-    items: list[Item] = [Text(words, 0, 0.24, HEADING, wrap_width=min(WIDEST, MARGIN * aspect))]
+    items: list[Item] = [heading(words, 0.24, aspect)]
     for x, label, key in zip(centres, labels, keys, strict=True):
         items += _option_box(x, width, label, key[0].upper())
-    items.append(Text(hint, 0, -0.42, HINT, QUIET, MARGIN * aspect))
+    items.append(hint_line(hint, aspect))
     buttons = [
         Button(option, key, x, -0.06, width, 0.24) for option, key, x in zip(options, keys, centres, strict=True)
     ]
@@ -84,7 +97,7 @@ def question_page(words: str, options: Sequence[int], labels: Sequence[str], hin
 
 def _option_box(x: float, width: float, label: str, key: str) -> list[Item]:
     shown = [Box(x, -0.06, width, 0.24, line=INK)]
-    if label.upper() == key:
+    if label.upper() == key:  # the label is its key: it is shown once, large
         return [*shown, Text(label, x, -0.06, 0.1, wrap_width=width)]
     words = Text(label, x, -0.02, HEADING, wrap_width=0.95 * width)
     return [*shown, words, Box(x, -0.125, 0.07, 0.07, line=QUIET), Text(key, x, -0.125, BODY, QUIET)]
@@ -113,8 +126,8 @@ def marker_page(interval: int | None, *, playing: bool, words: str = "") -> Page
     """A ring with the number of the interval, filled while a stimulus may be felt."""
     fill, ink = (ACCENT, PAPER) if playing else (None, INK)
     number = [Text(str(interval), 0, 0, 0.16, ink)] if interval is not None else []
-    heading = [Text(words, 0, 0.36, HEADING, wrap_width=1.3)] if words else []
-    return Page((*heading, Disc(0, 0, 0.15, fill=fill, line=ACCENT), *number))
+    above = [Text(words, 0, 0.36, HEADING, wrap_width=1.3)] if words else []
+    return Page((*above, Disc(0, 0, 0.15, fill=fill, line=ACCENT), *number))
 
 
 def waiting_page() -> Page:
@@ -130,7 +143,7 @@ def force_page(page: Page, force_n: float | None, target_n: float, tolerance: fl
 
 def _bar(force_n: float | None, target_n: float, tolerance: float, *, held: bool) -> list[Item]:
     x, bottom, full = 0.4, -0.3, 0.56
-    scale = full / (2 * target_n)
+    scale = full / (2 * target_n)  # the target is at half of the bar's height
     height = min(max(force_n or 0.0, 0.0) * scale, full)
     middle, half = bottom + target_n * scale, tolerance * target_n * scale
     bar: list[Item] = [
@@ -146,12 +159,11 @@ def track_page(page: Page, cue: float, length: float, finger: float | None = Non
 
     `cue` and `finger` are places from -1 to 1; a finger beyond the track stays at its end.
     """
-    track: list[Item] = [
-        Box(0, -0.36, length, 0.006, fill=EDGE),
-        Disc(cue * length / 2, -0.36, 0.022, fill=ACCENT),
-    ]
+    y = -0.36
+    track: list[Item] = [Box(0, y, length, 0.006, fill=EDGE), Disc(cue * length / 2, y, 0.022, fill=ACCENT)]
     if finger is not None:
-        track.append(Disc(min(max(finger, -1.1), 1.1) * length / 2, -0.36, 0.036, line=GOOD))
+        place = min(max(finger, -1.1), 1.1)  # just past an end, so that it is seen to be beyond
+        track.append(Disc(place * length / 2, y, 0.036, line=GOOD))
     return Page((*page.items, *track), page.buttons)
 
 
@@ -206,7 +218,7 @@ def scale_page(scale: Scale, mark: int | None, aspect: float) -> Page:
     places = [(k + 0.5) * pitch - length / 2 for k in range(scale.n_positions)]
     drawn = _rings(places, pitch, mark) if scale.rings else _line(length, places, mark)
     items = (
-        Text(scale.words, 0, 0.26, HEADING, wrap_width=min(WIDEST, MARGIN * aspect)),
+        heading(scale.words, 0.26, aspect),
         Text(scale.low, -length / 2 + 0.01, 0.13, BODY, wrap_width=length / 2, align="left"),
         Text(scale.high, length / 2 - 0.01, 0.13, BODY, wrap_width=length / 2, align="right"),
         *drawn,
@@ -217,7 +229,7 @@ def scale_page(scale: Scale, mark: int | None, aspect: float) -> Page:
 
 
 def _digit_keys(k: int) -> tuple[str, ...]:
-    return (str(k + 1), f"num_{k + 1}") if k < 9 else ()
+    return (str(k + 1), f"num_{k + 1}") if k < 9 else ()  # a tenth place has no digit of its own
 
 
 def _rings(places: Sequence[float], pitch: float, mark: int | None) -> list[Item]:
@@ -243,7 +255,7 @@ def _confirm_box(ready: bool, hint: str, aspect: float) -> list[Item]:
     return [
         Box(0, -0.27, 0.26, 0.1, line=line),
         Text("OK", 0, -0.27, BODY, ink),
-        Text(hint, 0, -0.42, HINT, QUIET, MARGIN * aspect),
+        hint_line(hint, aspect),
     ]
 
 
@@ -256,7 +268,7 @@ def adjust_page(words: str, hint: str, aspect: float) -> Page:
     """Two arrows and a confirmation; the level itself is not shown."""
     up, down = (Box(x, 0.02, 0.2, 0.16, line=INK) for x in (0.14, -0.14))
     items = (
-        Text(words, 0, 0.26, HEADING, wrap_width=min(WIDEST, MARGIN * aspect)),
+        heading(words, 0.26, aspect),
         up,
         down,
         Text("+", up.x, up.y, 0.1),

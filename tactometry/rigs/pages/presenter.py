@@ -91,7 +91,7 @@ class Presenter:
                     state, settled = after(state, answer)
                     if settled:
                         return state, onset_s, event.at_s
-            if self.paused_until_s > onset_s:
+            if self.paused_until_s > onset_s:  # answers from before the pause, and its length, do not count
                 onset_s = self.screen.present(view(state))
             self.screen.refresh(view(state))
 

@@ -99,7 +99,7 @@ class Held:
         return max(0.0, decided_s - self.let_through_s)
 
 
-def _rounded(value: float | None) -> float | None:
+def _round(value: float | None) -> float | None:
     return None if value is None else round(value, 6)
 
 
@@ -139,7 +139,7 @@ class TouchCourse:
             felt = self._unmeasured(signal) if self.sensor is None else self._held(signal, self.sensor)
         touched = felt.touched
         speed = speed_m_per_s(self.places, touched.onset_s, touched.onset_s + self.request.duration_s)
-        return replace(felt, touched=replace(touched, speed_mean_m_per_s=_rounded(speed)))
+        return replace(felt, touched=replace(touched, speed_mean_m_per_s=_round(speed)))
 
     def _unmeasured(self, signal: Signal | None) -> TouchResult:
         """Trust the finger: show when to be ready for `hold_s`, then play."""
@@ -155,9 +155,9 @@ class TouchCourse:
         reason: Reason | None = "output_gap" if n_gaps else None
         if self.stage.paused_until_s >= begin_s:
             reason = "experimenter"
-        return TouchResult(self._touched(signal, onset_s, reason, n_gaps))
+        return TouchResult(self._answer(signal, onset_s, reason, n_gaps))
 
-    def _touched(
+    def _answer(
         self, signal: Signal | None, onset_s: float, reason: Reason | None, n_gaps: int | None, **kept: float | None
     ) -> Touched:
         return Touched(
@@ -167,7 +167,7 @@ class TouchCourse:
             valid=reason is None,
             invalid_reason=reason,
             n_gaps=n_gaps,
-            **{name: _rounded(value) for name, value in kept.items()},
+            **{name: _round(value) for name, value in kept.items()},
         )
 
     def _held(self, signal: Signal | None, sensor: ForceSensor) -> TouchResult:
@@ -197,7 +197,7 @@ class TouchCourse:
         self.emitter.stop()
         self.release.begin()
         decided_s, onset_s = begun
-        touched = self._judged(signal, held, onset_s, cut_by)
+        touched = self._judgement(signal, held, onset_s, cut_by)
         mean = "no force" if touched.force_mean_n is None else f"{touched.force_mean_n:.2f} N"
         self.say(f"played, {mean}")
         return TouchResult(touched, held.delay_s(decided_s))
@@ -250,7 +250,7 @@ class TouchCourse:
         marker = layout.marker_page(request.interval, playing=playing, words=words)
         return layout.force_page(marker, held.grip.force_n, request.target_n, request.tolerance)
 
-    def _judged(self, signal: Signal | None, held: Held, onset_s: float, cut_by: Reason | None) -> Touched:
+    def _judgement(self, signal: Signal | None, held: Held, onset_s: float, cut_by: Reason | None) -> Touched:
         during_s = onset_s, onset_s + self.request.duration_s
         force = held.grip.compliance(*during_s)
         speed = None if held.glide is None else held.glide.motion(*during_s)
@@ -265,4 +265,4 @@ class TouchCourse:
             "force_in_band": None if force is None else force.in_band,
             "speed_in_band": None if speed is None else speed.in_band,
         }
-        return self._touched(signal, onset_s, reason, n_gaps, **kept)
+        return self._answer(signal, onset_s, reason, n_gaps, **kept)
