@@ -20,7 +20,7 @@ from .force import force_per_square_volt_n
 @checked
 def step_voltage_v(t_s: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
     """Corneum voltage a time `t_s` (at least 0) after a step: ``k V0 exp(-t/tau)``."""
-    return np.asarray(_peak_v(voltage_v, skin) * np.exp(-_elapsed(t_s, skin)))
+    return np.asarray(_peak_v(voltage_v, skin) * np.exp(-_in_taus(t_s, skin)))
 
 
 @checked
@@ -36,7 +36,7 @@ def step_impulse_n_s(voltage_v: float, skin: Skin, area_m2: float) -> float:
 @checked
 def rise_peak_v(rise_s: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
     """Corneum voltage at the end of a linear rise: ``k V0 (tau/t_r)(1 - exp(-t_r/tau))``."""
-    return _peak_v(voltage_v, skin) * phi1(_elapsed(rise_s, skin))
+    return _peak_v(voltage_v, skin) * phi1(_in_taus(rise_s, skin))
 
 
 @checked
@@ -46,7 +46,7 @@ def sine_voltage_v(t_s: ArrayLike, frequency_hz: float, voltage_v: float, skin: 
     # the free decay starts at minus the steady voltage at time 0, so that the sum begins at rest
     response = complex(skin.response(frequency_hz))
     steady = response * np.exp(2j * np.pi * frequency_hz * np.asarray(t_s, dtype=np.float64))
-    return np.asarray(voltage_v * (steady.imag - response.imag * np.exp(-_elapsed(t_s, skin))))
+    return np.asarray(voltage_v * (steady.imag - response.imag * np.exp(-_in_taus(t_s, skin))))
 
 
 @checked
@@ -63,14 +63,14 @@ def sine_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, are
 @checked
 def square_edge_v(frequency_hz: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
     """Corneum voltage just after an edge of a steady square of +-V0: ``2 k V0/(1 + exp(-T/(2 tau)))``."""
-    half_periods = _elapsed(_period_s(frequency_hz) / 2, skin)
+    half_periods = _in_taus(_period_s(frequency_hz) / 2, skin)
     return 2 * _peak_v(voltage_v, skin) / (1 + np.exp(-half_periods))
 
 
 @checked
 def square_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float) -> NDArray[np.float64]:
     """Mean steady force of a square: ``b V+^2 (tau/T)(1 - exp(-T/tau))``, V+ from `square_edge_v`."""
-    periods = _elapsed(_period_s(frequency_hz), skin)
+    periods = _in_taus(_period_s(frequency_hz), skin)
     return force_per_square_volt_n(skin, area_m2) * square_edge_v(frequency_hz, voltage_v, skin) ** 2 * phi1(periods)
 
 
@@ -115,7 +115,7 @@ def _check_one_relaxation(skin: Skin) -> None:
             )
 
 
-def _elapsed(t_s: ArrayLike, skin: Skin) -> NDArray[np.float64]:
+def _in_taus(t_s: ArrayLike, skin: Skin) -> NDArray[np.float64]:
     """Time in units of tau."""
     t = np.asarray(t_s, dtype=np.float64)
     if (t < 0).any():

@@ -40,6 +40,7 @@ class PowerLawArea:
     def area_m2(self, force_n: ArrayLike) -> NDArray[np.float64]:
         force = _forces(force_n)
         with np.errstate(over="ignore"):
+            # without force no contact, where an exponent of 0 would give 0 ** 0 = 1
             area_m2 = np.where(force > 0, self.area_at_1n_m2 * force**self.exponent, 0.0)
         return require.in_range("PowerLawArea.exponent", area_m2)
 

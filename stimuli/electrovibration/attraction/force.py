@@ -38,7 +38,7 @@ class ForceForm:
         """Force (N) of layer voltages u, of their shape."""
         require.of_kind("ForceForm.force_n", (Polarity, NoneType), polarity=polarity)
         layer_v = require.array("ForceForm.force_n.layer_v", layer_v)
-        with errstate(over="ignore"):
+        with errstate(over="ignore"):  # an overflow is refused below, with the voltage that made it
             even_n = self.newton_per_v2 * layer_v**2
         if not isfinite(even_n).all():
             raise InvalidParameter(

@@ -134,7 +134,7 @@ def lagged_friction_n(
 
 def _resolved_hz(cutoff_hz: float, t_s: NDArray[np.float64]) -> float:
     """The corner of a lag that the solution over these times resolves."""
-    longest_s = float(np.diff(t_s, prepend=0.0).max())
+    longest_s = float(np.diff(t_s, prepend=0.0).max())  # the motion begins at 0, asked for or not
     if cutoff_hz == np.inf or cutoff_hz * longest_s > CYCLES_MAX:
         raise InvalidParameter(
             f"lagged_friction_n.lag: found a corner of {cutoff_hz:.3g} Hz with times up to {longest_s:.3g} s apart, "

@@ -63,7 +63,7 @@ class Solution:
         piece = self.pieces.index(t_s)
         elapsed = t_s - self.pieces.starts_s[piece]
         free = self._initial[order][piece] * np.exp(-rate * elapsed)
-        return np.asarray(free + self._forced(order, piece, t_s))
+        return np.asarray(free + self._forced_response(order, piece, t_s))
 
     def _times(self, t_s: ArrayLike) -> Real:
         t = np.asarray(t_s, dtype=np.float64)
@@ -88,13 +88,13 @@ class Solution:
         starts, index = self.pieces.starts_s, np.arange(len(self.pieces.starts_s))
         if np.isinf(rate):
             return np.zeros(len(starts))
-        at_start = self._forced(order, index, starts)
-        at_end = self._forced(order, index[:-1], starts[1:])
+        at_start = self._forced_response(order, index, starts)
+        at_end = self._forced_response(order, index[:-1], starts[1:])
         # the free decay takes up what the forced parts of two neighbouring pieces lack to the jump between them
         gained = self.pieces.jumps_v() - at_start + np.r_[0.0, at_end]
         return scan(np.exp(-rate * np.diff(starts)), gained)
 
-    def _forced(self, order: int, piece: NDArray[np.intp], t_s: Real) -> Real:
+    def _forced_response(self, order: int, piece: NDArray[np.intp], t_s: Real) -> Real:
         rate = self._rates[order]
         elapsed = t_s - self.pieces.starts_s[piece]
         line = self.pieces.slopes_v_per_s[piece] * elapsed * phi1(rate * elapsed)

@@ -39,13 +39,13 @@ def _forces(motion: PlateMotion, screen: Screen, contacts: Sequence[PlateLoad]) 
     """(n_contacts, n_frequencies): on the fingers, Z (1 + H Z)^-1 U."""
     points = tuple((contact.x_m, contact.y_m) for contact in contacts)
     unit = replace(motion, screen=replace(screen, sources=screen.sources[-len(contacts) :]))
-    among = np.stack([_pushed(unit, n).of_points(points) for n in range(len(contacts))], axis=1)
+    among = np.stack([_unit_motion(unit, n).of_points(points) for n in range(len(contacts))], axis=1)
     stiffness = np.stack([contact.dynamic_stiffness(motion.s) for contact in contacts], axis=1)
     free = motion.of_points(points)[None]
     return np.asarray(carried(free, among.transpose(2, 0, 1), stiffness)[0])
 
 
-def _pushed(unit: PlateMotion, contact: int) -> PlateMotion:
+def _unit_motion(unit: PlateMotion, contact: int) -> PlateMotion:
     """The motion by a unit force at one contact, at every frequency."""
     played = np.zeros((len(unit.screen.sources), len(unit.s)), complex)
     played[contact] = 1.0

@@ -126,7 +126,7 @@ def through(emission: Emission, gain: GainCurve, margin_s: float = 0.0) -> Emiss
     margin = round(margin_s * emission.rate_hz)
     wide = np.pad(emission.samples, ((0, 0), (margin, margin)))
     n = wide.shape[1]
-    n_fft = int(next_fast_len(2 * n, real=True))
+    n_fft = int(next_fast_len(2 * n, real=True))  # what wraps round falls into zeros that are cut off
     frequency_hz = np.asarray(np.fft.rfftfreq(n_fft, 1 / emission.rate_hz), float)
     samples = np.fft.irfft(np.fft.rfft(wide, n_fft) * gain.at(frequency_hz), n_fft)[:, :n]
     return replace(emission, samples=samples, focus=emission.focus + margin)

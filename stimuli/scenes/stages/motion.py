@@ -61,8 +61,9 @@ class PlateMotion:
 
     def turning(self, t_s: FloatArray) -> ComplexArray:
         """(n_frequencies, n_times): what brings spectra to times from the focus instant."""
-        turning: ComplexArray = np.exp(np.outer(self.s, self.focus / self.rate_hz + t_s)) * (2 / self.n_fft)
-        turning[0] /= 2
+        t_begin_s = self.focus / self.rate_hz + t_s
+        turning: ComplexArray = np.exp(np.outer(self.s, t_begin_s)) * (2 / self.n_fft)
+        turning[0] /= 2  # every other frequency stands for its negative too
         return turning
 
     def at_times(self, t_s: FloatArray) -> FloatArray:
@@ -86,8 +87,10 @@ class PlateMotion:
     def course(self, spectrum: ComplexArray, oversampling: int) -> FloatArray:
         """(..., n): the course of a spectrum (..., n_frequencies) at `oversampling` times the rate."""
         n = (self.n_samples - 1) * oversampling + 1
-        found = oversampling * np.fft.irfft(spectrum, self.n_fft * oversampling)[..., :n]
-        return np.asarray(found * np.exp(self.s[0].real / (oversampling * self.rate_hz) * np.arange(n)))
+        damped = oversampling * np.fft.irfft(spectrum, self.n_fft * oversampling)[..., :n]
+        # the contour lies at sigma beside the axis of frequencies, which damps everything in time
+        growth = np.exp(self.s[0].real / (oversampling * self.rate_hz) * np.arange(n))
+        return np.asarray(damped * growth)
 
     def times_s(self, oversampling: int) -> FloatArray:
         """(n,): the times of a course, 0 at the focus instant."""
@@ -98,7 +101,8 @@ class PlateMotion:
         """Half the sum of M w^2 q^2 at the focus instant, the modes up to `static_to_hz` included (J/V^2)."""
         further = replace(self, static_to_hz=static_to_hz)
         omega = further.modes.angular_frequency_rad_per_s
-        return 0.5 * self.screen.plate.mass_kg * float(np.sum((omega * further.at_times(np.zeros(1))[:, 0]) ** 2))
+        q = further.at_times(np.zeros(1))[:, 0]
+        return 0.5 * self.screen.plate.mass_kg * float(np.sum((omega * q) ** 2))
 
     @cached_property
     def stiffness_n_per_m(self) -> FloatArray:

@@ -60,6 +60,7 @@ def n_samples(scene: Surroundings, error: float) -> int:
     """Samples of a record for an error of straight lines between them, or as many as are to be had."""
     duration_s: float = scene.surface.duration_s  # type: ignore[attr-defined]
     square, linear = _terms(scene)
+    # the root of square step^2 + linear step = error, without a difference of near equals
     step_s = 2 * error / (linear + sqrt(linear**2 + 4 * square * error))
     return min(max(FEWEST, ceil(duration_s / step_s) + 1), MOST)
 

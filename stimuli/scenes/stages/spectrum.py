@@ -33,9 +33,9 @@ def peak_error(padding: int, duration_s: float, steepest_db_per_hz: float = STEE
     (True, True)
     """
     offsets = [k / (2 * (N_OFFSETS - 1)) for k in range(N_OFFSETS)]
-    found = [_read_off(offset, padding) for offset in offsets]
+    readings = [_read_off(offset, padding) for offset in offsets]
     per_line = steepest_db_per_hz * log(10) / 20 / duration_s
-    return max(abs(height - 1) + per_line * abs(away) / padding for height, away in found)
+    return max(abs(height - 1) + per_line * abs(away) / padding for height, away in readings)
 
 
 def padding_for(error: float, duration_s: float, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ, n: int = 1) -> int:
@@ -64,19 +64,20 @@ def components_of(padding: int) -> "Callable[[Real, Real], Components]":
 
     from ...perception.detection import Components
 
-    def found(t_s: "Real", record: "Real") -> "Components":
-        x = record[:-1]
+    def peaks(t_s: "Real", record: "Real") -> "Components":
+        x = record[:-1]  # a period of the transform ends before the sample that would begin the next
         window = blackmanharris(x.size, sym=False)
         lines = np.fft.rfft((x - window @ x / window.sum()) * window, padding * x.size)
         height = 2 * np.abs(lines) / window.sum()
         inner = height[1:-1]
+        # of two equal lines the first, so that a peak between them counts once
         is_peak = (inner > height[:-2]) & (inner >= height[2:]) & (inner > FAINT * height.max())
         index = 1 + np.flatnonzero(is_peak)
         before, at, after = height[index - 1], height[index], height[index + 1]
         away = (before - after) / (2 * (before - 2 * at + after))
         return Components((index + away) / (padding * t_s[-1]), at - (before - after) * away / 4)
 
-    return found
+    return peaks
 
 
 def _read_off(offset: float, padding: int) -> tuple[float, float]:

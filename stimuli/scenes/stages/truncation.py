@@ -84,18 +84,18 @@ def cut(scene: Surroundings, error: float) -> Cut:
         If they are more than one run can hold.
     """
     surface: Any = scene.surface
-    left, load = remainder(scene), _load(scene)
+    # half for the modes that move, half for those that follow, and a little for the rounding of their sum
     half = error / (2 + ROUNDING)
-    one = left / min(surface.n_transducers, MOST_COUNTED)
-    moves = MOVING * one * _reading(scene) + load
+    one = remainder(scene) / min(surface.n_transducers, MOST_COUNTED)
+    moves = MOVING * one * _reading(scene) + _load(scene)
     ratio = max(1.0, (moves / half) ** (1 / 5))
     tails = _tails(scene, one)
     follow = max(ratio, *(tail.end(half) for tail in tails))
     expected = moves / ratio**5 + max(tail.beyond(follow) for tail in tails)
     band_hz = surface.band_max_hz
-    found = Cut(ratio * band_hz, follow * band_hz, _heard(error) * band_hz, expected)
-    _check_size(scene, found, error)
-    return found
+    fewest = Cut(ratio * band_hz, follow * band_hz, _heard(error) * band_hz, expected)
+    _check_size(scene, fewest, error)
+    return fewest
 
 
 def _tails(scene: Surroundings, one: float) -> list[Tail]:
@@ -117,7 +117,7 @@ def _distance_m(scene: Surroundings) -> float:
 
     surface: Any = scene.surface
     patches: Any = scene.find("patches")
-    reach_m = 0.0 if patches is None else patches.side_m / 2
+    reach_m = 0.0 if patches is None else patches.side_m / 2  # an outline is a square, or a point
     centres = border(surface.plate, surface.n_transducers, surface.inset_m, surface.inset_m)
     return min(
         hypot(max(abs(x_m - centre.x_m) - reach_m, 0.0), max(abs(y_m - centre.y_m) - reach_m, 0.0))
@@ -148,11 +148,11 @@ def n_modes(scene: Surroundings, frequency_hz: float) -> float:
     return float(surface.plate.area_m2 * shear.wavenumber_rad_per_m(surface.plate, frequency_hz) ** 2 / (4 * pi))
 
 
-def n_frequencies(scene: Surroundings, found: Cut) -> int:
+def n_frequencies(scene: Surroundings, ends: Cut) -> int:
     """Complex frequencies of a run."""
     surface: Any = scene.surface
     watched_s = surface.reversal_s + _train_s(scene) + surface.after_s + 2 * surface.margin_s
-    return int(2.1 * found.heard_to_hz * watched_s)
+    return int(2.1 * ends.heard_to_hz * watched_s)
 
 
 def n_frequencies_of_sound(scene: Surroundings) -> float:
@@ -170,10 +170,10 @@ def _train_s(scene: Surroundings) -> float:
     return 0.0 if repetition is None else float(repetition.duration_s)
 
 
-def _check_size(scene: Surroundings, found: Cut, error: float) -> None:
-    moving = n_modes(scene, found.modes_to_hz) * n_frequencies(scene, found)
-    following = n_modes(scene, found.static_to_hz) * scene.surface.n_transducers  # type: ignore[attr-defined]
-    ritz = n_modes(scene, found.static_to_hz)
+def _check_size(scene: Surroundings, ends: Cut, error: float) -> None:
+    moving = n_modes(scene, ends.modes_to_hz) * n_frequencies(scene, ends)
+    following = n_modes(scene, ends.static_to_hz) * scene.surface.n_transducers  # type: ignore[attr-defined]
+    ritz = n_modes(scene, ends.static_to_hz)
     sizes = (moving, MOST_NUMBERS), (following, MOST_FOLLOWING), (ritz, MOST_MODES)
     numbers, most = max(sizes, key=lambda size: size[0] / size[1])
     if numbers > most:

@@ -25,7 +25,8 @@ def deformation_energy_j(screen: Screen, signal: Signal, sample: int, f_max_hz: 
     modes.
     """
     q = modal_amplitudes(screen, signal, sample, f_max_hz)
-    return 0.5 * screen.plate.mass_kg * float(np.sum((screen.oscillators(f_max_hz).omega_rad_per_s * q) ** 2))
+    omega = screen.oscillators(f_max_hz).omega_rad_per_s
+    return 0.5 * screen.plate.mass_kg * float(np.sum((omega * q) ** 2))
 
 
 @checked

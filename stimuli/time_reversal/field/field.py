@@ -39,6 +39,7 @@ def modal_amplitudes(
             f"signal: found {signal.samples.shape[0]} channels, expected {forces.shape[1]} as the screen has"
         )
     whole("modal_amplitudes", lowest=0, sample=sample)
+    # by age: what was played last comes first, and `first` samples ago if the drive is over
     first = max(sample + 1 - signal.samples.shape[1], 0)
     past = signal.samples[:, : sample + 1][:, ::-1]
     oscillators = screen.oscillators(f_max_hz)

@@ -70,7 +70,7 @@ def width_m(at_m: Vector, profile: Vector, level: float = HALF) -> float:
             f"profile: found shape {np.shape(profile)}, expected {np.shape(at_m)} as at_m has, not all zero"
         )
     peak = int(np.argmax(np.abs(profile)))
-    relative = profile / profile[peak]
+    relative = profile / profile[peak]  # 1 at the peak, whichever its sign
     right = _crossing(at_m[peak:], relative[peak:], level)
     left = _crossing(at_m[peak::-1], relative[peak::-1], level)
     return right - left

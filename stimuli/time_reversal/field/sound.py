@@ -122,14 +122,8 @@ def noise(
     frequency_hz, power = velocity_spectrum(screen, signal, f_max_hz)
     span_s = signal.duration_s + 5 * screen.attenuation.tau_s if duration_s is None else duration_s
     positive("noise", duration_s=span_s)
-    watt_per_hz = (
-        AIR_DENSITY_KG_PER_M3
-        * SOUND_SPEED_M_PER_S
-        * screen.plate.area_m2
-        * radiation_efficiency(screen.plate, frequency_hz)
-        * power
-        / span_s
-    )
+    sigma = radiation_efficiency(screen.plate, frequency_hz)
+    watt_per_hz = AIR_DENSITY_KG_PER_M3 * SOUND_SPEED_M_PER_S * screen.plate.area_m2 * sigma * power / span_s
     intensity = watt_per_hz / (2 * math.pi * distance_m**2)
     return NoiseSpectrum(frequency_hz, intensity * AIR_DENSITY_KG_PER_M3 * SOUND_SPEED_M_PER_S)
 
@@ -145,7 +139,8 @@ def velocity_spectrum(screen: Screen, signal: Signal, f_max_hz: float) -> tuple[
 
     positive("Screen.attenuation", tau_s=screen.attenuation.tau_s)
     oscillators = screen.oscillators(f_max_hz)
-    n_fft = int(next_fast_len(2 * signal.samples.shape[1] + round(6 * screen.attenuation.tau_s * signal.rate_hz)))
+    n_ringing = round(6 * screen.attenuation.tau_s * signal.rate_hz)  # until e^-12 of the energy is left
+    n_fft = int(next_fast_len(2 * signal.samples.shape[1] + n_ringing))
     frequency_hz = np.fft.rfftfreq(n_fft, 1 / signal.rate_hz)
     played = np.fft.rfft(signal.samples, n_fft) / signal.rate_hz
     w = np.asarray(2 * np.pi * frequency_hz, float)
@@ -160,6 +155,7 @@ def velocity_spectrum(screen: Screen, signal: Signal, f_max_hz: float) -> tuple[
 def _mobility(oscillators: Oscillators, w: FloatArray) -> FloatArray:
     """(n_modes, n_frequencies): |i w / (w_n^2 - w^2 + 2 i w / tau)|^2."""
     omega2, decay = oscillators.omega_rad_per_s[:, None] ** 2, oscillators.decay_per_s[:, None]
+    # tiny: rigid modes would divide 0 by 0 at 0 Hz
     return np.asarray(w**2 / ((omega2 - w**2) ** 2 + (2 * decay * w) ** 2 + np.finfo(float).tiny))
 
 

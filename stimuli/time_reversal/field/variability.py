@@ -67,6 +67,7 @@ def _widths(screen: Screen, focus: Point, emission: Emission, level: float) -> t
     signal = drive(emission.responses(screen, [focus]), emission.voltage_v, emission.quantiser)
     last = signal.samples.shape[1] - 1
     amplitudes = modal_amplitudes(screen, signal, last, emission.f_max_hz)
+    # a wavelength at the mean frequency of the band, to each side
     reach = 2 * np.sqrt(np.pi * screen.plate.wave_constant_m2_per_s / emission.band.mean_hz / 2)
     x, y = (_around(at, reach, side) for at, side in zip(focus, _sides(screen), strict=True))
     modes = screen.modes(emission.f_max_hz)

@@ -86,5 +86,6 @@ N_POINTS: Final = 7
 
 
 def _disc(centre_m: tuple[float, float], radius_m: float) -> list[tuple[float, float]]:
+    x_m, y_m = centre_m
     ring = [(math.cos(i * math.pi / 3), math.sin(i * math.pi / 3)) for i in range(6)]
-    return [centre_m, *[(centre_m[0] + radius_m * 2 / 3 * c, centre_m[1] + radius_m * 2 / 3 * s) for c, s in ring]]
+    return [centre_m, *((x_m + radius_m * 2 / 3 * c, y_m + radius_m * 2 / 3 * s) for c, s in ring)]

@@ -75,6 +75,7 @@ class Finger:
         >>> Finger(0.1, 0.1, 0.5).load().resistance_n_s_per_m
         5.0
         """
+        # 0 ** 0 is 1: with an exponent of 0 a finger that touches nothing would load the plate
         growth = (self.force_n / REFERENCE_FORCE_N) ** self.exponent if self.force_n > 0 else 0.0
         return PlateLoad(
             self.x_m,

@@ -104,6 +104,7 @@ def _fill(
             below = ((rr + ii - 1) * rate + (ir - ri) * apart) / (rate * rate + apart * apart)
             above = ((rr - ii - 1) * rate + (ir + ri) * total) / (rate * rate + total * total)
             out[n, m] = (below - above) / (2 * omega[n] * omega[m])
+    # pairs of nearly equal modes again, by the series: their first term was 0/0, or a difference of near equals
     for n in range(len(omega)):
         for m in range(n + 1):
             z = (-(decay[n] + decay[m]) + 1j * (omega[n] - omega[m])) * time_s

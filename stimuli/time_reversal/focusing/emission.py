@@ -45,7 +45,7 @@ class Emission:
 
     def responses(self, screen: Screen, points: Sequence[Point], loads: Sequence[Attached] = ()) -> Responses:
         """Responses of the screen over T, within the band."""
-        found = loaded_responses(
+        raw = loaded_responses(
             screen, points, loads, rate_hz=self.rate_hz, duration_s=self.reversal_s, f_max_hz=self.f_max_hz
         )
-        return band_limited(found, self.band)
+        return band_limited(raw, self.band)

@@ -97,7 +97,8 @@ def drive(
     """
     positive("drive", voltage_v=voltage_v)
     waveform = reversed_waveform(foci, reversal_s=reversal_s, weights=weights, window=window)
-    return Signal(voltage_v * (quantiser or OneBit()).quantise(waveform, foci.rate_hz), foci.rate_hz, "V")
+    values = (quantiser or OneBit()).quantise(waveform, foci.rate_hz)
+    return Signal(voltage_v * values, foci.rate_hz, "V")
 
 
 @checked

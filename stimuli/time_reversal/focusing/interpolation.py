@@ -62,7 +62,8 @@ def estimator(
     some("estimator.points", points)
     place = np.asarray(points, float).reshape(-1, 2)
     k = wavenumber_rad_per_m(plate, np.atleast_1d(frequency_hz))
-    apart = np.hypot(*(place[:, None, :] - place[None, :, :]).transpose(2, 0, 1))
+    between = place[:, None, :] - place[None, :, :]
+    apart = np.hypot(between[..., 0], between[..., 1])  # (n_points, n_points)
     away = np.hypot(*(place - np.asarray(at, float)).T)
     among = j0(k[:, None, None] * apart) + noise_share * np.eye(len(place))
     toward = j0(k[:, None] * away)

@@ -64,6 +64,7 @@ def inverse_filter_waveform(
     n_fft = 2 * max(n, points.n_samples)
     frequency_hz = np.asarray(np.fft.rfftfreq(n_fft, 1 / points.rate_hz), float)
     transfer = np.moveaxis(np.fft.rfft(points.samples, n_fft), -1, 0)
+    # delayed, so that the focus comes at the last of n samples
     pulse = band.at(frequency_hz) * np.exp(-2j * np.pi * frequency_hz * (n - 1) / points.rate_hz)
     spectrum = _tikhonov(transfer, regularisation) @ target * pulse[:, None]
     return np.asarray(np.fft.irfft(spectrum, n_fft, axis=0)[:n].T)

@@ -201,10 +201,11 @@ def pattern_drive(
     pieces = []
     for row, weight in zip(rows, pattern.weights, strict=True):
         piece = waves[row] if overlaps else rule.quantise(waves[row], foci.rate_hz)
-        pieces.append(_modulated(piece, float(weight), modulation, tau_s, foci.rate_hz))
+        pieces.append(_modulate(piece, float(weight), modulation, tau_s, foci.rate_hz))
     total = _overlay(pieces, starts)
     if overlaps:
-        supply = _supply(pattern.weights if modulation == "voltage" else np.ones(len(starts)), starts, n)
+        scales = pattern.weights if modulation == "voltage" else np.ones(len(starts))
+        supply = _supply(scales, starts, n)
         total = supply * rule.quantise(total / np.where(supply > 0, supply, 1.0), foci.rate_hz)
     return Signal(voltage_v * total, foci.rate_hz, "V")
 
@@ -244,13 +245,13 @@ def _rows(path: Sequence[int] | None, n_foci: int, n_points: int) -> list[int]:
     return rows
 
 
-def _modulated(piece: FloatArray, weight: float, modulation: str, tau_s: float | None, rate_hz: float) -> FloatArray:
+def _modulate(piece: FloatArray, weight: float, modulation: str, tau_s: float | None, rate_hz: float) -> FloatArray:
     if modulation == "voltage":
         return weight * piece
     if tau_s is None:
         raise InvalidParameter("tau_s: found None, expected the attenuation constant for burst modulation")
     n_kept = round(burst_s(abs(weight), piece.shape[1] / rate_hz, tau_s) * rate_hz)
-    kept = np.arange(piece.shape[1]) >= piece.shape[1] - n_kept
+    kept = np.arange(piece.shape[1]) >= piece.shape[1] - n_kept  # the end, which comes just before the focus
     return np.asarray(math.copysign(1.0, weight) * piece * kept)
 
 

@@ -128,8 +128,10 @@ def _transform(
 ) -> None:
     grid = _Grid.of(out.shape[1])
     first, kernel = _spread_kernel(oscillators, grid, rate_hz, start, quantity)
+    # the decay that the modes share is no part of the transform: from the middle, where their phases are taken
     decay = np.exp(-_common_decay(oscillators) / rate_hz * (np.arange(grid.n) - grid.middle))
     scale = decay * (grid.n_fft / 2) / grid.transform()
+    # time before the middle lies at the end of a periodic signal
     late, early = slice(grid.middle, None), slice(None, grid.middle)
     for row in range(0, len(weights), TILE):
         rows = out[row : row + TILE]
@@ -147,6 +149,7 @@ def _spread_kernel(
     apart = oscillators.decay_per_s - _common_decay(oscillators)
     bins, rounded = turns(oscillators.split_rad_per_s, grid.n_fft, rate_hz)
     first = np.ceil(bins - WIDTH / 2).astype(np.int64)
+    # a mode that decays otherwise than the rest lies beside the real axis of frequencies
     away = (bins - first) + rounded + 1j * (apart * (grid.n_fft / (2 * math.pi * rate_hz)))
     values = grid.kernel(np.arange(WIDTH).astype(complex) - away[:, None])
     return first, -1j * oscillators.analytic(rate_hz, start + grid.middle, quantity)[:, None] * values

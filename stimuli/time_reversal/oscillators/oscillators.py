@@ -55,8 +55,10 @@ class Oscillators:
         rates.
         """
         omega, decay = self.omega_rad_per_s, self.decay_per_s
+        # over the larger one: the square of a rate may leave the range of a double
         larger = np.maximum(np.maximum(omega, decay), np.finfo(float).tiny)
-        return np.asarray(larger * np.sqrt(np.abs(omega - decay) / larger * ((omega + decay) / larger)))
+        apart, together = np.abs(omega - decay) / larger, (omega + decay) / larger
+        return np.asarray(larger * np.sqrt(apart * together))
 
     def impulse(self, rate_hz: float, start: int, stop: int, quantity: str = "displacement") -> FloatArray:
         """(n, stop - start): the response at samples start..stop-1 to a unit impulse at sample 0.
@@ -105,7 +107,9 @@ class Oscillators:
         first, last = start // BLOCK, (stop - 1) // BLOCK + 1
         anchors = self._phasor(np.arange(first, last) * float(BLOCK), rate_hz) * self._weight(quantity)[:, None]
         inner = self._phasor(np.arange(float(BLOCK)), rate_hz)
-        left, right = np.stack([anchors.real, anchors.imag], axis=2), np.stack([inner.imag, inner.real], axis=1)
+        # Im(a b) = Re a Im b + Im a Re b, for all blocks of a mode as one real product
+        left = np.stack([anchors.real, anchors.imag], axis=2)
+        right = np.stack([inner.imag, inner.real], axis=1)
         out = np.matmul(left, right).reshape(self.n, -1)
         return np.asarray(out[:, start - first * BLOCK : stop - first * BLOCK])
 
@@ -125,6 +129,7 @@ def unit_phasor(omega_rad_per_s: FloatArray, sample: NDArray[np.floating], rate_
     """
     product, product_low = _two_product(omega_rad_per_s, sample)
     phase = product / rate_hz
+    # what the quotient was rounded by: the remainder of multiplying it back
     back, back_low = _two_product(phase, np.float64(rate_hz))
     phase_low = ((product - back) - back_low + product_low) / rate_hz
     return np.asarray(np.exp(1j * phase) * (1 + 1j * phase_low - phase_low**2 / 2))
@@ -150,7 +155,7 @@ def _two_product(a: FloatArray, b: NDArray[np.floating] | np.float64) -> tuple[F
 
 
 def _upper_half(a: NDArray[np.floating]) -> FloatArray:
-    shifted = 134217729.0 * a
+    shifted = 134217729.0 * a  # 2^27 + 1: Veltkamp's splitting of 53 bits into halves
     return np.asarray(shifted - (shifted - a))
 
 

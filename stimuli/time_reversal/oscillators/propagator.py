@@ -41,7 +41,8 @@ def linear_input(oscillators: Oscillators, step_s: float) -> FloatArray:
     creeps = ~oscillators.oscillates & ~close
     out[swings] = _swinging_input(-a[swings] + 1j * split[swings], step_s)
     out[creeps] = _creeping_input(omega[creeps], a[creeps], split[creeps], step_s)
-    out[close] = [_exponential_input(w, d, step_s) for w, d in zip(omega[close], a[close], strict=True)] or out[close]
+    for mode in np.flatnonzero(close):
+        out[mode] = _exponential_input(omega[mode], a[mode], step_s)
     return out
 
 
@@ -65,7 +66,7 @@ def _phi(z: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
     small = np.abs(z) < SERIES_BELOW
     safe = np.where(small, 1.0, z)
     one = np.expm1(safe) / safe
-    two = (one - 1) / safe
+    two = (one - 1) / safe  # near 0 a difference of near equals: there the series, from which `one` follows
     two[small] = _phi_2(z[small])
     one[small] = 1 + z[small] * two[small]
     return one, two

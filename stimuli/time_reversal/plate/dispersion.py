@@ -72,9 +72,13 @@ def mindlin_group_velocity_m_per_s(
     omega = 2 * np.pi * np.asarray(frequency_hz, float)
     k = mindlin_wavenumber_rad_per_m(plate, frequency_hz, shear_factor)
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
-    shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), m * plate.thickness_m**2 / 12
-    bent, sheared = rigidity * k**2 - inertia * omega**2, shear * k**2 - m * omega**2
-    return np.asarray(k / omega * (shear * bent + rigidity * sheared) / (m * (bent + shear) + inertia * sheared))
+    shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), plate.rotary_inertia_kg
+    # the equation of the angular frequency is sheared bent = m A W: its derivatives by k^2 and by W = omega^2
+    bent = rigidity * k**2 - inertia * omega**2
+    sheared = shear * k**2 - m * omega**2
+    by_k2 = shear * bent + rigidity * sheared
+    by_omega2 = m * (bent + shear) + inertia * sheared
+    return np.asarray(k / omega * by_k2 / by_omega2)
 
 
 @checked
@@ -84,18 +88,16 @@ def mindlin_angular_frequency_rad_per_s(
     """Flexural branch of Mindlin's plate at a wavenumber.
 
     With kappa G h = A, rho h = m, rho h^3 / 12 = J, the smaller root W = omega^2 of
-    (A k^2 - m W)(D k^2 + A - J W) = A^2 k^2, taken as 2c / (b + sqrt(b^2 - 4ac)): no subtraction of near
-    equals.
+    (A k^2 - m W)(D k^2 + A - J W) = A^2 k^2.
     """
     positive("mindlin_angular_frequency_rad_per_s", shear_factor=shear_factor)
     not_negative_array("mindlin_angular_frequency_rad_per_s.wavenumber_rad_per_m", wavenumber_rad_per_m)
     k2 = np.square(np.asarray(wavenumber_rad_per_m, float))
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
-    shear = shear_stiffness_n_per_m(plate, shear_factor)
-    inertia = m * plate.thickness_m**2 / 12
+    shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), plate.rotary_inertia_kg
     b = m * (rigidity * k2 + shear) + inertia * shear * k2
     c = shear * rigidity * k2**2
-    return np.asarray(np.sqrt(2 * c / (b + np.sqrt(b**2 - 4 * m * inertia * c))))
+    return np.sqrt(smaller_root(m * inertia, b, c))
 
 
 @checked
@@ -107,12 +109,16 @@ def mindlin_wavenumber_rad_per_m(
     not_negative_array("mindlin_wavenumber_rad_per_m.frequency_hz", frequency_hz)
     w2 = np.square(2 * np.pi * np.asarray(frequency_hz, float))
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
-    shear = shear_stiffness_n_per_m(plate, shear_factor)
-    inertia = m * plate.thickness_m**2 / 12
+    shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), plate.rotary_inertia_kg
     a = shear * rigidity
     b = w2 * (m * rigidity + inertia * shear)
     c = m * w2 * (inertia * w2 - shear)
     return np.asarray(np.sqrt((b + np.sqrt(b**2 - 4 * a * c)) / (2 * a)))
+
+
+def smaller_root(a: float, b: FloatArray, c: FloatArray) -> FloatArray:
+    """Of a W^2 - b W + c = 0, as 2c / (b + sqrt(b^2 - 4ac)): no subtraction of near equals."""
+    return np.asarray(2 * c / (b + np.sqrt(b**2 - 4 * a * c)))
 
 
 @checked

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..rectangle.axis import LegendreAxis, orthonormal_legendre
-from .dispersion import shear_stiffness_n_per_m
+from .dispersion import shear_stiffness_n_per_m, smaller_root
 from .plate import Plate
 
 if TYPE_CHECKING:
@@ -70,16 +70,15 @@ class _Shapes:
 
 def _thick(plate: Plate, wavenumber2_per_m2: FloatArray, shapes: _Shapes, shear_factor: float) -> FloatArray:
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
-    shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), m * plate.thickness_m**2 / 12
+    shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), plate.rotary_inertia_kg
     k4 = wavenumber2_per_m2**2
     bent = k4 > 0
-    safe = np.where(bent, k4, 1.0)
+    safe = np.where(bent, k4, 1.0)  # a rigid motion bends nothing and is set to 0 below
     layer_m = plate.thickness_m / math.sqrt(12 * shear_factor)
     given_back = 2 * (1 - plate.poisson_ratio) * layer_m * shapes.edge_twist2_m() / safe
     b = m * (shear + rigidity * shapes.shear2() / safe) + shear * inertia * shapes.gradient2()
     c = shear * rigidity * safe / (1 + given_back)
-    omega = np.sqrt(2 * c / (b + np.sqrt(b**2 - 4 * m * inertia * c)))
-    return np.where(bent, omega, 0.0)
+    return np.where(bent, np.sqrt(smaller_root(m * inertia, b, c)), 0.0)
 
 
 def _derivative(axis: LegendreAxis, n: int) -> FloatArray:

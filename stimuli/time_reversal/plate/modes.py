@@ -187,7 +187,7 @@ def modes_of(plate: Plate, f_max_hz: float, *, shear_factor: float | None = None
 def _modes_of(plate: Plate, f_max_hz: float, shear_factor: float | None) -> SeparableModes | RitzModes:
     solve = _separable if plate.boundary == "SSSS" else _ritz
     modes = solve(plate, f_max_hz, shear_factor)
-    modes.angular_frequency_rad_per_s.setflags(write=False)
+    modes.angular_frequency_rad_per_s.setflags(write=False)  # all callers share it through the cache
     return modes
 
 

@@ -96,6 +96,11 @@ class Plate:
         return self.area_density_kg_per_m2 * self.area_m2
 
     @property
+    def rotary_inertia_kg(self) -> float:
+        """rho h^3 / 12: what the turning of a section resists, per area."""
+        return self.area_density_kg_per_m2 * self.thickness_m**2 / 12
+
+    @property
     def bending_rigidity_n_m(self) -> float:
         """D = Y h^3 / (12 (1 - nu^2))."""
         return self.youngs_modulus_pa * self.thickness_m**3 / (12 * (1 - self.poisson_ratio**2))
@@ -122,7 +127,7 @@ class Plate:
     def check_holds(self, name: str, at_m: tuple[float, float]) -> None:
         """Raise `InvalidParameter`, which names the argument, if a point is outside of the plate."""
         if not self.contains(*at_m):
-            x_m, y_m = (float(each) for each in at_m)
+            x_m, y_m = map(float, at_m)
             raise InvalidParameter(
                 f"{name}: found ({x_m}, {y_m}) m, expected a point of the plate of {self.length_m} x {self.width_m} m"
             )

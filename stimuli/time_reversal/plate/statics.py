@@ -14,6 +14,7 @@ from .plate import Plate
 
 FloatArray = NDArray[np.float64]
 
+# of Levy's sum, and of Navier's under a patch, along each side
 N_TERMS: Final = 20_000
 N_TERMS_PATCH: Final = 1_200
 RITZ_DEGREE: Final = 50
@@ -105,6 +106,7 @@ def _across(mu: FloatArray, width_m: float, y0: float, y: float) -> FloatArray:
     b)).
     """
     apart = abs(y - y0)
+    # images in the edges y = 0 and y = width change the sign, in both they do not
     distance = np.array([apart, y + y0, 2 * width_m - y - y0, 2 * width_m - apart])[:, None]
     images = np.array([1.0, -1.0, -1.0, 1.0])[:, None] * np.exp(-mu * distance)
     total, slope = images.sum(axis=0), -(distance * images).sum(axis=0)

@@ -45,8 +45,9 @@ class SineAxis:
         at = np.atleast_1d(np.asarray(at_m, float)) / self.length_m
         order = np.arange(1, self.n + 1)[:, None]
         far = at > 0.5
-        sign = np.where(far & (order % 2 == 0), -1.0, 1.0)
-        return np.asarray(math.sqrt(2) * sign * np.sin(order * math.pi * np.where(far, 1 - at, at)), float)
+        from_nearer = np.where(far, 1 - at, at)
+        sign = np.where(far & (order % 2 == 0), -1.0, 1.0)  # even orders are odd about the middle
+        return np.asarray(math.sqrt(2) * sign * np.sin(order * math.pi * from_nearer), float)
 
     def curvature(self, at_m: ArrayLike) -> FloatArray:
         return -(self.wavenumber_rad_per_m[:, None] ** 2) * self.value(at_m)
@@ -90,12 +91,14 @@ class LegendreAxis:
         return (2 / self.length_m) ** 2 * self._quadrature(self.curvature_in_s, start_m, stop_m)
 
     def _legendre(self, at_m: ArrayLike) -> FloatArray:
+        # a point on an edge may be rounded to beyond it, where polynomials of a high degree are large
         s = np.clip(2 * np.atleast_1d(np.asarray(at_m, float)) / self.length_m - 1, -1.0, 1.0)
         return orthonormal_legendre(s, self.function.shape[1] - 1)
 
     def _quadrature(self, coefficients: FloatArray, start_m: ArrayLike, stop_m: ArrayLike) -> FloatArray:
         """Gauss's rule, exact for this degree however short the interval."""
         start, stop = np.atleast_1d(start_m), np.atleast_1d(stop_m)
+        # n nodes are exact up to degree 2 n - 1
         nodes, weights = np.polynomial.legendre.leggauss(coefficients.shape[1] // 2 + 1)
         half = (stop - start) / 2
         at = ((start + stop) / 2 + half * nodes[:, None]).ravel()

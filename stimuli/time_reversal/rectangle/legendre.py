@@ -51,18 +51,20 @@ def families(length_m: float, edges: str, degree: int) -> list[Family]:
 
 
 def _family(length_m: float, edges: str, degree: int, parity: int) -> Family:
-    function, slope, curvature = _integrated(degree)
+    function, slope, curvature = _integrals(degree)
     cubics = [i for i in range(N_CUBICS) if parity < 0 or i % 2 == parity]
     inner = [i for i in range(N_CUBICS, degree + 1) if parity < 0 or i % 2 == parity]
     mixing = _admissible(function[cubics], slope[cubics], curvature[cubics], edges)
-    rows = [np.vstack([mixing @ part[cubics], part[inner]]) for part in (function, slope, curvature)]
+    rows = [np.vstack([mixing @ table[cubics], table[inner]]) for table in (function, slope, curvature)]
+    # each condition takes one cubic away; what is left counts with the highest degrees
     order = np.array([*cubics[len(cubics) - len(mixing) :], *inner])
     return Family(LegendreAxis(length_m, *rows), order)
 
 
-def _integrated(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+def _integrals(degree: int) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Coefficients of 1, s and B_0.. with their first and second derivatives; row i has degree i."""
     k = np.arange(1, degree + 1)
+    # the integral of P_(k-1) is a part of P_k minus a part of P_(k-2)
     integrate = np.zeros((degree + 1, degree + 1))
     integrate[k - 1, k] = 1 / np.sqrt(4.0 * k**2 - 1)
     integrate[k, k - 1] = -1 / np.sqrt(4.0 * k**2 - 1)
@@ -85,6 +87,7 @@ def _admissible(function: FloatArray, slope: FloatArray, curvature: FloatArray, 
     free = _null_rows(np.array(conditions).reshape(-1, len(function)))
     bent = free @ curvature
     stiffness, turn = np.linalg.eigh(bent @ bent.T)
+    # straight functions have no bending stiffness to be scaled by
     scale = np.where(stiffness > 1e-9, 1 / np.sqrt(np.maximum(stiffness, 1e-9)), 1.0)
     return scale[:, None] * (turn.T @ free)
 

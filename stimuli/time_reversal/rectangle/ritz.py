@@ -69,7 +69,7 @@ def _block(
     unit_per_m2 = 4 / rectangle.length_m**2
     highest = (wavenumber2_max_per_m2 / unit_per_m2) ** 2
     theta, vectors = _largest(mass, stiffness + SHIFT * mass, 1 / (highest + SHIFT))
-    eigenvalue = np.maximum(1 / theta - SHIFT, 0.0)
+    eigenvalue = np.maximum(1 / theta - SHIFT, 0.0)  # rounding may leave a rigid motion below 0
     # a mean square of 1 over the plate is one of 1 / 4 over both s, each of which runs from -1 to 1
     return ParityBlock(on_x, on_y, i, j, unit_per_m2 * np.sqrt(eigenvalue), 2 * _orthonormal(vectors, mass))
 
@@ -85,14 +85,14 @@ def pencil(rectangle: Rectangle, on_x: Family, on_y: Family, i: IntArray, j: Int
     """Stiffness and mass in units of (length / 2)^4 k^4: the quadratic form of Kirchhoff's plate."""
     from scipy.sparse import csr_array, kron
 
-    r2 = (rectangle.length_m / rectangle.width_m) ** 2
+    r2 = (rectangle.length_m / rectangle.width_m) ** 2  # of two derivatives along y, in units of half the length
     nu = rectangle.poisson_ratio
     x = {name: csr_array(matrix) for name, matrix in _integrals(on_x).items()}
     y = {name: csr_array(matrix) for name, matrix in _integrals(on_y).items()}
     twist = kron(x["cross"], y["cross"].T) + kron(x["cross"].T, y["cross"])
     stiffness = kron(x["stiffness"], y["mass"]) + r2**2 * kron(x["mass"], y["stiffness"])
     stiffness = stiffness + r2 * (nu * twist + 2 * (1 - nu) * kron(x["slope"], y["slope"]))
-    chosen = i * on_y.n + j
+    chosen = i * on_y.n + j  # the place of a product among the rows of `kron`
     cut = [csr_array(whole)[chosen][:, chosen].toarray() for whole in (stiffness, kron(x["mass"], y["mass"]))]
     return cut[0], cut[1]
 
@@ -115,7 +115,7 @@ def _largest(mass: FloatArray, shifted: FloatArray, theta_min: float) -> tuple[F
     reduced = solve_triangular(lower, half.T, lower=True, check_finite=False)
     theta, turned = eigh(
         reduced,
-        subset_by_value=(theta_min * (1 - 1e-9), np.inf),
+        subset_by_value=(theta_min * (1 - 1e-9), np.inf),  # a mode that lies at the limit belongs to it
         driver="evr",
         overwrite_a=True,
         check_finite=False,
@@ -139,6 +139,7 @@ def _without_rigid_noise(blocks: list[ParityBlock], n_zero: int) -> list[ParityB
     """Rigid-body modes have a wavenumber of 0 exactly: their number is known from the edges."""
     if n_zero == 0:
         return blocks
-    smallest = np.sort(np.concatenate([block.wavenumber2_per_m2 for block in blocks]))[:n_zero].max(initial=0.0)
-    still = [np.where(block.wavenumber2_per_m2 <= smallest, 0.0, block.wavenumber2_per_m2) for block in blocks]
-    return [replace(block, wavenumber2_per_m2=k2) for block, k2 in zip(blocks, still, strict=True)]
+    ascending = np.sort(np.concatenate([block.wavenumber2_per_m2 for block in blocks]))
+    largest_rigid = ascending[:n_zero].max(initial=0.0)
+    k2s = [np.where(block.wavenumber2_per_m2 <= largest_rigid, 0.0, block.wavenumber2_per_m2) for block in blocks]
+    return [replace(block, wavenumber2_per_m2=k2) for block, k2 in zip(blocks, k2s, strict=True)]

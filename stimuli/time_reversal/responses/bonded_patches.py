@@ -113,7 +113,7 @@ def bonded_loads(
     of = ceramic or Ceramic()
     weight, rigidity_n_m = of.density_kg_per_m3 * of.thickness_m, of.added_rigidity_n_m(plate)
     whole("bonded_loads", lowest=1, n_parts=n_parts)
-    parts = [(x, y, each.area_m2 / n_parts**2) for each in patches for x, y in _parts(each, n_parts)]
+    parts = [(x, y, patch.area_m2 / n_parts**2) for patch in patches for x, y in _parts(patch, n_parts)]
     masses = [PlateLoad(x, y, mass_kg=weight * area_m2) for x, y, area_m2 in parts if mass]
     stiffeners = [Stiffener(x, y, rigidity_n_m * area_m2) for x, y, area_m2 in parts if stiffness]
     return [*masses, *stiffeners]

@@ -82,7 +82,7 @@ def tau_s(response: Vector, rate_hz: float) -> float:
     """
     positive("tau_s", rate_hz=rate_hz)
     energy, length_s = _blocks(np.asarray(response, float)[None], rate_hz)
-    return length_s / _identified(energy[0]).n_taus
+    return length_s / _clear_decay(energy[0]).n_taus
 
 
 @checked
@@ -102,7 +102,7 @@ def tau_estimate(responses: Responses) -> TauEstimate:
 
     pairs, length_s = _blocks(responses.samples.reshape(-1, responses.n_samples), responses.rate_hz)
     channels = pairs.reshape(*responses.samples.shape[:2], N_BLOCKS).sum(axis=0)
-    n_taus = _identified(channels.sum(axis=0)).n_taus
+    n_taus = _clear_decay(channels.sum(axis=0)).n_taus
     half = float(t.ppf((1 + CONFIDENCE) / 2, N_LEFT_OUT - 1)) * math.sqrt(_variance(channels))
     tau = length_s / n_taus
     return TauEstimate(tau, tau * math.exp(-half), tau * math.exp(half))
@@ -117,6 +117,7 @@ def decay_of(energy: Vector, kept: NDArray[np.intp] | None = None) -> Decay:
     kept = np.arange(first, N_BLOCKS) if kept is None else kept
     time = (kept + 0.5) / N_BLOCKS
     level = np.log(np.maximum(energy[kept], energy.max() * math.exp(LOWEST_LOG_FLOOR)))
+    # from a floor far below the record, in it, and near its beginning: the closest fit counts
     fits = [_fit(time, level, log_floor) for log_floor in (-60.0, -25.0, -3.0)]
     _, n_taus, log_floor = min(fits)[1]
     ends = np.exp(-2 * n_taus * np.array([first / N_BLOCKS, 1.0])) + math.exp(log_floor)
@@ -131,14 +132,15 @@ def _fit(time: FloatArray, level: FloatArray, log_floor: float) -> tuple[float, 
         return np.asarray(x[0] + np.logaddexp(-2 * x[1] * time, x[2]) - level)
 
     def slopes(x: FloatArray) -> FloatArray:
+        # of the decay in the energy; the floor has the rest
         share = np.exp(-2 * x[1] * time - np.logaddexp(-2 * x[1] * time, x[2]))
         return np.stack([np.ones_like(time), -2 * time * share, 1 - share], axis=1)
 
     middle = len(time) // 2
     start = float(np.clip((level[0] - level[middle]) / (2 * (time[middle] - time[0])), 0.1, 400.0))
     limits = ([-np.inf, 1e-3, LOWEST_LOG_FLOOR], [np.inf, 500.0, 5.0])
-    found = least_squares(misfit, [level[0], start, log_floor], slopes, bounds=limits)
-    return float(found.cost), tuple(float(x) for x in found.x)
+    solution = least_squares(misfit, [level[0], start, log_floor], slopes, bounds=limits)
+    return float(solution.cost), tuple(map(float, solution.x))
 
 
 def _blocks(responses: FloatArray, rate_hz: float) -> tuple[FloatArray, float]:
@@ -163,7 +165,7 @@ def _first(energy: FloatArray) -> int:
     return max(1, int(np.argmax(energy)))
 
 
-def _identified(energy: FloatArray) -> Decay:
+def _clear_decay(energy: FloatArray) -> Decay:
     if _first(energy) > N_BLOCKS // 2:
         raise InvalidParameter("response: found its loudest part in the second half, expected a decay; learn longer")
     decay = decay_of(energy)
@@ -181,8 +183,13 @@ def _variance(channels: FloatArray) -> float:
     n = min(N_LEFT_OUT, len(channels))
     fewer = [decay_of(whole - channels[i::n].sum(axis=0)) for i in range(n)] if n > 1 else []
     blocks = np.arange(_first(whole), N_BLOCKS)
-    shorter = [decay_of(whole, np.setdiff1d(blocks, part)) for part in np.array_split(blocks, N_LEFT_OUT)]
-    return sum((len(d) - 1) * float(np.var(np.log([x.n_taus for x in d]))) for d in (fewer, shorter) if d)
+    shorter = [decay_of(whole, np.setdiff1d(blocks, stretch)) for stretch in np.array_split(blocks, N_LEFT_OUT)]
+    return sum(_jackknife([decay.n_taus for decay in decays]) for decays in (fewer, shorter) if decays)
+
+
+def _jackknife(n_taus: list[float]) -> float:
+    """Variance of ln(n_taus) by values that each leave one group out: (n - 1)/n times their sum of squares."""
+    return (len(n_taus) - 1) * float(np.var(np.log(n_taus)))
 
 
 @checked

@@ -26,7 +26,7 @@ def through(responses: Responses, gain: GainCurve) -> Responses:
     array([0.031, 0.065])
     """
     n = responses.n_samples
-    n_fft = _fast_length(2 * n)
+    n_fft = _fast_length(2 * n)  # what rings beyond the end, or before time 0, wraps into zeros that are cut off
     frequency_hz = np.fft.rfftfreq(n_fft, 1 / responses.rate_hz)
     spectrum = np.fft.rfft(responses.samples, n_fft) * gain.at(np.asarray(frequency_hz, float))
     return replace(responses, samples=np.fft.irfft(spectrum, n_fft)[..., :n])

@@ -62,13 +62,15 @@ def sweep(f_min_hz: float, f_max_hz: float, *, rate_hz: float, duration_s: float
         If the band does not rise, begins at 0 or passes the Nyquist frequency, or the sweep has no samples.
     """
     positive("sweep", f_min_hz=f_min_hz)
-    within("sweep", np.nextafter(f_min_hz, np.inf), rate_hz / 2, f_max_hz=f_max_hz)
+    within("sweep", np.nextafter(f_min_hz, np.inf), rate_hz / 2, f_max_hz=f_max_hz)  # above `f_min_hz`, never at it
     n = samples_in("sweep.duration_s", duration_s, rate_hz)
     if n < 2:
         raise InvalidParameter(f"sweep.duration_s: found {duration_s}, expected at least two samples")
-    time_s, growth_s = np.arange(n) / rate_hz, n / rate_hz / np.log(f_max_hz / f_min_hz)
+    time_s = np.arange(n) / rate_hz
+    growth_s = n / rate_hz / np.log(f_max_hz / f_min_hz)  # in which the frequency grows by e
     phase_rad = 2 * np.pi * f_min_hz * growth_s * np.expm1(time_s / growth_s)
-    edge = np.clip(np.minimum(np.arange(n), np.arange(n)[::-1]) / max(FADE_PART * n, 1.0), 0.0, 1.0)
+    from_nearer_end = np.minimum(np.arange(n), np.arange(n)[::-1])
+    edge = np.clip(from_nearer_end / max(FADE_PART * n, 1.0), 0.0, 1.0)
     samples = np.sin(phase_rad) * np.sin(np.pi / 2 * edge) ** 2
     return Excitation(samples, rate_hz, f_min_hz, f_max_hz, "sweep")
 
@@ -153,7 +155,7 @@ def delay_s(played: Vector, recorded: Vector, rate_hz: float) -> float:
     positive("delay_s", rate_hz=rate_hz)
     matched = np.abs(correlate(recorded, played, method="fft"))
     lags = correlation_lags(len(recorded), len(played))
-    peak = int(np.argmax(np.where(lags >= 0, matched, -1.0)))
+    peak = int(np.argmax(np.where(lags >= 0, matched, -1.0)))  # nothing is recorded before it is played
     before, at, after = (matched[min(max(peak + k, 0), len(matched) - 1)] for k in (-1, 0, 1))
     bend = before - 2 * at + after
     shift = 0.5 * (before - after) / bend if bend < 0 else 0.0
@@ -221,9 +223,11 @@ def as_displacement(responses: Responses, f_min_hz: float, f_max_hz: float) -> R
     within("as_displacement", np.nextafter(f_min_hz, np.inf), responses.rate_hz / 2, f_max_hz=f_max_hz)
     n_fft = 2 * responses.n_samples
     frequency_hz = np.fft.rfftfreq(n_fft, 1 / responses.rate_hz)
-    inside = np.clip(np.minimum(frequency_hz - 0.9 * f_min_hz, f_max_hz + 0.1 * f_min_hz - frequency_hz), 0, None)
-    window = np.sin(np.pi / 2 * np.clip(inside / (0.1 * f_min_hz), 0, 1)) ** 2
-    factor = window / (2j * np.pi * np.where(window > 0, frequency_hz, 1.0)) ** QUANTITIES.index(responses.quantity)
+    above_hz, below_hz = frequency_hz - 0.9 * f_min_hz, f_max_hz + 0.1 * f_min_hz - frequency_hz
+    inside_hz = np.clip(np.minimum(above_hz, below_hz), 0, None)
+    window = np.sin(np.pi / 2 * np.clip(inside_hz / (0.1 * f_min_hz), 0, 1)) ** 2
+    n_integrations = QUANTITIES.index(responses.quantity)
+    factor = window / (2j * np.pi * np.where(window > 0, frequency_hz, 1.0)) ** n_integrations
     samples = np.fft.irfft(np.fft.rfft(responses.samples, n_fft) * factor, n_fft)[..., : responses.n_samples]
     return Responses(samples, responses.rate_hz, "displacement")
 

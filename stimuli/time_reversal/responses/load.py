@@ -161,13 +161,13 @@ class Receptances:
         return among
 
     def _check(self, **weights: FloatArray) -> None:
-        for name, each in weights.items():
-            shaped(name, each, (len(self.compliance), None))
+        for name, of_modes in weights.items():
+            shaped(name, of_modes, (len(self.compliance), None))
 
     def _pairs(self, weights: FloatArray) -> ComplexArray:
         """(..., n_frequencies) from weights (n_modes, ...) of pairs."""
-        found = _times(weights.reshape(len(weights), math.prod(weights.shape[1:])).T, self.compliance)
-        return found.reshape(*weights.shape[1:], self.compliance.shape[1])
+        flat = weights.reshape(len(weights), math.prod(weights.shape[1:]))
+        return _times(flat.T, self.compliance).reshape(*weights.shape[1:], self.compliance.shape[1])
 
 
 @checked
@@ -192,10 +192,11 @@ def carried(to_contacts: ComplexArray, among: ComplexArray, stiffness: Unbounded
     n_contacts, n_frequencies = to_contacts.shape[1:]
     shaped("carried.among", among, (n_frequencies, n_contacts, n_contacts))
     shaped("carried.stiffness", stiffness, (n_frequencies, n_contacts))
-    a, b = _balanced(stiffness, np.abs(np.einsum("fkk->fk", among)))
+    a, b = _balance(stiffness, np.abs(np.einsum("fkk->fk", among)))
     system = among * a[:, None, :]
-    np.einsum("fkk->fk", system)[...] += b
+    np.einsum("fkk->fk", system)[...] += b  # a view of the diagonals
     try:
+        # X (b + H a) = T a has its unknown on the left: solved as the transpose
         turned = np.linalg.solve(system.transpose(0, 2, 1), (to_contacts * a.T).transpose(2, 1, 0))
     except np.linalg.LinAlgError as error:
         raise InvalidParameter(COINCIDENT_PINS) from error
@@ -260,15 +261,14 @@ def contour(n_samples: int, rate_hz: float) -> tuple[ComplexArray, FloatArray, i
     whole("contour", lowest=1, n_samples=n_samples)
     positive("contour", rate_hz=rate_hz)
     n_fft = int(next_fast_len(2 * n_samples, real=True))
-    shift = -math.log(WRAP_AROUND) * rate_hz / n_fft
+    shift = -math.log(WRAP_AROUND) * rate_hz / n_fft  # sigma, by which exp(-sigma t) falls to that in one period
     s = np.asarray(shift + 2j * np.pi * np.fft.rfftfreq(n_fft, 1 / rate_hz), complex)
     return s, np.asarray(np.exp(shift * np.arange(n_samples) / rate_hz), float), n_fft
 
 
 def _check_pins(loads: Sequence[Attached]) -> None:
-    pins = [
-        (each.x_m, each.y_m) for each in loads if isinstance(each, PlateLoad) and math.isinf(each.stiffness_n_per_m)
-    ]
+    points = [load for load in loads if isinstance(load, PlateLoad)]
+    pins = [(load.x_m, load.y_m) for load in points if math.isinf(load.stiffness_n_per_m)]
     if len(set(pins)) < len(pins):
         raise InvalidParameter(COINCIDENT_PINS)
 
@@ -278,7 +278,7 @@ def _times(real: FloatArray, numbers: ComplexArray) -> ComplexArray:
     return np.asarray(real @ np.ascontiguousarray(numbers).view(float)).view(complex)
 
 
-def _balanced(stiffness: ComplexArray, size: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+def _balance(stiffness: ComplexArray, size: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """a = Z / (1 + |Z| h) and b = 1 / (1 + |Z| h); 1 / h and 0 for an infinite Z."""
     pinned = np.isinf(stiffness)
     finite = np.where(pinned, 0.0, stiffness)

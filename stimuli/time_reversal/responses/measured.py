@@ -138,7 +138,8 @@ def inspect(responses: Responses, snr_db: float = 20.0) -> Findings:
     h = responses.samples
     silent = ~h.any(axis=2)
     tenth = max(h.shape[2] // 10, 1)
-    power = np.square(h[:, :, : tenth * (h.shape[2] // tenth)]).reshape(*h.shape[:2], -1, tenth).mean(axis=3)
+    whole_tenths = h[:, :, : tenth * (h.shape[2] // tenth)]
+    power = np.square(whole_tenths).reshape(*h.shape[:2], -1, tenth).mean(axis=3)  # (n_points, n_channels, n_tenths)
     allowed = max(10 ** (-snr_db / 10), _left_of_decay(h[~silent]))
     noisy = ~silent & (power[:, :, -1] > power.max(axis=2) * allowed)
     clipped = ~silent & (_longest_run_at_peak(h) >= CLIPPED_RUN)
@@ -153,7 +154,11 @@ def _left_of_decay(pairs: FloatArray) -> float:
     energy = np.square(pairs[:, : size * N_BLOCKS]).reshape(len(pairs), N_BLOCKS, size).mean(axis=2)
     share = np.maximum(energy / energy.max(axis=1, keepdims=True), 1e-30)
     decay = decay_of(np.exp(np.log(share).mean(axis=0)))
-    return FLUCTUATION * math.exp(-1.8 * decay.n_taus) if decay.fall_db >= LEAST_FALL_DB else 0.0
+    if decay.fall_db < LEAST_FALL_DB:
+        return 0.0
+    return FLUCTUATION * math.exp(
+        -1.8 * decay.n_taus
+    )  # 0.9 of the record: from the middle of the first tenth to that of the last
 
 
 @checked
@@ -188,8 +193,8 @@ def _read_one(path: Path, full_scale: float, quantity: str) -> Responses:
     content = read_file(path, "impulse responses")
     try:
         content = as_npz(path, LARGEST_BYTES) if suffix in _HDF5 else content
-        found = _READERS[suffix](content, full_scale, quantity)
-        if found.n_samples == 0:
+        responses = _READERS[suffix](content, full_scale, quantity)
+        if responses.n_samples == 0:
             raise ValueError("found no samples, expected at least one")
     except ImportError as error:
         raise InvalidFile(
@@ -198,7 +203,7 @@ def _read_one(path: Path, full_scale: float, quantity: str) -> Responses:
     except (ValueError, OverflowError, MemoryError) as error:
         words = " ".join(str(error).split())
         raise InvalidFile(f"{path}: cannot be read as impulse responses: {words}") from error
-    return found
+    return responses
 
 
 def _read_wav(content: bytes, full_scale: float, quantity: str) -> Responses:
@@ -232,7 +237,7 @@ def _numbers(name: str, found: NDArray[Any]) -> FloatArray:
 def _read_csv(content: bytes, full_scale: float, quantity: str) -> Responses:
     del full_scale
     file = io.StringIO(content.decode("utf-8-sig"))
-    said = _said(file.readline())
+    said = _first_line(file.readline())
     names = _header(file.readline())
     columns = table_of_numbers(file, n_columns=len(names))
     kind = said.get("quantity", quantity)
@@ -240,7 +245,7 @@ def _read_csv(content: bytes, full_scale: float, quantity: str) -> Responses:
     return Responses(columns.T[None] * scale, float(said["rate_hz"]), kind)
 
 
-def _said(line: str) -> dict[str, str]:
+def _first_line(line: str) -> dict[str, str]:
     """What the first line of a CSV file says, every word known and said once."""
     words = [word.partition("=")[::2] for word in line.lstrip("#").split()]
     said = dict(words)

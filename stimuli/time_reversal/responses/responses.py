@@ -42,7 +42,7 @@ class Responses:
     quantity: str = "displacement"
 
     def __post_init__(self) -> None:
-        samples = np.asarray(self.samples, float).view()
+        samples = np.asarray(self.samples, float).view()  # made read-only below; the caller's own array is not
         if samples.ndim != 3 or 0 in samples.shape[:2]:
             raise InvalidParameter(
                 f"Responses.samples: found shape {samples.shape}, expected (n_points, n_channels, n_samples) "
