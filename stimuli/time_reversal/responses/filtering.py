@@ -22,6 +22,7 @@ def through(responses: Responses, gain: GainCurve) -> Responses:
     Examples
     --------
     >>> h = Responses(np.eye(1, 64)[None], 1e3)
+    >>> from tactometry.stimuli.time_reversal.filters import Butterworth
     >>> np.round(through(h, Butterworth(10.0)).samples[0, 0, :2], 3)
     array([0.031, 0.065])
     """
