@@ -6,9 +6,11 @@ from pathlib import Path
 from tactometry.errors import TactometryError, counted
 from tactometry.files.durable import read_file
 from tactometry.records.agreement import disagreement
-from tactometry.records.data_set import Session, trials_csv
+from tactometry.records.data_set import trials_csv
 from tactometry.records.journal import read
 from tactometry.trials.columns import Column
+
+from .session_files import header_of, session_of
 
 
 def edited(path: Path) -> list[str]:
@@ -33,7 +35,7 @@ def edited(path: Path) -> list[str]:
 def _difference(file: Path, journal: Path) -> str | None:
     """How a trials file differs from its journal."""
     content = read_file(file, "a trials file")
-    names = content.split(b"\n", 1)[0].decode("utf-8-sig", "replace").strip().split(",")
+    names = header_of(content)
     try:
         recording = read(journal)
     except TactometryError as damage:
@@ -46,7 +48,7 @@ def _difference(file: Path, journal: Path) -> str | None:
         return f"{file.name}, row 1: found other columns than {file.with_suffix('.json').name} describes"
     columns = [Column(name, "") for name in described or names]
     try:
-        expected = trials_csv(recording.trials, Session(head.participant, head.session, head.study), head.rig, columns)
+        expected = trials_csv(recording.trials, session_of(head), head.rig, columns)
     except KeyError as unknown:
         return f"{file.name}, row 1: found the column {unknown}, which the journal does not hold"
     differs = disagreement(content, expected)
@@ -56,7 +58,7 @@ def _difference(file: Path, journal: Path) -> str | None:
 def _described(file: Path) -> list[str]:
     """The columns that the description beside a trials file names, in their order; empty without one."""
     try:
-        told = json.loads(file.with_suffix(".json").read_bytes())
+        described = json.loads(file.with_suffix(".json").read_bytes())
     except (OSError, ValueError, RecursionError):
         return []
-    return list(told) if isinstance(told, dict) else []
+    return list(described) if isinstance(described, dict) else []

@@ -7,7 +7,7 @@ from tactometry.errors import Diverged, InvalidFile
 from tactometry.files.durable import read_file
 from tactometry.provenance import sha256
 from tactometry.records.agreement import REBUILD, disagreement
-from tactometry.records.data_set import Session, sessions
+from tactometry.records.data_set import sessions
 from tactometry.records.head import Head
 from tactometry.records.journal import read
 from tactometry.records.open_session import OpenSession
@@ -16,7 +16,7 @@ from tactometry.session.run import replay
 
 from ..study.experiment import Experiment, wire
 from ..study.study_file import parse
-from .validation import derived_csv, has_rows, trials_file
+from .session_files import OTHER_STUDY, derived_csv, has_rows, misnamed, session_of, trials_file
 
 
 @dataclass(frozen=True)
@@ -87,7 +87,7 @@ def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes
         return Replayed(journal.name, 0, complete=False)
     _check_named(journal, head)
     if head.study_sha256 != sha256(study_toml):
-        raise Diverged(f"{journal}, line 1: found the digest of another study.toml, expected that of this data set")
+        raise Diverged(f"{journal}, line 1: {OTHER_STUDY}")
     course = experiment.course(head.participant, head.session, head.number, head.seed)
     replay(course, recording.replay(str(journal)), complete=recording.complete)
     if not trials.exists():
@@ -104,20 +104,15 @@ def _rebuild(root: Path, journal: Path, experiment: Experiment, study_toml: byte
     head, trials = read(journal).head, trials_file(root, journal)
     if head is None:
         return None
-    session = _check_named(journal, head)
+    _check_named(journal, head)
     before = read_file(trials, "a trials file") if trials.exists() else None
-    opened = OpenSession(root, experiment.design(study_toml), session, head.rig, resume=True)
+    opened = OpenSession(root, experiment.design(study_toml), session_of(head), head.rig, resume=True)
     opened.close()
     changed = read_file(trials, "a trials file") != before
     return Rebuilt(trials.name, opened.n_trials, changed)
 
 
-def _check_named(journal: Path, head: Head) -> Session:
-    """The session of a head, which its journal must be named after: a copy under another name is no other session."""
-    session = Session(head.participant, head.session, head.study)
-    if session.stem != journal.stem:
-        raise InvalidFile(
-            f"{journal}, line 1: found session {head.session} of {head.participant} ({head.study}), expected that of "
-            "the file's name; remove the copy"
-        )
-    return session
+def _check_named(journal: Path, head: Head) -> None:
+    wrong_name = misnamed(journal, head)
+    if wrong_name is not None:
+        raise InvalidFile(f"{journal}, line 1: {wrong_name}")

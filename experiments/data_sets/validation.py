@@ -15,7 +15,7 @@ from tactometry.errors import InvalidFile, TactometryError
 from tactometry.files.durable import drafts, listed, read_file
 from tactometry.provenance import sha256
 from tactometry.records.agreement import REBUILD, disagreement
-from tactometry.records.data_set import Session, keys_of, participants, sessions, trials_csv
+from tactometry.records.data_set import keys_of, participants, sessions
 from tactometry.records.description import NAME, SIMULATED
 from tactometry.records.formats import ADDED, columns_in
 from tactometry.records.journal import Recording, read
@@ -26,6 +26,7 @@ from tactometry.trials.trial import tally
 
 from ..study.experiment import Experiment, wire
 from ..study.study_file import parse
+from .session_files import OTHER_STUDY, derived_csv, has_rows, header_of, misnamed, n_rows, trials_file
 
 CSV_NAME = re.compile(r"[a-z]+-[a-zA-Z0-9]+(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 
@@ -148,7 +149,7 @@ def _description(root: Path, contents: dict[Path, bytes]) -> Iterator[Defect]:
     for key in (*wrong, *missing):
         yield Defect(name, None, f"{key}: found {description.get(key)!r}, expected {wanted.get(key, 'a text')!r}")
     for file, content in contents.items():
-        header = set(_header(content))
+        header = set(header_of(content))
         for column in sorted(header - described | described - header - ADDED):
             where = "has no such column" if column in described else "has a column"
             yield Defect(name, None, f"variableMeasured: {file.name} {where} {column!r}, expected both to agree")
@@ -160,7 +161,7 @@ def _trials_file(file: Path, content: bytes, stems: list[str]) -> Iterator[Defec
         yield Defect(name, None, "found a name that Psych-DS forbids, expected key-value_..._data.csv")
     if file.stem.removesuffix("_data") not in stems:
         yield Defect(name, None, "found no journal of this session, expected one in journals/")
-    yield from _sidecar(file, _header(content))
+    yield from _sidecar(file, header_of(content))
     yield from defects(content, name)
     yield from _misnamed(file, content)
 
@@ -199,10 +200,6 @@ def _sidecar(file: Path, header: list[str]) -> Iterator[Defect]:
             yield Defect(name, None, f"found no description of the column {column!r}, expected one; {REBUILD}")
 
 
-def _header(content: bytes) -> list[str]:
-    return content.split(b"\n", 1)[0].decode("utf-8-sig", "replace").strip().split(",")
-
-
 def _session(root: Path, journal: Path, experiment: Experiment | None, notes: list[str]) -> Iterator[Defect]:
     name = f"journals/{journal.name}"
     try:
@@ -215,16 +212,16 @@ def _session(root: Path, journal: Path, experiment: Experiment | None, notes: li
     if head is None:
         yield from _not_begun(root, journal, notes)
         return
-    if Session(head.participant, head.session, head.study).stem != journal.stem:
-        whose = f"session {head.session} of {head.participant} ({head.study})"
-        yield Defect(name, 1, f"found {whose}, expected that of the file's name; remove the copy")
+    wrong_name = misnamed(journal, head)
+    if wrong_name is not None:
+        yield Defect(name, 1, wrong_name)
     notes += [f"{name}: {change}" for change in changes(recording.sittings)]
     if not recording.complete:
         notes.append(f"{name}: the session is not finished ({tally(recording.trials)}); go on with --resume")
     if experiment is None:
         return
     if sha256(read_file(root / "study.toml", "the study that ran")) != head.study_sha256:
-        yield Defect(name, 1, "found the digest of another study.toml, expected that of this data set")
+        yield Defect(name, 1, OTHER_STUDY)
     else:
         yield from _agreement(root, journal, recording, experiment)
         yield from _events(journal, recording)
@@ -235,25 +232,6 @@ def _not_begun(root: Path, journal: Path, notes: list[str]) -> Iterator[Defect]:
         yield Defect(f"journals/{journal.name}", None, "found no trial, expected those of the trials file")
     else:
         notes.append(f"journals/{journal.name}: the session has not begun; start it with --resume")
-
-
-def trials_file(root: Path, journal: Path) -> Path:
-    """The trials file of a journal."""
-    return root / "data" / f"{journal.stem}_data.csv"
-
-
-def n_rows(content: bytes) -> int:
-    """Rows of a trials file below its header.
-
-    >>> n_rows(b"a,b\\n1,2\\n3,4"), n_rows(b"")
-    (2, 0)
-    """
-    return max(sum(bool(line.strip()) for line in content.split(b"\n")) - 1, 0)
-
-
-def has_rows(path: Path) -> bool:
-    """Whether there is a trials file that holds rows."""
-    return os.path.lexists(path) and n_rows(read_file(path, "a trials file")) > 0
 
 
 def _agreement(root: Path, journal: Path, recording: Recording, experiment: Experiment) -> Iterator[Defect]:
@@ -281,11 +259,3 @@ def _events(journal: Path, recording: Recording) -> Iterator[Defect]:
         yield Defect(name, *differs)
     if not file.with_suffix(".json").is_file():
         yield Defect(name, None, f"found no description of its columns beside it, expected a JSON file; {REBUILD}")
-
-
-def derived_csv(recording: Recording, experiment: Experiment) -> bytes:
-    """The trials file that a journal stands for."""
-    assert recording.head is not None
-    head = recording.head
-    columns = columns_in(experiment.design(b"").columns, head.format)
-    return trials_csv(recording.trials, Session(head.participant, head.session, head.study), head.rig, columns)

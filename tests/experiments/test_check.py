@@ -10,6 +10,7 @@ import sys
 import threading
 import time
 import tomllib
+from dataclasses import replace
 from datetime import date
 
 import numpy as np
@@ -160,6 +161,16 @@ def test_each_stimulus_that_passes_a_limit_is_named(tmp_path):
     for each, name in zip(found, names, strict=True):
         assert each.found.startswith(f"level 34 of {name}: limits.voltage_peak_v: found a peak of 47.6")
         assert (each.fine, each.device) == (False, True)
+
+
+def test_a_stimulus_that_practice_alone_asks_too_strong_is_named(tmp_path):
+    """Only the levels of the procedure were held against the output."""
+    numbers = load_numbers("tutorial")[0]
+    study = wire(replace(numbers, practice={"levels": [40.0]}), "tutorial")
+    bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = 60.0\n')
+    found = [each for each in devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
+    assert [each.fine for each in found] == [False] * len(study.bank)
+    assert all(each.found.startswith("level 40 of ") for each in found)
 
 
 @pytest.mark.parametrize("hands_off", [False, True])
