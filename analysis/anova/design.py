@@ -7,9 +7,10 @@ from enum import StrEnum
 import numpy as np
 import pandas as pd
 
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.errors import InvalidParameter
 
 from ..arrays import RELATIVE_ZERO, Array, Indices, size_of
+from ..reading.refusals import no_column
 
 MIN_PARTICIPANTS = 3
 AVERAGED = "several values of one participant in one cell were averaged"
@@ -145,10 +146,10 @@ def finite_rows(table: pd.DataFrame, columns: Sequence[str], dependent: str, whe
 
 def expect_columns(table: pd.DataFrame, columns: Sequence[str], where: str) -> None:
     """Refuse a table without rows or without one of the columns."""
-    known = [str(column) for column in table.columns]
+    known = list(map(str, table.columns))
     for name in columns:
         if name not in known:
-            raise InvalidParameter(f"{where}: found no column {name!r}{nearest(name, known)}")
+            raise InvalidParameter(f"{where}: {no_column(name, table)}")
     if table.empty:
         raise UndefinedStatistic("table: found no row, expected values to compare", DesignStatus.NO_DATA)
 

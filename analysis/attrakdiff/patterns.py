@@ -7,11 +7,12 @@ from collections.abc import Iterable, Mapping
 
 import pandas as pd
 
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.errors import InvalidParameter
 
 from ..anova.design import UndefinedStatistic
 from ..anova.post_hoc import pairs
 from ..anova.within_subjects import repeated_measures
+from ..reading.refusals import no_column
 from .scoring import dimensions_of
 
 THESIS: Mapping[str, tuple[str, str]] = {
@@ -113,8 +114,7 @@ def _against(scored: pd.DataFrame, dimension: str, reference: str, pattern: str)
 
 def _expect(scored: pd.DataFrame, pattern: str, wanted: Iterable[str]) -> None:
     if pattern not in scored.columns:
-        names = [str(name) for name in scored.columns]
-        raise InvalidParameter(f"pattern: found no column {pattern!r}{nearest(pattern, names)}")
+        raise InvalidParameter(f"pattern: {no_column(pattern, scored)}")
     there = sorted(set(scored[pattern]))
     for name in wanted:
         if name not in there:

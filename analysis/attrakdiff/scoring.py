@@ -15,6 +15,7 @@ from tactometry.trials.columns import RESERVED, stated_factors
 from ..anova.group_means import MEANS, group_table
 from ..arrays import Array
 from ..means import mean_with_interval
+from ..reading.refusals import no_column
 
 NAME = "attrakdiff"
 HERE = (*RESERVED, "row", "source")
@@ -85,14 +86,13 @@ def item_scores(
 def _answers(
     table: pd.DataFrame, questionnaire: str | Questionnaire, within: Sequence[str] | None
 ) -> tuple[pd.DataFrame, Questionnaire, list[str]]:
-    names = [str(name) for name in table.columns]
     for name in ("participant", "item", "response", *(within or ())):
-        if name not in names:
-            raise InvalidParameter(f"scores: found no column {name!r}{nearest(name, names)}")
+        if name not in table.columns:
+            raise InvalidParameter(f"scores: {no_column(name, table)}")
     if table.empty:
         raise InvalidParameter("scores: found no row, expected answers to a questionnaire")
     form = _form(table, questionnaire)
-    factors = list(_conditions(names) if within is None else within)
+    factors = list(_conditions(list(map(str, table.columns))) if within is None else within)
     raw = _raw(table.reset_index(drop=True), form)
     return table.reset_index(drop=True).assign(raw=raw), form, factors
 

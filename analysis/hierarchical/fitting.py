@@ -22,6 +22,7 @@ from tactometry.psychometric import shape_named
 from ..arrays import Array
 from ..mixed_models.laplace import ClusteredModel, MixedFit, maximise
 from ..threshold.counts import checked
+from ..threshold.fitting import check_interval, check_rates
 from ..threshold.likelihood import GUESS, LAPSE
 from ..threshold.prior import BETA_B
 from .layout import (
@@ -142,11 +143,8 @@ def _check(
             raise InvalidParameter(f"width_by: found {name!r}, expected factors of {', '.join(conditions)}")
     if not conditions:
         raise InvalidParameter("conditions: found no factor, expected at least one, with one value if nothing varied")
-    if not 0 < interval < 1:
-        raise InvalidParameter(f"interval: found {interval}, expected a number between 0 and 1")
-    for name, rate in zip(("guess_rate", "lapse_rate"), rates, strict=True):
-        if rate is not None and not 0 <= rate < 1:
-            raise InvalidParameter(f"{name}: found {rate}, expected None or a number from 0 to below 1")
+    check_interval(interval)
+    check_rates(*rates)
 
 
 def _no_data(factors: tuple[str, ...], interval: float) -> HierarchicalFit:

@@ -121,16 +121,7 @@ def mixed_model(
     size = size_of(values)
     y = values / size
     centre, scale = float(y.mean()), float(y.std())
-    if scale <= RELATIVE_ZERO * float(np.abs(y).max()):
-        raise UndefinedStatistic(
-            f"{dependent}: found the same value everywhere, expected values that differ", DesignStatus.CONSTANT
-        )
-    if not _has_error(y, matrix.x, groups):
-        raise UndefinedStatistic(
-            f"{dependent}: found values that participants and terms explain exactly, expected some error: F is "
-            "undefined",
-            DesignStatus.ZERO_ERROR,
-        )
+    _refuse_without_error(y, matrix.x, groups, dependent)
     fit = _fit((y - centre) / scale, matrix.x, groups)
     df = degrees(matrix, groups)
     unit = scale * size
@@ -145,6 +136,19 @@ def mixed_model(
         status=fit.status,
         notes=(ALIKE,) if fit.status is ModelStatus.SINGULAR else (),
     )
+
+
+def _refuse_without_error(y: Array, x: Array, groups: Indices, dependent: str) -> None:
+    if y.std() <= RELATIVE_ZERO * np.abs(y).max():
+        raise UndefinedStatistic(
+            f"{dependent}: found the same value everywhere, expected values that differ", DesignStatus.CONSTANT
+        )
+    if not _has_error(y, x, groups):
+        raise UndefinedStatistic(
+            f"{dependent}: found values that participants and terms explain exactly, expected some error: F is "
+            "undefined",
+            DesignStatus.ZERO_ERROR,
+        )
 
 
 def checked_rows(

@@ -9,9 +9,10 @@ import pandas as pd
 
 from tactometry.config.quantity import si_unit, unit_suffix, units
 from tactometry.config.strict import read_toml
-from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.errors import InvalidFile, InvalidParameter
 
 from .level_scale import LevelScale
+from .refusals import no_column
 
 
 @dataclass(frozen=True)
@@ -152,8 +153,7 @@ def _renamed(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFra
 
 def _expect(raw: pd.DataFrame, theirs: str, where: str, file: Path) -> None:
     if theirs not in raw.columns:
-        hint = nearest(theirs, [str(column) for column in raw.columns])
-        raise InvalidFile(f"{file}: found no column {theirs!r}{hint}, which {where}")
+        raise InvalidFile(f"{file}: {no_column(theirs, raw)}, which {where}")
 
 
 def _of_name(column_map: ColumnMap, file: Path) -> Mapping[str, str]:
@@ -169,8 +169,7 @@ def _of_name(column_map: ColumnMap, file: Path) -> Mapping[str, str]:
 def _meant(found: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
     for ours, meanings in column_map.values.items():
         if ours not in found.columns:
-            hint = nearest(ours, [str(column) for column in found.columns])
-            raise InvalidFile(f"{file}: found no column {ours!r}{hint}, whose values the column map names")
+            raise InvalidFile(f"{file}: {no_column(ours, found)}, whose values the column map names")
         found[ours] = found[ours].replace({theirs: _text(value) for theirs, value in meanings.items()})
     return found
 

@@ -8,8 +8,9 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import pandas as pd
 
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.errors import InvalidParameter
 
+from .refusals import no_column
 from .trials import Trials
 
 TARGET = "force_n"
@@ -107,6 +108,5 @@ def _broken(rows: pd.DataFrame, name: str, bound: float, quality: pd.DataFrame) 
 
 def _column(rows: pd.DataFrame, name: str, rule: str) -> "pd.Series[float]":
     if name not in rows.columns:
-        hint = nearest(name, [str(column) for column in rows.columns])
-        raise InvalidParameter(f"{rule}: found no column {name!r}{hint}, which this rule needs")
+        raise InvalidParameter(f"{rule}: {no_column(name, rows)}, which this rule needs")
     return rows[name]

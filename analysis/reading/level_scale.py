@@ -6,10 +6,11 @@ from typing import Literal, get_args
 import numpy as np
 import pandas as pd
 
-from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.errors import InvalidParameter, nearest
 from tactometry.trials.tasks import TASKS, tasks_with_level
 
 from ..arrays import Array
+from .refusals import bad_cell
 
 LevelScale = Literal["linear", "log10", "db"]
 LOGARITHMS: Mapping[str, tuple[str, Callable[[Array], Array]]] = {
@@ -71,11 +72,11 @@ def scaled(rows: pd.DataFrame, scale: str) -> pd.DataFrame:
 def _positive(rows: pd.DataFrame, name: str, levels: "pd.Series[float]") -> Array:
     bad = rows[(levels <= 0).to_numpy()]
     if len(bad):
-        first = bad.iloc[0]
-        raise InvalidFile(
-            f"{first['source']}, row {first['row']}, column {name!r}: found {first[name]}, expected a level above 0 on "
-            "a logarithmic scale (a catch trial has no level, and 1 in the column 'catch'), or --level-scale linear"
+        expected = (
+            "a level above 0 on a logarithmic scale (a catch trial has no level, and 1 in the column 'catch'), or "
+            "--level-scale linear"
         )
+        raise bad_cell(bad.iloc[0], name, str(bad.iloc[0][name]), expected)
     return np.array(levels, dtype=np.float64)
 
 

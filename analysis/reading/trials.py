@@ -26,6 +26,7 @@ from .arrow_text import plain_numbers
 from .column_map import ColumnMap, translated, trials_of
 from .doubled_rows import doubled
 from .level_scale import scaled, wide_levels
+from .refusals import bad_cell, no_column
 from .text_table import text_cells
 
 REQUIRED = ("participant", "level", "task", "response")
@@ -179,8 +180,7 @@ def _raw(file: Path, column_map: ColumnMap) -> pd.DataFrame:
     raw = translated(text_cells(file, column_map.separator), column_map, file)
     for name in REQUIRED:
         if name not in raw.columns:
-            hint = nearest(name, [str(column) for column in raw.columns])
-            raise InvalidFile(f"{file}: found no column {name!r}{hint}; name it with a column map (--columns)")
+            raise InvalidFile(f"{file}: {no_column(name, raw)}; name it with a column map (--columns)")
     if raw.empty:
         raise InvalidFile(f"{file}: found no row below the header, expected trials")
     return raw
@@ -360,10 +360,7 @@ def _factor_values(rows: pd.DataFrame, name: str) -> "pd.Series[Any]":
     text = rows[name].astype(str)
     lost = (text == "") & rows["task"].isin(CURVED)
     if lost.any():
-        first = rows[lost].iloc[0]
-        raise InvalidFile(
-            f"{first['source']}, row {first['row']}, column {name!r}: found nothing, expected the factor's value"
-        )
+        raise bad_cell(rows[lost].iloc[0], name, "nothing", "the factor's value")
     numbers = parsed(text)
     if not np.isfinite(numbers[text != ""]).all():
         return text

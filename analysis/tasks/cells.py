@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tactometry.errors import InvalidFile
 from tactometry.trials.tasks import tasks_with_level
 
 from ..conditions import parts
+from ..reading.refusals import bad_cell
 from ..reading.trials import Trials, parsed
 from ..threshold.fitting import ThresholdFit, fit_many
 from .curve import DIFFERENCE_PER_WIDTH
@@ -65,10 +65,8 @@ def level_unit(trials: Trials) -> str:
     units = rows[UNIT].unique()
     if len(units) > 1:
         other = rows[rows[UNIT] == units[1]].iloc[0]
-        raise InvalidFile(
-            f"{other['source']}, row {other['row']}, column 'level_unit': found {units[1]!r}, expected {units[0]!r} "
-            "as before; analyse levels of different units apart"
-        )
+        expected = f"{units[0]!r} as before; analyse levels of different units apart"
+        raise bad_cell(other, UNIT, repr(units[1]), expected)
     others = set(trials.rows[UNIT]) - {""}
     return str(units[0]) if len(units) else others.pop() if len(others) == 1 else ""
 

@@ -11,10 +11,9 @@ import numpy as np
 import pandas as pd
 from scipy.stats import linregress, t as student
 
-from tactometry.errors import InvalidFile
-
 from ..arrays import Array
 from ..conditions import by_condition
+from ..reading.refusals import bad_cell
 from ..reading.trials import parsed
 from .rows import delivered
 from .task_analysis import Results, TaskAnalysis
@@ -84,10 +83,8 @@ def _ratings(rows: pd.DataFrame) -> pd.DataFrame:
     in_db = rows["level_unit"].str.startswith("dB") if "level_unit" in rows.columns else pd.Series(False, rows.index)
     bad = rows[~in_db & (x <= 0)]
     if len(bad):
-        raise InvalidFile(
-            f"{bad.iloc[0]['source']}, row {bad.iloc[0]['row']}, column 'level': found {x[bad.index[0]]:g}, expected "
-            "an amplitude above 0 or a level_unit in decibels (dB ...)"
-        )
+        expected = "an amplitude above 0 or a level_unit in decibels (dB ...)"
+        raise bad_cell(bad.iloc[0], "level", f"{x[bad.index[0]]:g}", expected)
     log_level = np.where(in_db, x * np.log(10) / 20, np.log(x.where(~in_db, 1.0)))
     return rows.assign(number=parsed(rows["response"]), x=x, log_level=log_level)
 

@@ -5,10 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from tactometry.errors import InvalidFile
-
 from ..conditions import by_condition
 from ..means import mean_row, mean_with_interval
+from ..reading.refusals import bad_cell
 from .task_analysis import Results, TaskAnalysis
 
 TASK = "measurement"
@@ -57,8 +56,7 @@ def loss_table(of_participants: pd.DataFrame, factors: Sequence[str]) -> pd.Data
 
 def _check_levels(linear: pd.DataFrame) -> None:
     if len(linear) and (linear["level"] == 0).any():
-        row = linear[linear["level"] == 0].iloc[0]
-        raise InvalidFile(f"{row['source']}, row {row['row']}, column 'level': found 0, expected an amplitude above 0")
+        raise bad_cell(linear[linear["level"] == 0].iloc[0], "level", "0", "an amplitude above 0")
 
 
 def _reading(part: pd.DataFrame) -> dict[str, object]:

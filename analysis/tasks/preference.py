@@ -22,6 +22,7 @@ from tactometry.trials.row_rules import rows_text
 
 from ..arrays import Array
 from ..conditions import parts
+from ..reading.refusals import no_column
 from ..reading.trials import Trials, parsed
 from ..wording.labels import level_of
 from .task_analysis import Results, TaskAnalysis
@@ -199,8 +200,7 @@ def _check_pairs(rows: pd.DataFrame) -> None:
     expected = "the two items of a preference in item and item_b, the one that came first in item"
     for name in ("item", "item_b"):
         if name not in rows.columns:
-            hint = nearest(name, [str(column) for column in rows.columns])
-            raise InvalidFile(f"{rows['source'].iloc[0]}: found no column {name!r}{hint}, expected {expected}")
+            raise InvalidFile(f"{rows['source'].iloc[0]}: {no_column(name, rows)}, expected {expected}")
     alike = (rows["item"] == rows["item_b"]) | (rows["item"] == "") | (rows["item_b"] == "")
     if alike.any():
         first = rows[alike].iloc[0]

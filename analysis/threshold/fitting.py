@@ -4,6 +4,7 @@ status."""
 from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
 
 from collections.abc import Sequence
+from typing import TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -24,6 +25,23 @@ OVERDISPERSED = ("ml", "map", "posterior")
 ESTIMATES = ("mode", "median", "mean")
 
 
+class Options(TypedDict, total=False):
+    """What `fit` may be given besides; the defaults are those of `fit_many`."""
+
+    lapse_rate: float | None
+    method: str
+    interval: float
+    robust_range: bool
+    scale_free_width: bool
+    rate_beta: float
+    equal_asymptotes: bool
+    narrowest_spacings: float
+    overdispersion: bool
+    estimate: str
+    n_resamples: int
+    rng: np.random.Generator | None
+
+
 def fit(
     levels: ArrayLike,
     n_correct: ArrayLike,
@@ -31,20 +49,9 @@ def fit(
     *,
     shape: str,
     guess_rate: float | None,
-    lapse_rate: float | None = None,
-    method: str = "posterior",
-    interval: float = 0.95,
     n_false_alarms: int = 0,
     n_catch: int = 0,
-    robust_range: bool = False,
-    scale_free_width: bool = False,
-    rate_beta: float = BETA_B,
-    equal_asymptotes: bool = False,
-    narrowest_spacings: float = 1.0,
-    overdispersion: bool = False,
-    estimate: str = "mode",
-    n_resamples: int = 1000,
-    rng: np.random.Generator | None = None,
+    **options: Unpack[Options],
 ) -> ThresholdFit:
     """Fit a psychometric function to the answers at each level.
 
@@ -123,20 +130,9 @@ def fit(
         np.atleast_1d(np.asarray(n_trials))[None],
         shape=shape,
         guess_rate=guess_rate,
-        lapse_rate=lapse_rate,
-        method=method,
-        interval=interval,
         n_false_alarms=[n_false_alarms],
         n_catch=[n_catch],
-        robust_range=robust_range,
-        scale_free_width=scale_free_width,
-        rate_beta=rate_beta,
-        equal_asymptotes=equal_asymptotes,
-        narrowest_spacings=narrowest_spacings,
-        overdispersion=overdispersion,
-        estimate=estimate,
-        n_resamples=n_resamples,
-        rng=rng,
+        **options,
     )[0]
 
 
@@ -171,16 +167,13 @@ def fit_many(
     ['separated', 'threshold_below_range']
     """
     curve = shape_named(shape)
-    _check_options(guess_rate, lapse_rate, method, interval, rng)
-    one_of("estimate", estimate, ESTIMATES)
+    check_rates(guess_rate, lapse_rate)
+    check_interval(interval)
+    _check_method(method, estimate, rng, overdispersion=overdispersion)
     positive("fit", rate_beta=rate_beta, narrowest_spacings=narrowest_spacings)
-    if overdispersion and method not in OVERDISPERSED:
-        raise InvalidParameter(
-            f"method: found {method!r} with overdispersion, expected one of {', '.join(OVERDISPERSED)}"
-        )
     x, k, n = checked(levels, n_correct, n_trials, positive=curve.on_log_levels)
     if curve.on_log_levels:
-        x = np.log(np.where(n > 0, x, 1.0))  # unused places hold level 0
+        x = np.log(np.where(n > 0, x, 1.0))  # places without trials hold level 0
     counts = normalised(x, k, n, robust_range=robust_range)
     alarms, catch = _catch_trials(n_false_alarms, n_catch, len(counts))
     if equal_asymptotes and not (guess_rate is None and lapse_rate is None and not catch.any()):
@@ -199,46 +192,48 @@ def fit_many(
     return fitting.results(n_resamples, rng)
 
 
-def _check_options(
-    guess_rate: float | None,
-    lapse_rate: float | None,
-    method: str,
-    interval: float,
-    rng: np.random.Generator | None,
-) -> None:
+def check_rates(guess_rate: float | None, lapse_rate: float | None) -> None:
+    """Refuse rates that are none, or leave a function no room to rise."""
     for name, rate in (("guess_rate", guess_rate), ("lapse_rate", lapse_rate)):
         if rate is not None and not 0 <= rate < 1:
             raise InvalidParameter(f"{name}: found {rate}, expected None or a number from 0 to below 1")
     # Two free rates sum to 1 at the very ends of their priors; known ones that do leave the function no room to rise.
-    highest_guess = LARGEST_RATE if guess_rate is None else guess_rate
-    highest_lapse = LARGEST_RATE if lapse_rate is None else lapse_rate
-    if highest_guess + highest_lapse > 1 or (guess_rate or 0) + (lapse_rate or 0) >= 1:
+    highest = [LARGEST_RATE if rate is None else rate for rate in (guess_rate, lapse_rate)]
+    if sum(highest) > 1 or (guess_rate or 0) + (lapse_rate or 0) >= 1:
         raise InvalidParameter(
             f"guess_rate, lapse_rate: found {guess_rate} and {lapse_rate}, expected a sum below 1 "
-            "(a free rate may reach 0.5)"
+            f"(a free rate may reach {LARGEST_RATE:g})"
         )
+
+
+def check_interval(interval: float) -> None:
+    if not 0 < interval < 1:
+        raise InvalidParameter(f"interval: found {interval}, expected a number between 0 and 1")
+
+
+def _check_method(method: str, estimate: str, rng: np.random.Generator | None, *, overdispersion: bool) -> None:
     if method not in METHODS:
         raise InvalidParameter(
             f"method: found {method!r}, expected one of {', '.join(METHODS)}{nearest(str(method), METHODS)}"
         )
-    if not 0 < interval < 1:
-        raise InvalidParameter(f"interval: found {interval}, expected a number between 0 and 1")
+    one_of("estimate", estimate, ESTIMATES)
     if method == "bootstrap" and rng is None:
         raise InvalidParameter("rng: found None, expected a numpy.random.Generator for the method 'bootstrap'")
+    if overdispersion and method not in OVERDISPERSED:
+        raise InvalidParameter(
+            f"method: found {method!r} with overdispersion, expected one of {', '.join(OVERDISPERSED)}"
+        )
 
 
 def _catch_trials(n_false_alarms: ArrayLike, n_catch: ArrayLike, n_sets: int) -> tuple[Array, Array]:
-    alarms, catch = (_counts_of_catch_trials(values, n_sets) for values in (n_false_alarms, n_catch))
+    """False alarms and catch trials (n_sets,)."""
+    alarms, catch = (np.broadcast_to(np.asarray(n, dtype=np.float64), (n_sets,)) for n in (n_false_alarms, n_catch))
+    for stated, counts in ((n_false_alarms, alarms), (n_catch, catch)):
+        if not ((counts >= 0) & (counts == np.floor(counts))).all():
+            raise InvalidParameter(f"n_false_alarms, n_catch: found {stated!r}, expected whole numbers, 0 or more")
     if (alarms > catch).any():
         raise InvalidParameter(f"n_false_alarms: found {n_false_alarms!r}, expected at most n_catch, {n_catch!r}")
     return alarms, catch
-
-
-def _counts_of_catch_trials(values: ArrayLike, n_sets: int) -> Array:
-    counts = np.broadcast_to(np.asarray(values, dtype=np.float64), (n_sets,))
-    if not ((counts >= 0) & (counts == np.floor(counts))).all():
-        raise InvalidParameter(f"n_false_alarms, n_catch: found {values!r}, expected whole numbers, 0 or more")
-    return counts
 
 
 __all__: Sequence[str] = ["METHODS", "Status", "ThresholdFit", "fit", "fit_many"]
