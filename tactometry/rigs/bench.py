@@ -38,7 +38,7 @@ from ..trials.trial import Tally, Trial, outcome, tally
 from . import adjustment
 from .closing import safely
 from .emitter import Emitter
-from .experimenter.supervisor import Supervisor, utc_of
+from .experimenter.supervisor import Supervisor, utc_text
 from .experimenter.terminal import ExperimenterTerminal
 from .experimenter.trial_log import CLOCK, TrialLog
 from .live_rig import LiveRig
@@ -217,7 +217,7 @@ class Bench(LiveRig):
         """Onset in the session, latency and time of day of an answer."""
         self._logbook.answered(end_s)
         self._desk.add(f"answered in {end_s - onset_s:.2f} s")
-        return self._session_s(onset_s), round(end_s - onset_s, 6), _utc(end_s)
+        return self._session_s(onset_s), round(end_s - onset_s, 6), utc_text(end_s)
 
     def _rate(self, request: Rate) -> Rated:
         scale = self._scale(request)
@@ -322,11 +322,6 @@ class Bench(LiveRig):
             self._desk.tell(f"! {request.aborted}")
         self._logbook.trial(trial)
         return self._done()
-
-
-def _utc(clock_s: float) -> str:
-    """ISO 8601 of a moment on the clock, by the offset of now."""
-    return utc_of(clock_s).isoformat(timespec="milliseconds")
 
 
 def _option(answer: Answer) -> int:

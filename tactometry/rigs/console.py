@@ -6,8 +6,7 @@ import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
-from datetime import UTC, datetime
-from typing import Final, TextIO
+from typing import Final, TextIO, TypeVar
 
 from ..devices.outputs.guarded import Guarded, GuardedSignal
 from ..devices.outputs.output import RAMP_S, NullOutput
@@ -22,7 +21,7 @@ from ..signal import Stimulus
 from ..trials.trial import Tally, Trial, outcome, tally
 from .blind import Blind
 from .emitter import Emitter
-from .experimenter.supervisor import SAFE, utc_of
+from .experimenter.supervisor import SAFE, utc_text
 from .live_rig import LiveRig
 from .pages import layout
 from .pages.presenter import Presenter, as_it_is
@@ -31,6 +30,8 @@ from .touch.playing import Playing
 from .touch.release import Release
 from .touch.touch import TouchCourse
 from .touch.trace import Trace
+
+T = TypeVar("T")
 
 N_TRIES = 20
 """Lines that are no answer before a session is stopped: nobody types there."""
@@ -126,8 +127,7 @@ class Console(LiveRig):
 
     def _note(self, kind: Kind, clock_s: float, facts: Mapping[str, Fact], duration_s: float | None = None) -> None:
         if self._log is not None:
-            utc = utc_of(clock_s).isoformat(timespec="milliseconds")
-            self._log.note(Event(kind, self._session_s(clock_s), utc, facts, duration_s))
+            self._log.note(Event(kind, self._session_s(clock_s), utc_text(clock_s), facts, duration_s))
 
     def _emitted(self, emission: GuardedSignal) -> None:
         self._note("stimulus", emission.onset_s, {"charge_c": emission.charge_c}, emission.duration_s)
@@ -149,8 +149,8 @@ class Console(LiveRig):
         self._emitter.mute(on=False)
         self._stage.paused()
 
-    def _ask(self, prompt: str, read: Callable[[str], object]) -> tuple[object, float, float]:
-        """An answer, the onset of its question and its latency."""
+    def _ask(self, prompt: str, read: Callable[[str], T]) -> tuple[T, float, float, str]:
+        """An answer, the onset of its question, its latency, and the time of day when it was given."""
         onset_s = self._now_s()
         for _ in range(N_TRIES):
             print(prompt, end=" ", file=self._output, flush=True)
@@ -160,10 +160,13 @@ class Console(LiveRig):
             if ESCAPE in line:
                 raise self._stopped("Escape was typed")
             try:
-                return read(line.strip()), onset_s, round(self._now_s() - onset_s, 6)
+                return read(line.strip()), *self._answered(onset_s)
             except ValueError:
                 self._say(f"found {line.strip()!r}, expected an answer to: {prompt}")
         raise self._stopped(f"{N_TRIES} lines were no answers")
+
+    def _answered(self, onset_s: float) -> tuple[float, float, str]:
+        return onset_s, round(self._now_s() - onset_s, 6), utc_text(time.perf_counter())
 
     def _present(self, what: str, interval: int | None) -> None:
         self._say(f"[trial {self._tally.n_trials + 1}] {what}" + (f", interval {interval}" if interval else ""))
@@ -204,38 +207,29 @@ class Console(LiveRig):
         words = ", ".join(f"{n} = {label}" for n, label in zip(request.options, labels, strict=True))
         question = self._texts.message(request.question)
         prompt = f"[trial {self._tally.n_trials + 1}] {question} ({words}):"
-        option, onset_s, latency_s = self._ask(prompt, lambda line: _option(line, request.options, labels))
-        assert isinstance(option, int)
-        return Chosen(option, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
+        return Chosen(*self._ask(prompt, lambda line: _option(line, request.options, labels)))
 
     def _rate(self, request: Rate) -> Rated:
         prompt = f"{request.item} ({request.low:g} = {request.low_label}, {request.high:g} = {request.high_label}):"
-        value, onset_s, latency_s = self._ask(prompt, lambda line: _within(line, request.low, request.high))
-        assert isinstance(value, float)
-        return Rated(value, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
+        return Rated(*self._ask(prompt, lambda line: _within(line, request.low, request.high)))
 
     def _enter(self, request: Enter) -> Rated:
         most = "" if request.high is None else f" to {request.high:g}"
         prompt = f"{self._texts.message(request.question)} (a number from {request.low:g}{most}):"
         high = math.inf if request.high is None else request.high
-        value, onset_s, latency_s = self._ask(prompt, lambda line: _within(line, request.low, high))
-        assert isinstance(value, float)
-        return Rated(value, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
+        return Rated(*self._ask(prompt, lambda line: _within(line, request.low, high)))
 
     def _fill(self, request: Fill) -> Filled:
         onset_s = self._now_s()
         values = tuple(self._fill_one(request, question) for question in request.questions)
-        utc = datetime.now(UTC).isoformat(timespec="milliseconds")
-        return Filled(values, onset_s, round(self._now_s() - onset_s, 6), utc)
+        return Filled(values, *self._answered(onset_s))
 
     def _fill_one(self, request: Fill, question: Question) -> float | None:
         statement, left, right = self._texts.question(question)
         step = (request.high - request.low) / (request.steps - 1) if request.steps else 1.0
         by = "" if step == 1 else f", in steps of {step:g}"
         prompt = f"{statement} ({request.low:g} = {left}, {request.high:g} = {right}{by}; - leaves it open):".lstrip()
-        value, _, _ = self._ask(prompt, lambda line: None if line == "-" else _on_scale(line, request))
-        assert value is None or isinstance(value, float)
-        return value
+        return self._ask(prompt, lambda line: None if line == "-" else _on_scale(line, request))[0]
 
     def _adjust(self, request: Adjust) -> Adjusted:
         if self._emitter.emits:
@@ -244,9 +238,7 @@ class Console(LiveRig):
                 "--rig bench"
             )
         prompt = f"level of {request.stimulus} ({request.low:g} to {request.high:g}):"
-        level, onset_s, latency_s = self._ask(prompt, lambda line: _within(line, request.low, request.high))
-        assert isinstance(level, float)
-        return Adjusted(level, onset_s, latency_s, datetime.now(UTC).isoformat(timespec="milliseconds"))
+        return Adjusted(*self._ask(prompt, lambda line: _within(line, request.low, request.high)))
 
     def _wait(self, request: Wait) -> Done:
         time.sleep(request.duration_s)

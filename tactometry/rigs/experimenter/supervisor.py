@@ -15,9 +15,10 @@ EXPERIMENTER = "the experimenter"
 SAFE = "what was recorded is safe: go on with --resume"
 
 
-def utc_of(clock_s: float) -> datetime:
-    """A moment on `time.perf_counter`, by the offset of now."""
-    return datetime.now(UTC) - timedelta(seconds=time.perf_counter() - clock_s)
+def utc_text(clock_s: float) -> str:
+    """ISO 8601 of a moment on `time.perf_counter`, by the offset of now."""
+    moment = datetime.now(UTC) - timedelta(seconds=time.perf_counter() - clock_s)
+    return moment.isoformat(timespec="milliseconds")
 
 
 class Supervisor:
@@ -54,8 +55,7 @@ class Supervisor:
 
     def _keep(self, kind: Kind, clock_s: float, facts: Mapping[str, Fact], duration_s: float | None = None) -> None:
         if self.log is not None:
-            utc = utc_of(clock_s).isoformat(timespec="milliseconds")
-            self.log.note(Event(kind, round(clock_s - self.zero_s, 6), utc, facts, duration_s))
+            self.log.note(Event(kind, round(clock_s - self.zero_s, 6), utc_text(clock_s), facts, duration_s))
 
     def emitted(self, emission: GuardedSignal) -> None:
         """Keep a stimulus as it begins: what is kept counts when the session goes on."""
