@@ -75,7 +75,7 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
             release=bench.release,
             device_facts=outfit.facts,
             log=log,
-            desk=ExperimenterTerminal(sys.stdin, sys.stderr),
+            terminal=ExperimenterTerminal(sys.stdin, sys.stderr),
         )
 
     return RigKind("bench", make)

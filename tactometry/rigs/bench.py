@@ -46,11 +46,12 @@ from .pages import entry, form, layout
 from .pages.page import Answer, Display, Page
 from .pages.presenter import Dress, Presenter, as_it_is
 from .texts import Texts
-from .touch.playing import Playing
+from .touch.playing import play_to_end
 from .touch.release import Release
+from .touch.setup import TouchSetup
 from .touch.touch import TouchCourse, moving_cue
 from .touch.trace import Trace
-from .touch.watchdog import vigil
+from .touch.watchdog import watchdog
 
 Facts = dict[str, str | int | float | bool | None]
 
@@ -76,19 +77,22 @@ class Bench(LiveRig):
         release: bool = True,
         device_facts: Callable[[], Facts] = dict,
         log: EventLog | None = None,
-        desk: ExperimenterTerminal | None = None,
+        terminal: ExperimenterTerminal | None = None,
     ) -> None:
         self._screen, self._output, self._sensor, self._position = screen, output, sensor, position
         self._emitter = Emitter(bank, output, limits, ramp_s)
         self._device_facts, self._texts, self._display_height_m = device_facts, texts, display_height_m
         pausing = layout.message_page(texts.message("pause"), "", screen.aspect)
-        self._desk = ExperimenterTerminal() if desk is None else desk
-        self._attendant = Supervisor(screen, self._desk, log, self._emitter.mute, pausing)
-        output.tell(self._attendant.emitted)
-        self._stage = Presenter(screen, self._attendant.attend)
-        self._logbook = TrialLog(self._attendant, screen, self._clocks)
+        self._terminal = ExperimenterTerminal() if terminal is None else terminal
+        self._supervisor = Supervisor(screen, self._terminal, log, self._emitter.mute, pausing)
+        output.tell(self._supervisor.emitted)
+        self._presenter = Presenter(screen, self._supervisor.attend)
+        self._trial_log = TrialLog(self._supervisor, screen, self._clocks)
         self._tally = Tally()
         self._limits, self._release = limits, Release(needed=release)
+        force_peak_n = FORCE_PEAK_N if limits is None else limits.force_peak_n
+        parts = (self._presenter, self._emitter, sensor, position, self._release, self._pause, self._terminal.add)
+        self._setup = TouchSetup(*parts, force_peak_n)
         self.closed = False
         self._open()
 
@@ -104,7 +108,7 @@ class Bench(LiveRig):
             self._screen.prepare(layout.marker_page(interval, playing=True))
             self._screen.prepare(layout.marker_page(interval, playing=False))
         if not self._emitter.emits:
-            self._desk.tell(f"output {self._output.name}: nothing is played, and no level counts as delivered")
+            self._terminal.tell(f"output {self._output.name}: nothing is played, and no level counts as delivered")
 
     def facts(self) -> Facts:
         """Display, keyboard, devices and clock, for the head of the journal."""
@@ -128,21 +132,21 @@ class Bench(LiveRig):
 
     def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None:
         self._tally = tally(trials)
-        self._attendant.zero_s = time.perf_counter() - elapsed_s
+        self._supervisor.zero_s = time.perf_counter() - elapsed_s
 
     @safely
     def answer(self, request: Request[A]) -> A:
         return super().answer(request)
 
     def turn(self) -> None:
-        self._logbook.turn()
+        self._trial_log.turn()
 
     def close(self) -> None:
         if self.closed:
             return
         self.closed = True
         with ExitStack() as last_first:
-            last_first.callback(self._desk.end_line)
+            last_first.callback(self._terminal.end_line)
             last_first.callback(self._screen.close)
             for sensor in (self._position, self._sensor):
                 if sensor is not None:
@@ -151,16 +155,15 @@ class Bench(LiveRig):
             last_first.callback(self._output.stop)
 
     def _session_s(self, clock_s: float) -> float:
-        return round(clock_s - self._attendant.zero_s, 6)
+        return round(clock_s - self._supervisor.zero_s, 6)
 
     def _done(self) -> Done:
         return Done(self._session_s(time.perf_counter()))
 
     def _play(self, request: Play) -> Played:
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
-        page, peak_n = layout.marker_page(request.interval, playing=True), self._force_peak_n
-        playing = Playing(self._stage, self._emitter, page, self._sensor, self._pause, peak_n, self._session_s)
-        return playing.played(request, signal)
+        answer = play_to_end(self._setup, request, layout.marker_page(request.interval, playing=True), signal)
+        return replace(answer, onset_s=self._session_s(answer.onset_s))
 
     def _press(self, request: Press) -> Touched:
         return self._touch(request, "press", as_it_is, Trace())
@@ -173,27 +176,22 @@ class Bench(LiveRig):
     def _touch(self, request: Press | Slide, words: str, dress: Dress, places: Trace) -> Touched:
         if self._limits is not None:
             self._limits.check_force(request.target_n, request.tolerance)
-        self._attendant.under_way = True
+        self._supervisor.under_way = True
         level = "blank" if request.level is None else f"{request.level:g}"
-        self._desk.add(f"trial {self._tally.n_trials + 1}: {request.stimulus} {level}")
+        self._terminal.add(f"trial {self._tally.n_trials + 1}: {request.stimulus} {level}")
         signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
         measured = self._texts.message(f"{words}_force" if self._sensor is not None else words)
-        parts = (self._stage, self._emitter, measured, dress, self._sensor, self._position, self._pause, self._desk.add)
-        words = self._texts.message("release")
-        felt = TouchCourse(request, *parts, places, self._release, words, self._force_peak_n).felt(signal)
-        self._logbook.decided(felt.gate_delay_s)
+        release = self._texts.message("release")
+        felt = TouchCourse(request, self._setup, places, measured, release, dress).felt(signal)
+        self._trial_log.decided(felt.gate_delay_s)
         touched = replace(felt.touched, onset_s=self._session_s(felt.touched.onset_s))
-        if touched.valid and self._attendant.repeat:
+        if touched.valid and self._supervisor.repeat:
             return replace(touched, valid=False, invalid_reason="experimenter")
         return touched
 
-    @property
-    def _force_peak_n(self) -> float:
-        return FORCE_PEAK_N if self._limits is None else self._limits.force_peak_n
-
     def _pause(self, by: str, over: Callable[[], bool]) -> None:
-        self._attendant.pause(by, over)
-        self._stage.paused()
+        self._supervisor.pause(by, over)
+        self._presenter.paused()
 
     def _choose(self, request: Choose) -> Chosen:
         page = layout.question_page(
@@ -203,7 +201,7 @@ class Bench(LiveRig):
             self._texts.message("hint_choose"),
             self._screen.aspect,
         )
-        option, onset_s, end_s = self._stage.converse(
+        option, onset_s, end_s = self._presenter.converse(
             request.options[0], lambda option: page, lambda option, answer: (_option(answer), True)
         )
         return Chosen(option, *self._answered(onset_s, end_s), valid=self._counts)
@@ -211,18 +209,18 @@ class Bench(LiveRig):
     @property
     def _counts(self) -> bool:
         """Whether the answer that was given counts: the experimenter wants no repetition."""
-        return not self._attendant.repeat
+        return not self._supervisor.repeat
 
     def _answered(self, onset_s: float, end_s: float) -> tuple[float, float, str]:
         """Onset in the session, latency and time of day of an answer."""
-        self._logbook.answered(end_s)
-        self._desk.add(f"answered in {end_s - onset_s:.2f} s")
+        self._trial_log.answered(end_s)
+        self._terminal.add(f"answered in {end_s - onset_s:.2f} s")
         return self._session_s(onset_s), round(end_s - onset_s, 6), utc_text(end_s)
 
     def _rate(self, request: Rate) -> Rated:
         scale = self._scale(request)
         unmarked: int | None = None
-        mark, onset_s, end_s = self._stage.converse(
+        mark, onset_s, end_s = self._presenter.converse(
             unmarked, lambda mark: layout.scale_page(scale, mark, self._screen.aspect), scale.after
         )
         value = None if mark is None else scale.value(mark, request.low, request.high)
@@ -236,13 +234,15 @@ class Bench(LiveRig):
             ready = entry.value_of(typed, low, high) is not None
             return entry.entry_page(words, typed, hint, self._screen.aspect, ready=ready)
 
-        typed, onset_s, end_s = self._stage.converse("", view, lambda typed, key: entry.after(typed, key, low, high))
+        typed, onset_s, end_s = self._presenter.converse(
+            "", view, lambda typed, key: entry.after(typed, key, low, high)
+        )
         value = entry.value_of(typed, low, high)
         return Rated(value, *self._answered(onset_s, end_s), valid=self._counts)
 
     def _fill(self, request: Fill) -> Filled:
         page = self._form(request)
-        marks, onset_s, end_s = self._stage.converse(
+        marks, onset_s, end_s = self._presenter.converse(
             form.Marks((None,) * len(page.rows)),
             lambda marks: form.form_page(page, marks, self._screen.aspect),
             functools.partial(form.after, page),
@@ -276,32 +276,32 @@ class Bench(LiveRig):
         page = layout.adjust_page(
             self._texts.message("adjust"), self._texts.message("hint_adjust"), self._screen.aspect
         )
-        self._attendant.under_way = True
-        with vigil(self._sensor, self._emitter.stop, self._pause, self._force_peak_n) as look:
-            played = adjustment.RepeatedStimulus(request, self._emitter, look)
-            n_steps, onset_s, end_s = self._stage.converse(
-                0, lambda n_steps: page, functools.partial(adjustment.stepped, request), played.keep_playing
+        self._supervisor.under_way = True
+        with watchdog(self._setup) as look:
+            stimulus = adjustment.RepeatedStimulus(request, self._emitter, look)
+            n_steps, onset_s, end_s = self._presenter.converse(
+                0, lambda n_steps: page, functools.partial(adjustment.stepped, request), stimulus.keep_playing
             )
             self._emitter.stop()
-        valid = self._counts and not played.n_gaps
-        return Adjusted(request.level(n_steps), *self._answered(onset_s, end_s), valid=valid, n_gaps=played.n_gaps)
+        valid = self._counts and not stimulus.n_gaps
+        return Adjusted(request.level(n_steps), *self._answered(onset_s, end_s), valid=valid, n_gaps=stimulus.n_gaps)
 
     def _wait(self, request: Wait) -> Done:
-        begin_s = self._stage.present(layout.waiting_page())
-        self._stage.hold(begin_s + request.duration_s, layout.waiting_page())
+        begin_s = self._presenter.present(layout.waiting_page())
+        self._presenter.hold(begin_s + request.duration_s, layout.waiting_page())
         return self._done()
 
     def _show(self, request: Show) -> Done:
-        self._desk.tell(f"page: {request.message}")
+        self._terminal.tell(f"page: {request.message}")
         if request.duration_s is None:
             page = self._message(request, self._texts.message("hint_continue"))
-            self._stage.converse(None, lambda state: page, lambda state, answer: (state, True))
+            self._presenter.converse(None, lambda state: page, lambda state, answer: (state, True))
             return self._done()
         n_seconds = math.ceil(request.duration_s)
         for left_s in range(n_seconds, 0, -1):
             page = self._message(request, "", left_s)
             shown_s = request.duration_s - n_seconds + 1 if left_s == n_seconds else 1.0
-            self._stage.hold(self._stage.present(page) + shown_s, page)
+            self._presenter.hold(self._presenter.present(page) + shown_s, page)
         return self._done()
 
     def _message(self, request: Show, hint: str, left_s: int = 0) -> Page:
@@ -312,15 +312,15 @@ class Bench(LiveRig):
         return layout.message_page(words, hint, self._screen.aspect, progress)
 
     def _record(self, request: Record) -> Done:
-        trial, self._attendant.under_way, self._attendant.repeat = request.trial, False, False
+        trial, self._supervisor.under_way, self._supervisor.repeat = request.trial, False, False
         before, self._tally = self._tally, self._tally.after(trial)
         if self._tally.n_trials > before.n_trials:  # not each item of a questionnaire
             response = "no answer, " if trial.response is None else f"{trial.response}, "
-            self._desk.add(f"{'' if trial.task == 'rating' else response}{outcome(trial, self._tally.n_trials)}")
-        self._desk.end_line()
+            self._terminal.add(f"{'' if trial.task == 'rating' else response}{outcome(trial, self._tally.n_trials)}")
+        self._terminal.end_line()
         if request.aborted:
-            self._desk.tell(f"! {request.aborted}")
-        self._logbook.trial(trial)
+            self._terminal.tell(f"! {request.aborted}")
+        self._trial_log.trial(trial)
         return self._done()
 
 

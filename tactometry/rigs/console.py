@@ -24,10 +24,11 @@ from .emitter import Emitter
 from .experimenter.supervisor import SAFE, utc_text
 from .live_rig import LiveRig
 from .pages import layout
-from .pages.presenter import Presenter, as_it_is
+from .pages.presenter import Presenter
 from .texts import Texts
-from .touch.playing import Playing
+from .touch.playing import play_to_end
 from .touch.release import Release
+from .touch.setup import TouchSetup
 from .touch.touch import TouchCourse
 from .touch.trace import Trace
 
@@ -73,7 +74,9 @@ class Console(LiveRig):
         self._output = sys.stdout if output is None else output
         self._device = Guarded(NullOutput(), limits) if device is None else device
         self._sensor, self._position, self._release = sensor, position, Release(needed=release)
-        self._emitter, self._stage = Emitter(bank, self._device, limits, ramp_s), Presenter(Blind())
+        self._emitter, self._presenter = Emitter(bank, self._device, limits, ramp_s), Presenter(Blind())
+        parts = (self._presenter, self._emitter, sensor, position, self._release, self._pause, self._say)
+        self._setup = TouchSetup(*parts, limits.force_peak_n)
         self._device_facts, self._log = device_facts, log
         self._zero_s = time.perf_counter()
         self._tally = Tally()
@@ -143,11 +146,11 @@ class Console(LiveRig):
         self._note("pause", time.perf_counter(), {"text": by})
         self._say(f"paused: {by}")
         while not over():
-            time.sleep(self._stage.screen.period_s)
+            time.sleep(self._presenter.screen.period_s)
         self._note("resume", time.perf_counter(), {"text": by})
         self._say("it goes on")
         self._emitter.mute(on=False)
-        self._stage.paused()
+        self._presenter.paused()
 
     def _ask(self, prompt: str, read: Callable[[str], T]) -> tuple[T, float, float, str]:
         """An answer, the onset of its question, its latency, and the time of day when it was given."""
@@ -176,9 +179,8 @@ class Console(LiveRig):
         self._present(f"play for {request.duration_s:g} s", request.interval)
         if not self._emitter.emits:
             return Played(self._now_s(), None, "")
-        page, peak_n = layout.waiting_page(), self._limits.force_peak_n
-        playing = Playing(self._stage, self._emitter, page, self._sensor, self._pause, peak_n, self._session_s)
-        return playing.played(request, signal)
+        answer = play_to_end(self._setup, request, layout.waiting_page(), signal)
+        return replace(answer, onset_s=self._session_s(answer.onset_s))
 
     def _press(self, request: Press) -> Touched:
         return self._touch(request, f"press with {request.target_n:g} N for {request.duration_s:g} s")
@@ -197,9 +199,7 @@ class Console(LiveRig):
         self._present(f"{what}{lift}", request.interval)
         if not self._emitter.emits:
             return Touched(self._now_s(), None, None)
-        parts = (self._stage, self._emitter, "", as_it_is, self._sensor, self._position, self._pause, self._say)
-        touch = TouchCourse(request, *parts, Trace(), self._release, force_peak_n=self._limits.force_peak_n)
-        touched = touch.felt(signal).touched
+        touched = TouchCourse(request, self._setup, Trace()).felt(signal).touched
         return replace(touched, onset_s=self._session_s(touched.onset_s))
 
     def _choose(self, request: Choose) -> Chosen:

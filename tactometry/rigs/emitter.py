@@ -12,7 +12,7 @@ from ..devices.outputs.output import RAMP_S
 from ..errors import DeviceFailed, InvalidParameter
 from ..safety.limits import Limits
 from ..signal import Signal, Stimulus
-from .rendering import rendered
+from .rendering import render
 
 
 class Emitter:
@@ -35,7 +35,7 @@ class Emitter:
         LimitExceeded, DeviceFailed
             If a limit is missing or passed, or the output cannot play it.
         """
-        signal = rendered(self._bank, name, level, self._limits, self._ramp_s)
+        signal = render(self._bank, name, level, self._limits, self._ramp_s)
         # the guard checks once more when it plays: here, so that nothing is refused with a finger already on the plate
         self._output.check(signal)
         return signal

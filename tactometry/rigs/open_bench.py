@@ -30,7 +30,7 @@ def open_bench(
     release: bool = True,
     device_facts: Callable[[], Facts] = dict,
     log: EventLog | None = None,
-    desk: ExperimenterTerminal | None = None,
+    terminal: ExperimenterTerminal | None = None,
 ) -> Bench:
     """A bench with a PsychoPy window.
 
@@ -63,7 +63,7 @@ def open_bench(
         `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says that the height was not measured.
     log : EventLog, optional
         Where pauses, remarks, clocks and the timing of each trial are kept.
-    desk : ExperimenterTerminal, optional
+    terminal : ExperimenterTerminal, optional
         The experimenter's terminal.
 
     Raises
@@ -77,8 +77,8 @@ def open_bench(
 
     words = texts_in(language, texts)
     window = Window(fullscreen=fullscreen, size=size)
-    if window.caution is not None and desk is not None:
-        desk.tell(window.caution)
+    if window.caution is not None and terminal is not None:
+        terminal.tell(window.caution)
     return Bench(
         window,
         Guarded(NullOutput(), limits) if output is None else output,
@@ -92,5 +92,5 @@ def open_bench(
         release=release,
         device_facts=device_facts,
         log=log,
-        desk=desk,
+        terminal=terminal,
     )

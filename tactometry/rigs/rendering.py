@@ -8,9 +8,7 @@ from ..safety.limits import Limits
 from ..signal import Signal, Stimulus
 
 
-def rendered(
-    bank: Mapping[str, Stimulus], name: str, level: float, limits: Limits | None, ramp_s: float = 0.0
-) -> Signal:
+def render(bank: Mapping[str, Stimulus], name: str, level: float, limits: Limits | None, ramp_s: float = 0.0) -> Signal:
     """The final samples of the stimulus `name` of a bank, with ramps where it does not begin and end at rest.
 
     Raises

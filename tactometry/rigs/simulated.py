@@ -34,7 +34,7 @@ from ..signal import Signal, Stimulus
 from ..trials.trial import Trial
 from .judgement import broken
 from .live_rig import LiveRig
-from .rendering import rendered
+from .rendering import render
 
 
 class Sensation(Protocol):
@@ -88,7 +88,7 @@ class SimulatedRig(LiveRig):
         self._rng_of = rng_of
         self._now_s = 0.0
         # levels come again and again: each is rendered and checked once
-        self._rendered = functools.cache(lambda stimulus, level: rendered(bank, stimulus, level, limits))
+        self._rendered = functools.cache(lambda stimulus, level: render(bank, stimulus, level, limits))
         self._begin_trial(0)
 
     def _begin_trial(self, n_trials: int) -> None:

@@ -89,7 +89,7 @@ class Loop:
     def press(self, request=PRESS):
         """A touch, with its onset on the clock."""
         touched = self.bench.answer(request)
-        return touched, touched.onset_s + self.bench._attendant.zero_s
+        return touched, touched.onset_s + self.bench._supervisor.zero_s
 
     def truth(self):
         """The times (s) at which the samples were taken, and their forces (N), by the source.

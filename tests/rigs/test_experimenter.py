@@ -103,7 +103,7 @@ def bench_with(watched, output, kept, terminal, log):
         if force_n is not None:
             reader = Reader(Sampled(force_n, log))
             sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
-        texts, more = texts_in("en", {}), {"log": kept, "desk": terminal.desk}
+        texts, more = texts_in("en", {}), {"log": kept, "terminal": terminal.desk}
         rigs.append(
             Bench(watched, output, {"tone": TONE}, limits=None, texts=texts, sensor=sensor, release=False, **more)
         )
@@ -147,7 +147,7 @@ def test_a_pause_holds_the_session_until_it_is_to_go_on_and_the_question_comes_a
     in_background(act)
     chosen = bench.answer(FELT)
     assert (chosen.option, chosen.valid) == (0, True)
-    assert chosen.onset_s == pytest.approx(again_s[0] - bench._attendant.zero_s, abs=1e-5)
+    assert chosen.onset_s == pytest.approx(again_s[0] - bench._supervisor.zero_s, abs=1e-5)
     assert kept.told == [("pause", "the experimenter"), ("resume", "the experimenter")]
     assert kept.events[1].at_s - kept.events[0].at_s >= 0.2
 

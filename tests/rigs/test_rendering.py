@@ -12,7 +12,7 @@ from tactometry.observers.finger import SimulatedFinger
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.blind import Blind
 from tactometry.rigs.console import Console
-from tactometry.rigs.rendering import rendered
+from tactometry.rigs.rendering import render
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
@@ -48,4 +48,4 @@ def test_every_rig_refuses_what_passes_a_limit_of_the_study(rig_with):
 
 
 def test_a_signal_is_that_of_the_stimulus_at_the_level():
-    assert rendered(BANK, "tone", 20.0, None).digest() == BANK["tone"].at(20.0).digest()
+    assert render(BANK, "tone", 20.0, None).digest() == BANK["tone"].at(20.0).digest()

@@ -27,7 +27,7 @@ class Supervisor:
     Parameters
     ----------
     screen : Display
-    desk : ExperimenterTerminal
+    terminal : ExperimenterTerminal
     log : EventLog or None
         Where events are kept.
     mute : callable
@@ -37,10 +37,15 @@ class Supervisor:
     """
 
     def __init__(
-        self, screen: Display, desk: ExperimenterTerminal, log: EventLog | None, mute: Callable[..., None], page: Page
+        self,
+        screen: Display,
+        terminal: ExperimenterTerminal,
+        log: EventLog | None,
+        mute: Callable[..., None],
+        page: Page,
     ) -> None:
         self._screen, self._mute, self._page = screen, mute, page
-        self.desk, self.log = desk, log
+        self.terminal, self.log = terminal, log
         self.zero_s = time.perf_counter()
         self.under_way = False
         """Whether a trial is."""
@@ -80,20 +85,20 @@ class Supervisor:
         self._mute(on=True)
         self._n_pauses += 1
         self.note("pause", text=by)
-        self.desk.tell(f"paused: {by}" + (" (g goes on)" if self._wanted else ""))
+        self.terminal.tell(f"paused: {by}" + (" (g goes on)" if self._wanted else ""))
         self._screen.present(self._page)
         while self._wanted or not over():
             self._screen.refresh(self._page)
             self._look(self._screen.events())
         self.note("resume", text=by)
-        self.desk.tell("it goes on")
+        self.terminal.tell("it goes on")
         self._mute(on=False)
 
     def _look(self, events: tuple[Input, ...]) -> None:
         why = ending(events)
         if why is not None:
             self._stop(why)
-        for order in self.desk.orders():
+        for order in self.terminal.orders():
             self._obey(order)
 
     def _stop(self, why: str) -> None:
@@ -109,16 +114,16 @@ class Supervisor:
                 self._wanted = order.wish == "pause"
             case "note":
                 self.note("remark", text=order.text)
-                self.desk.tell("noted")
+                self.terminal.tell("noted")
             case "repeat":
                 self._repeat()
             case "help":
-                self.desk.tell(HELP)
+                self.terminal.tell(HELP)
 
     def _repeat(self) -> None:
         if not self.under_way:
-            self.desk.tell("no trial is under way that could be repeated")
+            self.terminal.tell("no trial is under way that could be repeated")
             return
         self.repeat = True
         self.note("repeat", text=EXPERIMENTER)
-        self.desk.tell("this trial will be asked again")
+        self.terminal.tell("this trial will be asked again")

@@ -63,7 +63,7 @@ class ExperimenterTerminal:
         self._lines: queue.SimpleQueue[str] = queue.SimpleQueue()
         self._fresh_line = True
         if self._output is not None and source is not None and source.isatty():
-            threading.Thread(target=self._read, args=(source.fileno(),), name="desk", daemon=True).start()
+            threading.Thread(target=self._read, args=(source.fileno(),), name="terminal", daemon=True).start()
             self.tell(HELP)
 
     def _read(self, file: int) -> None:

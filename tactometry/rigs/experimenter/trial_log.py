@@ -18,15 +18,15 @@ class TrialLog:
 
     Parameters
     ----------
-    attendant : Supervisor
+    supervisor : Supervisor
         Notes the events.
     screen : Display
     facts : callable
         What the devices say of themselves now.
     """
 
-    def __init__(self, attendant: Supervisor, screen: Display, facts: Callable[[], Mapping[str, Fact]]) -> None:
-        self._attendant, self._screen, self._facts = attendant, screen, facts
+    def __init__(self, supervisor: Supervisor, screen: Display, facts: Callable[[], Mapping[str, Fact]]) -> None:
+        self._supervisor, self._screen, self._facts = supervisor, screen, facts
         self._trial: Trial | None = None
         self._last: tuple[int, int, int] | None = None
         self._block: int | None = None
@@ -60,7 +60,7 @@ class TrialLog:
         trial, self._trial = self._trial, None
         if trial is None:
             return
-        self._attendant.note(
+        self._supervisor.note(
             "trial",
             block=trial.block,
             trial=trial.trial,
@@ -72,7 +72,7 @@ class TrialLog:
         self._delays_s, self._answered_s = [], None
 
     def _key_to_record_s(self) -> float | None:
-        recorded_s = None if self._attendant.log is None else self._attendant.log.recorded_s
+        recorded_s = None if self._supervisor.log is None else self._supervisor.log.recorded_s
         if recorded_s is None or self._answered_s is None:
             return None
         return round(recorded_s - self._answered_s, 6)
@@ -84,7 +84,7 @@ class TrialLog:
                 device, now_s = name.removesuffix(CLOCK), time.perf_counter()
                 first_s, first_offset_s = self._first.setdefault(device, (now_s, offset_s))
                 drift = None if now_s == first_s else (offset_s - first_offset_s) / (now_s - first_s)
-                self._attendant.note(
+                self._supervisor.note(
                     "clock",
                     block=self._block,
                     device=device,

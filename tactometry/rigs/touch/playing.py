@@ -1,42 +1,24 @@
 """A stimulus that only plays, without a condition on the finger."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
-
-from ...devices.sensors.force_sensor import ForceSensor
 from ...session.answer import Played
 from ...session.request import Play
 from ...signal import Signal
-from ..emitter import Emitter
 from ..pages.page import Page
-from ..pages.presenter import Presenter
-from .watchdog import Pause, vigil
+from .setup import TouchSetup
+from .watchdog import watchdog
 
 
-@dataclass(frozen=True)
-class Playing:
-    """What carries it out: a silent force sensor, or one that says too much, stops it and pauses the session."""
-
-    stage: Presenter
-    emitter: Emitter
-    page: Page
-    sensor: ForceSensor | None
-    pause: Pause
-    force_peak_n: float
-    session_s: Callable[[float], float]
-    """The time of the session at a moment on `time.perf_counter`."""
-
-    def played(self, request: Play, signal: Signal | None) -> Played:
-        """Play to the end; after a pause it begins anew."""
-        begin_s = self.stage.present(self.page)
-        with vigil(self.sensor, self.emitter.stop, self.pause, self.force_peak_n) as look:
-            while True:
-                onset_s = self.emitter.emit(signal)
-                self.stage.hold(onset_s + request.duration_s, self.page, each_frame=look)
-                look()  # what happened since the last frame counts too
-                if self.stage.paused_until_s < begin_s:  # no pause since it began
-                    break
-                begin_s = self.stage.present(self.page)
-        digest = self.emitter.digest(signal) or ""
-        level = self.emitter.delivered(request.level)
-        return Played(self.session_s(onset_s), level, digest, self.emitter.n_gaps(signal))
+def play_to_end(setup: TouchSetup, request: Play, page: Page, signal: Signal | None) -> Played:
+    """The answer (its onset on `time.perf_counter`): it plays under a watchdog, and begins anew after a pause."""
+    presenter, emitter = setup.presenter, setup.emitter
+    begin_s = presenter.present(page)
+    with watchdog(setup) as look:
+        while True:
+            onset_s = emitter.emit(signal)
+            presenter.hold(onset_s + request.duration_s, page, each_frame=look)
+            look()  # what happened since the last frame counts too
+            if presenter.paused_until_s < begin_s:  # no pause since it began
+                break
+            begin_s = presenter.present(page)
+    digest = emitter.digest(signal) or ""
+    return Played(onset_s, emitter.delivered(request.level), digest, emitter.n_gaps(signal))

@@ -4,10 +4,9 @@ import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 from ...devices.sensors.force_sensor import ForceSensor
-from ...devices.sensors.position_sensor import PositionSensor
 from ...gates.force import ForceGate
 from ...gates.speed import SpeedGate
 from ...safety.limits import FORCE_PEAK_N
@@ -15,17 +14,17 @@ from ...session.answer import Touched
 from ...session.request import Press, Slide
 from ...signal import Signal
 from ...trials.trial import Reason
-from ..emitter import Emitter
 from ..judgement import broken
 from ..pages import layout
 from ..pages.page import Page
-from ..pages.presenter import Dress, Presenter
+from ..pages.presenter import Dress, as_it_is
 from .applied_force import AppliedForce
 from .finger_motion import MOVING_S, FingerMotion
 from .release import Release
+from .setup import TouchSetup
 from .trace import Trace, speed_m_per_s
 from .trigger import Trigger, hearing, quick_turns
-from .watchdog import Pause, silence
+from .watchdog import silence
 
 TOLD_EVERY_S = 1.0
 
@@ -59,28 +58,28 @@ class Held:
         force_peak_n: float = FORCE_PEAK_N,
         release: Release | None = None,
     ) -> None:
-        self.grip = AppliedForce(ForceGate(request.target_n, request.tolerance, request.hold_s), force_peak_n)
+        self.applied_force = AppliedForce(ForceGate(request.target_n, request.tolerance, request.hold_s), force_peak_n)
         self.release = Release(needed=False) if release is None else release
-        self.glide: FingerMotion | None = None
+        self.finger_motion: FingerMotion | None = None
         self.let_through_s = 0.0
         """The stamp of the sample that opened the last gate when the stimulus began."""
         self.loss: Reason | None = None
         if moving and isinstance(request, Slide) and request.speed_tolerance is not None:
-            self.glide = FingerMotion(SpeedGate(request.speed_m_per_s, request.speed_tolerance, MOVING_S))
+            self.finger_motion = FingerMotion(SpeedGate(request.speed_m_per_s, request.speed_tolerance, MOVING_S))
 
     @property
     def open(self) -> bool:
-        return self.grip.open and (self.glide is None or self.glide.open) and self.released
+        return self.applied_force.open and (self.finger_motion is None or self.finger_motion.open) and self.released
 
     @property
     def released(self) -> bool:
         """Whether the finger let go since the last touch."""
-        return self.release.given(self.grip.gate)
+        return self.release.given(self.applied_force.gate)
 
     @property
     def opened_s(self) -> float:
         """The stamp of the sample that opened the last gate."""
-        stamps_s = (self.grip.opened_s, None if self.glide is None else self.glide.opened_s)
+        stamps_s = (self.applied_force.opened_s, None if self.finger_motion is None else self.finger_motion.opened_s)
         return max(stamp_s for stamp_s in stamps_s if stamp_s is not None)
 
     def fire(self, fire: Callable[[], float | None]) -> float | None:
@@ -90,7 +89,7 @@ class Held:
 
     def breaks(self) -> bool:
         """Whether a sensor is silent, or the finger has left or stopped: `loss` then says which."""
-        self.loss = self.grip.loss or (None if self.glide is None else self.glide.loss)
+        self.loss = self.applied_force.loss or (None if self.finger_motion is None else self.finger_motion.loss)
         return self.loss is not None
 
     def delay_s(self, decided_s: float) -> float:
@@ -113,30 +112,23 @@ class TouchResult:
 
 @dataclass(frozen=True)
 class TouchCourse:
-    """A request to press or slide, with what carries it out.
+    """A request to press or slide, with what carries it out; `places` is where its position is heard.
 
-    `pause` is called with a reason and what tells that it is over; `say` tells the experimenter. What cuts a stimulus
-    short is a pause that the experimenter wants, or what the sensors say.
+    What cuts a stimulus short is a pause that the experimenter wants, or what the sensors say.
     """
 
     request: Press | Slide
-    stage: Presenter
-    emitter: Emitter
-    words: str
-    dress: Dress
-    sensor: ForceSensor | None
-    position: PositionSensor | None
-    pause: Pause
-    say: Callable[[str], None]
-    places: Trace = field(default_factory=Trace)
-    release: Release = field(default_factory=lambda: Release(needed=False))
+    setup: TouchSetup
+    places: Trace
+    words: str = ""
     release_words: str = ""
-    force_peak_n: float = FORCE_PEAK_N
+    dress: Dress = as_it_is
 
     def felt(self, signal: Signal | None) -> TouchResult:
         """Carry out the request; a touch whose stimulus was cut short by a pause is not valid."""
-        with hearing(self.position, self.places.hear):
-            felt = self._unmeasured(signal) if self.sensor is None else self._held(signal, self.sensor)
+        sensor = self.setup.sensor
+        with hearing(self.setup.position, self.places.hear):
+            felt = self._unmeasured(signal) if sensor is None else self._held(signal, sensor)
         touched = felt.touched
         speed = speed_m_per_s(self.places, touched.onset_s, touched.onset_s + self.request.duration_s)
         return replace(felt, touched=replace(touched, speed_mean_m_per_s=_round(speed)))
@@ -147,13 +139,13 @@ class TouchCourse:
             layout.marker_page(self.request.interval, playing=on, words=self.words) for on in (False, True)
         )
         begin_s = self._present(ready)
-        self.stage.hold(begin_s + self.request.hold_s, ready, self.dress)
+        self.setup.presenter.hold(begin_s + self.request.hold_s, ready, self.dress)
         begin_s = self._present(playing)
-        onset_s = self.emitter.emit(signal)
-        self.stage.hold(onset_s + self.request.duration_s, playing, self.dress)
-        n_gaps = self.emitter.n_gaps(signal)
+        onset_s = self.setup.emitter.emit(signal)
+        self.setup.presenter.hold(onset_s + self.request.duration_s, playing, self.dress)
+        n_gaps = self.setup.emitter.n_gaps(signal)
         reason: Reason | None = "output_gap" if n_gaps else None
-        if self.stage.paused_until_s >= begin_s:
+        if self.setup.presenter.paused_until_s >= begin_s:
             reason = "experimenter"
         return TouchResult(self._answer(signal, onset_s, reason, n_gaps))
 
@@ -162,8 +154,8 @@ class TouchCourse:
     ) -> Touched:
         return Touched(
             onset_s,
-            self.emitter.delivered(self.request.level),
-            self.emitter.digest(signal),
+            self.setup.emitter.delivered(self.request.level),
+            self.setup.emitter.digest(signal),
             valid=reason is None,
             invalid_reason=reason,
             n_gaps=n_gaps,
@@ -175,31 +167,31 @@ class TouchCourse:
 
         The threads of the sensors decide; here it is shown what they hear.
         """
-        moving = self.position is not None
-        held = Held(self.request, moving=moving, force_peak_n=self.force_peak_n, release=self.release)
+        setup, moving = self.setup, self.setup.position is not None
+        held = Held(self.request, moving=moving, force_peak_n=setup.force_peak_n, release=setup.release)
         trigger = Trigger(
             lambda: held.open,
             held.breaks,
-            lambda: held.fire(lambda: self.emitter.emit_if_allowed(signal)),
-            self.emitter.stop,
+            lambda: held.fire(lambda: self.setup.emitter.emit_if_allowed(signal)),
+            self.setup.emitter.stop,
         )
         with ExitStack() as last_first:
             last_first.enter_context(quick_turns())
-            last_first.enter_context(hearing(sensor, held.grip.hear, trigger.consider))
-            if held.glide is not None:
-                last_first.enter_context(hearing(self.position, held.glide.hear, trigger.consider))
+            last_first.enter_context(hearing(sensor, held.applied_force.hear, trigger.consider))
+            if held.finger_motion is not None:
+                last_first.enter_context(hearing(self.setup.position, held.finger_motion.hear, trigger.consider))
             last_first.callback(trigger.disarm)  # the first to run on any way out: nothing fires behind it
             begun = self._begun(held, trigger, sensor)
             if begun is None:
-                self.say("not played")
+                self.setup.say("not played")
                 return TouchResult(Touched(time.perf_counter(), None, None, valid=False, invalid_reason="timeout"))
             cut_by = self._cut_by(held, trigger, *begun)
-        self.emitter.stop()
-        self.release.begin()
+        self.setup.emitter.stop()
+        self.setup.release.begin()
         decided_s, onset_s = begun
         touched = self._judgement(signal, held, onset_s, cut_by)
         mean = "no force" if touched.force_mean_n is None else f"{touched.force_mean_n:.2f} N"
-        self.say(f"played, {mean}")
+        self.setup.say(f"played, {mean}")
         return TouchResult(touched, held.delay_s(decided_s))
 
     def _begun(self, held: Held, trigger: Trigger, sensor: ForceSensor) -> tuple[float, float] | None:
@@ -210,9 +202,9 @@ class TouchCourse:
         begin_s = said_s = self._present(self._bar(held, playing=False))
         while trigger.begun is None:
             said_s = self._said(held, said_s)
-            if held.grip.silent:
-                self.pause(silence(sensor), lambda: not held.grip.silent)
-            if time.perf_counter() > max(begin_s, self.stage.paused_until_s) + self.request.timeout_s:
+            if held.applied_force.silent:
+                self.setup.pause(silence(sensor), lambda: not held.applied_force.silent)
+            if time.perf_counter() > max(begin_s, self.setup.presenter.paused_until_s) + self.request.timeout_s:
                 trigger.disarm()
                 break
             self._frame(held, playing=False)
@@ -220,10 +212,10 @@ class TouchCourse:
 
     def _said(self, held: Held, said_s: float) -> float:
         """Tell the experimenter the force, once in a while: when it was told last."""
-        now_s, force_n = time.perf_counter(), held.grip.force_n
+        now_s, force_n = time.perf_counter(), held.applied_force.force_n
         if now_s < said_s + TOLD_EVERY_S or force_n is None:
             return said_s
-        self.say(f"{force_n:.2f} N{'' if held.released else ', not released'}")
+        self.setup.say(f"{force_n:.2f} N{'' if held.released else ', not released'}")
         return now_s
 
     def _cut_by(self, held: Held, trigger: Trigger, decided_s: float, onset_s: float) -> Reason | None:
@@ -231,32 +223,32 @@ class TouchCourse:
         self._present(self._bar(held, playing=True))
         while time.perf_counter() < onset_s + self.request.duration_s:
             trigger.consider()
-            if trigger.broken or self.stage.paused_until_s > decided_s:
+            if trigger.broken or self.setup.presenter.paused_until_s > decided_s:
                 break
             self._frame(held, playing=True)
         if trigger.broken:
             return held.loss
-        return "experimenter" if self.stage.paused_until_s > decided_s else None
+        return "experimenter" if self.setup.presenter.paused_until_s > decided_s else None
 
     def _frame(self, held: Held, *, playing: bool) -> None:
-        self.stage.frame(self.dress(self._bar(held, playing=playing), time.perf_counter()))
+        self.setup.presenter.frame(self.dress(self._bar(held, playing=playing), time.perf_counter()))
 
     def _present(self, page: Page) -> float:
-        return self.stage.present(self.dress(page, time.perf_counter()))
+        return self.setup.presenter.present(self.dress(page, time.perf_counter()))
 
     def _bar(self, held: Held, *, playing: bool) -> Page:
         request = self.request
         words = self.words if playing or held.released else self.release_words
         marker = layout.marker_page(request.interval, playing=playing, words=words)
-        return layout.force_page(marker, held.grip.force_n, request.target_n, request.tolerance)
+        return layout.force_page(marker, held.applied_force.force_n, request.target_n, request.tolerance)
 
     def _judgement(self, signal: Signal | None, held: Held, onset_s: float, cut_by: Reason | None) -> Touched:
         during_s = onset_s, onset_s + self.request.duration_s
-        force = held.grip.compliance(*during_s)
-        speed = None if held.glide is None else held.glide.motion(*during_s)
-        n_gaps = self.emitter.n_gaps(signal)
+        force = held.applied_force.compliance(*during_s)
+        speed = None if held.finger_motion is None else held.finger_motion.motion(*during_s)
+        n_gaps = self.setup.emitter.n_gaps(signal)
         reason = cut_by or ("output_gap" if n_gaps else None)
-        speed_is_lost = held.glide is not None and speed is None
+        speed_is_lost = held.finger_motion is not None and speed is None
         if reason is None:
             reason = "sensor_lost" if force is None or speed_is_lost else broken(self.request, force, speed)
         kept = {

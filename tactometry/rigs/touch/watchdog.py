@@ -7,14 +7,12 @@ import numpy as np
 
 from ...devices.sensors.force_sensor import ForceSensor
 from ...devices.sensors.reader import FloatArray
-from ...safety.limits import FORCE_PEAK_N
 from .applied_force import SILENT_S
+from .setup import TouchSetup
 from .trace import Trace
 from .trigger import hearing
 
 SILENT = "the force sensor is silent"
-Pause = Callable[[str, Callable[[], bool]], None]
-"""Pauses the session for a reason, until it is over."""
 
 
 def silence(sensor: ForceSensor | None) -> str:
@@ -24,14 +22,13 @@ def silence(sensor: ForceSensor | None) -> str:
 
 
 @contextmanager
-def vigil(
-    sensor: ForceSensor | None, stop: Callable[[], None], pause: Pause, force_peak_n: float = FORCE_PEAK_N
-) -> Iterator[Callable[[], None]]:
-    """Until the block ends, `stop` is called in the sensor's thread when nothing may play.
+def watchdog(setup: TouchSetup) -> Iterator[Callable[[], None]]:
+    """Until the block ends, the output is stopped in the sensor's thread when nothing may play.
 
-    That is when it has said nothing for `SILENT_S`, or the force is above `force_peak_n`. The value is for each frame:
+    That is when it has said nothing for `SILENT_S`, or the force is above its limit. The value is for each frame:
     it pauses the session where that happened, until the sensor speaks again of a force below.
     """
+    sensor, force_peak_n = setup.sensor, setup.force_peak_n
     trace, lost, force_n = Trace(), False, 0.0
 
     def hear(times_s: FloatArray, forces_n: FloatArray) -> None:
@@ -49,14 +46,14 @@ def vigil(
         nonlocal lost
         if wrong() is not None:
             lost = True
-            stop()
+            setup.emitter.stop()
 
     def look() -> None:
         nonlocal lost
         if sensor is not None:
             consider()
         if lost:  # seen in the sensor's thread; a pause needs the screen's. By now it may be over
-            pause(wrong() or SILENT, lambda: wrong() is None)
+            setup.pause(wrong() or SILENT, lambda: wrong() is None)
             lost = False
 
     with hearing(sensor, hear, consider):

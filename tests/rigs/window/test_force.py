@@ -154,7 +154,7 @@ def test_what_plays_without_a_gate_stops_at_a_force_above_its_limit_and_begins_a
     bench = bench_with(lambda time_s: next(heavy, 1.0) if "play 5 V" in log else 1.0)
     bench.answer(Play("tone", 5.0, 1.0))
     assert log[:3] == ["output.open", "play 5 V", "output.stop"]
-    assert (log.count("play 5 V"), bench._attendant._n_pauses) == (2, 1)
+    assert (log.count("play 5 V"), bench._supervisor._n_pauses) == (2, 1)
 
 
 class Fast:
@@ -364,5 +364,5 @@ def test_a_level_that_is_set_stops_with_the_sensor_and_begins_anew(bench_with, l
     bench = bench_with(force_n)
     participant.answers(again, 0.5, "Return")
     assert bench.answer(Adjust("tone", start=5.0, step=5.0, low=0.0, high=20.0)).level == 5.0
-    assert bench._attendant._n_pauses == 1
+    assert bench._supervisor._n_pauses == 1
     assert log[-1] == "output.stop"
