@@ -14,7 +14,7 @@ from tactometry.session.run import Course
 from tactometry.trials.tasks import FORM_TASK
 from tactometry.trials.trial import Trial
 
-from .tasks.rating import filled_in
+from .tasks.rating import fill_in
 from .tasks.task import Reply
 from .track import Track
 
@@ -66,7 +66,7 @@ class Inquiry:
         of_kind("Inquiry", Questionnaire, form=self.form)
 
     def course(self, number: int, first_trial: int, rng: np.random.Generator) -> Course[tuple[tuple[Track, ...], int]]:
-        for reply in (yield from filled_in(self.form, rng, shuffled=self.shuffled)):
+        for reply in (yield from fill_in(self.form, rng, shuffled=self.shuffled)):
             yield Record(self._row(number, first_trial, reply))
         return (), first_trial + 1
 

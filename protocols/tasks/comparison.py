@@ -10,7 +10,7 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .intervals import felt_in_turn, nth
+from .intervals import feel_in_turn, nth
 from .task import Presentation, TaskKind, TrialOutcome, reply
 
 
@@ -39,14 +39,14 @@ class Comparison:
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         target = int(rng.integers(1, 3))
         levels = [shown.level if interval == target else self.standard_level for interval in (1, 2)]
-        touches = yield from felt_in_turn(shown.touch, [shown.stimulus] * 2, levels)
+        touches = yield from feel_in_turn(shown.touch, [shown.stimulus] * 2, levels)
         stimulus = nth(touches, target)
         if not touches[-1].valid:
             return TrialOutcome(touches, stimulus, target=target, standard_level=self.standard_level)
         choice: Chosen = yield Choose("which_stronger", (1, 2), ("1", "2"))
         stronger = choice.option == target
-        answered = (reply(choice, int(stronger), correct=self._correct(shown.level, stronger=stronger)),)
-        return TrialOutcome(touches, stimulus, answered, stronger, target, self.standard_level)
+        answer = reply(choice, int(stronger), correct=self._correct(shown.level, stronger=stronger))
+        return TrialOutcome(touches, stimulus, (answer,), stronger, target, self.standard_level)
 
     def _correct(self, level: float | None, *, stronger: bool) -> bool | None:
         return None if level is None or level == self.standard_level else stronger == (level > self.standard_level)

@@ -10,7 +10,7 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .intervals import felt_in_turn, nth
+from .intervals import feel_in_turn, nth
 from .task import Presentation, TaskKind, TrialOutcome, reply
 
 
@@ -39,14 +39,14 @@ class ForcedChoice:
         intervals = tuple(range(1, self.n_intervals + 1))
         target = int(rng.integers(1, self.n_intervals + 1))
         levels = [shown.level if interval == target else None for interval in intervals]
-        touches = yield from felt_in_turn(shown.touch, [shown.stimulus] * self.n_intervals, levels)
+        touches = yield from feel_in_turn(shown.touch, [shown.stimulus] * self.n_intervals, levels)
         stimulus = nth(touches, target)
         if not touches[-1].valid:
             return TrialOutcome(touches, stimulus, target=target)
         choice: Chosen = yield Choose("which_interval", intervals, tuple(map(str, intervals)))
         correct = choice.option == target
-        told = reply(choice, choice.option, correct=correct)
-        return TrialOutcome(touches, stimulus, (told,), success=correct, target=target)
+        answer = reply(choice, choice.option, correct=correct)
+        return TrialOutcome(touches, stimulus, (answer,), correct, target)
 
 
 TASK = TaskKind(ForcedChoice, questions={"which_interval": Decision(strongest)})

@@ -8,7 +8,7 @@ from tactometry.session.run import Course
 from .touch import Touch
 
 
-def felt_in_turn(touch: Touch, stimuli: Sequence[str], levels: Sequence[float | None]) -> Course[tuple[Touched, ...]]:
+def feel_in_turn(touch: Touch, stimuli: Sequence[str], levels: Sequence[float | None]) -> Course[tuple[Touched, ...]]:
     """The touches of intervals 1, 2, ...; a touch that is not valid is the last."""
     touches: list[Touched] = []
     for interval, (stimulus, level) in enumerate(zip(stimuli, levels, strict=True), 1):

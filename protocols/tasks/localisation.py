@@ -35,8 +35,8 @@ class Localisation:
             tuple(each.stimulus for each in shown.alternatives),
         )
         correct = choice.option == target
-        answered = (reply(choice, choice.option, correct=correct),)
-        return TrialOutcome((touch,), touch, answered, correct, target, factors=chosen.factors)
+        answer = reply(choice, choice.option, correct=correct)
+        return TrialOutcome((touch,), touch, (answer,), correct, target, factors=chosen.factors)
 
 
 TASK = TaskKind(

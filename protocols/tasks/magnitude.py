@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.arguments.require import positive
-from tactometry.session.answer import Rated
+from tactometry.session.answer import Rated, Touched
 from tactometry.session.request import Enter
 from tactometry.session.run import Course
 
-from .task import Presentation, Reply, TaskKind, TrialOutcome, reply, touched
+from .task import Presentation, TaskKind, TrialOutcome, reply
 
 
 @dataclass(frozen=True)
@@ -35,11 +35,12 @@ class Magnitude:
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         del rng
-
-        def heard(rated: Rated) -> tuple[Reply, bool]:
-            return reply(rated, rated.value), (rated.value or 0.0) > 0
-
-        return (yield from touched(shown, Enter("how_strong", 0.0, self.high), heard))
+        touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
+        if not touch.valid:
+            return TrialOutcome((touch,), touch)
+        rated: Rated = yield Enter("how_strong", 0.0, self.high)
+        is_felt = (rated.value or 0.0) > 0
+        return TrialOutcome((touch,), touch, (reply(rated, rated.value),), is_felt)
 
 
 TASK = TaskKind(Magnitude)

@@ -49,8 +49,8 @@ class Measurement:
         if not touch.valid:
             return TrialOutcome((touch,), touch)
         read: Rated = yield Enter(QUESTION, 0.0)
-        found = replace(reply(read, read.value), level_measured=level_of(read.value, self.level_unit))
-        return TrialOutcome((touch,), touch, (found,))
+        answer = replace(reply(read, read.value), level_measured=level_of(read.value, self.level_unit))
+        return TrialOutcome((touch,), touch, (answer,))
 
 
 def level_of(nanometres: float | None, level_unit: str) -> float | None:

@@ -9,7 +9,7 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .intervals import felt_in_turn
+from .intervals import feel_in_turn
 from .task import Over, Presentation, TaskKind, TrialOutcome, reply
 
 
@@ -26,12 +26,12 @@ class Preference:
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         first, second = (shown.alternatives[int(n)] for n in rng.permutation(2))
-        touches = yield from felt_in_turn(shown.touch, [first.stimulus, second.stimulus], [shown.level, shown.level])
+        touches = yield from feel_in_turn(shown.touch, [first.stimulus, second.stimulus], [shown.level, shown.level])
         if not touches[-1].valid:
             return TrialOutcome(touches, touches[0])
         choice: Chosen = yield Choose("which_preferred", (1, 2), ("1", "2"))
-        answered = reply(choice, choice.option, item=first.label, item_b=second.label)
-        return TrialOutcome(touches, touches[0], (answered,))
+        answer = reply(choice, choice.option, item=first.label, item_b=second.label)
+        return TrialOutcome(touches, touches[0], (answer,))
 
 
 TASK = TaskKind(

@@ -36,7 +36,7 @@ def _question(form: Questionnaire, item: Item) -> Question:
     return Question(item.id, words, item.reversed)
 
 
-def filled_in(form: Questionnaire, rng: np.random.Generator, *, shuffled: bool) -> Course[tuple[Reply, ...]]:
+def fill_in(form: Questionnaire, rng: np.random.Generator, *, shuffled: bool) -> Course[tuple[Reply, ...]]:
     """Page after page: a reply for each item, in the order of its presentation."""
     order = rng.permutation(len(form.items)) if shuffled else range(len(form.items))
     replies: list[Reply] = []
@@ -74,7 +74,7 @@ class Rating:
             touches.append((yield shown.touch.request(shown.stimulus, shown.level, None)))
         if not touches[-1].valid:
             return TrialOutcome(tuple(touches), touches[-1], rule=self.form.name)
-        replies = yield from filled_in(self.form, rng, shuffled=self.shuffled)
+        replies = yield from fill_in(self.form, rng, shuffled=self.shuffled)
         return TrialOutcome(tuple(touches), touches[-1], replies, rule=self.form.name)
 
 

@@ -10,7 +10,7 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .intervals import felt_in_turn, nth
+from .intervals import feel_in_turn, nth
 from .task import Presentation, TaskKind, TrialOutcome, reply
 
 
@@ -38,14 +38,14 @@ class SameDifferent:
         target = int(rng.integers(1, 3))
         compared = self.standard_level if shown.level is None else shown.level
         levels = [compared if interval == target else self.standard_level for interval in (1, 2)]
-        touches = yield from felt_in_turn(shown.touch, [shown.stimulus] * 2, levels)
-        told = TrialOutcome(touches, nth(touches, target), target=target, standard_level=self.standard_level)
+        touches = yield from feel_in_turn(shown.touch, [shown.stimulus] * 2, levels)
+        stimulus = nth(touches, target)
         if not touches[-1].valid:
-            return told
+            return TrialOutcome(touches, stimulus, target=target, standard_level=self.standard_level)
         choice: Chosen = yield Choose("same_different", (0, 1), ("same", "different"))
         correct = choice.option == (shown.level is not None)
-        answered = (reply(choice, choice.option, correct=correct),)
-        return TrialOutcome(touches, told.stimulus, answered, correct, target, self.standard_level)
+        answer = reply(choice, choice.option, correct=correct)
+        return TrialOutcome(touches, stimulus, (answer,), correct, target, self.standard_level)
 
 
 TASK = TaskKind(

@@ -9,7 +9,6 @@ import numpy as np
 from tactometry.observers.decisions import Decision
 from tactometry.questionnaire import Questionnaire
 from tactometry.session.answer import Adjusted, Chosen, Filled, Rated, Touched
-from tactometry.session.request import Choose, Enter
 from tactometry.session.run import Course
 from tactometry.trials.trial import Reason
 
@@ -121,18 +120,6 @@ class TrialOutcome:
         """The onset of the first stimulus, or of the first question where nothing was felt."""
         onsets_s = [touch.onset_s for touch in self.touches] + [each.onset_s or 0.0 for each in self.replies]
         return onsets_s[0]
-
-
-def touched(
-    shown: Presentation, ask: Choose | Enter, heard: Callable[[Any], tuple[Reply, bool]]
-) -> Course[TrialOutcome]:
-    """One stimulus (or none), then, if its touch was valid, a question: `heard` makes a reply of the answer, and says
-    whether it is a success to the procedure."""
-    touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
-    if not touch.valid:
-        return TrialOutcome((touch,), touch)
-    said, success = heard((yield ask))
-    return TrialOutcome((touch,), touch, (said,), success=success)
 
 
 @runtime_checkable

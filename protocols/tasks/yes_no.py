@@ -5,11 +5,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.observers.decisions import Decision, detect
-from tactometry.session.answer import Chosen
+from tactometry.session.answer import Chosen, Touched
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .task import Presentation, Reply, TaskKind, TrialOutcome, reply, touched
+from .task import Presentation, TaskKind, TrialOutcome, reply
 
 
 @dataclass(frozen=True)
@@ -21,12 +21,13 @@ class YesNo:
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         del rng
-
-        def heard(choice: Chosen) -> tuple[Reply, bool]:
-            correct = choice.option == (shown.level is not None)
-            return reply(choice, choice.option, correct=correct), correct
-
-        return (yield from touched(shown, Choose("felt", (0, 1), ("no", "yes")), heard))
+        touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
+        if not touch.valid:
+            return TrialOutcome((touch,), touch)
+        choice: Chosen = yield Choose("felt", (0, 1), ("no", "yes"))
+        correct = choice.option == (shown.level is not None)
+        answer = reply(choice, choice.option, correct=correct)
+        return TrialOutcome((touch,), touch, (answer,), correct)
 
 
 TASK = TaskKind(YesNo, questions={"felt": Decision(detect, 1)})

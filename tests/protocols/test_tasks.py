@@ -26,7 +26,7 @@ from tactometry.protocols import (
     Track,
 )
 from tactometry.protocols.block import run_block
-from tactometry.protocols.tasks.rating import filled_in, pages
+from tactometry.protocols.tasks.rating import fill_in, pages
 from tactometry.protocols.tasks.task import Alternative, Presentation, TrialOutcome
 from tactometry.questionnaire import load
 from tactometry.rigs.texts import languages, texts_in
@@ -250,7 +250,7 @@ def test_a_page_holds_seven_word_pairs_or_five_statements(name, most):
 
 
 def test_an_item_that_was_left_open_has_an_empty_response():
-    course = filled_in(load("attrakdiff-haptic"), np.random.default_rng(1), shuffled=False)
+    course = fill_in(load("attrakdiff-haptic"), np.random.default_rng(1), shuffled=False)
     page = next(course)
     values = (None, *(float(n) for n in range(1, len(page.questions))))
     with pytest.raises(StopIteration) as stop:
@@ -262,7 +262,7 @@ def test_an_item_that_was_left_open_has_an_empty_response():
 
 def test_a_participant_who_answers_by_the_poles_gets_the_straight_line_scores():
     """Raw 7 at every item, in the order and with the reversals of the presentation (science folder 9.1)."""
-    course = filled_in(FULL, np.random.default_rng(1), shuffled=True)
+    course = fill_in(FULL, np.random.default_rng(1), shuffled=True)
     page, replies = next(course), None
     try:
         while True:

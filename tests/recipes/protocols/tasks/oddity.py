@@ -11,7 +11,7 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .intervals import felt_in_turn, nth
+from .intervals import feel_in_turn, nth
 from .task import Presentation, TaskKind, TrialOutcome, reply
 
 
@@ -27,14 +27,14 @@ class Oddity:
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         target = int(rng.integers(1, 4))
         levels = [shown.level if interval == target else self.standard_level for interval in (1, 2, 3)]
-        touches = yield from felt_in_turn(shown.touch, [shown.stimulus] * 3, levels)
+        touches = yield from feel_in_turn(shown.touch, [shown.stimulus] * 3, levels)
         stimulus = nth(touches, target)
         if not touches[-1].valid:
             return TrialOutcome(touches, stimulus, target=target, standard_level=self.standard_level)
         choice: Chosen = yield Choose("which_odd", (1, 2, 3), ("1", "2", "3"))
         correct = choice.option == target
-        answered = (reply(choice, choice.option, correct=correct),)
-        return TrialOutcome(touches, stimulus, answered, correct, target, self.standard_level)
+        answer = reply(choice, choice.option, correct=correct)
+        return TrialOutcome(touches, stimulus, (answer,), correct, target, self.standard_level)
 
 
 def farthest(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
