@@ -101,6 +101,7 @@ class ClockMap:
         tactometry.errors.DeviceFailed: board: found a clock that runs 1.3 times as fast as this computer's, expected \
 within 2%; mend the device, or what the bench file says of its rate
         """
+        # seconds gained a second, from bin to bin; empty bins may lie between
         slopes = sorted(
             (late_s - early_s) / (BIN_S * (n - m)) for (m, early_s), (n, late_s) in pairwise(self.smallest_s)
         )

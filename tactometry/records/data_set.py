@@ -133,5 +133,5 @@ def sessions(root: Path) -> list[Path]:
     InvalidFile
         If their folder may not be read.
     """
-    found = (path for path in listed(root / "journals", "*.jsonl") if path.is_file())
-    return [path for path in found if not path.name.endswith("_interruptions.jsonl")]
+    files = (path for path in listed(root / "journals", "*.jsonl") if path.is_file())
+    return [path for path in files if not path.name.endswith("_interruptions.jsonl")]

@@ -30,7 +30,7 @@ def heads(path: Path) -> tuple[Head, ...]:
     InvalidFile
         If one is damaged.
     """
-    first, *rest = read_file(path, "a journal").split(b"\n")[:-1] or [b""]
+    first, *rest = read_file(path, "a journal").split(b"\n")[:-1] or [b""]  # without a last line that was torn
     lines = [first, *(line for line in rest if line.startswith(_SITTING))] if first else []
     try:
         values = [msgspec.json.decode(line) for line in lines]
@@ -61,7 +61,8 @@ def differences(before: Head, after: Head) -> list[str]:
 def _alike(name: str, old: Mapping[str, Fact], new: Mapping[str, Fact]) -> bool:
     before, after = old.get(name), new.get(name)
     if isinstance(before, float) and isinstance(after, float):
-        return math.isclose(before, after, rel_tol=SAME_PERIOD if name == "frame_period_s" else ROUNDING)
+        tolerance = SAME_PERIOD if name == "frame_period_s" else ROUNDING
+        return math.isclose(before, after, rel_tol=tolerance)
     return before == after
 
 

@@ -101,7 +101,7 @@ def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> "
     _check_resolved(system, float(lengths.max(initial=0.0)))
     shared = phases(timing.pieces, relaxations, nodes)
     groups, kinds = _kinds(lengths, moving(shared.since, relaxations)[:-1])
-    first = np.searchsorted(shared.piece, np.arange(shared.piece[-1] + 2))
+    first = np.searchsorted(shared.piece, np.arange(shared.piece[-1] + 2))  # node of each piece, and the end
     all_moving = (True,) * len(relaxations.rates_per_s)
     whole = Circuit(relaxations, tuple(timing.pieces.frequencies_hz.tolist()), timing.has_slope, all_moving)
     maps, drives = _maps(whole, system, groups)
@@ -130,12 +130,12 @@ def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple
 
 def _kinds(lengths: Real, moves: NDArray[np.bool_]) -> tuple[list[Kind], NDArray[np.intp]]:
     """Intervals of one length (to 1e-11) and one set of moving relaxations share an exponential."""
+    # equal steps of time differ by their rounding: digits behind the leading one, and its power of ten
     scale = 10.0 ** np.floor(np.log10(lengths))
     keys = np.column_stack([np.round(lengths / scale, 11), scale, moves])
     _, first, kinds = np.unique(keys, axis=0, return_index=True, return_inverse=True)
-    kinds = kinds.ravel()
     means = np.bincount(kinds, lengths) / np.bincount(kinds)
-    return [(float(means[k]), tuple(bool(m) for m in moves[i])) for k, i in enumerate(first)], kinds
+    return [(float(means[k]), tuple(moves[i].tolist())) for k, i in enumerate(first)], kinds
 
 
 def _padded(products: Real, circuit: Circuit) -> Real:

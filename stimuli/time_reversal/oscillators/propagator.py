@@ -119,6 +119,7 @@ def _impulses(step: FloatArray, impulses: FloatArray, keep: NDArray[np.int64]) -
     n_samples, n = impulses.shape
     out = np.zeros((len(keep), n))
     q, v = np.zeros(n), np.zeros(n)
+    # copies, so that the inner loop goes through memory in order
     a, b, c, d = step[:, 0, 0].copy(), step[:, 0, 1].copy(), step[:, 1, 0].copy(), step[:, 1, 1].copy()
     kept = 0
     for k in range(n_samples):

@@ -77,19 +77,20 @@ def bending_stress_pa(plate: Plate, force_n: float, contact_m: float) -> float:
     """
     positive("bending_stress_pa", contact_m=contact_m)
     within("bending_stress_pa", 0.0, min(plate.length_m, plate.width_m), contact_m=contact_m)
-    axes = [SineAxis(side, N_TERMS_PATCH) for side in (plate.length_m, plate.width_m)]
-    middles = [plate.length_m / 2, plate.width_m / 2]
-    shape = [axis.value(middle)[:, 0] for axis, middle in zip(axes, middles, strict=True)]
-    load = [
-        axis.integral(middle - contact_m / 2, middle + contact_m / 2)[:, 0] / contact_m
-        for axis, middle in zip(axes, middles, strict=True)
-    ]
-    kx2, ky2 = (axis.wavenumber_rad_per_m**2 for axis in axes)
-    weight = np.outer(shape[0] * load[0], shape[1] * load[1]) / (kx2[:, None] + ky2) ** 2
+    push_x, kx2 = _side_terms(plate.length_m, contact_m)
+    push_y, ky2 = _side_terms(plate.width_m, contact_m)
+    weight = np.outer(push_x, push_y) / (kx2[:, None] + ky2) ** 2
     along_x, along_y = float(kx2 @ weight.sum(axis=1)), float(weight.sum(axis=0) @ ky2)
     nu = plate.poisson_ratio
     moment_n = force_n / plate.area_m2 * max(along_x + nu * along_y, along_y + nu * along_x)
     return 6 * moment_n / plate.thickness_m**2
+
+
+def _side_terms(side_m: float, contact_m: float) -> tuple[FloatArray, FloatArray]:
+    """(n_terms,) of each sine along a side: its value at the middle times its mean over the contact, and its k^2."""
+    axis, middle = SineAxis(side_m, N_TERMS_PATCH), side_m / 2
+    load = axis.integral(middle - contact_m / 2, middle + contact_m / 2)[:, 0] / contact_m
+    return axis.value(middle)[:, 0] * load, axis.wavenumber_rad_per_m**2
 
 
 def _levy(plate: Plate, at_m: tuple[float, float], x: FloatArray, y: FloatArray) -> FloatArray:

@@ -123,11 +123,9 @@ def _parts(patch: Patch | DiscPatch, n: int) -> list[tuple[float, float]]:
     """Centres of n x n parts of equal area; of a disc on a spiral."""
     if isinstance(patch, Patch):
         steps = (np.arange(n) + 0.5) / n - 0.5
-        return [
-            (float(patch.x_m + u * patch.length_m), float(patch.y_m + v * patch.width_m)) for u in steps for v in steps
-        ]
-    k = np.arange(n * n) if n > 1 else np.array([-0.5])
+        xs, ys = patch.x_m + steps * patch.length_m, patch.y_m + steps * patch.width_m
+        return [(float(x), float(y)) for x in xs for y in ys]
+    k = np.arange(n * n) if n > 1 else np.array([-0.5])  # one part lies in the middle, not on the spiral
     r, angle = patch.diameter_m / 2 * np.sqrt((k + 0.5) / n**2), k * GOLDEN_RAD
-    return [
-        (float(patch.x_m + u), float(patch.y_m + v)) for u, v in zip(r * np.cos(angle), r * np.sin(angle), strict=True)
-    ]
+    xs, ys = patch.x_m + r * np.cos(angle), patch.y_m + r * np.sin(angle)
+    return [(float(x), float(y)) for x, y in zip(xs, ys, strict=True)]

@@ -69,29 +69,31 @@ def youngs_modulus_pa(rigidity_ratio: TauEstimate, plate: Plate) -> TauEstimate:
     `plate`.
     """
     factor = 12 * (1 - plate.poisson_ratio**2) * plate.area_density_kg_per_m2 / plate.thickness_m**3
-    return TauEstimate(*(factor * part for part in (rigidity_ratio.value, rigidity_ratio.low, rigidity_ratio.high)))
+    ratios = rigidity_ratio.value, rigidity_ratio.low, rigidity_ratio.high
+    return TauEstimate(*(factor * ratio for ratio in ratios))
 
 
 def _elastic(plate: Plate, f_max_hz: float) -> FloatArray:
     """Frequencies above 0, at least one: the range doubles until it holds a mode."""
-    found = plate.frequencies_hz(f_max_hz)
-    found = found[found > 0]
-    return found if len(found) else _elastic(plate, 2 * f_max_hz)
+    frequencies = plate.frequencies_hz(f_max_hz)
+    elastic = frequencies[frequencies > 0]
+    return elastic if len(elastic) else _elastic(plate, 2 * f_max_hz)
 
 
 def _nearest(measured: FloatArray, model: FloatArray) -> FloatArray:
     """(n_measured,): the mode that each belongs to, by the mean factor of those before it."""
-    found, modes = np.log(measured), np.log(model)
+    # in logarithms a wrong rigidity shifts all modes alike
+    heard, modes = np.log(measured), np.log(model)
     paired = modes[:1]
-    for i in range(1, len(found)):
-        expected = modes + np.mean(found[:i] - paired)
-        paired = np.append(paired, modes[np.argmin(np.abs(found[i] - expected))])
+    for i in range(1, len(heard)):
+        expected = modes + np.mean(heard[:i] - paired)
+        paired = np.append(paired, modes[np.argmin(np.abs(heard[i] - expected))])
     return np.asarray(np.exp(paired))
 
 
 def _geometric(logarithms: FloatArray) -> TauEstimate:
     inside = mean_estimate(logarithms)
-    return TauEstimate(*(float(np.exp(part)) for part in (inside.value, inside.low, inside.high)))
+    return TauEstimate(*(float(np.exp(logarithm)) for logarithm in (inside.value, inside.low, inside.high)))
 
 
 def _pairs(name: str, first: ArrayLike, second: ArrayLike) -> tuple[FloatArray, FloatArray]:

@@ -143,7 +143,11 @@ def inspect(responses: Responses, snr_db: float = 20.0) -> Findings:
     allowed = max(10 ** (-snr_db / 10), _left_of_decay(h[~silent]))
     noisy = ~silent & (power[:, :, -1] > power.max(axis=2) * allowed)
     clipped = ~silent & (_longest_run_at_peak(h) >= CLIPPED_RUN)
-    return Findings(*(tuple((int(p), int(q)) for p, q in np.argwhere(bad)) for bad in (clipped, silent, noisy)))
+    return Findings(_pairs(clipped), _pairs(silent), _pairs(noisy))
+
+
+def _pairs(bad: NDArray[np.bool_] | np.bool_) -> tuple[tuple[int, int], ...]:
+    return tuple((int(point), int(channel)) for point, channel in np.argwhere(bad))
 
 
 def _left_of_decay(pairs: FloatArray) -> float:

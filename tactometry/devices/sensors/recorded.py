@@ -49,7 +49,8 @@ class RecordedSource:
 
     def open(self) -> None:
         table = _table(Path(self._settings.path), self.n_channels)
-        self._times_s, self._values = table[:, 0] - table[0, 0] + now_s(), table[:, 1:]
+        self._times_s = table[:, 0] - table[0, 0] + now_s()  # as if the recording began now
+        self._values = table[:, 1:]
         self._n_read = 0
 
     def receive(self) -> SampleBlock | None:
