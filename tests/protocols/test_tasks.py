@@ -33,6 +33,8 @@ from tactometry.rigs.texts import languages, texts_in
 from tactometry.session.answer import Chosen, Filled, Rated
 from tactometry.session.request import Adjust, Choose, Enter, Fill, Press, Record, Slide
 from tactometry.session.run import run
+from tactometry.trials.columns import OPTIONAL
+from tactometry.trials.tasks import TASKS as ROWS_OF_TASKS
 
 AT_1E_4 = 3.89
 FULL = load("attrakdiff")
@@ -297,6 +299,12 @@ def test_every_task_and_every_question_has_its_words_in_every_language(language)
     asked = {question for kind in TASKS.values() for question in kind.questions}
     instructions = {f"instructions_{name}" for name in TASKS}
     assert asked | instructions <= set(texts_in(language, {}).messages)
+
+
+@pytest.mark.parametrize("name", TASKS)
+def test_a_task_has_the_name_that_its_line_says_and_fills_columns_that_there_are(name):
+    assert catalogue.REGISTERED[name].name == name
+    assert set(ROWS_OF_TASKS[name].columns) <= {column.name for column in OPTIONAL}
 
 
 def test_a_question_that_nobody_knows_is_refused_with_the_nearest_name():
