@@ -16,7 +16,7 @@ from .order import counterbalanced as counterbalanced, williams_square as willia
 from .procedures.constant_stimuli import ConstantStimuli as ConstantStimuli
 from .procedures.method_of_limits import MethodOfLimits as MethodOfLimits
 from .procedures.procedure import Ending as Ending, Procedure as Procedure
-from .procedures.shared_learning import Sharing as Sharing, answered as answered
+from .procedures.shared_learning import Sharing as Sharing, after_answer as after_answer
 from .procedures.staircase import Staircase as Staircase
 from .procedures.weighted_staircase import WeightedStaircase as WeightedStaircase
 from .session import Inquiry as Inquiry, session as session

@@ -10,7 +10,7 @@ from tactometry.arguments.require import given, one_of, positive, whole, within
 from tactometry.errors import InvalidParameter
 
 from .procedures.procedure import FixedOrder
-from .procedures.shared_learning import answered
+from .procedures.shared_learning import after_answer
 from .tasks.task import TrialOutcome
 from .track import Track
 
@@ -139,7 +139,7 @@ class BlockState:
             return _with(self.tracks, slot.track, track)
         delivered = None if outcome.stimulus is None else outcome.stimulus.level_delivered
         success = outcome.success is not False  # a task that judges nothing moves an adaptive rule as a success does
-        procedures = answered([track.procedure for track in self.tracks], slot.track, success, delivered)
+        procedures = after_answer([track.procedure for track in self.tracks], slot.track, success, delivered)
         pairs = zip(self.tracks, procedures, strict=True)
         return tuple(replace(track, procedure=procedure) for track, procedure in pairs)
 

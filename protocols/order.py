@@ -182,6 +182,6 @@ def counterbalanced(factors: Mapping[str, Sequence[T]], outer_first: Sequence[st
     return [{name: cell[name] for name in factors} for cell in cells]
 
 
-def crossed(factors: Mapping[str, Sequence[T]]) -> list[dict[str, T]]:
+def combinations(factors: Mapping[str, Sequence[T]]) -> list[dict[str, T]]:
     """All combinations, the last factor fastest."""
     return [dict(zip(factors, cell, strict=True)) for cell in itertools.product(*factors.values())]

@@ -29,7 +29,7 @@ def exit_status(findings: list[Finding]) -> int:
     return int(any(finding.fine is False for finding in findings))
 
 
-def guarded(part: str, look: Callable[[], Iterator[Finding]]) -> Iterator[Finding]:
+def findings_of(part: str, look: Callable[[], Iterator[Finding]]) -> Iterator[Finding]:
     """The findings of a part; a failure is one more, and those before it stay."""
     try:
         yield from look()

@@ -95,7 +95,7 @@ def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterat
         yield _response(learning, microphone, _recorded(listener, microphone, end_s))
 
 
-def joined(responses: Sequence[Responses]) -> Responses:
+def join(responses: Sequence[Responses]) -> Responses:
     """One point's responses to several channels."""
     return Responses(
         np.concatenate([each.samples for each in responses], axis=1), responses[0].rate_hz, responses[0].quantity

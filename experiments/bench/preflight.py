@@ -8,7 +8,7 @@ from tactometry.errors import TactometryError
 from ..study.experiment import Experiment, wire
 from ..study.study_file import load
 from .bench_file import BenchFile
-from .finding import Finding, guarded
+from .finding import Finding, findings_of
 from .preflight_computer import computer, disk, existing
 from .preflight_devices import devices
 from .preflight_display import display
@@ -36,7 +36,7 @@ def check(study: str | None, bench: BenchFile, folder: Path, *, hands_off: bool)
         "devices": lambda: devices(bench, limits, experiment, hands_off=hands_off),
     }
     for part, look in parts.items():
-        findings += guarded(part, look)
+        findings += findings_of(part, look)
     return findings
 
 

@@ -19,7 +19,7 @@ from tactometry.signal import Signal
 
 from ..study.experiment import Experiment
 from .bench_file import BenchFile
-from .finding import Finding, guarded
+from .finding import Finding, findings_of
 from .learnt_stimuli import bank_of
 from .tone import tone
 
@@ -40,11 +40,11 @@ def devices(
     # Without limits anywhere a volt is the most that is tried; hands are off, so that no gate of force is asked for.
     connected = bench.devices(limits or Limits(voltage_peak_v=1.0), date.today(), touched=False)
     for name, reader in connected.readers.items():
-        yield from guarded(f"sensor {name}", partial(_sensor, name, reader))
+        yield from findings_of(f"sensor {name}", partial(_sensor, name, reader))
     if connected.force is not None:
-        yield from guarded("force", partial(_force, connected.force))
-    yield from guarded("output", partial(_gate, bench))
-    yield from guarded("output", partial(_tried, connected.output, bench, limits, experiment, hands_off=hands_off))
+        yield from findings_of("force", partial(_force, connected.force))
+    yield from findings_of("output", partial(_gate, bench))
+    yield from findings_of("output", partial(_tried, connected.output, bench, limits, experiment, hands_off=hands_off))
 
 
 def _sensor(name: str, reader: Reader) -> Iterator[Finding]:
@@ -118,9 +118,9 @@ def _tried(
     """The tone and the strongest stimuli; limits that the load needs and nobody stated stop all of them, said once."""
     if output.limits is not None and output.load is not None:
         output.limits.check_stated(output.load)
-    yield from guarded("output", partial(_output, output, limits, hands_off=hands_off))
+    yield from findings_of("output", partial(_output, output, limits, hands_off=hands_off))
     if experiment is not None:
-        yield from guarded("output", partial(_strongest, output, experiment, bench))
+        yield from findings_of("output", partial(_strongest, output, experiment, bench))
 
 
 def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Iterator[Finding]:

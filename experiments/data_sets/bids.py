@@ -17,7 +17,7 @@ from tactometry.trials.cells import cell
 from tactometry.trials.columns import Column
 from tactometry.trials.tasks import FORM_TASK
 
-from .source import ExportedDataSet, Row, pretty, separated
+from .source import ExportedDataSet, Row, delimited, json_text
 
 BIDS_VERSION = "1.10.1"
 OWN = ("participant", "session", "study")
@@ -76,10 +76,10 @@ def _heading(source: ExportedDataSet, authors: Sequence[str]) -> dict[str, bytes
     }
     people = sorted({row["participant"] for row in source.rows})
     files = {
-        "dataset_description.json": pretty(description),
+        "dataset_description.json": json_text(description),
         "README.md": _readme(source).encode(),
-        "participants.tsv": separated(["participant_id"], [[f"sub-{code}"] for code in people], "\t"),
-        "participants.json": pretty({"participant_id": {"Description": "Code of the participant"}}),
+        "participants.tsv": delimited(["participant_id"], [[f"sub-{code}"] for code in people], "\t"),
+        "participants.json": json_text({"participant_id": {"Description": "Code of the participant"}}),
     }
     for code in people:
         files[f"sub-{code}/sub-{code}_sessions.tsv"] = _sessions(source, code)
@@ -93,7 +93,7 @@ def _sessions(source: ExportedDataSet, code: str) -> bytes:
         times = sorted(time for row in of_session if (time := row.get("timestamp_utc")))
         if participant == code:
             rows.append([f"ses-{session}", times[0][:19] if times else MISSING])
-    return separated(["session_id", "acq_time"], rows, "\t")
+    return delimited(["session_id", "acq_time"], rows, "\t")
 
 
 def _readme(source: ExportedDataSet) -> str:
@@ -125,7 +125,7 @@ def _table(
     ]
     task = stem.split("_task-")[1].split("_", maxsplit=1)[0]
     sidecar = _sidecar(task, description, kept, rows, timed=timed)
-    return {f"{stem}.tsv": separated(header, body, "\t"), f"{stem}.json": pretty(sidecar)}
+    return {f"{stem}.tsv": delimited(header, body, "\t"), f"{stem}.json": json_text(sidecar)}
 
 
 def _check_names(header: Sequence[str]) -> None:
@@ -182,7 +182,7 @@ def _phenotype(form: Questionnaire, answers: pd.DataFrame, source: ExportedDataS
     told |= {"participant_id": {"Description": "Code of the participant"}}
     told |= {name: {"Description": text} for name, text in columns.items()}
     stem = f"phenotype/{_label(form.name)}"
-    return {f"{stem}.tsv": separated(["participant_id", *columns], rows, "\t"), f"{stem}.json": pretty(told)}
+    return {f"{stem}.tsv": delimited(["participant_id", *columns], rows, "\t"), f"{stem}.json": json_text(told)}
 
 
 def _score(value: float | None) -> str:

@@ -13,7 +13,7 @@ from tactometry.trials.columns import Column
 from .session_files import header_of, session_of
 
 
-def edited(path: Path) -> list[str]:
+def edit_warnings(path: Path) -> list[str]:
     """A warning if trials files of a data set, or the one that `path` is, differ from the journals beside them.
 
     Empty where there is no journal. What cannot be compared is told too.

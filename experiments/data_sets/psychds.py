@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from tactometry.files.safe_text import cell_text
 from tactometry.records.description import KEYWORD
 
-from .source import ExportedDataSet, pretty, separated
+from .source import ExportedDataSet, delimited, json_text
 
 SCHEMA_VERSION = "Psych-DS 1.5.0"
 
@@ -18,14 +18,14 @@ def psychds_files(source: ExportedDataSet) -> dict[str, bytes]:
     names = [column.name for column in source.columns]
     study = (source.text("study") or "trials").replace("-", "")
     files = {
-        "dataset_description.json": pretty(_description(source)),
+        "dataset_description.json": json_text(_description(source)),
         "README.md": f"# {source.title}\n\n{source.description}\n\nWritten by tactometry export.\n".encode(),
         "CHANGES.md": b"# Changes\n\n1.0.0: as exported.\n",
     }
     for participant, session, rows in source.sessions():
         body = [[row.get(name, "") for name in names] for row in rows]
         stem = f"subject-{participant}_session-{session}_study-{study}"
-        files[f"data/{stem}_data.csv"] = separated(names, body, ",")
+        files[f"data/{stem}_data.csv"] = delimited(names, body, ",")
     return files
 
 

@@ -13,7 +13,7 @@ from tactometry.analysis.tasks.task_analysis import R_OF_FORM
 from tactometry.files.safe_text import cell_text
 from tactometry.questionnaire import Questionnaire
 
-from .source import ExportedDataSet, separated
+from .source import ExportedDataSet, delimited
 
 TEXT = (
     "participant",
@@ -54,7 +54,7 @@ def r_files(source: ExportedDataSet) -> dict[str, bytes]:
     names = [column.name for column in source.columns]
     ordered = [row for _, _, rows in source.sessions() for row in rows]
     body = [[row.get(name) or "NA" for name in names] for row in ordered]
-    return {"trials.csv": separated(names, body, ","), "trials.R": _script(source, names).encode()}
+    return {"trials.csv": delimited(names, body, ","), "trials.R": _script(source, names).encode()}
 
 
 def quoted(text: str) -> str:

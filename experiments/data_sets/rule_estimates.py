@@ -12,7 +12,7 @@ from tactometry.analysis.tasks.rule_estimate import Replay, RuleEstimate
 from tactometry.errors import InvalidParameter, TactometryError
 from tactometry.files.durable import read_file
 from tactometry.protocols.procedures.procedure import Procedure
-from tactometry.protocols.procedures.shared_learning import answered
+from tactometry.protocols.procedures.shared_learning import after_answer
 from tactometry.trials.cells import cell
 
 from ..study.cells import Wiring, tables
@@ -77,5 +77,5 @@ def _told(ready: ReadyProcedure, block: pd.DataFrame, names: list[str]) -> Seque
     """The tracks' procedures after all answers of the block."""
     procedures = ready.for_tracks(names, np.random.default_rng(0))  # rules that draw an order are not replayed
     for track, yes, level in zip(block["track"], block["yes"], block["x"], strict=True):
-        procedures = answered(procedures, names.index(str(track)), int(yes), float(level))
+        procedures = after_answer(procedures, names.index(str(track)), int(yes), float(level))
     return procedures

@@ -179,7 +179,7 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> list[Path]:
     return written
 
 
-def separated(header: Sequence[str], rows: Sequence[Sequence[str]], separator: str) -> bytes:
+def delimited(header: Sequence[str], rows: Sequence[Sequence[str]], separator: str) -> bytes:
     """A table as text with line feeds, in which no cell is a formula to a spreadsheet."""
     text = io.StringIO()
     writer = csv.writer(text, delimiter=separator, lineterminator="\n")
@@ -187,6 +187,6 @@ def separated(header: Sequence[str], rows: Sequence[Sequence[str]], separator: s
     return text.getvalue().encode()
 
 
-def pretty(value: object) -> bytes:
+def json_text(value: object) -> bytes:
     """JSON for people, with sorted order as given."""
     return (json.dumps(value, indent=2, ensure_ascii=False) + "\n").encode()

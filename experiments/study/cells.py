@@ -65,14 +65,14 @@ class WiredCell:
     sensation: Sensation
 
 
-def merged(table: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
+def merge(table: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
     """A table with some of its keys changed, tables within it likewise.
 
-    >>> merged({"a": 1, "b": {"c": 2, "d": 3}}, {"b": {"c": 4}})
+    >>> merge({"a": 1, "b": {"c": 2, "d": 3}}, {"b": {"c": 4}})
     {'a': 1, 'b': {'c': 4, 'd': 3}}
     """
     inner = {
-        key: merged(table[key], value) if isinstance(value, Mapping) and isinstance(table.get(key), Mapping) else value
+        key: merge(table[key], value) if isinstance(value, Mapping) and isinstance(table.get(key), Mapping) else value
         for key, value in change.items()
     }
     return {**table, **inner}
@@ -83,7 +83,7 @@ def tables(study: Study, factors: Factors) -> dict[str, dict[str, Any]]:
     found = {name: dict(getattr(study, name)) for name in VARIED}
     for factor, level in factors.items():
         for name, change in study.variants.get(factor, {}).get(cell_text(level), {}).items():
-            found[name] = merged(found[name], change)
+            found[name] = merge(found[name], change)
     return found
 
 

@@ -97,7 +97,7 @@ def texts() -> Mapping[str, str]:
     return {**shipped.messages, **shipped.labels}
 
 
-def written(page: str, tables: Iterable[tuple[str, KeyTable]], behind: str = "") -> str:
+def with_tables(page: str, tables: Iterable[tuple[str, KeyTable]], behind: str = "") -> str:
     """A page with its tables of keys anew, between the marks."""
     before, _, rest = page.partition(BEGIN)
     _, _, after = rest.partition(END)
@@ -109,8 +109,8 @@ def pages() -> dict[Path, str]:
     """The pages that hold keys, as they should be."""
     studies, procedures = ROOT / "docs" / "studies.md", ROOT / "docs" / "procedures.md"
     return {
-        studies: written(studies.read_text(encoding="utf-8"), study_tables(), _texts_in_words()),
-        procedures: written(procedures.read_text(encoding="utf-8"), procedure_tables()),
+        studies: with_tables(studies.read_text(encoding="utf-8"), study_tables(), _texts_in_words()),
+        procedures: with_tables(procedures.read_text(encoding="utf-8"), procedure_tables()),
     }
 
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.block import Block
-from tactometry.protocols.order import Crossing, crossed
+from tactometry.protocols.order import Crossing, combinations
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.protocols.session import Inquiry, Part
 from tactometry.protocols.tasks.task import Alternative
@@ -69,7 +69,7 @@ def session_cells(
 def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list[list[dict[str, float | str]]]:
     """The cells of every session that the plan has for this participant; one session if all are the same."""
     plan = study.plan
-    groups = crossed({name: study.factors[name] for name in plan.between})
+    groups = combinations({name: study.factors[name] for name in plan.between})
     row, group = divmod(number - 1, len(groups))
     factors = {**study.factors, **{name: (level,) for name, level in groups[group].items()}}
     cells = crossing_of(study, over, factors).cells(row, stream(seed, "order", number))

@@ -18,7 +18,7 @@ MOST_VALUES = 10_000
 """Of one grid."""
 
 
-def spaced(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...]:
+def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...]:
     """Values with equal steps or equal ratios: the lowest, the highest and how many, by the names that a caller gave.
 
     Raises
@@ -26,7 +26,7 @@ def spaced(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...]:
     InvalidParameter
         If they make no rising grid; `owner` and the name open the sentence.
 
-    >>> spaced("levels", "log", low=1.0, high=100.0, n=3)
+    >>> grid_values("levels", "log", low=1.0, high=100.0, n=3)
     (1.0, 10.0, 100.0)
     """
     (of_low, low), (of_high, high), (of_n, n) = grid.items()
@@ -113,10 +113,10 @@ class QuestPlusSettings:
 
     def _levels(self) -> tuple[float, ...]:
         bounds = {"low": self.low, "high": self.high, "n_levels": self.n_levels}
-        return spaced("QuestPlusSettings", self.spacing, **bounds)
+        return grid_values("QuestPlusSettings", self.spacing, **bounds)
 
     def _grid(self) -> ParameterGrid:
-        thresholds = spaced(
+        thresholds = grid_values(
             "QuestPlusSettings",
             self.spacing,
             threshold_low=self.low if self.threshold_low is None else self.threshold_low,
@@ -124,7 +124,7 @@ class QuestPlusSettings:
             n_thresholds=self.n_levels if self.n_thresholds is None else self.n_thresholds,
         )
         bounds = {"width_low": self.width_low, "width_high": self.width_high, "n_widths": self.n_widths}
-        widths = spaced("QuestPlusSettings", "log", **bounds)
+        widths = grid_values("QuestPlusSettings", "log", **bounds)
         return ParameterGrid(thresholds, widths, self.guess_rates, self.lapse_rates, self.shape)
 
 
@@ -171,10 +171,10 @@ class PsiSettings:
         below_1("PsiSettings", guess_rate=self.guess_rate, lapse_rate=self.lapse_rate)
 
     def _levels(self) -> tuple[float, ...]:
-        return spaced("PsiSettings", "linear", low=self.low, high=self.high, n_levels=self.n_levels)
+        return grid_values("PsiSettings", "linear", low=self.low, high=self.high, n_levels=self.n_levels)
 
     def _sds(self) -> tuple[float, ...]:
-        return spaced("PsiSettings", "log", sd_low=self.sd_low, sd_high=self.sd_high, n_sds=self.n_sds)
+        return grid_values("PsiSettings", "log", sd_low=self.sd_low, sd_high=self.sd_high, n_sds=self.n_sds)
 
     def procedure(self) -> QuestPlus:
         return psi(

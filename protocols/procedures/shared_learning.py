@@ -15,13 +15,13 @@ class Sharing(Procedure):
         """This procedure, when `other` has just had an answer; unchanged if the two share nothing."""
 
 
-def answered(
+def after_answer(
     procedures: Sequence[Procedure], index: int, response: int | bool, delivered: float | None = None
 ) -> tuple[Procedure, ...]:
     """All procedures after an answer to one of them.
 
     >>> from tactometry.protocols import ConstantStimuli
-    >>> first, second = answered((ConstantStimuli((1.0,), 1), ConstantStimuli((2.0,), 1)), 0, 1)
+    >>> first, second = after_answer((ConstantStimuli((1.0,), 1), ConstantStimuli((2.0,), 1)), 0, 1)
     >>> first.finished, second.finished
     (True, False)
     """

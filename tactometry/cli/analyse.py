@@ -51,7 +51,7 @@ def command(
     from tactometry.analysis.plan import read_plan
     from tactometry.analysis.reading.column_map import read_column_map
     from tactometry.analysis.report.summary import summary
-    from tactometry.experiments.data_sets.edited import edited
+    from tactometry.experiments.data_sets.edited import edit_warnings
     from tactometry.experiments.data_sets.rule_estimates import replay_of
 
     factors = None if within is None else [name.strip() for name in within.split(",") if name.strip()]
@@ -64,7 +64,7 @@ def command(
         level_scale=level_scale,
         plan=None if plan is None else read_plan(plan),
         figures=figures,
-        warnings=edited(path),
+        warnings=edit_warnings(path),
         replay=replay_of(path),
     )
     say(summary_text(found), summary(found), as_json=as_json)

@@ -75,7 +75,7 @@ def _learning(asked: Mapping[str, Any], n_channels: int, rate_hz: float) -> "Lea
 
 
 def _learnt(learning: "Learning", output: "Guarded", reader: "Reader", asked: Mapping[str, Any]) -> "Responses":
-    from tactometry.experiments.bench.learning import Microphone, joined, learn
+    from tactometry.experiments.bench.learning import Microphone, join, learn
 
     counts = asked["units_per_count"], asked["volts_per_count"]
     microphone = Microphone(reader, asked["channel"], asked["reference"], *counts)
@@ -86,7 +86,7 @@ def _learnt(learning: "Learning", output: "Guarded", reader: "Reader", asked: Ma
         last_first.callback(output.close)
         output.open()
         each_channel = learn(learning, output, microphone)
-        return joined(list(progress(each_channel, len(learning.channels), "learning")))
+        return join(list(progress(each_channel, len(learning.channels), "learning")))
 
 
 def _provenance(asked: Mapping[str, Any], learning: "Learning", output: str, sensor: str) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from tutorial_session import journal_of, live
 
 from tactometry.analysis.reading.quality import quality
 from tactometry.analysis.reading.trials import read_trials
-from tactometry.experiments.data_sets.edited import edited
+from tactometry.experiments.data_sets.edited import edit_warnings
 
 PAIR = {"participant": "P1", "trial": "1", "side": "a", "procedure": "pairs", "level": "1", "task": "preference"} | {
     "response": "1",
@@ -146,8 +146,8 @@ def table_of(root: Path) -> Path:
 
 
 def test_a_table_as_it_was_recorded_is_not_warned_of(data_set, capsys):
-    assert edited(data_set) == []
-    assert edited(table_of(data_set)) == []
+    assert edit_warnings(data_set) == []
+    assert edit_warnings(table_of(data_set)) == []
     _, _, out = call(capsys, "analyse", data_set, "--json")
     assert not [text for text in json.loads(out)["warnings"] if "journal" in text]
 
@@ -179,7 +179,7 @@ def test_an_edited_answer_is_told_in_terminal_report_and_json(data_set, capsys, 
 def test_columns_that_were_renamed_and_rows_that_were_taken_or_added_are_told(data_set, edit, said):
     file = table_of(data_set)
     file.write_text(edit(file.read_text()))
-    assert said in edited(data_set)[0]
+    assert said in edit_warnings(data_set)[0]
 
 
 def test_a_damaged_journal_is_told_and_stops_no_analysis(data_set, capsys):
@@ -193,4 +193,4 @@ def test_data_sets_of_earlier_versions_are_not_warned_of():
     folder = RECORDED
     whole = [path for path in folder.iterdir() if (path / "journals").is_dir()]
     assert whole
-    assert {path.name: edited(path) for path in whole if edited(path)} == {}
+    assert {path.name: edit_warnings(path) for path in whole if edit_warnings(path)} == {}

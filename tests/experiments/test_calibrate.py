@@ -35,7 +35,7 @@ from tactometry.experiments.bench.calibration import (
     show_bar,
 )
 from tactometry.experiments.bench.figures import force_figure, responses_figure
-from tactometry.experiments.bench.learning import Learning, Microphone, joined, learn
+from tactometry.experiments.bench.learning import Learning, Microphone, join, learn
 from tactometry.experiments.bench.tone import tone
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
@@ -192,7 +192,7 @@ def test_a_simulated_plate_is_learnt_through_its_vibrometer_at_40_db(quantity):
     excitation = sweep(15e3, 70e3, rate_hz=rate_hz, duration_s=0.1)
     learning = Learning(excitation, 10.0, tuple(range(4)), 0.02, quantity)
     microphone = Microphone(reader, 0, 1, units_per_count=scale, volts_per_count=100.0)
-    learned = joined(list(learn(learning, Played(device), microphone)))
+    learned = join(list(learn(learning, Played(device), microphone)))
     reader.close()
     found = as_displacement(learned, 20e3, 60e3)
     assert (found.quantity, found.samples.shape) == ("displacement", (1, 4, 3000))

@@ -8,7 +8,7 @@ from tactometry.arguments.require import positive
 from tactometry.config.strict import build
 from tactometry.config.toml import read_table
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.study.cells import STIMULI, TOUCHES, merged
+from tactometry.experiments.study.cells import STIMULI, TOUCHES, merge
 from tactometry.experiments.study.key_tables import pages, procedure_tables, study_tables
 from tactometry.experiments.study.keys import Key, KeyTable, keys_of
 from tactometry.experiments.study.procedure_table import PROCEDURES
@@ -83,7 +83,7 @@ def test_every_key_of_a_built_in_study_is_in_a_table(study):
     for where, names in known.items():
         held = table.get(where, {})
         for change in varied:
-            held = merged(held, change.get(where, {}))
+            held = merge(held, change.get(where, {}))
         assert set(held) <= names, where
     for where, heading in TABLE_OF.items():
         assert set(table.get(where, {})) <= {key.name for key in keys_of(TABLES[heading])}

@@ -25,7 +25,7 @@ from tactometry.devices.sensors.serial_line import SerialSettings
 from tactometry.devices.sensors.touch_screen import TouchSettings
 from tactometry.errors import DeviceFailed, InvalidFile
 from tactometry.experiments.bench.bench_file import load_bench
-from tactometry.experiments.bench.finding import exit_status, guarded
+from tactometry.experiments.bench.finding import exit_status, findings_of
 from tactometry.experiments.study.study_file import load
 from tactometry.records.data_set import prepare
 from tactometry.safety.limits import Limits
@@ -157,7 +157,7 @@ def test_check_finds_it_and_its_exit_status_is_3(line, folder):
         yield
 
     with unprivileged():
-        findings = list(guarded("sensor hand", opened))
+        findings = list(findings_of("sensor hand", opened))
     assert "Permission denied" in findings[0].found
     assert exit_status(findings) == 3
 

@@ -47,7 +47,7 @@ PROTOCOLS = ("OutcomeModel",)
 """What others write."""
 RECORDS = ("Condition", "Track")
 """What a block is handed as it is."""
-MOVES = ("answered", "session")
+MOVES = ("after_answer", "session")
 """What hands a course on to the rest."""
 
 

@@ -12,7 +12,7 @@ from hypothesis import given, settings, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import FunctionModel, ParameterGrid, PsiSettings, QuestPlus, QuestPlusSettings, TableModel
-from tactometry.protocols.bayesian.settings import spaced
+from tactometry.protocols.bayesian.settings import grid_values
 from tactometry.psychometric import PsychometricFunction
 
 LEVELS = tuple(np.linspace(-5, 45, 26))
@@ -305,4 +305,4 @@ def half_table():
 )
 def test_values_that_make_no_rising_grid_are_refused(low, high, n, found):
     with pytest.raises(InvalidParameter, match=found):
-        spaced("grid", "linear", low=low, high=high, n=n)
+        grid_values("grid", "linear", low=low, high=high, n=n)

@@ -9,7 +9,7 @@ from hypothesis import given, settings, strategies as st
 from scipy.stats import norm
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import ParameterGrid, QuestPlus, SharedQuestPlus, Staircase, answered
+from tactometry.protocols import ParameterGrid, QuestPlus, SharedQuestPlus, Staircase, after_answer
 
 GRID = ParameterGrid((0.0, 10.0, 20.0, 30.0), (4.0, 12.0), (0.5,), (0.0, 0.05))
 RULE = QuestPlus((0.0, 8.0, 16.0, 24.0, 32.0), GRID, n_trials=50)
@@ -55,7 +55,7 @@ def test_tracks_as_procedures_tell_each_other():
     for _ in range(30):
         n, answer = int(rng.integers(3)), bool(rng.random() < 0.7)
         assert procedures[n].level == pool.procedure(TRACKS[n]).level
-        pool, procedures = pool.after(TRACKS[n], answer), answered(procedures, n, answer)
+        pool, procedures = pool.after(TRACKS[n], answer), after_answer(procedures, n, answer)
     for procedure, track in zip(procedures, TRACKS, strict=True):
         np.testing.assert_array_equal(procedure.view.posterior, pool.procedure(track).posterior)
 
@@ -63,7 +63,7 @@ def test_tracks_as_procedures_tell_each_other():
 def test_procedures_that_share_nothing_are_left_alone():
     staircase = Staircase(start=20.0, steps=(4.0,), low=0.0, high=40.0)
     first, second = SharedQuestPlus(RULE, ("a",)).procedures()[0], SharedQuestPlus(small(), ("a",)).procedures()[0]
-    moved = answered((first, staircase, second), 0, 1)
+    moved = after_answer((first, staircase, second), 0, 1)
     assert moved[0].pool is not first.pool
     assert moved[1:] == (staircase, second)
 
@@ -115,7 +115,7 @@ def test_sharing_the_slope_is_worth_trials():
 def run(procedures, truths, rng):
     for n in itertools.chain.from_iterable(itertools.repeat(range(4), 30)):
         answer = rng.random() < 0.02 + 0.96 * norm.cdf((procedures[n].level - truths[n]) / 2)
-        procedures = answered(procedures, n, bool(answer))
+        procedures = after_answer(procedures, n, bool(answer))
     return procedures
 
 
