@@ -11,7 +11,6 @@ from tactometry.rigs.bench import Facts
 from tactometry.signal import Stimulus
 
 if TYPE_CHECKING:
-    from tactometry.rigs.bench import Bench
     from tactometry.session.event import EventLog
 
     from ..bench.bench_file import BenchFile, Devices
@@ -49,25 +48,30 @@ def _outfit(experiment: "Experiment", bench: "BenchFile", log: "EventLog") -> Ou
 
 
 def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
+    from tactometry.rigs.bench import Bench
     from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
-    from tactometry.rigs.open_bench import open_bench
+    from tactometry.rigs.texts import texts_in
+    from tactometry.rigs.window import Window
 
     from .recording import RigKind
 
     del who
     screen, study = bench.screen, experiment.study
+    texts = texts_in(screen.language, study.texts)
 
-    def make(seed: int, log: "EventLog") -> "Bench":
+    def make(seed: int, log: "EventLog") -> Bench:
         del seed
         outfit = _outfit(experiment, bench, log)
-        return open_bench(
+        terminal = ExperimenterTerminal(sys.stdin, sys.stderr)
+        window = Window(fullscreen=screen.fullscreen, size=(screen.width_px, screen.height_px))
+        if window.caution is not None:
+            terminal.tell(window.caution)
+        return Bench(
+            window,
+            outfit.devices.output,
             outfit.bank,
-            bench.limits_with(study.limits),
-            study.texts,
-            language=screen.language,
-            fullscreen=screen.fullscreen,
-            size=(screen.width_px, screen.height_px),
-            output=outfit.devices.output,
+            limits=bench.limits_with(study.limits),
+            texts=texts,
             sensor=outfit.devices.force,
             position=outfit.devices.position,
             display_height_m=screen.height_m,
@@ -75,7 +79,7 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
             release=bench.release,
             device_facts=outfit.facts,
             log=log,
-            terminal=ExperimenterTerminal(sys.stdin, sys.stderr),
+            terminal=terminal,
         )
 
     return RigKind("bench", make)

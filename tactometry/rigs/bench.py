@@ -60,7 +60,40 @@ ASSUMED_DISPLAY_HEIGHT_M = 0.3
 
 
 class Bench(LiveRig):
-    """A rig with a person at it; see `tactometry.rigs.open_bench`. It opens the devices, and closes all of them."""
+    """A rig with a person at it. It opens the devices, and closes all of them.
+
+    Parameters
+    ----------
+    screen : Display
+    output : Guarded
+    bank : mapping of str to Stimulus
+        The stimuli by the names that requests use.
+    limits : Limits or None
+        What the study allows, checked beside the limits of the output.
+    texts : Texts
+    sensor : ForceSensor, optional
+        Without one, the force is not measured: its fields are None and every touch is valid.
+    position : PositionSensor, optional
+        Without one, the finger's speed is not measured.
+    display_height_m : float, optional
+        Measured height of the visible picture, m, for the moving cue of a `Slide`; without it
+        `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says that the height was not measured.
+    ramp_s : float
+        Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
+    release : bool
+        Whether the force must leave its band between touches.
+    device_facts : callable
+        What the head of the journal says of the devices, once they are open, and their clocks at any time.
+    log : EventLog, optional
+        Where pauses, remarks, clocks and the timing of each trial are kept.
+    terminal : ExperimenterTerminal, optional
+        The experimenter's.
+
+    Raises
+    ------
+    DeviceFailed
+        If a device does not open; all are closed then.
+    """
 
     def __init__(
         self,

@@ -10,9 +10,9 @@ from patience import LONGEST_PROGRAM_S
 
 OPEN = """
 from tactometry.errors import DeviceFailed
-from tactometry.rigs.open_bench import open_bench
+from tactometry.rigs.window import Window
 try:
-    open_bench({}, None, {}, fullscreen=False, size=(320, 200))
+    Window(fullscreen=False, size=(320, 200))
 except DeviceFailed as error:
     print(error, error.exit_status)
 """
