@@ -137,6 +137,7 @@ class Bench(LiveRig):
                 sensor.open()
         if self._sensor is not None:
             self._sensor.listen(self._release.hear)
+        # drawn now, so that the first page of a trial costs no frame when it is due
         for interval in (None, 1, 2):
             self._screen.prepare(layout.marker_page(interval, playing=True))
             self._screen.prepare(layout.marker_page(interval, playing=False))
@@ -178,6 +179,7 @@ class Bench(LiveRig):
         if self.closed:
             return
         self.closed = True
+        # the output is at zero before anything is closed that may fail or hang; whatever fails, the rest is closed too
         with ExitStack() as last_first:
             last_first.callback(self._terminal.end_line)
             last_first.callback(self._screen.close)

@@ -53,7 +53,7 @@ def safely(method: Callable[Concatenate[B, P], R]) -> Callable[Concatenate[B, P]
             raise DeviceFailed(
                 f"window: PsychoPy ended the program by itself (exit status {end.code}); go on with --resume"
             ) from end
-        except BaseException:
+        except BaseException:  # Ctrl-C too: whatever ends a request, nothing plays on behind it
             bench.close()
             raise
 

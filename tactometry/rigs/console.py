@@ -116,7 +116,7 @@ class Console(LiveRig):
         self._zero_s = time.perf_counter() - elapsed_s
 
     def close(self) -> None:
-        self._emitter.stop()
+        self._emitter.stop()  # zero before anything is closed that may fail or hang
         self._opened.close()
 
     def _session_s(self, clock_s: float) -> float:

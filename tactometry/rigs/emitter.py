@@ -87,6 +87,7 @@ class Emitter:
 
     def mute(self, *, on: bool) -> None:
         """Zero now, and (`on`) nothing from another thread until it is off."""
+        # zero at once, without waiting for a thread that begins to play; below once more, behind what it began
         self._output.stop()
         if not self._playing.acquire(timeout=BEGIN_WITHIN_S):
             raise DeviceFailed(

@@ -76,7 +76,7 @@ class Replay:
                 "the session is not complete: go on with --resume"
             )
         recorded, answer = self._entries[self._next]
-        asked = self._as_kept(request)
+        asked = self._as_kept(request)  # an older journal kept less of a request
         if asked != recorded:
             raise Diverged(
                 f"{self._where}, line {self._line}: {difference(recorded, asked)}; use the study, the seed and the "

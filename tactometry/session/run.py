@@ -53,7 +53,7 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
             rig.resume(recorded.trials, recorded.elapsed_s)
         while True:
             answer = rig.answer(request)
-            journal.append(request, answer)
+            journal.append(request, answer)  # kept before the course goes on: nothing follows from what a replay lacks
             request = _advance(course, answer)
     except _Ended as end:
         recorded.refuse_rest()
