@@ -88,7 +88,8 @@ def mindlin_angular_frequency_rad_per_s(
     """Flexural branch of Mindlin's plate at a wavenumber.
 
     With kappa G h = A, rho h = m, rho h^3 / 12 = J, the smaller root W = omega^2 of
-    (A k^2 - m W)(D k^2 + A - J W) = A^2 k^2.
+    (A k^2 - m W)(D k^2 + A - J W) = A^2 k^2, taken as 2c / (b + sqrt(b^2 - 4ac)): no subtraction of near
+    equals.
     """
     positive("mindlin_angular_frequency_rad_per_s", shear_factor=shear_factor)
     not_negative_array("mindlin_angular_frequency_rad_per_s.wavenumber_rad_per_m", wavenumber_rad_per_m)
@@ -97,7 +98,7 @@ def mindlin_angular_frequency_rad_per_s(
     shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), plate.rotary_inertia_kg
     b = m * (rigidity * k2 + shear) + inertia * shear * k2
     c = shear * rigidity * k2**2
-    return np.sqrt(smaller_root(m * inertia, b, c))
+    return np.asarray(np.sqrt(2 * c / (b + np.sqrt(b**2 - 4 * m * inertia * c))))
 
 
 @checked
@@ -114,11 +115,6 @@ def mindlin_wavenumber_rad_per_m(
     b = w2 * (m * rigidity + inertia * shear)
     c = m * w2 * (inertia * w2 - shear)
     return np.asarray(np.sqrt((b + np.sqrt(b**2 - 4 * a * c)) / (2 * a)))
-
-
-def smaller_root(a: float, b: FloatArray, c: FloatArray) -> FloatArray:
-    """Of a W^2 - b W + c = 0, as 2c / (b + sqrt(b^2 - 4ac)): no subtraction of near equals."""
-    return np.asarray(2 * c / (b + np.sqrt(b**2 - 4 * a * c)))
 
 
 @checked

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..rectangle.axis import LegendreAxis, orthonormal_legendre
-from .dispersion import shear_stiffness_n_per_m, smaller_root
+from .dispersion import shear_stiffness_n_per_m
 from .plate import Plate
 
 if TYPE_CHECKING:
@@ -78,7 +78,9 @@ def _thick(plate: Plate, wavenumber2_per_m2: FloatArray, shapes: _Shapes, shear_
     given_back = 2 * (1 - plate.poisson_ratio) * layer_m * shapes.edge_twist2_m() / safe
     b = m * (shear + rigidity * shapes.shear2() / safe) + shear * inertia * shapes.gradient2()
     c = shear * rigidity * safe / (1 + given_back)
-    return np.where(bent, np.sqrt(smaller_root(m * inertia, b, c)), 0.0)
+    # the smaller root, as in `dispersion`: no subtraction of near equals
+    omega = np.sqrt(2 * c / (b + np.sqrt(b**2 - 4 * m * inertia * c)))
+    return np.where(bent, omega, 0.0)
 
 
 def _derivative(axis: LegendreAxis, n: int) -> FloatArray:
