@@ -10,7 +10,7 @@ import pandas as pd
 from tactometry.errors import InvalidFile, InvalidParameter
 
 from .outcomes.findings import Outcome
-from .outcomes.hierarchical_outcome import HierarchicalOutcome, together
+from .outcomes.hierarchical_outcome import HierarchicalOutcome, group_fit
 from .outcomes.outcome import outcome
 from .outcomes.ratings import ratings
 from .plan import AnalysisPlan, plan_of
@@ -25,7 +25,7 @@ from .report.methods import methods
 from .result import Analysis
 from .tasks import cells
 from .tasks.applied_force import force_of_participants, force_table, has_force
-from .tasks.cells import answered, judgements
+from .tasks.cells import counted_answers, judgements
 from .tasks.goodness import SEED, goodness_columns, goodness_table
 from .tasks.kinds import ANALYSES, CURVES, RESULTS
 from .tasks.rates import detection_rates, mean_rates
@@ -87,7 +87,7 @@ def analyse(
 
         check_report(report)
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
-    found = analysed(
+    found = analyse_trials(
         replace(trials, notes=(*warnings, *trials.notes)),
         plan or plan_of(path),
         replay if level_scale in (None, "linear") else None,
@@ -101,7 +101,7 @@ def analyse(
     return found if report is None else write_report(found, report, pdf=pdf)
 
 
-def analysed(everything: Trials, plan: AnalysisPlan | None = None, replay: Replay | None = None) -> Analysis:
+def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay: Replay | None = None) -> Analysis:
     """All estimates, tables and warnings of a trials table; nothing is written."""
     plan = plan or AnalysisPlan()
     plan.check(everything.factors)
@@ -110,7 +110,7 @@ def analysed(everything: Trials, plan: AnalysisPlan | None = None, replay: Repla
     trials, excluded = exclude(everything, plan.exclusion, recorded)
     used, factors = used_rows(trials), trials.factors
     judged = judgements(used)
-    answers = answered(judged)
+    answers = counted_answers(judged)
     found, forms, direct = cells.cells(answers, factors), ratings(trials, plan.primary), _direct_tables(used, factors)
     if not found and not forms and not direct:
         raise InvalidFile(f"{trials.path}: found {NOTHING}")
@@ -118,7 +118,7 @@ def analysed(everything: Trials, plan: AnalysisPlan | None = None, replay: Repla
     estimates = cells.estimates(found, n_choices, unit)
     table = cells.estimate_table(estimates, factors, unit)
     if len(table):
-        told = answers if excluded.empty else answered(judgements(used_rows(everything)))
+        told = answers if excluded.empty else counted_answers(judgements(used_rows(everything)))
         table = table.join(rule_columns(told, factors, estimates, replay))
         rng = np.random.default_rng(SEED)
         table = table.join(goodness_columns(answers, factors, estimates, n_choices, unit, rng))
@@ -129,7 +129,7 @@ def analysed(everything: Trials, plan: AnalysisPlan | None = None, replay: Repla
         n_choices=n_choices,
         estimates=tuple(estimates),
         outcomes=tuple(_outcomes(table, direct, factors, forces, plan)),
-        together=tuple(_hierarchical(found, factors, n_choices, unit)) if plan.hierarchical else (),
+        hierarchical=tuple(_hierarchical(found, factors, n_choices, unit)) if plan.hierarchical else (),
         forms=forms,
         plan=plan,
         tables={},
@@ -178,7 +178,7 @@ def _hierarchical(
 ) -> Iterator[HierarchicalOutcome]:
     for task in CURVES:
         of_task = [cell for cell in found if cell.task == task]
-        fit = together(of_task, factors, n_choices, unit) if of_task else None
+        fit = group_fit(of_task, factors, n_choices, unit) if of_task else None
         if fit is not None:
             yield fit
 
@@ -207,7 +207,7 @@ def _compared_tables(found: Analysis) -> dict[str, pd.DataFrame]:
     tables: dict[str, pd.DataFrame] = {}
     for each in found.outcomes:
         tables |= each.tables(found.stem(each))
-    for fit in found.together:
+    for fit in found.hierarchical:
         tables |= fit.tables(fit.task)
     for form in found.forms:
         tables |= form.tables()

@@ -12,7 +12,7 @@ from tactometry.config.strict import build, read_toml
 from tactometry.errors import InvalidParameter, nearest
 
 from .reading.exclusion import Exclusion
-from .reading.study_file import stated
+from .reading.study_file import study_table
 
 
 @dataclass(frozen=True)
@@ -71,4 +71,4 @@ def plan_of(path: Path) -> AnalysisPlan:
     InvalidFile
         If the study cannot be read, or its table holds anything else.
     """
-    return stated(path, "analysis", lambda table: build(AnalysisPlan, as_si(dict(table), "analysis"), "analysis"))
+    return study_table(path, "analysis", lambda table: build(AnalysisPlan, as_si(dict(table), "analysis"), "analysis"))

@@ -31,7 +31,7 @@ class Analysis:
     n_choices: int = 2
     warnings: tuple[str, ...] = ()
     methods: str = ""
-    together: tuple[HierarchicalOutcome, ...] = ()
+    hierarchical: tuple[HierarchicalOutcome, ...] = ()
     forms: tuple[Ratings, ...] = ()
     plan: AnalysisPlan = field(default_factory=AnalysisPlan)
     origin: Origin = field(default_factory=Origin)

@@ -44,7 +44,7 @@ class HierarchicalOutcome:
         return {key: table for key, table in found.items() if len(table)}
 
 
-def together(found: Sequence[Cell], factors: Sequence[str], n_choices: int, unit: str) -> HierarchicalOutcome | None:
+def group_fit(found: Sequence[Cell], factors: Sequence[str], n_choices: int, unit: str) -> HierarchicalOutcome | None:
     """The hierarchical fit of the cells of one task; None for fewer than two participants."""
     task = found[0].task
     if len({cell.participant for cell in found}) < 2:

@@ -11,7 +11,7 @@ from tactometry.questionnaire import Questionnaire, load, own, shipped
 T = TypeVar("T")
 
 
-def stated(path: Path, name: str, read: Callable[[Mapping[str, Any]], T]) -> T:
+def study_table(path: Path, name: str, read: Callable[[Mapping[str, Any]], T]) -> T:
     """What `read` makes of a table of the study in the folder `path`; of an empty one where there is none.
 
     Raises
@@ -33,9 +33,9 @@ def forms_of(path: Path) -> Mapping[str, Questionnaire]:
     Raises
     ------
     InvalidFile
-        As `stated`.
+        As `study_table`.
 
     >>> "attrakdiff" in forms_of(Path("no data set"))
     True
     """
-    return {name: load(name) for name in shipped()} | stated(path, "forms", own)
+    return {name: load(name) for name in shipped()} | study_table(path, "forms", own)

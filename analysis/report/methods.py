@@ -55,7 +55,7 @@ def methods(found: Analysis) -> str:
     table, rows = found.table("thresholds"), found.trials.rows
     procedures = set(rows["procedure"]) if "procedure" in rows.columns else set()
     parts = [*_fit_methods(table, found.n_choices), *_rule_methods(table, procedures)]
-    parts += [HIERARCHICAL] if any(each.fit for each in found.together) else []
+    parts += [HIERARCHICAL] if any(each.fit for each in found.hierarchical) else []
     parts += [results.methods for task, results in RESULTS.items() if task in found.tables and results.methods]
     parts += _plan_methods(found.plan, {name for each in found.outcomes for name in each.equivalence})
     parts += group_methods(found.outcomes, found.forms, found.plan.primary)

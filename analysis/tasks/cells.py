@@ -71,9 +71,9 @@ def level_unit(trials: Trials) -> str:
     return str(units[0]) if len(units) else others.pop() if len(others) == 1 else ""
 
 
-def cells(answered: pd.DataFrame, factors: Sequence[str]) -> list[Cell]:
-    """The cells of judgements that are `answered`, ordered by participant, condition and task."""
-    return [_cell(key, part, len(factors)) for key, part in parts(answered, cell_keys(factors))]
+def cells(answers: pd.DataFrame, factors: Sequence[str]) -> list[Cell]:
+    """The cells of judgements that count (`counted_answers`), ordered by participant, condition and task."""
+    return [_cell(key, part, len(factors)) for key, part in parts(answers, cell_keys(factors))]
 
 
 def cell_keys(factors: Sequence[str]) -> list[str]:
@@ -88,7 +88,7 @@ def judgements(used: pd.DataFrame) -> pd.DataFrame:
     return rows.assign(yes=_yes(rows), is_catch=is_catch(rows), x=delivered(rows))
 
 
-def answered(judged: pd.DataFrame) -> pd.DataFrame:
+def counted_answers(judged: pd.DataFrame) -> pd.DataFrame:
     """The judgements that count."""
     return judged[judged["yes"].notna()]
 

@@ -46,7 +46,7 @@ MISFIT = "misfit"
 
 
 def goodness_columns(
-    answered: pd.DataFrame,
+    answers: pd.DataFrame,
     factors: Sequence[str],
     found: Sequence[Estimate],
     n_choices: int,
@@ -55,7 +55,7 @@ def goodness_columns(
 ) -> pd.DataFrame:
     """A row for each estimate, in their order: the statistics of `goodness` but the deviance, each p, and in `misfit`
     the tests whose p is at most `FLAGGED_P`. Empty where no function was fitted."""
-    rows = _in_order(answered, factors)
+    rows = _in_order(answers, factors)
     values, p = (np.full((len(found), len(TESTS)), np.nan) for _ in range(2))
     for task in CURVES:
         chosen = [n for n, each in enumerate(found) if each.cell.task == task and each.fit.function is not None]
@@ -76,10 +76,10 @@ def _flags(p: Array) -> str:
     return ", ".join(name for name, value in zip(TESTS, p, strict=True) if value <= FLAGGED_P)
 
 
-def _in_order(answered: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+def _in_order(answers: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """The answers to a level as they followed each other, with the number of their `cell`, their `stretch` of time in
     it, and whether levels of theirs `follow` the answers (a table that names no procedure may hold such)."""
-    rows = answered.assign(cell=answered.groupby(cell_keys(factors), sort=True, observed=True).ngroup())
+    rows = answers.assign(cell=answers.groupby(cell_keys(factors), sort=True, observed=True).ngroup())
     rows = rows[~rows["is_catch"]]
     if "session" in rows.columns:
         rows = rows.sort_values("session", kind="stable")

@@ -34,11 +34,11 @@ Replay = Callable[[pd.DataFrame], Mapping[str, RuleEstimate]]
 
 
 def rule_columns(
-    answered: pd.DataFrame, factors: Sequence[str], found: Sequence[Estimate], replay: Replay | None = None
+    answers: pd.DataFrame, factors: Sequence[str], found: Sequence[Estimate], replay: Replay | None = None
 ) -> pd.DataFrame:
     """A row for each estimate, in their order, of all answers that the rule was told, left out later or not. Of several
     runs the means of estimates and spreads, and all reversals or answers."""
-    runs = _runs(answered[~answered["is_catch"]], factors, replay)
+    runs = _runs(answers[~answers["is_catch"]], factors, replay)
     rows_of = ((each.cell.participant, *each.cell.condition, each.cell.task) for each in found)
     return pd.DataFrame([_together(runs.get(key, [])) for key in rows_of], columns=list(COLUMNS))
 

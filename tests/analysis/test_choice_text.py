@@ -8,7 +8,7 @@ import pandas as pd
 from command_line import call
 from places import RECORDED
 
-from tactometry.analysis.pipeline import analysed
+from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.analysis.report.page import figures_of, render
 from tactometry.analysis.result import Analysis
@@ -17,7 +17,7 @@ from tactometry.cli.analyse import summary_text
 
 
 def analysis_of(path: Path) -> Analysis:
-    return analysed(read_trials(path))
+    return analyse_trials(read_trials(path))
 
 
 def unanswered(name: str, root: Path, form: str, participants: tuple[str, ...]) -> Path:

@@ -11,7 +11,7 @@ from command_line import call
 from places import RECORDED
 from sound_sitting import SOUND, sit
 
-from tactometry.analysis.pipeline import analysed
+from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report.page import render
 
@@ -21,7 +21,7 @@ METHOD = "The participants were simulated by Tactometry (seed 1); no person took
 
 
 def page_of(path):
-    return render(analysed(read_trials(path)))
+    return render(analyse_trials(read_trials(path)))
 
 
 def test_the_first_line_of_a_report_and_its_methods_say_that_participants_are_simulated(whole):
@@ -42,21 +42,21 @@ def test_so_does_the_terminal_first_of_all(whole, capsys):
 
 
 def test_a_trials_file_alone_says_so_without_its_seed(whole):
-    found = analysed(read_trials(next((whole / "data").glob("*.csv"))))
+    found = analyse_trials(read_trials(next((whole / "data").glob("*.csv"))))
     assert found.origin.line == "Simulated participants, no people (seed not known)."
 
 
 def test_a_data_set_that_an_older_version_simulated_says_so_too():
-    found = analysed(read_trials(RECORDED / "yes-no"))
+    found = analyse_trials(read_trials(RECORDED / "yes-no"))
     assert found.origin.line == "Simulated participants, no people (seed 14)."
 
 
 def test_of_people_nothing_is_said(tmp_path):
     sit(tmp_path, SOUND)
-    found = analysed(read_trials(tmp_path))
+    found = analyse_trials(read_trials(tmp_path))
     assert (found.origin.line, found.origin.method, found.origin.warnings) == ("", "", ())
     assert "imulated" not in render(found).split("<body>")[1]
-    console = analysed(read_trials(RECORDED / "console"))
+    console = analyse_trials(read_trials(RECORDED / "console"))
     assert not console.origin.is_simulated
 
 
@@ -75,11 +75,11 @@ def mixed(tmp_path, whole):
 
 def test_of_a_mixed_table_people_are_analysed_and_the_others_named(mixed, whole, capsys):
     n_rows = len(next((whole / "data").glob("*.csv")).read_text().splitlines()) - 1
-    found = analysed(read_trials(mixed / "d" / "data" / "participant-P01_session-1_study-tutorial_data.csv"))
+    found = analyse_trials(read_trials(mixed / "d" / "data" / "participant-P01_session-1_study-tutorial_data.csv"))
     both = mixed / "both.csv"
     tables = [path.read_text().splitlines() for path in sorted((mixed / "d" / "data").glob("*.csv"))]
     both.write_text("\n".join([*tables[0], *tables[1][1:], ""]))
-    pooled = analysed(read_trials(both))
+    pooled = analyse_trials(read_trials(both))
     assert pooled.tables["thresholds"].equals(found.tables["thresholds"])
     assert pooled.warnings[0] == (
         f"simulated participants share this table with people and are left out (P77: {n_rows} rows); analyse them apart"
@@ -111,7 +111,7 @@ def test_a_mixed_folder_of_an_older_version_is_told_apart_by_its_journals(tmp_pa
         writer = csv.DictWriter(text, own[0], lineterminator="\n")
         writer.writeheader()
         writer.writerows(own)
-    found = analysed(read_trials(root))
+    found = analyse_trials(read_trials(root))
     assert "P77" not in set(found.trials.rows["participant"])
     assert found.origin.warnings[0].startswith("simulated participants share this table with people and are left out")
 
@@ -119,14 +119,14 @@ def test_a_mixed_folder_of_an_older_version_is_told_apart_by_its_journals(tmp_pa
 def test_what_changed_between_sittings_is_a_warning(tmp_path):
     sit(tmp_path, SOUND, stops_at=4)
     sit(tmp_path, {**SOUND, "output_volts_per_unit": 400.0}, resume=True)
-    assert analysed(read_trials(tmp_path)).warnings[0] == (
+    assert analyse_trials(read_trials(tmp_path)).warnings[0] == (
         "P01, session 1: sitting 2 differs from the one before: output_volts_per_unit was 200.0, is 400.0"
     )
 
 
 def test_a_damaged_journal_keeps_nobody_from_an_analysis(lived):
     next((lived / "journals").glob("*.jsonl")).write_bytes(b"{\n")
-    assert analysed(read_trials(lived)).origin.is_simulated
+    assert analyse_trials(read_trials(lived)).origin.is_simulated
 
 
 def test_simulated_sessions_have_a_folder_of_their_own_by_default(tmp_path, capsys, monkeypatch):

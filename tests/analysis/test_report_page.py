@@ -13,7 +13,7 @@ from tactometry.analysis.figures.axes import shift
 from tactometry.analysis.figures.group import threshold_figure
 from tactometry.analysis.figures.style import COLOURS, look
 from tactometry.analysis.outcomes.findings import Outcome
-from tactometry.analysis.pipeline import analysed
+from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.study_text import procedure_text, study_text
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report.captions import figure_text, means_sentence
@@ -28,7 +28,7 @@ STUDIES = sorted(path.stem for path in FOLDER.glob("*.toml"))
 
 
 def analysis_of(path: Path) -> Analysis:
-    return analysed(read_trials(path))
+    return analyse_trials(read_trials(path))
 
 
 @pytest.fixture(scope="module")

@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from tactometry.analysis.figures.style import drawn, house_style, new_figure
-from tactometry.analysis.pipeline import analysed
+from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report import page, summary as json, terminal
 from tactometry.analysis.report.grid import grid
@@ -18,7 +18,7 @@ ROWS = pd.DataFrame({"participant": ["P01"], "reaction_s": [0.25]})
 
 @pytest.fixture(scope="module")
 def found(whole) -> Analysis:
-    return analysed(read_trials(whole))
+    return analyse_trials(read_trials(whole))
 
 
 def figure() -> Figure:

@@ -10,7 +10,7 @@ from hypothesis import given, settings, strategies as st
 
 from tactometry.analysis.hierarchical import fitting
 from tactometry.analysis.hierarchical.layout import cells as shrunken
-from tactometry.analysis.outcomes.hierarchical_outcome import together
+from tactometry.analysis.outcomes.hierarchical_outcome import group_fit
 from tactometry.analysis.tasks.cells import Cell, estimates
 from tactometry.analysis.threshold.fitting import Status, fit, fit_many
 
@@ -51,7 +51,7 @@ def test_all_participants_at_once_have_the_verdicts_of_each_alone(catch) -> None
         ).status
         for k in ANSWERS
     ]  # fmt: skip
-    found = together(cells, (), 2, "dB").participants["status"].tolist()
+    found = group_fit(cells, (), 2, "dB").participants["status"].tolist()
     assert alone == each_by_fit
     assert found == alone
 
@@ -61,7 +61,7 @@ def test_intervals_of_participants_hold_what_the_variances_leave_uncertain(monke
     seen = []
     monkeypatch.setattr(fitting, "cells", lambda *given: seen.append(given) or shrunken(*given))
     answers = {"A": (0, 3, 7, 10), "B": (1, 6, 8, 10), "C": (0, 1, 4, 9), "D": (2, 7, 9, 10)}
-    found = together(
+    found = group_fit(
         [Cell(who, (), "yes_no", (1, 2, 3, 4), k, (10,) * 4, 0, 0) for who, k in answers.items()], (), 2, ""
     )
     (model, fitted), n = seen[-1], len(seen[-1][1].parameters) - len(seen[-1][0].basis)

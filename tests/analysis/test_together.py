@@ -11,13 +11,13 @@ import pytest
 from places import SHARED
 
 from tactometry.analysis.outcomes import hierarchical_outcome as module
-from tactometry.analysis.outcomes.hierarchical_outcome import _text, together
+from tactometry.analysis.outcomes.hierarchical_outcome import _text, group_fit
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.analysis.report.sentences import hierarchical_sentences
 from tactometry.analysis.report.summary import summary
-from tactometry.analysis.tasks.cells import Cell, answered, cells, judgements
+from tactometry.analysis.tasks.cells import Cell, cells, counted_answers, judgements
 
 WALD = r"force_n: Wald's (F\(1, 4\)|chi-square\(1\)) = "
 """F where participants' deviations have a variance, as it may happen."""
@@ -38,7 +38,7 @@ def found(study, tmp_path_factory):
 
 
 def test_participants_are_drawn_to_the_group_and_stay_near_the_truth(study, found) -> None:
-    (fit,) = found.together
+    (fit,) = found.hierarchical
     errors = [
         row.threshold - study[1][row.participant, (row.force_n,)] for row in fit.participants.itertuples(index=False)
     ]
@@ -74,7 +74,7 @@ def test_the_report_has_its_section_tables_figure_and_methods(found) -> None:
 
 def test_a_plan_can_do_without_it(study) -> None:
     without = analyse(study[0], plan=AnalysisPlan(hierarchical=False))
-    assert without.together == ()
+    assert without.hierarchical == ()
     assert "hierarchical psychometric model" not in without.methods
 
 
@@ -84,7 +84,7 @@ def test_equality_points_and_differences_of_real_data() -> None:
     if not path.exists():
         pytest.skip("the shared folder with the trials of Dallmann 2015 is absent")
     trials = read_trials(path)
-    fit = together(cells(answered(judgements(used_rows(trials))), trials.factors), trials.factors, 2, "cm/s")
+    fit = group_fit(cells(counted_answers(judgements(used_rows(trials))), trials.factors), trials.factors, 2, "cm/s")
     by = fit.conditions.set_index("vibration_hz")
     assert by["jnd"].to_dict() == pytest.approx({0: 2.94, 32: 3.58}, rel=0.03)
     assert by["threshold"].to_dict() == pytest.approx({0: 8.56, 32: 8.41}, rel=0.005)
@@ -99,18 +99,18 @@ def cell(who: str, condition: tuple = (), k=(0, 3, 7, 10), **options) -> Cell:
 
 
 def test_one_participant_has_none() -> None:
-    assert together([cell("A")], [], 2, "") is None
+    assert group_fit([cell("A")], [], 2, "") is None
 
 
 def test_a_study_without_factors_has_one_condition() -> None:
-    fit = together([cell("A"), cell("B", k=(1, 4, 8, 10)), cell("C", k=(0, 2, 7, 9))], [], 2, "dB")
+    fit = group_fit([cell("A"), cell("B", k=(1, 4, 8, 10)), cell("C", k=(0, 2, 7, 9))], [], 2, "dB")
     assert fit.conditions["condition"].tolist() == ["all"]
     assert fit.effects == {}
 
 
 def test_false_alarms_on_catch_trials_raise_the_rate_of_guesses() -> None:
     rates = [
-        together([cell(who, n_catch=40, n_false_alarms=n) for who in ("P1", "P2", "P3")], (), 2, "").fit.guess_rate
+        group_fit([cell(who, n_catch=40, n_false_alarms=n) for who in ("P1", "P2", "P3")], (), 2, "").fit.guess_rate
         for n in (0, 16)
     ]
     assert rates[1] > rates[0] + 0.1
@@ -123,7 +123,7 @@ def test_a_threshold_above_the_levels_is_told_as_its_lower_end_and_one_below_as_
 
 
 def test_a_factor_between_participants_is_not_tested() -> None:
-    found = together(
+    found = group_fit(
         [cell("A", ("x",)), cell("B", ("x",), k=(1, 4, 8, 10)), cell("C", ("y",)), cell("D", ("y",), k=(1, 4, 9, 10))],
         ["hand"],
         2,
@@ -134,7 +134,7 @@ def test_a_factor_between_participants_is_not_tested() -> None:
 
 
 def test_forced_choices_guess_at_their_chance() -> None:
-    fit = together([cell(who, task="forced_choice", k=(3, 5, 8, 10)) for who in "ABC"], [], 4, "")
+    fit = group_fit([cell(who, task="forced_choice", k=(3, 5, 8, 10)) for who in "ABC"], [], 4, "")
     assert fit.fit.guess_rate == 0.25
 
 
@@ -146,7 +146,7 @@ def test_forced_choices_guess_at_their_chance() -> None:
     ],
 )
 def test_what_tells_no_threshold_has_a_reason(found, note) -> None:
-    told = together(found, [], 2, "")
+    told = group_fit(found, [], 2, "")
     assert told.fit is None
     assert hierarchical_sentences(told, "")[0].startswith(note)
     assert told.tables("yes_no") == {}
@@ -154,13 +154,13 @@ def test_what_tells_no_threshold_has_a_reason(found, note) -> None:
 
 def test_very_many_cells_are_left_to_the_function(monkeypatch) -> None:
     monkeypatch.setattr(module, "MOST_CELLS", 2)
-    assert together([cell(who) for who in "ABC"], [], 2, "").note.startswith("no hierarchical fit: 3 cells, at most 2")
-    assert together([cell(who) for who in "AB"], [], 2, "").fit is not None
+    assert group_fit([cell(who) for who in "ABC"], [], 2, "").note.startswith("no hierarchical fit: 3 cells, at most 2")
+    assert group_fit([cell(who) for who in "AB"], [], 2, "").fit is not None
 
 
 def test_a_comparison_has_no_rate_of_lapses_or_guesses_to_tell() -> None:
     answers = {"A": (1, 3, 7, 9), "B": (1, 4, 8, 10), "C": (0, 2, 7, 9)}
-    outcome = together([cell(who, task="comparison", k=k) for who, k in answers.items()], [], 2, "")
+    outcome = group_fit([cell(who, task="comparison", k=k) for who, k in answers.items()], [], 2, "")
     told = hierarchical_sentences(outcome, "")
     assert any("standard deviations between" in sentence for sentence in told)
     assert not any("rate" in sentence for sentence in told)
@@ -173,5 +173,5 @@ def test_a_search_that_loses_all_digits_ends_with_a_reason() -> None:
         cell(f"P{n}", levels=(18.0, 26.0), k=k, n_trials=(40, 40), n_catch=0, n_false_alarms=0)
         for n, k in enumerate(answers)
     ]
-    told = together(found, (), 2, "dB")
+    told = group_fit(found, (), 2, "dB")
     assert told.fit is not None or told.note.startswith("no hierarchical fit: the likelihood still rises")

@@ -17,8 +17,8 @@ MEANS = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean
 
 
 def _sections(found: Analysis) -> Iterator[Section]:
-    for outcome in found.together:
-        task = f" ({outcome.task.replace('_', ' ')})" if len(found.together) > 1 else ""
+    for outcome in found.hierarchical:
+        task = f" ({outcome.task.replace('_', ' ')})" if len(found.hierarchical) > 1 else ""
         yield Section(f"All participants at once{task}", tuple(_blocks(outcome, found)))
 
 
@@ -63,7 +63,7 @@ def _figure(outcome: HierarchicalOutcome, found: Analysis) -> Figure:
 
 
 def _terminal(found: Analysis) -> Iterator[TextTable]:
-    for outcome in found.together:
+    for outcome in found.hierarchical:
         if outcome.fit is not None:
             unit = f", {found.unit}" if found.unit else ""
             name = dependent_name(_dependent(outcome))
@@ -73,7 +73,7 @@ def _terminal(found: Analysis) -> Iterator[TextTable]:
 
 
 def _values(found: Analysis) -> Iterator[tuple[str, object]]:
-    yield "hierarchical", [_plain(outcome, found.unit) for outcome in found.together]
+    yield "hierarchical", [_plain(outcome, found.unit) for outcome in found.hierarchical]
 
 
 def _plain(outcome: HierarchicalOutcome, unit: str) -> dict[str, object]:
