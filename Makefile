@@ -58,9 +58,8 @@ static: $(VENV)/.test ## format, lint, strict types, import contracts
 	$(BIN)/mypy
 	$(BIN)/lint-imports --no-logo
 
-check: system $(VENV)/.test ## the static checks, then all tests with branch coverage: what CI runs
-	@$(MAKE) --no-print-directory static
-	$(PYTEST) --cov $(ARGS)
+check: static system $(VENV)/.test ## the static checks, then all tests with branch coverage: what CI runs
+	@$(PYTEST) --cov $(ARGS)
 
 bench: system $(VENV)/.test ## every benchmark: ratios measured in one run
 	@for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark; done

@@ -199,6 +199,7 @@ def archive(samples):
         (npz(quantity="x" * 2**19), "quantity: found 2097280 bytes, expected at most 1048576"),
         (npz()[:-30], "found no complete NPZ archive"),
     ],
+    ids=lambda part: "archive" if isinstance(part, bytes) else part,  # its bytes hold the time of day
 )
 def test_an_npz_file_that_claims_more_than_it_holds_is_refused(tmp_path, content, message):
     said = refusal(tmp_path, "x.npz", content)
