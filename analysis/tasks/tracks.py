@@ -15,6 +15,7 @@ def tracks(judged: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     if "procedure" not in judged.columns:
         return pd.DataFrame()
     rows = judged[~judged["procedure"].isin(FIXED) & ~judged["is_catch"]]
-    keys = ["participant", *factors, *(name for name in ("session", "track") if name in rows.columns)]
+    within = [name for name in ("session", "track") if name in rows.columns and name not in factors]
+    keys = ["participant", *factors, *within]
     steps = rows[[*keys, "task", "procedure", "level", "yes"]].reset_index(drop=True)
     return steps.assign(step=steps.groupby(keys, observed=True, dropna=False).cumcount() + 1)
