@@ -6,7 +6,6 @@ from math import inf
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
@@ -14,6 +13,7 @@ from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
+from ..arrays import FloatArray
 from ..perception.detection import Components, components, sensation_level_db
 from .attraction.contact_area import ContactArea, PowerLawArea
 from .attraction.force import Law, electrostatic_force_n
@@ -21,7 +21,6 @@ from .attraction.polarity import Polarity
 from .motion.friction import CoulombFriction, FrictionLag
 from .skin.skin import Skin
 
-Real = NDArray[np.float64]
 N_CACHED = 512
 FINER = 2
 HIGH_SHARE = 1e-4
@@ -131,7 +130,7 @@ def _cached_components(keyed: _Keyed, skin: Skin, area_m2: float, law: Law, pola
     return components(force_n, rate_hz)
 
 
-def _room_for_the_square(voltage_v: Real, rate_hz: float) -> tuple[Real, float]:
+def _room_for_the_square(voltage_v: FloatArray, rate_hz: float) -> tuple[FloatArray, float]:
     """Samples and rate; `FINER` times as many (band-limited) if there is power above a quarter of the rate.
 
     The square has twice the bandwidth: the force of a carrier of 9.9 kHz at 20 kHz would seem to vibrate at 200 Hz.

@@ -1,10 +1,11 @@
 """Receptor channels of the skin: each has its own threshold by frequency, and the strongest mediates detection."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments.require import positive, positive_array
 
+from ..arrays import FloatArray
 from .detection import Components
 
 NP_III, NP_I, P = 0, 1, 2
@@ -12,7 +13,7 @@ NP_III, NP_I, P = 0, 1, 2
 BEST_DB = -20.0
 
 
-def channel_thresholds_db(frequency_hz: ArrayLike) -> NDArray[np.float64]:
+def channel_thresholds_db(frequency_hz: ArrayLike) -> FloatArray:
     """(3, n): threshold of NP III, NP I and P (dB re the best one, of P at 250 Hz); infinite where a channel is deaf.
 
     A piecewise form of the model of Bolanowski, Gescheider, Verrillo and Checkosky (J. Acoust. Soc. Am. 84, 1680,
@@ -34,7 +35,7 @@ def channel_thresholds_db(frequency_hz: ArrayLike) -> NDArray[np.float64]:
     return np.where(hears, curves - BEST_DB, np.inf)
 
 
-def channel_levels_db(parts: Components, reference: float) -> NDArray[np.float64]:
+def channel_levels_db(parts: Components, reference: float) -> FloatArray:
     """(3,): level of each channel by its component furthest above threshold; ``-inf`` where nothing is felt.
 
     `reference` is the amplitude at threshold at 250 Hz, in the unit of the components.

@@ -4,12 +4,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.signal.windows import flattop
 
 from tactometry.arguments.require import positive
 from tactometry.errors import InvalidParameter
 
+from ..arrays import FloatArray
 from .sensitivity import sensitivity_db
 
 FAINT = 1e-9
@@ -20,8 +21,8 @@ SHORTEST = 4
 class Components:
     """The sinusoids in a record: frequencies (Hz) above 0 and their amplitudes, two arrays of one length."""
 
-    frequencies_hz: NDArray[np.float64]
-    amplitudes: NDArray[np.float64]
+    frequencies_hz: FloatArray
+    amplitudes: FloatArray
 
 
 def components(samples: ArrayLike, rate_hz: float) -> Components:
@@ -67,13 +68,13 @@ def sensation_level_db(parts: Components, reference: float) -> float:
 
 
 @lru_cache(maxsize=8)
-def _window(n: int) -> NDArray[np.float64]:
+def _window(n: int) -> FloatArray:
     window = np.asarray(flattop(n, sym=False))
     window.setflags(write=False)
     return window
 
 
-def _peaks(spectrum: NDArray[np.float64], bin_hz: float, floor: float) -> Components:
+def _peaks(spectrum: FloatArray, bin_hz: float, floor: float) -> Components:
     inner = spectrum[1:-1]
     is_peak = (inner > spectrum[:-2]) & (inner >= spectrum[2:]) & (inner > floor)
     index = 1 + np.flatnonzero(is_peak)

@@ -5,14 +5,12 @@ from dataclasses import dataclass
 from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive, within
 from tactometry.errors import InvalidParameter
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+from ..arrays import ComplexArray, FloatArray
 
 AUDIBLE_MAX_HZ: Final = 20e3
 """Where the audible-band filter begins to pass; unverified default."""

@@ -6,19 +6,20 @@ A skin with a body resistance or tissue has more relaxations than one, and is re
 from math import inf
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ..skin.relaxation import phi1
 from ..skin.skin import Skin
 from .force import force_per_square_volt_n
 
 
 @checked
-def step_voltage_v(t_s: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
+def step_voltage_v(t_s: ArrayLike, voltage_v: float, skin: Skin) -> FloatArray:
     """Corneum voltage a time `t_s` (at least 0) after a step: ``k V0 exp(-t/tau)``."""
     return np.asarray(_peak_v(voltage_v, skin) * np.exp(-_in_taus(t_s, skin)))
 
@@ -34,13 +35,13 @@ def step_impulse_n_s(voltage_v: float, skin: Skin, area_m2: float) -> float:
 
 
 @checked
-def rise_peak_v(rise_s: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
+def rise_peak_v(rise_s: ArrayLike, voltage_v: float, skin: Skin) -> FloatArray:
     """Corneum voltage at the end of a linear rise: ``k V0 (tau/t_r)(1 - exp(-t_r/tau))``."""
     return _peak_v(voltage_v, skin) * phi1(_in_taus(rise_s, skin))
 
 
 @checked
-def sine_voltage_v(t_s: ArrayLike, frequency_hz: float, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
+def sine_voltage_v(t_s: ArrayLike, frequency_hz: float, voltage_v: float, skin: Skin) -> FloatArray:
     """Corneum voltage of ``V0 sin(w t)`` from rest: ``V0 |H| (sin(wt + phi) - sin(phi) exp(-t/tau))``."""
     _check_one_relaxation(skin)
     # the free decay starts at minus the steady voltage at time 0, so that the sum begins at rest
@@ -50,7 +51,7 @@ def sine_voltage_v(t_s: ArrayLike, frequency_hz: float, voltage_v: float, skin: 
 
 
 @checked
-def sine_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float) -> NDArray[np.float64]:
+def sine_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float) -> FloatArray:
     """Mean of the steady force of a sine, equal to the amplitude of its component at 2f: ``b V0^2 |H|^2/2``.
 
     >>> (sine_mean_force_n([60.0, 240.0], 100.0, Skin(), 1e-4) * 1e3).round(7).tolist()
@@ -61,14 +62,14 @@ def sine_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, are
 
 
 @checked
-def square_edge_v(frequency_hz: ArrayLike, voltage_v: float, skin: Skin) -> NDArray[np.float64]:
+def square_edge_v(frequency_hz: ArrayLike, voltage_v: float, skin: Skin) -> FloatArray:
     """Corneum voltage just after an edge of a steady square of +-V0: ``2 k V0/(1 + exp(-T/(2 tau)))``."""
     half_periods = _in_taus(_period_s(frequency_hz) / 2, skin)
     return 2 * _peak_v(voltage_v, skin) / (1 + np.exp(-half_periods))
 
 
 @checked
-def square_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float) -> NDArray[np.float64]:
+def square_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float) -> FloatArray:
     """Mean steady force of a square: ``b V+^2 (tau/T)(1 - exp(-T/tau))``, V+ from `square_edge_v`."""
     periods = _in_taus(_period_s(frequency_hz), skin)
     return force_per_square_volt_n(skin, area_m2) * square_edge_v(frequency_hz, voltage_v, skin) ** 2 * phi1(periods)
@@ -77,7 +78,7 @@ def square_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, a
 @checked
 def square_harmonic_force_n(
     n_harmonic: ArrayLike, frequency_hz: float, voltage_v: float, skin: Skin, area_m2: float
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """Amplitude of the steady force of a square at ``2 n f``, n from 1.
 
     ``4 b V+^2 (1 - exp(-T/tau))/(T |2/tau + 4 pi i n f|)``.
@@ -91,12 +92,12 @@ def square_harmonic_force_n(
     edge_force_n = force_per_square_volt_n(skin, area_m2) * square_edge_v(frequency_hz, voltage_v, skin) ** 2
     require.positive("square_harmonic_force_n", frequency_hz=frequency_hz)
     decay_per_s = 1 / skin.tau_s if skin.tau_s > 0 else inf
-    rate_per_s: NDArray[np.float64] = np.abs(2 * decay_per_s + 4j * np.pi * n * frequency_hz)
+    rate_per_s: FloatArray = np.abs(2 * decay_per_s + 4j * np.pi * n * frequency_hz)
     charged = -np.expm1(-decay_per_s / frequency_hz)
     return np.asarray(4 * edge_force_n * charged * frequency_hz / rate_per_s)
 
 
-def _period_s(frequency_hz: ArrayLike) -> NDArray[np.float64]:
+def _period_s(frequency_hz: ArrayLike) -> FloatArray:
     return 1 / require.positive_array("closed_form.frequency_hz", frequency_hz)
 
 
@@ -115,7 +116,7 @@ def _check_one_relaxation(skin: Skin) -> None:
             )
 
 
-def _in_taus(t_s: ArrayLike, skin: Skin) -> NDArray[np.float64]:
+def _in_taus(t_s: ArrayLike, skin: Skin) -> FloatArray:
     """Time in units of tau."""
     t = np.asarray(t_s, dtype=np.float64)
     if (t < 0).any():

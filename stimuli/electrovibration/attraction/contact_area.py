@@ -6,18 +6,20 @@ from math import pi
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
+
+from ...arrays import FloatArray
 
 
 @runtime_checkable
 class ContactArea(Protocol):
     """An area law."""
 
-    def area_m2(self, force_n: ArrayLike) -> NDArray[np.float64]:
+    def area_m2(self, force_n: ArrayLike) -> FloatArray:
         """Area (m^2), of the shape of `force_n` (N, at least 0)."""
 
 
@@ -37,7 +39,7 @@ class PowerLawArea:
         require.not_negative("PowerLawArea", exponent=self.exponent)
 
     @checked
-    def area_m2(self, force_n: ArrayLike) -> NDArray[np.float64]:
+    def area_m2(self, force_n: ArrayLike) -> FloatArray:
         force = _forces(force_n)
         with np.errstate(over="ignore"):
             # without force no contact, where an exponent of 0 would give 0 ** 0 = 1
@@ -75,7 +77,7 @@ class TableArea:
         if (np.diff(self.forces_n) <= 0).any():
             raise InvalidParameter(f"TableArea.forces_n: found {self.forces_n}, expected ascending forces")
 
-    def area_m2(self, force_n: ArrayLike) -> NDArray[np.float64]:
+    def area_m2(self, force_n: ArrayLike) -> FloatArray:
         """Area (m^2), of the shape of `force_n` (N, 0 to the last force of the table)."""
         force = _forces(force_n)
         if force.size and force.max() > self.forces_n[-1]:
@@ -144,7 +146,7 @@ def power_law_of_prints(prints: Sequence[Print]) -> PowerLawArea:
 
 
 @checked
-def ellipse_area_m2(length_m: ArrayLike, width_m: ArrayLike) -> NDArray[np.float64]:
+def ellipse_area_m2(length_m: ArrayLike, width_m: ArrayLike) -> FloatArray:
     """Area of an ellipse from its full axes: ``pi/4`` times their product.
 
     >>> float(ellipse_area_m2(0.02, 0.01).round(9))
@@ -159,7 +161,7 @@ def ellipse_area_m2(length_m: ArrayLike, width_m: ArrayLike) -> NDArray[np.float
     return np.asarray(pi / 4 * axes_m[0] * axes_m[1])
 
 
-def _forces(force_n: ArrayLike) -> NDArray[np.float64]:
+def _forces(force_n: ArrayLike) -> FloatArray:
     force = require.finite_array("force_n", force_n)
     if (force < 0).any():
         raise InvalidParameter(f"force_n: found {force.min()}, expected at least 0 N")

@@ -5,13 +5,14 @@ from dataclasses import dataclass
 from types import NoneType
 from typing import Literal, get_args
 
-from numpy import errstate, float64, isfinite
-from numpy.typing import ArrayLike, NDArray
+from numpy import errstate, isfinite
+from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ..skin.relaxation import Relaxations
 from ..skin.skin import INSULATOR, Skin
 from ..skin.solution import Solution
@@ -34,7 +35,7 @@ class ForceForm:
     def __post_init__(self) -> None:
         require.not_negative("ForceForm", newton_per_v2=self.newton_per_v2)
 
-    def force_n(self, layer_v: NDArray[float64], polarity: Polarity | None = None) -> NDArray[float64]:
+    def force_n(self, layer_v: FloatArray, polarity: Polarity | None = None) -> FloatArray:
         """Force (N) of layer voltages u, of their shape."""
         require.of_kind("ForceForm.force_n", (Polarity, NoneType), polarity=polarity)
         layer_v = require.array("ForceForm.force_n.layer_v", layer_v)
@@ -81,7 +82,7 @@ def electrostatic_force_n(
     area_m2: float,
     law: Law | None = None,
     polarity: Polarity | None = None,
-) -> NDArray[float64]:
+) -> FloatArray:
     """Attraction (N) between finger and screen at the samples of a voltage, from rest.
 
     Parameters
@@ -128,7 +129,7 @@ def electrostatic_force_n_at(
     area_m2: float,
     law: Law | None = None,
     polarity: Polarity | None = None,
-) -> NDArray[float64]:
+) -> FloatArray:
     """Attraction (N) at any times, of the shape of `t_s` (0 to the end), of a voltage in pieces: exact.
 
     >>> from tactometry.stimuli.electrovibration import Step
@@ -160,7 +161,7 @@ def force_per_square_volt_n(skin: Skin, area_m2: float) -> float:
     return E0 * skin.corneum_permittivity * area_m2 / (2 * skin.corneum_thickness_m**2)
 
 
-def corneum_voltage_v(v: NDArray[float64], rate_hz: float, skin: Skin, area_m2: float) -> NDArray[float64]:
+def corneum_voltage_v(v: FloatArray, rate_hz: float, skin: Skin, area_m2: float) -> FloatArray:
     """Voltage (..., n_samples) across the stratum corneum, from rest."""
     return skin.relaxations(area_m2).sampled(v, rate_hz)
 

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from math import inf
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ..skin.dispersive_layer import (
     DispersiveLayer,
     periodic_voltages_v,
@@ -17,7 +18,6 @@ from ..skin.dispersive_layer import (
 from ..skin.stack import VACUUM_PERMITTIVITY_F_PER_M as E0, Layer
 from .force import Law, check_law
 
-Real = NDArray[np.float64]
 INSULATOR, CORNEUM = 0, 1
 
 
@@ -32,7 +32,7 @@ def periodic_force_n(
     resistance_ohm: float = 0.0,
     area_m2: float,
     law: Law | None = None,
-) -> Real:
+) -> FloatArray:
     """Attraction (n_samples,) in the periodic steady state of one period (n_samples,) of a voltage.
 
     Each line of the spectrum is divided between the layers by its own impedances. The voltages, at the samples, then
@@ -85,7 +85,7 @@ def periodic_force_n(
     return _sc_layer_n(voltages_v[CORNEUM], corneum, area_m2, rate_hz)
 
 
-def _interface_n(insulator_v: Real, insulator: Layer, area_m2: float) -> Real:
+def _interface_n(insulator_v: FloatArray, insulator: Layer, area_m2: float) -> FloatArray:
     if insulator.thickness_m == 0 or insulator.resistivity_ohm_m < inf:
         raise InvalidParameter(
             f"periodic_force_n.insulator: found {insulator}, expected a thickness above 0 and no leakage: interface "
@@ -95,7 +95,7 @@ def _interface_n(insulator_v: Real, insulator: Layer, area_m2: float) -> Real:
     return E0 * area_m2 / 2 * field_v_per_m**2
 
 
-def _sc_layer_n(corneum_v: Real, corneum: Layer | DispersiveLayer, area_m2: float, rate_hz: float) -> Real:
+def _sc_layer_n(corneum_v: FloatArray, corneum: Layer | DispersiveLayer, area_m2: float, rate_hz: float) -> FloatArray:
     if corneum.thickness_m == 0:
         raise InvalidParameter("periodic_force_n.corneum: found a thickness of 0 m, expected one above 0")
     field_v_per_m = corneum_v / corneum.thickness_m

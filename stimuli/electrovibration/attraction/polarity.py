@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 
-Real = NDArray[np.float64]
+from ...arrays import FloatArray
 
 
 @dataclass(frozen=True)
@@ -40,6 +39,6 @@ class Polarity:
         require.not_negative("Polarity", positive_share=self.positive_share)
 
     @checked
-    def weighted(self, force_n: Real, layer_v: Real) -> Real:
+    def weighted(self, force_n: FloatArray, layer_v: FloatArray) -> FloatArray:
         """Forces (N) under layer voltages of the same shape."""
         return np.where(layer_v > 0, self.positive_share * force_n, force_n)

@@ -3,11 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray, IndexArray
 from ..skin.relaxation import Relaxations
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -27,7 +25,7 @@ class Circuit:
     def has_line(self) -> bool:
         return self.relaxations.dc_gain != 0
 
-    def matrix(self) -> Real:
+    def matrix(self) -> FloatArray:
         """(n_states, n_states) of their linear equation."""
         n_active, n = sum(self.active), self.n_states
         z = np.zeros((n, n))
@@ -43,7 +41,7 @@ class Circuit:
             z[:n_active, imag] = -omega  # v' of the real part of a phasor is -omega times its imaginary part
         return z
 
-    def output(self) -> Real:
+    def output(self) -> FloatArray:
         """(n_states,) linear form that gives the voltage whose square is the force."""
         r = self.relaxations
         moving = [gain for gain, moves in zip(r.gains, self.active, strict=True) if moves]
@@ -59,7 +57,7 @@ class Circuit:
     def n_states(self) -> int:
         return sum(self.active) + self.has_line + self.has_slope + 2 * len(self.frequencies_hz)
 
-    def kept(self) -> NDArray[np.intp]:
+    def kept(self) -> IndexArray:
         """(n_states,) their places among the states of the circuit with all relaxations moving."""
         n_all = len(self.active) + self.n_states - sum(self.active)
         return np.flatnonzero([*self.active, *([True] * (n_all - len(self.active)))])

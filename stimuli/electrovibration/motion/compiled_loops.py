@@ -3,12 +3,11 @@
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray, IndexArray
 from ...compiled import compiled, entry
 from .phases import Heights, Phases
 
-Real = NDArray[np.float64]
 Bare = tuple[Any, ...]
 
 
@@ -21,14 +20,14 @@ class Plan(NamedTuple):
     """
 
     phases: Phases
-    wanted: NDArray[np.intp]
-    first: NDArray[np.intp]
+    wanted: IndexArray
+    first: IndexArray
     has_line: bool
     has_slope: bool
-    form: Real
-    kinds: NDArray[np.intp]
-    maps: Real
-    drives: Real
+    form: FloatArray
+    kinds: IndexArray
+    maps: FloatArray
+    drives: FloatArray
 
 
 class Sliding(NamedTuple):
@@ -60,7 +59,7 @@ def answered(m: int, i: int, piece: int, heights: Heights, phases: Phases) -> fl
 
 
 @compiled
-def enter(new: int, i: int, heights: Heights, phases: Phases, free: Real) -> None:
+def enter(new: int, i: int, heights: Heights, phases: Phases, free: FloatArray) -> None:
     """Free decays at the start of a piece (node i), from those of the piece before it and the jump between them."""
     old, jump = new - 1, heights.offsets[new] + turned(i, new, heights, phases)
     if old >= 0:
@@ -73,7 +72,7 @@ def enter(new: int, i: int, heights: Heights, phases: Phases, free: Real) -> Non
 
 
 @compiled
-def relax(low: int, high: int, slope: float, phases: Phases, at: int, free: Real, z: Real) -> None:
+def relax(low: int, high: int, slope: float, phases: Phases, at: int, free: FloatArray, z: FloatArray) -> None:
     """Relaxations at the nodes of a piece: free decay, line and sinusoids (rows of z from `at` on)."""
     for m in range(len(free)):
         start = free[m]
@@ -86,7 +85,7 @@ def relax(low: int, high: int, slope: float, phases: Phases, at: int, free: Real
 
 
 @compiled
-def states(heights: Heights, plan: Plan) -> Real:
+def states(heights: Heights, plan: Plan) -> FloatArray:
     """States (n_states, n_nodes) of a circuit, in the order of `Circuit`; each inner loop runs over a piece's nodes."""
     phases, first = plan.phases, plan.first
     n_relax, n_turns = len(phases.decay), phases.turns.shape[1]
@@ -110,7 +109,7 @@ def states(heights: Heights, plan: Plan) -> Real:
 
 
 @compiled
-def march(z: Real, newton: float, plan: Plan) -> Real:
+def march(z: FloatArray, newton: float, plan: Plan) -> FloatArray:
     """``x_(i+1) = map x_i + newton drive P(z_i)`` from 0, (n, n_nodes): P the products of z, upper triangle."""
     kinds, maps, drives = plan.kinds, plan.maps, plan.drives
     n, n_nodes = maps.shape[1], z.shape[1]
@@ -131,17 +130,17 @@ def march(z: Real, newton: float, plan: Plan) -> Real:
     return path
 
 
-def respond(newton: float, heights: Heights, plan: Plan) -> Real:
+def respond(newton: float, heights: Heights, plan: Plan) -> FloatArray:
     """Driven states (n, n_wanted) under the force ``newton u^2``, u the linear form of the circuit's states."""
     return _respond(newton, tuple(heights), _bare(plan))
 
 
-def slide(newton: float, finger: Sliding, heights: Heights, plan: Plan) -> Real:
+def slide(newton: float, finger: Sliding, heights: Heights, plan: Plan) -> FloatArray:
     """Rows of `Motion`, (5, n_wanted): electrostatic and lateral force, deflection and its two derivatives."""
     return _slide(newton, tuple(finger), tuple(heights), _bare(plan))
 
 
-def slide_many(newton: float, finger: Sliding, heights: Heights, plan: Plan) -> Real:
+def slide_many(newton: float, finger: Sliding, heights: Heights, plan: Plan) -> FloatArray:
     """`slide` for heights with a first axis (n_stimuli,): (5, n_stimuli, n_wanted)."""
     return _slide_many(newton, tuple(finger), tuple(heights), _bare(plan))
 
@@ -156,18 +155,18 @@ def _plan(bare: Bare) -> Plan:
 
 
 @entry
-def _respond(newton: float, heights: Bare, plan: Bare) -> Real:
+def _respond(newton: float, heights: Bare, plan: Bare) -> FloatArray:
     whole = _plan(plan)
     return march(states(Heights(*heights), whole), newton, whole)[:, whole.wanted]
 
 
 @entry
-def _slide(newton: float, finger: Bare, heights: Bare, plan: Bare) -> Real:
+def _slide(newton: float, finger: Bare, heights: Bare, plan: Bare) -> FloatArray:
     return _slid(newton, Sliding(*finger), Heights(*heights), _plan(plan))
 
 
 @entry
-def _slide_many(newton: float, finger: Bare, heights: Bare, plan: Bare) -> Real:
+def _slide_many(newton: float, finger: Bare, heights: Bare, plan: Bare) -> FloatArray:
     offsets, slopes, amplitudes = heights
     whole = _plan(plan)
     rows = np.empty((5, len(offsets), len(whole.wanted)))
@@ -177,7 +176,7 @@ def _slide_many(newton: float, finger: Bare, heights: Bare, plan: Bare) -> Real:
 
 
 @compiled
-def _slid(newton: float, finger: Sliding, heights: Heights, plan: Plan) -> Real:
+def _slid(newton: float, finger: Sliding, heights: Heights, plan: Plan) -> FloatArray:
     m, c, k, mu, force_n = finger
     z = states(heights, plan)
     path, rows = march(z, mu * newton, plan), np.empty((5, len(plan.wanted)))

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray, IndexArray
 from ..attraction.force import ForceForm
 from ..skin.relaxation import Relaxations
 from ..waveforms.pieces import Pieces
@@ -25,14 +26,13 @@ from .phases import Heights, heights, moving, nodes_of, phases
 if TYPE_CHECKING:
     from .compiled_loops import Plan
 
-Real = NDArray[np.float64]
 Kind = tuple[float, tuple[bool, ...]]
 """Length of an interval and which relaxations move in it."""
 CYCLES_MAX = 1e7
 """The most periods of a lag or a finger between two times: rounding is 1e-9 of the largest force there."""
 
 
-def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: ArrayLike) -> Real:
+def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: ArrayLike) -> FloatArray:
     """States (n, n_times) of a linear system from 0 under the force of a voltage, exactly, at ascending times."""
     from .compiled_loops import respond
 
@@ -62,7 +62,7 @@ def stacked(stimuli: Sequence[Pieces]) -> Heights:
     return Heights(*map(np.array, zip(*map(heights, stimuli), strict=True)))
 
 
-def check_times(t: Real, pieces: Pieces) -> None:
+def check_times(t: FloatArray, pieces: Pieces) -> None:
     """Refuse times (n_times,) that do not ascend from at least 0 to at most the end of the pieces."""
     require.finite_array("t_s", t)
     inside = t.ndim == 1 and t.size > 0 and t[0] >= 0 and t[-1] <= pieces.end_s and (np.diff(t) > 0).all()
@@ -118,7 +118,7 @@ def _check_resolved(system: LinearSystem, longest_s: float) -> None:
         )
 
 
-def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple[Real, Real]:
+def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple[FloatArray, FloatArray]:
     """(n_kinds, n, n) maps of the states and (n_kinds, n, n_products) of the products over each kind of interval."""
     circuits = [replace(whole, active=moving) for _, moving in groups]
     flows = [flow(circuit, system, length) for circuit, (length, _) in zip(circuits, groups, strict=True)]
@@ -128,7 +128,7 @@ def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple
     return maps, drives.reshape(len(flows), n, -1)
 
 
-def _kinds(lengths: Real, moves: NDArray[np.bool_]) -> tuple[list[Kind], NDArray[np.intp]]:
+def _kinds(lengths: FloatArray, moves: NDArray[np.bool_]) -> tuple[list[Kind], IndexArray]:
     """Intervals of one length (to 1e-11) and one set of moving relaxations share an exponential."""
     # equal steps of time differ by their rounding: digits behind the leading one, and its power of ten
     scale = 10.0 ** np.floor(np.log10(lengths))
@@ -138,7 +138,7 @@ def _kinds(lengths: Real, moves: NDArray[np.bool_]) -> tuple[list[Kind], NDArray
     return [(float(means[k]), tuple(moves[i].tolist())) for k, i in enumerate(first)], kinds
 
 
-def _padded(products: Real, circuit: Circuit) -> Real:
+def _padded(products: FloatArray, circuit: Circuit) -> FloatArray:
     """The map of the products (n, n_products) among those of all states, 0 for the relaxations left out."""
     kept = circuit.kept()
     n_all = circuit.n_states + circuit.active.count(False)

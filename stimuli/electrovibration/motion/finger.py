@@ -7,11 +7,12 @@ from math import pi
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 
+from ...arrays import FloatArray
 from ..attraction.force import ForceForm
 from ..waveforms.pieces import Pieces
 from .driven_motion import Timing, plan_of, stacked
@@ -74,12 +75,12 @@ class Finger:
 class Motion:
     """A finger over time, arrays (..., n_times): lateral force on the skin (N), deflection (m), and its derivatives."""
 
-    t_s: NDArray[np.float64]
-    electrostatic_n: NDArray[np.float64]
-    lateral_n: NDArray[np.float64]
-    deflection_m: NDArray[np.float64]
-    speed_m_per_s: NDArray[np.float64]
-    acceleration_m_per_s2: NDArray[np.float64]
+    t_s: FloatArray
+    electrostatic_n: FloatArray
+    lateral_n: FloatArray
+    deflection_m: FloatArray
+    speed_m_per_s: FloatArray
+    acceleration_m_per_s2: FloatArray
 
 
 def sliding(

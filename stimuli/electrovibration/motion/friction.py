@@ -3,12 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ..attraction.force import ForceForm
 from ..waveforms.pieces import Pieces
 from .driven_motion import CYCLES_MAX, check_times, driven
@@ -52,7 +53,7 @@ class CoulombFriction:
             ) from None
 
     @checked
-    def modulation_n(self, electrostatic_n: ArrayLike, force_n: float) -> NDArray[np.float64]:
+    def modulation_n(self, electrostatic_n: ArrayLike, force_n: float) -> FloatArray:
         """Change of the friction force, ``mu F_e``, of the shape of `electrostatic_n`."""
         with np.errstate(over="ignore"):
             change_n = self.coefficient_at(force_n) * np.asarray(electrostatic_n, dtype=np.float64)
@@ -87,7 +88,7 @@ class FrictionLag:
         return max(self.floor_hz, self.intercept_hz + self.slope_hz_per_m_per_s * speed_m_per_s)
 
     @checked
-    def gain(self, frequency_hz: ArrayLike, speed_m_per_s: float) -> NDArray[np.float64]:
+    def gain(self, frequency_hz: ArrayLike, speed_m_per_s: float) -> FloatArray:
         """``1/sqrt(1 + (f/f_c)^2)`` at force frequencies, of the shape of `frequency_hz`."""
         ratio = np.asarray(frequency_hz, dtype=np.float64) / self.cutoff_hz(speed_m_per_s)
         return 1 / np.hypot(1.0, ratio)
@@ -103,7 +104,7 @@ def lagged_friction_n(
     friction: CoulombFriction,
     force_n: float,
     speed_m_per_s: float,
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """(n_times,) friction force (N) that lags behind ``mu (F_n + F_e)``, exactly; 0 for a finger at rest.
 
     The lag acts on the electrostatic part, from rest: ``f' = 2 pi f_c (mu F_e - f)``.
@@ -132,7 +133,7 @@ def lagged_friction_n(
     return np.asarray(mu * force_n + lagging_n)
 
 
-def _resolved_hz(cutoff_hz: float, t_s: NDArray[np.float64]) -> float:
+def _resolved_hz(cutoff_hz: float, t_s: FloatArray) -> float:
     """The corner of a lag that the solution over these times resolves."""
     longest_s = float(np.diff(t_s, prepend=0.0).max())  # the motion begins at 0, asked for or not
     if cutoff_hz == np.inf or cutoff_hz * longest_s > CYCLES_MAX:

@@ -9,12 +9,10 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
+from ...arrays import FloatArray, IndexArray
 from .circuit import Circuit
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -29,8 +27,8 @@ class LinearSystem:
 class Flow:
     """``x(t + h) = states x + products P(t)``, P the products of the circuit's states, for 1 N/V^2."""
 
-    states: Real
-    products: Real
+    states: FloatArray
+    products: FloatArray
 
 
 @lru_cache(maxsize=4096)
@@ -41,7 +39,7 @@ def flow(circuit: Circuit, system: LinearSystem, length_s: float) -> Flow:
     return Flow(rows[:, -n:].copy(), rows[:, :-n].copy())
 
 
-def lifted_matrix(circuit: Circuit, system: LinearSystem) -> Real:
+def lifted_matrix(circuit: Circuit, system: LinearSystem) -> FloatArray:
     """Of the states (products, driven states)."""
     g, n = circuit.output(), len(system.input)
     n_products = pairs(len(g))[0].size
@@ -52,19 +50,19 @@ def lifted_matrix(circuit: Circuit, system: LinearSystem) -> Real:
     return lift
 
 
-def pairs(n: int) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+def pairs(n: int) -> tuple[IndexArray, IndexArray]:
     """The products ``z_i z_j`` with ``i <= j``, in order."""
     return np.triu_indices(n)
 
 
-def _square_form(g: Real) -> Real:
+def _square_form(g: FloatArray) -> FloatArray:
     """The linear form on the products that is ``(g z)^2``."""
     i, j = pairs(len(g))
     times = np.where(i == j, 1.0, 2.0)  # z_i z_j stands for z_j z_i too
     return np.asarray(g[i] * g[j] * times)
 
 
-def product_matrix(z: Real) -> Real:
+def product_matrix(z: FloatArray) -> FloatArray:
     """The linear equation of the products, from ``(z_i z_j)' = (Z z)_i z_j + z_i (Z z)_j``."""
     n = len(z)
     i, j = pairs(n)

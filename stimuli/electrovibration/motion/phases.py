@@ -5,11 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import ComplexArray, FloatArray, IndexArray
 from ..skin.relaxation import Relaxations, phi1
 from ..waveforms.pieces import Pieces
-
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 DECAYED = 40.0
 """Time constants after which a relaxation follows its input: what is left of it is 4e-18."""
@@ -21,9 +19,9 @@ class Heights(NamedTuple):
     Those of many voltages have a first axis.
     """
 
-    offsets: Real
-    slopes: Real
-    amplitudes: Complex
+    offsets: FloatArray
+    slopes: FloatArray
+    amplitudes: ComplexArray
 
 
 class Phases(NamedTuple):
@@ -34,15 +32,15 @@ class Phases(NamedTuple):
     (n_nodes, n_turns), and what each relaxation answers to it, (n_relax, n_turns).
     """
 
-    piece: NDArray[np.intp]
-    since: Real
-    decay: Real
-    line: Real
-    spans: Real
-    end_decay: Real
-    end_line: Real
-    turns: Complex
-    responses: Complex
+    piece: IndexArray
+    since: FloatArray
+    decay: FloatArray
+    line: FloatArray
+    spans: FloatArray
+    end_decay: FloatArray
+    end_line: FloatArray
+    turns: ComplexArray
+    responses: ComplexArray
 
 
 def heights(pieces: Pieces) -> Heights:
@@ -50,7 +48,7 @@ def heights(pieces: Pieces) -> Heights:
     return Heights(pieces.offsets_v, pieces.slopes_v_per_s, pieces.harmonics_v)
 
 
-def phases(pieces: Pieces, relaxations: Relaxations, nodes: Real) -> Phases:
+def phases(pieces: Pieces, relaxations: Relaxations, nodes: FloatArray) -> Phases:
     """The phases of nodes (n_nodes,) within the pieces."""
     piece = pieces.index(nodes)
     since = nodes - pieces.starts_s[piece]
@@ -69,12 +67,12 @@ def phases(pieces: Pieces, relaxations: Relaxations, nodes: Real) -> Phases:
     )
 
 
-def moving(since: Real, relaxations: Relaxations) -> NDArray[np.bool_]:
+def moving(since: FloatArray, relaxations: Relaxations) -> NDArray[np.bool_]:
     """(n_nodes, n_relax): which relaxations still move behind a node; at the node that ends a decay it is over."""
     return np.asarray(since[:, None] * np.array(relaxations.rates_per_s) < DECAYED * (1 - 1e-9))
 
 
-def nodes_of(pieces: Pieces, relaxations: Relaxations, t_s: Real) -> Real:
+def nodes_of(pieces: Pieces, relaxations: Relaxations, t_s: FloatArray) -> FloatArray:
     """Times asked for, 0, starts of pieces and ends of decays, ascending, up to the last time asked for."""
     rates = np.array([rate for rate in relaxations.rates_per_s if rate > 0])
     # (n_pieces * n_rates,), and the end of the piece of each: a decay that outlasts its piece ends with it
@@ -84,6 +82,6 @@ def nodes_of(pieces: Pieces, relaxations: Relaxations, t_s: Real) -> Real:
     return np.asarray(nodes[nodes <= t_s[-1]])
 
 
-def _responses(relaxations: Relaxations, pieces: Pieces) -> Complex:
+def _responses(relaxations: Relaxations, pieces: Pieces) -> ComplexArray:
     rows = [Relaxations((1.0,), (rate,)).response(pieces.frequencies_hz) for rate in relaxations.rates_per_s]
     return np.array(rows, dtype=np.complex128).reshape(len(rows), len(pieces.frequencies_hz))

@@ -5,9 +5,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arrays import ComplexArray, FloatArray
 from ...compiled import compiled, entry
 from .compiled_loops import Bare, answered, enter
-from .phases import Complex, Heights, Phases, Real
+from .phases import Heights, Phases
 
 DEGREE = 20
 REACH = 1.5
@@ -21,11 +22,11 @@ TOO_MANY, CHATTER, TOO_LONG = 1, 2, 3
 class Layers(NamedTuple):
     """The circuit, its response to the sinusoids, and the force of a square volt of its output."""
 
-    gains: Real
+    gains: FloatArray
     dc_gain: float
-    rates: Real
-    omegas: Real
-    responses: Complex
+    rates: FloatArray
+    omegas: FloatArray
+    responses: ComplexArray
     newton_per_v2: float
 
 
@@ -35,9 +36,9 @@ class Steps(NamedTuple):
     `longest` (2, n_nodes) are the longest steps of a stuck finger, which only the voltage moves, and of one that slips.
     """
 
-    lengths: Real
+    lengths: FloatArray
     moves: NDArray[np.bool_]
-    longest: Real
+    longest: FloatArray
 
 
 class Contact(NamedTuple):
@@ -57,18 +58,18 @@ class Contact(NamedTuple):
 class Circuit(NamedTuple):
     """The circuit at one instant, changed in place: value and slope of the line, sinusoids, relaxations."""
 
-    line: Real
-    turns: Complex
-    relaxed: Real
+    line: FloatArray
+    turns: ComplexArray
+    relaxed: FloatArray
 
 
 class Series(NamedTuple):
     """Coefficients in powers of time over a step, changed in place."""
 
-    relaxed: Real
-    force: Real
-    push: Real
-    stretch: Real
+    relaxed: FloatArray
+    force: FloatArray
+    push: FloatArray
+    stretch: FloatArray
 
 
 class Skin(NamedTuple):
@@ -81,7 +82,7 @@ class Skin(NamedTuple):
 
 
 @compiled
-def _value(c: Real, x: float) -> float:
+def _value(c: FloatArray, x: float) -> float:
     total = 0.0
     for n in range(len(c) - 1, -1, -1):
         total = total * x + c[n]
@@ -89,7 +90,7 @@ def _value(c: Real, x: float) -> float:
 
 
 @compiled
-def _slope(c: Real, x: float) -> float:
+def _slope(c: FloatArray, x: float) -> float:
     total = 0.0
     for n in range(len(c) - 1, 0, -1):
         total = total * x + n * c[n]
@@ -97,7 +98,7 @@ def _slope(c: Real, x: float) -> float:
 
 
 @compiled
-def _falls(c: Real) -> float:
+def _falls(c: FloatArray) -> float:
     """The first place in (0, 1] where the polynomial falls below 0, seen from `N_LOOKS` places; 2 if nowhere."""
     low = 0.0
     for look in range(1, N_LOOKS + 1):
@@ -146,7 +147,7 @@ def _force_series(circuit: Circuit, layers: Layers, moves: NDArray[np.bool_], h:
 
 
 @compiled
-def _square(c: Real, factor: float, out: Real) -> None:
+def _square(c: FloatArray, factor: float, out: FloatArray) -> None:
     for n in range(DEGREE + 1):
         total = 0.0
         for j in range(n + 1):
@@ -184,7 +185,7 @@ def _stick_series(skin: Skin, contact: Contact, h: float, series: Series) -> Non
 
 
 @compiled
-def _breaks_loose(skin: Skin, contact: Contact, h: float, stretch: Real, limit: Real) -> float:
+def _breaks_loose(skin: Skin, contact: Contact, h: float, stretch: FloatArray, limit: FloatArray) -> float:
     """Where the friction that a stuck finger asks for, ``k s + c V``, passes the limit, in units of `h`."""
     asked = contact.stiffness_n_per_m * stretch
     asked[0] += contact.damping_n_s_per_m * skin.rate_m_per_s
@@ -193,7 +194,7 @@ def _breaks_loose(skin: Skin, contact: Contact, h: float, stretch: Real, limit: 
 
 
 @compiled
-def _comes_to_rest(skin: Skin, contact: Contact, h: float, stretch: Real) -> float:
+def _comes_to_rest(skin: Skin, contact: Contact, h: float, stretch: FloatArray) -> float:
     """Where the skin is as fast as the finger that slips over it, in units of `h`."""
     ahead, direction = np.zeros(DEGREE + 1), skin.direction
     ahead[0], ahead[1] = direction * _speed(contact, skin.time_s), direction * contact.acceleration_m_per_s2 * h
@@ -203,7 +204,7 @@ def _comes_to_rest(skin: Skin, contact: Contact, h: float, stretch: Real) -> flo
 
 
 @compiled
-def _strongest(contact: Contact, force: Real) -> Real:
+def _strongest(contact: Contact, force: FloatArray) -> FloatArray:
     """The friction that a stuck finger can bear. Gated, the voltage does not help it to stick, only to slip."""
     coefficient = contact.kinetic if contact.gated else contact.static
     loaded = coefficient * force
@@ -244,7 +245,7 @@ def _row(skin: Skin, contact: Contact, series: Series) -> tuple[float, float, fl
 
 
 @compiled
-def _settle(i: int, free: Real, heights: Heights, phases: Phases, circuit: Circuit) -> None:
+def _settle(i: int, free: FloatArray, heights: Heights, phases: Phases, circuit: Circuit) -> None:
     """The circuit at node i, from the free decays at the start of its piece."""
     piece = phases.piece[i]
     slope = heights.slopes[piece]
@@ -267,7 +268,7 @@ def _go_on(circuit: Circuit, layers: Layers, series: Series, reached: float, pas
 
 
 @compiled
-def _next_event(skin: Skin, contact: Contact, h: float, series: Series, limit: Real) -> float:
+def _next_event(skin: Skin, contact: Contact, h: float, series: Series, limit: FloatArray) -> float:
     """The series of the skin over a step, and where in units of `h` its next event is; 2 if it has none."""
     if skin.direction == 0:
         _stick_series(skin, contact, h, series)
@@ -286,7 +287,7 @@ def _empty(layers: Layers) -> tuple[Circuit, Series]:
 
 def flow(
     heights: Heights, phases: Phases, layers: Layers, steps: Steps, contact: Contact, start: float, most: Pair
-) -> tuple[Real, Real, int, float]:
+) -> tuple[FloatArray, FloatArray, int, float]:
     """States at the nodes and the events, of a finger that sticks at time 0 with a stretch of `start`.
 
     Rows of the first result: stretch, its rate, its second derivative, lateral force, electrostatic force, direction
@@ -299,7 +300,7 @@ def flow(
 @entry
 def _entered(
     heights: Bare, phases: Bare, layers: Bare, steps: Bare, contact: Bare, start: float, most: Pair
-) -> tuple[Real, Real, int, float]:
+) -> tuple[FloatArray, FloatArray, int, float]:
     time = Heights(*heights), Phases(*phases), Layers(*layers), Steps(*steps)
     return _flow(*time, Contact(*contact), start, most)
 
@@ -307,7 +308,7 @@ def _entered(
 @compiled
 def _flow(
     heights: Heights, phases: Phases, layers: Layers, steps: Steps, contact: Contact, start: float, most: Pair
-) -> tuple[Real, Real, int, float]:
+) -> tuple[FloatArray, FloatArray, int, float]:
     out, events = np.zeros((len(phases.piece), 6)), np.empty((most[0], 2))
     piece, lengths, longest, moves = phases.piece, steps.lengths, steps.longest, steps.moves
     (circuit, series), free = _empty(layers), np.zeros(len(layers.gains))

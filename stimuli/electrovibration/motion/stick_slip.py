@@ -6,12 +6,13 @@ from math import inf, pi, sqrt
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray, IndexArray
 from ..attraction.force import ForceForm
 from ..waveforms.pieces import Pieces
 from .driven_motion import Timing, check_times
@@ -20,8 +21,6 @@ from .phases import Phases, heights, moving, nodes_of, phases
 
 if TYPE_CHECKING:
     from . import power_series
-
-Real = NDArray[np.float64]
 
 
 N_STEPS_MAX = 2_000_000
@@ -78,15 +77,15 @@ class StickSlip:
     `direction` 1 or -1 in slip and 0 in stick; `events_s` are the times at which it changes to `event_directions`.
     """
 
-    t_s: Real
-    stretch_m: Real
-    stretch_m_per_s: Real
-    stretch_m_per_s2: Real
-    lateral_n: Real
-    electrostatic_n: Real
-    direction: Real
-    events_s: Real
-    event_directions: Real
+    t_s: FloatArray
+    stretch_m: FloatArray
+    stretch_m_per_s: FloatArray
+    stretch_m_per_s2: FloatArray
+    lateral_n: FloatArray
+    electrostatic_n: FloatArray
+    direction: FloatArray
+    events_s: FloatArray
+    event_directions: FloatArray
 
 
 @checked
@@ -150,7 +149,7 @@ def stick_slip(
 @lru_cache(maxsize=64)
 def _plan(
     timing: Timing, form: ForceForm, finger: Finger
-) -> "tuple[NDArray[np.intp], Phases, power_series.Layers, power_series.Steps]":
+) -> "tuple[IndexArray, Phases, power_series.Layers, power_series.Steps]":
     """What does not depend on heights: the nodes that were asked for, their phases, the circuit, the longest steps."""
     from . import power_series
 

@@ -4,12 +4,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
+from ...arrays import ComplexArray, FloatArray
 from .stack import VACUUM_PERMITTIVITY_F_PER_M, Layer
 
 
@@ -47,7 +48,7 @@ class DispersiveLayer:
                 f"DispersiveLayer.frequencies_hz: found {self.frequencies_hz}, expected ascending numbers"
             )
 
-    def properties(self, frequency_hz: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    def properties(self, frequency_hz: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Relative permittivity and resistivity (ohm m), of the shape of `frequency_hz` (0: the first
         row)."""
         f_hz = np.maximum(np.asarray(frequency_hz, dtype=np.float64), self.frequencies_hz[0])
@@ -76,7 +77,7 @@ def shares(
     *,
     resistance_ohm: float = 0.0,
     area_m2: float = 1e-4,
-) -> NDArray[np.complex128]:
+) -> ComplexArray:
     """(n_layers, n_frequencies) complex ratios of the voltage across each layer to the applied one.
 
     ``Z_j/(R A + sum Z)`` of the impedances of a unit area. At 0 Hz the layers that do not leak hold all
@@ -101,9 +102,7 @@ def shares(
     return ratios
 
 
-def _ratios(
-    layers: Sequence[Layer | DispersiveLayer], f_hz: NDArray[np.float64], body_ohm_m2: float
-) -> NDArray[np.complex128]:
+def _ratios(layers: Sequence[Layer | DispersiveLayer], f_hz: FloatArray, body_ohm_m2: float) -> ComplexArray:
     admittances = np.array([_admittance(layer, f_hz) for layer in layers])  # (n_layers, n_frequencies)
     # at 0 Hz a layer without a leak passes no current: such layers take all, in the ratio of their elastances
     blocks = (admittances == 0).any(axis=0)
@@ -122,7 +121,7 @@ def periodic_voltages_v(
     *,
     resistance_ohm: float = 0.0,
     area_m2: float = 1e-4,
-) -> NDArray[np.float64]:
+) -> FloatArray:
     """(n_layers, n_samples) voltages in the periodic steady state of one period (n_samples,) of a voltage.
 
     Each bin of the spectrum is multiplied by its share. Sample at 16 times the highest harmonic or more
@@ -143,21 +142,19 @@ def periodic_voltages_v(
     return np.asarray(np.fft.irfft(ratios * np.fft.rfft(v), n=v.size))
 
 
-def _admittance(layer: Layer | DispersiveLayer, f_hz: NDArray[np.float64]) -> NDArray[np.complex128]:
+def _admittance(layer: Layer | DispersiveLayer, f_hz: FloatArray) -> ComplexArray:
     permittivity, resistivity = properties_of(layer, f_hz)
     capacitive = 2j * np.pi * f_hz * VACUUM_PERMITTIVITY_F_PER_M * permittivity
     return np.asarray((1 / resistivity + capacitive) / layer.thickness_m, dtype=np.complex128)
 
 
 @checked
-def properties_of(
-    layer: Layer | DispersiveLayer, f_hz: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def properties_of(layer: Layer | DispersiveLayer, f_hz: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Relative permittivity and resistivity (ohm m) of a layer, constant or from its table."""
     if isinstance(layer, DispersiveLayer):
         return layer.properties(f_hz)
     return np.full_like(f_hz, layer.permittivity), np.full_like(f_hz, layer.resistivity_ohm_m)
 
 
-def _elastances(layers: Sequence[Layer | DispersiveLayer]) -> NDArray[np.complex128]:
+def _elastances(layers: Sequence[Layer | DispersiveLayer]) -> ComplexArray:
     return np.array([layer.elastance_m2_per_f if isinstance(layer, Layer) else 0.0 for layer in layers], complex)

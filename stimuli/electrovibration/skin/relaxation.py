@@ -3,12 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.signal import lfilter
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
+
+from ...arrays import ComplexArray, FloatArray
 
 BLOCK = 4096
 
@@ -38,7 +40,7 @@ class Relaxations:
             )
 
     @checked
-    def response(self, frequency_hz: ArrayLike) -> NDArray[np.complex128]:
+    def response(self, frequency_hz: ArrayLike) -> ComplexArray:
         """``H(2 pi i f)``, of the shape of `frequency_hz` (at least 0)."""
         f_hz = require.not_negative_array("Relaxations.response.frequency_hz", frequency_hz)
         s = np.asarray(2j * np.pi * f_hz, dtype=np.complex128)
@@ -46,7 +48,7 @@ class Relaxations:
         return np.asarray(sum(terms, start=self.dc_gain + np.zeros_like(s)))
 
     @checked
-    def sampled(self, voltage_v: NDArray[np.float64], rate_hz: float) -> NDArray[np.float64]:
+    def sampled(self, voltage_v: FloatArray, rate_hz: float) -> FloatArray:
         """The output at the samples, of the shape (..., n_samples) of the input, from rest.
 
         The input is linear between its samples and jumps from 0 to its first value at time 0.
@@ -59,7 +61,7 @@ class Relaxations:
         return np.asarray(sum(terms, start=self.dc_gain * voltage_v))
 
 
-def phi1(x: ArrayLike) -> NDArray[np.float64]:
+def phi1(x: ArrayLike) -> FloatArray:
     """``(1 - exp(-x))/x``, the mean of an exponential decay over a step; 1 at 0, 0 at inf.
 
     >>> phi1([0.0, 1e-20, 1.0, float("inf")]).round(6).tolist()
@@ -70,7 +72,7 @@ def phi1(x: ArrayLike) -> NDArray[np.float64]:
     return np.where(x == 0, 1.0, -np.expm1(-safe) / safe)
 
 
-def scan(decays: NDArray[np.float64], gained: NDArray[np.float64]) -> NDArray[np.float64]:
+def scan(decays: FloatArray, gained: FloatArray) -> FloatArray:
     """``y_n = decays_(n-1) y_(n-1) + gained_n`` for decays (n - 1,) in 0..1, all n at once by doubling.
 
     >>> scan(np.array([0.5, 0.0]), np.array([1.0, 1.0, 7.0])).tolist()
@@ -85,7 +87,7 @@ def scan(decays: NDArray[np.float64], gained: NDArray[np.float64]) -> NDArray[np
     return total
 
 
-def high_passed(steps_v: NDArray[np.float64], decay: float) -> NDArray[np.float64]:
+def high_passed(steps_v: FloatArray, decay: float) -> FloatArray:
     """``y' = -rate y + v'`` at the samples of a piecewise-linear v, given its increments.
 
     Parameters
@@ -110,13 +112,13 @@ def high_passed(steps_v: NDArray[np.float64], decay: float) -> NDArray[np.float6
     return _in_blocks(weighted, decay)[..., :n]
 
 
-def _recurrence(weighted: NDArray[np.float64], decay: float) -> NDArray[np.float64]:
+def _recurrence(weighted: FloatArray, decay: float) -> FloatArray:
     if decay == 0:
         return np.cumsum(weighted, axis=-1)
     return np.asarray(lfilter([1.0], [1.0, -np.exp(-decay)], weighted, axis=-1))
 
 
-def _in_blocks(weighted: NDArray[np.float64], decay: float) -> NDArray[np.float64]:
+def _in_blocks(weighted: FloatArray, decay: float) -> FloatArray:
     *lead, n = weighted.shape
     n_blocks = -(-n // BLOCK)
     padded = np.zeros((*lead, n_blocks * BLOCK))
@@ -129,7 +131,7 @@ def _in_blocks(weighted: NDArray[np.float64], decay: float) -> NDArray[np.float6
     return inside.reshape(*lead, n_blocks * BLOCK)
 
 
-def _high_pass(s: NDArray[np.complex128], rate_per_s: float) -> NDArray[np.complex128]:
+def _high_pass(s: ComplexArray, rate_per_s: float) -> ComplexArray:
     if rate_per_s == 0:
         return np.ones_like(s)
     if np.isinf(rate_per_s):

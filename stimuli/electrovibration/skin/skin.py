@@ -5,11 +5,12 @@ from math import inf, pi
 from types import NoneType
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 
+from ...arrays import ComplexArray, FloatArray
 from .relaxation import Relaxations
 from .stack import VACUUM_PERMITTIVITY_F_PER_M, Layer, Stack, check_resistivity
 
@@ -106,7 +107,7 @@ class Skin:
         return self.corneum_resistivity_ohm_m * self.corneum_thickness_m / area_m2 if area_m2 > 0 else inf
 
     @checked
-    def response(self, frequency_hz: ArrayLike, area_m2: float = 1e-4) -> NDArray[np.complex128]:
+    def response(self, frequency_hz: ArrayLike, area_m2: float = 1e-4) -> ComplexArray:
         """Complex ratio of the corneum's voltage to the applied one, same shape as `frequency_hz`.
 
         Without body resistance it is ``k tau s/(1 + tau s)``, whatever the area (1 cm^2: unverified default).
@@ -114,7 +115,7 @@ class Skin:
         return self.relaxations(area_m2).response(frequency_hz)
 
     @checked
-    def gain(self, frequency_hz: ArrayLike, area_m2: float = 1e-4) -> NDArray[np.float64]:
+    def gain(self, frequency_hz: ArrayLike, area_m2: float = 1e-4) -> FloatArray:
         """``|H|``, the modulus of `response`.
 
         >>> Skin().gain([60.0, 240.0]).round(6).tolist()

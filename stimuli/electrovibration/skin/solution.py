@@ -4,15 +4,14 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray, IndexArray
 from ..waveforms.pieces import Pieces
 from .relaxation import Relaxations, phi1, scan
-
-Real = NDArray[np.float64]
 
 
 @checked
@@ -32,7 +31,7 @@ class Solution:
     pieces: Pieces
     relaxations: Relaxations
 
-    def at(self, t_s: ArrayLike) -> Real:
+    def at(self, t_s: ArrayLike) -> FloatArray:
         """The output, of the shape of `t_s` (0 to the end), from the right at a jump.
 
         Raises
@@ -46,7 +45,7 @@ class Solution:
             total += gain * self.state_at(order, t)
         return np.asarray(total, dtype=np.float64)
 
-    def slope_at(self, t_s: ArrayLike) -> Real:
+    def slope_at(self, t_s: ArrayLike) -> FloatArray:
         """The time derivative of the output inside of the pieces, of the shape of `t_s`."""
         t = self._times(t_s)
         slope = voltage_slope(self.pieces, t)
@@ -55,7 +54,7 @@ class Solution:
             total += gain * (slope - rate * self.state_at(order, t))
         return np.asarray(total, dtype=np.float64)
 
-    def state_at(self, order: int, t_s: Real) -> Real:
+    def state_at(self, order: int, t_s: FloatArray) -> FloatArray:
         """Relaxation number `order`, of gain 1, at the times."""
         rate = self._rates[order]
         if np.isinf(rate):
@@ -65,7 +64,7 @@ class Solution:
         free = self._initial[order][piece] * np.exp(-rate * elapsed)
         return np.asarray(free + self._forced_response(order, piece, t_s))
 
-    def _times(self, t_s: ArrayLike) -> Real:
+    def _times(self, t_s: ArrayLike) -> FloatArray:
         t = np.asarray(t_s, dtype=np.float64)
         if t.size and not (t.min() >= 0 and t.max() <= self.pieces.end_s):
             raise InvalidParameter(
@@ -79,11 +78,11 @@ class Solution:
         return self.relaxations.rates_per_s
 
     @cached_property
-    def _initial(self) -> list[Real]:
+    def _initial(self) -> list[FloatArray]:
         """Per relaxation, (n_pieces,) amplitude of the free decay at the start of each piece."""
         return [self._chain(order) for order in range(len(self._rates))]
 
-    def _chain(self, order: int) -> Real:
+    def _chain(self, order: int) -> FloatArray:
         rate = self._rates[order]
         starts, index = self.pieces.starts_s, np.arange(len(self.pieces.starts_s))
         if np.isinf(rate):
@@ -94,7 +93,7 @@ class Solution:
         gained = self.pieces.jumps_v() - at_start + np.r_[0.0, at_end]
         return scan(np.exp(-rate * np.diff(starts)), gained)
 
-    def _forced_response(self, order: int, piece: NDArray[np.intp], t_s: Real) -> Real:
+    def _forced_response(self, order: int, piece: IndexArray, t_s: FloatArray) -> FloatArray:
         rate = self._rates[order]
         elapsed = t_s - self.pieces.starts_s[piece]
         line = self.pieces.slopes_v_per_s[piece] * elapsed * phi1(rate * elapsed)
@@ -102,7 +101,7 @@ class Solution:
         return line + self.pieces.sinusoids(t_s, response * self.pieces.harmonics_v[piece])
 
 
-def voltage_slope(pieces: Pieces, t_s: Real) -> Real:
+def voltage_slope(pieces: Pieces, t_s: FloatArray) -> FloatArray:
     """``dv/dt`` inside of the pieces, of the shape of `t_s`."""
     piece = pieces.index(t_s)
     omega = 2j * np.pi * pieces.frequencies_hz

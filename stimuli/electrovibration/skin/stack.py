@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import inf
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 from scipy.optimize import brentq
 
 from tactometry.arguments import require
@@ -13,6 +13,7 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.magnitudes import DOMAINS
 from tactometry.errors import InvalidParameter
 
+from ...arrays import ComplexArray
 from .relaxation import Relaxations
 
 VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
@@ -109,7 +110,7 @@ class Stack:
         whole = _group_relaxations(elastances, rates, group, self.resistance_ohm * area_m2)
         return Relaxations(tuple(share * gain for gain in whole.gains), whole.rates_per_s, share * whole.dc_gain)
 
-    def response(self, frequency_hz: ArrayLike, index: int, area_m2: float) -> NDArray[np.complex128]:
+    def response(self, frequency_hz: ArrayLike, index: int, area_m2: float) -> ComplexArray:
         """Complex ratio of the voltage across layer `index` to the applied one, of the shape of
         `frequency_hz`."""
         return self.relaxations(index, area_m2).response(frequency_hz)

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.annotations import Vector
@@ -12,13 +12,12 @@ from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
+from ...arrays import FloatArray
 from ..waveforms.level import LevelUnit, peak_voltage_v
 from ..waveforms.sampled import strongest_hz
 from ..waveforms.timing import check_nyquist, check_timing, ramped
 from .texture import Bump, Grating, Image, Noise, Region, Texture
 from .velvet import Velvet
-
-Real = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -44,7 +43,7 @@ class SensorModel:
         require.not_negative("SensorModel", resolution_m=self.resolution_m, latency_s=self.latency_s)
 
     @checked
-    def reported_m(self, x_m: Vector, rate_hz: float) -> Real:
+    def reported_m(self, x_m: Vector, rate_hz: float) -> FloatArray:
         """Positions (n_samples,) that are known at the samples of a path at `rate_hz`; the first before any report.
 
         >>> SensorModel(rate_hz=2.0).reported_m(np.arange(6.0), rate_hz=4.0).tolist()
@@ -169,7 +168,7 @@ class PlayedTexture:
         return strongest_hz(self.force_share, self.rate_hz)
 
     @property
-    def force_share(self) -> Real:
+    def force_share(self) -> FloatArray:
         """(n_samples,) share of the force that the finger is to meet."""
         path = np.array(self.path_m)
         known = path if self.sensor is None else self.sensor.reported_m(path, self.rate_hz)
@@ -183,7 +182,7 @@ class PlayedTexture:
         return Signal(samples[None, :], self.rate_hz, "V")
 
 
-def share_along(texture: Texture | Velvet, path_m: Real) -> Real:
+def share_along(texture: Texture | Velvet, path_m: FloatArray) -> FloatArray:
     """Share of the force along positions (n_times,) in the order in which a finger reaches them.
 
     >>> share_along(Grating(2e-3), np.array([0.5e-3, 1.5e-3])).tolist()
@@ -231,7 +230,9 @@ def straight_path_m(speed_m_per_s: float, duration_s: float, rate_hz: float, sta
 
 
 @checked
-def lateral_modulation_n(share: ArrayLike, peak_force_n: float, coefficient: float, speed_m_per_s: ArrayLike) -> Real:
+def lateral_modulation_n(
+    share: ArrayLike, peak_force_n: float, coefficient: float, speed_m_per_s: ArrayLike
+) -> FloatArray:
     """Slow change of the friction (N) by a texture: ``mu F share`` while the finger moves, 0 at rest."""
     require.not_negative("lateral_modulation_n", peak_force_n=peak_force_n, coefficient=coefficient)
     speeds, shares = np.asarray(speed_m_per_s, dtype=np.float64), np.asarray(share, dtype=np.float64)

@@ -15,7 +15,8 @@ from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
-Real = NDArray[np.float64]
+from ...arrays import FloatArray
+
 Shape = Literal["square", "sinusoidal", "sawtooth"]
 
 
@@ -23,7 +24,7 @@ Shape = Literal["square", "sinusoidal", "sawtooth"]
 class Texture(Protocol):
     """A map over position."""
 
-    def force_share(self, x_m: ArrayLike) -> Real:
+    def force_share(self, x_m: ArrayLike) -> FloatArray:
         """Share (0..1) of the full electrostatic force, of the shape of `x_m` (m)."""
 
 
@@ -52,7 +53,7 @@ class Grating:
         require.within("Grating", 0, 1, duty=self.duty)
 
     @checked
-    def force_share(self, x_m: ArrayLike) -> Real:
+    def force_share(self, x_m: ArrayLike) -> FloatArray:
         phase = np.mod(np.asarray(x_m, dtype=np.float64) / self.period_m, 1.0)
         return np.asarray(SHAPES[self.shape](phase, self.duty), dtype=np.float64)
 
@@ -62,7 +63,7 @@ class Grating:
         return abs(speed_m_per_s) / self.period_m
 
 
-SHAPES: Mapping[str, Callable[[Real, float], NDArray[np.generic]]] = {
+SHAPES: Mapping[str, Callable[[FloatArray, float], NDArray[np.generic]]] = {
     "square": lambda phase, duty: phase < duty,
     "sinusoidal": lambda phase, duty: (1 + np.sin(2 * np.pi * phase)) / 2,
     "sawtooth": lambda phase, duty: phase,
@@ -91,7 +92,7 @@ class Region:
             )
 
     @checked
-    def force_share(self, x_m: ArrayLike) -> Real:
+    def force_share(self, x_m: ArrayLike) -> FloatArray:
         x = np.asarray(x_m, dtype=np.float64)
         if self.edge_m == 0:
             return np.where((x >= self.left_m) & (x < self.right_m), 1.0, 0.0)
@@ -123,7 +124,7 @@ class Bump:
         require.one_of("Bump.direction", self.direction, SIGNS)
 
     @checked
-    def force_share(self, x_m: ArrayLike) -> Real:
+    def force_share(self, x_m: ArrayLike) -> FloatArray:
         u = (np.asarray(x_m, dtype=np.float64) - self.centre_m) / self.width_m
         steepest = np.exp(-0.5)
         slope = -u * np.exp(-(u**2) / 2) / steepest
@@ -183,11 +184,11 @@ class Noise:
         return cls(low_per_m, high_per_m, length_m, tuple(rng.uniform(0, 2 * np.pi, n_lines).tolist()), exponent)
 
     @property
-    def lines_per_m(self) -> Real:
+    def lines_per_m(self) -> FloatArray:
         """Spatial frequencies of the texture."""
         return _lines(self.low_per_m, self.high_per_m, self.length_m)
 
-    def height(self, x_m: ArrayLike) -> Real:
+    def height(self, x_m: ArrayLike) -> FloatArray:
         """The noise itself, of standard deviation 1 over a length, of the shape of `x_m`."""
         lines = self.lines_per_m
         strongest = lines[-1] if self.exponent >= 0 else lines[0]
@@ -198,11 +199,11 @@ class Noise:
         parts = [np.cos(2 * np.pi * np.multiply.outer(part, lines) + phases_rad) @ amplitudes for part in chunks]
         return np.asarray(np.concatenate(parts).reshape(x.shape))
 
-    def force_share(self, x_m: ArrayLike) -> Real:
+    def force_share(self, x_m: ArrayLike) -> FloatArray:
         return np.clip(0.5 + self.height(x_m) / (2 * self.n_rms), 0.0, 1.0)
 
 
-def _lines(low_per_m: float, high_per_m: float, length_m: float) -> Real:
+def _lines(low_per_m: float, high_per_m: float, length_m: float) -> FloatArray:
     require.positive("Noise", low_per_m=low_per_m, high_per_m=high_per_m, length_m=length_m)
     if high_per_m * length_m > MOST_LINES:
         raise InvalidParameter(
@@ -248,13 +249,13 @@ class Image:
         object.__setattr__(self, "grey", _grey(self.grey))
 
     @checked
-    def force_share(self, x_m: ArrayLike) -> Real:
+    def force_share(self, x_m: ArrayLike) -> FloatArray:
         line = np.atleast_2d(np.asarray(self.grey, dtype=np.float64))[self.row]
         at = np.asarray(x_m, dtype=np.float64) / self.pixel_m - 0.5
         return np.asarray(np.interp(at, np.arange(line.size), line), dtype=np.float64)
 
 
-def _grey(values: NDArray[np.generic]) -> Real:
+def _grey(values: NDArray[np.generic]) -> FloatArray:
     array = np.asarray(values)
     if array.dtype.kind not in "uif":
         raise InvalidParameter(f"Image.grey: found values of type {array.dtype}, expected numbers")

@@ -4,13 +4,13 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
-Real = NDArray[np.float64]
+from ...arrays import FloatArray
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Velvet:
         require.positive("Velvet", reversal_m=self.reversal_m, tuft_period_m=self.tuft_period_m)
 
     @checked
-    def force_share_along(self, x_m: ArrayLike) -> Real:
+    def force_share_along(self, x_m: ArrayLike) -> FloatArray:
         """Shares (n_times,) along a path of positions (n_times,): the pile remembers where the finger came from.
 
         >>> path_m = np.r_[np.linspace(0, 0.05, 501), np.linspace(0.05, 0, 501)[1:]]
@@ -61,7 +61,7 @@ class Velvet:
             raise InvalidParameter(f"Velvet.x_m: found shape {path.shape}, expected positions (n_times,), at least one")
         return self._pile(path) * (1 - self.tuft_depth * (1 - np.cos(2 * np.pi * path / self.tuft_period_m)) / 2)
 
-    def _pile(self, path: Real) -> Real:
+    def _pile(self, path: FloatArray) -> FloatArray:
         direction = _directions(path)
         target = np.where(direction >= 0, self.with_pile, self.against_pile)
         turns = np.flatnonzero(np.diff(target)) + 1
@@ -74,7 +74,7 @@ class Velvet:
         return share
 
 
-def _directions(path: Real) -> Real:
+def _directions(path: FloatArray) -> FloatArray:
     """1 or -1 at each position, the last one that the finger moved in; 1 before it moves."""
     steps = np.sign(np.diff(path, prepend=path[:1]))
     moved = np.where(steps != 0, np.arange(path.size), -1)

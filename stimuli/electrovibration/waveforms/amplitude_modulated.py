@@ -5,12 +5,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
+from ...arrays import FloatArray
 from .level import LevelUnit, peak_voltage_v
 from .pieces import Pieces, ramped as ramped_pieces
 from .timing import check_nyquist, check_timing, ramped, times_s
@@ -98,7 +98,7 @@ class AmplitudeModulated:
         samples = peak_voltage_v(level, self.level_unit) * ramped(shape, self.ramp_s, self.rate_hz)
         return Signal(samples[None, :], self.rate_hz, "V")
 
-    def _envelope(self, t_s: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _envelope(self, t_s: FloatArray) -> FloatArray:
         cosine = np.cos(2 * np.pi * self.frequency_hz * t_s)
         if self.modulation == "suppressed_carrier":
             return cosine
@@ -108,8 +108,8 @@ class AmplitudeModulated:
     def pieces(self, level: float) -> Pieces:
         """The voltage exactly, ramps included: ``sqrt((1 + c)/2) = |cos(pi f t)|`` changes sign from
         piece to piece."""
-        starts_s: NDArray[np.float64] = np.zeros(1)
-        signs: NDArray[np.float64] = np.ones(1)
+        starts_s: FloatArray = np.zeros(1)
+        signs: FloatArray = np.ones(1)
         if self.modulation == "square_root":
             n_zeros = int(np.ceil(self.duration_s * self.frequency_hz - 0.5))
             starts_s = np.r_[0.0, (np.arange(n_zeros) + 0.5) / self.frequency_hz]

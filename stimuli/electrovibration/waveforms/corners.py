@@ -3,16 +3,16 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
+from ...arrays import ComplexArray, FloatArray
 from .pieces import Pieces, straight
 from .timing import MOST_SAMPLES
 
-Real = NDArray[np.float64]
 NODES = range(-5, 7)
 
 
@@ -36,7 +36,7 @@ class Corners:
                 "ascends from 0 to 1, and as many values"
             )
 
-    def at(self, phase: ArrayLike) -> Real:
+    def at(self, phase: ArrayLike) -> FloatArray:
         """Values at phases in periods, of any size; from the right at a jump."""
         p = np.mod(np.asarray(phase, dtype=np.float64), 1.0)
         left = np.searchsorted(self.phases, p, side="right") - 1
@@ -57,7 +57,7 @@ class Corners:
         t_s = (periods + np.tile(self.phases, n_periods)) / frequency_hz
         return _until(straight(t_s, np.tile(self.values, n_periods)), duration_s)
 
-    def harmonics(self, n: ArrayLike) -> NDArray[np.complex128]:
+    def harmonics(self, n: ArrayLike) -> ComplexArray:
         """Fourier coefficients ``c_n`` of ``v = sum_n c_n exp(2 pi i n phase)`` for whole n other than 0.
 
         Integrated by parts on each line: jumps over ``2 pi i n`` and kinks over ``(2 pi i n)^2``.
@@ -89,7 +89,7 @@ class Corners:
         probe = (middles[1:] + middles[:-1]) / 2
         return bool(np.allclose(self.at(probe), -self.at(probe + 0.5), atol=1e-12))
 
-    def band_limited(self, phase: Real, n_highest: int) -> Real:
+    def band_limited(self, phase: FloatArray, n_highest: int) -> FloatArray:
         """Values of the Fourier series up to harmonic `n_highest`, of peak at most 1 over a fine period.
 
         Cut short at an edge, the series overshoots (Gibbs, 9 % of a jump): it is scaled down to peak 1
@@ -109,7 +109,7 @@ def _until(pieces: Pieces, end_s: float) -> Pieces:
     return Pieces(pieces.starts_s[kept], end_s, pieces.offsets_v[kept], pieces.slopes_v_per_s[kept])
 
 
-def _between(table: Real, phase: Real) -> Real:
+def _between(table: FloatArray, phase: FloatArray) -> FloatArray:
     """Lagrange polynomial through the nearest `NODES` values of one period (n_table,), at phases in 0..1."""
     place = phase * table.size
     left = np.floor(place)

@@ -3,12 +3,12 @@
 from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
+from ...arrays import FloatArray
 from .corners import Corners
 from .level import LevelUnit, peak_voltage_v
 from .pieces import Pieces, ramped as ramped_pieces
@@ -93,7 +93,7 @@ def check_width(waveform: RepeatedPolygon, name: str, width_s: float) -> None:
         check_pulse(f"{owner}.{name}", width_s, waveform.rate_hz, "lengthen it, raise rate_hz or set band_limited")
 
 
-def _shape(waveform: RepeatedPolygon) -> NDArray[np.float64]:
+def _shape(waveform: RepeatedPolygon) -> FloatArray:
     f_hz = waveform.voltage_frequency_hz
     turned = np.mod(f_hz * np.arange(n_samples(waveform.duration_s, waveform.rate_hz)), waveform.rate_hz)
     phase = turned / waveform.rate_hz

@@ -3,14 +3,13 @@
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
-Real = NDArray[np.float64]
-Complex = NDArray[np.complex128]
+from ...arrays import ComplexArray, FloatArray, IndexArray
 
 
 @checked
@@ -43,12 +42,12 @@ class Pieces:
     [0.5, 1.5, 3.0]
     """
 
-    starts_s: Real
+    starts_s: FloatArray
     end_s: float
-    offsets_v: Real
-    slopes_v_per_s: Real
-    frequencies_hz: Real = field(default_factory=lambda: np.zeros(0))
-    amplitudes_v: Complex | None = None
+    offsets_v: FloatArray
+    slopes_v_per_s: FloatArray
+    frequencies_hz: FloatArray = field(default_factory=lambda: np.zeros(0))
+    amplitudes_v: ComplexArray | None = None
 
     def __post_init__(self) -> None:
         require.positive("Pieces", end_s=self.end_s)
@@ -73,26 +72,26 @@ class Pieces:
             raise InvalidParameter(f"Pieces.{name}: found shape {found}, expected {shape}")
 
     @property
-    def harmonics_v(self) -> Complex:
+    def harmonics_v(self) -> ComplexArray:
         """(n_pieces, n_harmonics) complex amplitudes, never None."""
         return np.asarray(self.amplitudes_v, dtype=np.complex128)
 
-    def index(self, t_s: ArrayLike) -> NDArray[np.intp]:
+    def index(self, t_s: ArrayLike) -> IndexArray:
         """The piece that holds at each time; the last one also after its end."""
         found = np.searchsorted(self.starts_s, np.asarray(t_s, dtype=np.float64), side="right") - 1
         return np.maximum(found, 0)
 
-    def at(self, t_s: ArrayLike) -> Real:
+    def at(self, t_s: ArrayLike) -> FloatArray:
         """The voltage, of the shape of `t_s`, from the right at a jump; 0 before 0, held at the end after it."""
         t = np.minimum(np.asarray(t_s, dtype=np.float64), self.end_s)
         return np.where(t < 0, 0.0, self.value_in(self.index(t), t))
 
-    def value_in(self, piece: NDArray[np.intp], t_s: Real) -> Real:
+    def value_in(self, piece: IndexArray, t_s: FloatArray) -> FloatArray:
         """The voltage that each `piece` has at each time, inside of it or not; arrays of one shape."""
         line = self.offsets_v[piece] + self.slopes_v_per_s[piece] * (t_s - self.starts_s[piece])
         return line + self.sinusoids(t_s, self.harmonics_v[piece])
 
-    def sinusoids(self, t_s: Real, amplitudes: Complex) -> Real:
+    def sinusoids(self, t_s: FloatArray, amplitudes: ComplexArray) -> FloatArray:
         """``Re sum_k amplitudes_k exp(2 pi i f_k t)`` for amplitudes (..., n_harmonics)."""
         if amplitudes.shape[-1:] != self.frequencies_hz.shape:
             raise InvalidParameter(
@@ -102,7 +101,7 @@ class Pieces:
         phases = np.exp(2j * np.pi * np.multiply.outer(t_s, self.frequencies_hz))
         return np.asarray((phases * amplitudes).sum(axis=-1).real, dtype=np.float64)
 
-    def jumps_v(self) -> Real:
+    def jumps_v(self) -> FloatArray:
         """(n_pieces,) jump of the voltage at the start of each piece; the first from 0."""
         index = np.arange(len(self.starts_s))
         after = self.value_in(index, self.starts_s)
@@ -176,7 +175,7 @@ def ramped(pieces: Pieces, ramp_s: float) -> Pieces:
     return _modulated(split, np.where(rising | falling, 0.5, 1.0), -swing / 2, 1 / (2 * ramp_s))
 
 
-def _modulated(pieces: Pieces, mean: Real, cosine: Complex, frequency_hz: float) -> Pieces:
+def _modulated(pieces: Pieces, mean: FloatArray, cosine: ComplexArray, frequency_hz: float) -> Pieces:
     """``v (mean + Re(cosine exp(2 pi i f t)))`` for pieces without slope; mean and cosine (n_pieces,)."""
     f_hz, c = pieces.frequencies_hz, pieces.harmonics_v
     blocks = [
@@ -188,7 +187,7 @@ def _modulated(pieces: Pieces, mean: Real, cosine: Complex, frequency_hz: float)
     return _merged(replace(pieces, offsets_v=mean * pieces.offsets_v), blocks)
 
 
-def _merged(pieces: Pieces, blocks: list[tuple[Real, Complex]]) -> Pieces:
+def _merged(pieces: Pieces, blocks: list[tuple[FloatArray, ComplexArray]]) -> Pieces:
     """Pieces with these sinusoids alone: negative frequencies turned round, those of amplitude 0 left out."""
     f_hz = np.concatenate([block[0] for block in blocks])
     c = np.concatenate([block[1] for block in blocks], axis=1)

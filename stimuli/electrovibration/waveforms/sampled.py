@@ -3,13 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.signal import resample
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
+from ...arrays import FloatArray
 from ...perception.detection import components
 from .level import LevelUnit, peak_voltage_v
 from .pieces import Pieces, straight
@@ -84,7 +84,7 @@ class Sampled:
         return straight(np.arange(len(self.shape)) / self.rate_hz, signal.samples[0])
 
 
-def strongest_hz(samples: NDArray[np.float64], rate_hz: float) -> float:
+def strongest_hz(samples: FloatArray, rate_hz: float) -> float:
     """Frequency of the strongest line of samples (n_samples,), their mean left out; 0 if there is none.
 
     >>> strongest_hz(np.cos(2 * np.pi * 30 * np.arange(400) / 400), 400.0)

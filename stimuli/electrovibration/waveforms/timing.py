@@ -1,10 +1,11 @@
 """Sample times and on and off ramps."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
+
+from ...arrays import FloatArray
 
 MOST_SAMPLES = 2**28
 
@@ -57,12 +58,12 @@ def check_pulse(where: str, width_s: float, rate_hz: float, mending: str) -> Non
         )
 
 
-def times_s(duration_s: float, rate_hz: float) -> NDArray[np.float64]:
+def times_s(duration_s: float, rate_hz: float) -> FloatArray:
     """(n_samples,) times of the samples from 0."""
     return np.arange(n_samples(duration_s, rate_hz)) / rate_hz
 
 
-def raised_cosine(n: int, n_ramp: int) -> NDArray[np.float64]:
+def raised_cosine(n: int, n_ramp: int) -> FloatArray:
     """(n,) envelope that rises from 0 over `n_ramp` samples, holds 1, and falls to 0 in the mirror image.
 
     >>> raised_cosine(6, 2).round(3).tolist()
@@ -75,7 +76,7 @@ def raised_cosine(n: int, n_ramp: int) -> NDArray[np.float64]:
     return envelope
 
 
-def ramped(shape: NDArray[np.float64], ramp_s: float, rate_hz: float) -> NDArray[np.float64]:
+def ramped(shape: FloatArray, ramp_s: float, rate_hz: float) -> FloatArray:
     """`shape` (n_samples,) with raised-cosine ramps on and off."""
     n = shape.shape[-1]
     return shape * raised_cosine(n, min(n_samples(ramp_s, rate_hz), n // 2))

@@ -9,11 +9,12 @@ from ..effect import Effect, Stage, Surroundings
 from ..stages.sampling import per_sample
 
 if TYPE_CHECKING:
+    from ...arrays import FloatArray
     from ...electrovibration.attraction.force import ForceForm
     from ...electrovibration.motion.finger import Motion
     from ...electrovibration.motion.friction import CoulombFriction
     from ...electrovibration.motion.stick_slip import DryFriction, StickSlip
-    from ...electrovibration.waveforms.pieces import Pieces, Real
+    from ...electrovibration.waveforms.pieces import Pieces
 
 
 @dataclass(frozen=True)
@@ -70,7 +71,9 @@ def _read(name: str, quantity: str) -> Stage:
     return Stage(quantity, ("motion",), quantity, f"{__name__}:read", settings)
 
 
-def slipping(force_n: float, speed_m_per_s: float) -> "Callable[[Real, Pieces, ForceForm, CoulombFriction], Motion]":
+def slipping(
+    force_n: float, speed_m_per_s: float
+) -> "Callable[[FloatArray, Pieces, ForceForm, CoulombFriction], Motion]":
     """The motion of a finger in full slip."""
     from ...electrovibration.motion.finger import Finger, sliding
 
@@ -80,7 +83,9 @@ def slipping(force_n: float, speed_m_per_s: float) -> "Callable[[Real, Pieces, F
     )
 
 
-def sticking(force_n: float, speed_m_per_s: float) -> "Callable[[Real, Pieces, ForceForm, DryFriction], StickSlip]":
+def sticking(
+    force_n: float, speed_m_per_s: float
+) -> "Callable[[FloatArray, Pieces, ForceForm, DryFriction], StickSlip]":
     """The motion of a finger that sticks and slips."""
     from ...electrovibration.motion.finger import Finger
     from ...electrovibration.motion.stick_slip import Travel, stick_slip
@@ -91,11 +96,11 @@ def sticking(force_n: float, speed_m_per_s: float) -> "Callable[[Real, Pieces, F
     )
 
 
-def read(name: str) -> "Callable[[Motion | StickSlip], Real]":
+def read(name: str) -> "Callable[[Motion | StickSlip], FloatArray]":
     """One course of a motion."""
 
-    def course(motion: "Motion | StickSlip") -> "Real":
-        values: Real = getattr(motion, name)
+    def course(motion: "Motion | StickSlip") -> "FloatArray":
+        values: FloatArray = getattr(motion, name)
         return values
 
     return course

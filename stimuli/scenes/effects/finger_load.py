@@ -12,7 +12,8 @@ from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes
 
 if TYPE_CHECKING:
-    from ..stages.contact import FloatArray, Numbers
+    from ...arrays import FloatArray
+    from ..stages.contact import Numbers
     from ..stages.motion import PlateMotion
 
 REFERENCE_FORCE_N = 2.0

@@ -10,7 +10,7 @@ from tactometry.errors import InvalidParameter
 from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
-    from ...electrovibration.waveforms.pieces import Real
+    from ...arrays import FloatArray
     from ..stages.emission import Points
 
 
@@ -59,6 +59,6 @@ def several(x_m: tuple[float, ...], y_m: tuple[float, ...]) -> "Callable[[], Poi
     return lambda: places
 
 
-def each() -> "Callable[[Real, float], Real]":
+def each() -> "Callable[[FloatArray, float], FloatArray]":
     """The displacement of every focus at a voltage."""
     return lambda values, voltage_v: values * voltage_v

@@ -10,7 +10,7 @@ from tactometry.arguments import require
 from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
-    from ..stages.emission import FloatArray
+    from ...arrays import FloatArray
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from tactometry.arguments import require
 from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
-    from ...electrovibration.attraction.polarity import Real
+    from ...arrays import FloatArray
     from ...electrovibration.motion.friction import CoulombFriction
 
 
@@ -49,7 +49,7 @@ def law(coefficient: float, load_exponent: float) -> "Callable[[], CoulombFricti
     return lambda: coulomb
 
 
-def dragged(coefficient: float, load_exponent: float, force_n: float) -> "Callable[[Real], Real]":
+def dragged(coefficient: float, load_exponent: float, force_n: float) -> "Callable[[FloatArray], FloatArray]":
     """Friction under a normal force and an attraction."""
     mu = law(coefficient, load_exponent)().coefficient_at(force_n)
     return lambda electrostatic_n: mu * (force_n + electrostatic_n)

@@ -10,9 +10,10 @@ from ..effect import Effect, Stage, Surroundings
 from ..stages.sampling import per_sample
 
 if TYPE_CHECKING:
+    from ...arrays import FloatArray
     from ...electrovibration.attraction.force import ForceForm
     from ...electrovibration.motion.friction import CoulombFriction
-    from ...electrovibration.waveforms.pieces import Pieces, Real
+    from ...electrovibration.waveforms.pieces import Pieces
 
 
 @dataclass(frozen=True)
@@ -60,7 +61,7 @@ class FrictionLag(Effect):
 
 def lagging(
     slope_hz_per_m_per_s: float, intercept_hz: float, floor_hz: float, force_n: float, speed_m_per_s: float
-) -> "Callable[[Real, Pieces, ForceForm, CoulombFriction], Real]":
+) -> "Callable[[FloatArray, Pieces, ForceForm, CoulombFriction], FloatArray]":
     """The lagging friction, exactly."""
     from ...electrovibration.motion import friction as laws
 

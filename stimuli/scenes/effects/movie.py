@@ -11,7 +11,7 @@ from ..effect import Demand, Effect, Size, Stage, Surroundings
 from ..stages.scaling import at_voltage
 
 if TYPE_CHECKING:
-    from ..stages.map import FloatArray
+    from ...arrays import FloatArray
     from ..stages.motion import PlateMotion
 
 MOST_NUMBERS = 5e7

@@ -9,7 +9,8 @@ from tactometry.arguments import require
 from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
-    from ...electrovibration.attraction.polarity import Real
+    from ...arrays import FloatArray
+
 
 NO_FLOW = "the exact motion has no term for it; remove 'polarity' or the other"
 
@@ -38,7 +39,7 @@ class Polarity(Effect):
         return (Stage("polarity", needs, "electrostatic_force_n", f"{__name__}:weighted", settings),)
 
 
-def weighted(positive_share: float) -> "Callable[[Real, Real], Real]":
+def weighted(positive_share: float) -> "Callable[[FloatArray, FloatArray], FloatArray]":
     """Forces weighted by the sign of the layer's voltage."""
     from ...electrovibration.attraction import polarity
 

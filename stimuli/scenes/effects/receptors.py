@@ -9,7 +9,7 @@ from tactometry.arguments import require
 from ..effect import Demand, Effect, Size, Stage, Surroundings
 
 if TYPE_CHECKING:
-    from ...electrovibration.waveforms.pieces import Real
+    from ...arrays import FloatArray
     from ...perception.detection import Components
 
 STEEPEST_DB_PER_HZ = 2.5
@@ -54,13 +54,13 @@ def fine_spectrum(demand: Demand) -> Size:
     return size(demand, STEEPEST_DB_PER_HZ)
 
 
-def levels(reference_force_n: float) -> "Callable[[Components], Real]":
+def levels(reference_force_n: float) -> "Callable[[Components], FloatArray]":
     """(3,): the level of each channel."""
     from ...perception.channels import channel_levels_db
 
     return lambda components: channel_levels_db(components, reference_force_n)
 
 
-def strongest() -> "Callable[[Real], float]":
+def strongest() -> "Callable[[FloatArray], float]":
     """The highest level."""
     return lambda channels_db: float(channels_db.max())

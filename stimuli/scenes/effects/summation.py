@@ -9,7 +9,7 @@ from tactometry.arguments import require
 from ..effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
-    from ...electrovibration.waveforms.pieces import Real
+    from ...arrays import FloatArray
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Summation(Effect):
         return (Stage("summation", needs, "channels_db", f"{__name__}:summed", settings),)
 
 
-def summed(reference_m2: float) -> "Callable[[Real, float], Real]":
+def summed(reference_m2: float) -> "Callable[[FloatArray, float], FloatArray]":
     """The levels of the channels, P raised by the area."""
     import numpy as np
 

@@ -9,8 +9,9 @@ from ..effect import Demand, Size, Stage
 from .sampling import per_sample
 
 if TYPE_CHECKING:
+    from ...arrays import FloatArray
     from ...electrovibration.attraction.force import ForceForm
-    from ...electrovibration.waveforms.pieces import Pieces, Real
+    from ...electrovibration.waveforms.pieces import Pieces
 
 NEEDS = ("t_s", "unit_voltage", "form")
 
@@ -39,17 +40,17 @@ def check_ramp(demand: Demand, effect: str) -> None:
         )
 
 
-def divided() -> "Callable[[Real, Pieces, ForceForm], Real]":
+def divided() -> "Callable[[FloatArray, Pieces, ForceForm], FloatArray]":
     """Layers without losses divide a voltage at any frequency alike."""
 
-    def share(t_s: "Real", voltage: "Pieces", form: "ForceForm") -> "Real":
+    def share(t_s: "FloatArray", voltage: "Pieces", form: "ForceForm") -> "FloatArray":
         gain = sum(form.relaxations.gains, start=form.relaxations.dc_gain)
         return gain * voltage.at(t_s)
 
     return share
 
 
-def relaxed() -> "Callable[[Real, Pieces, ForceForm], Real]":
+def relaxed() -> "Callable[[FloatArray, Pieces, ForceForm], FloatArray]":
     """The exact solution of the circuit."""
     from ...electrovibration.skin.solution import Solution
 

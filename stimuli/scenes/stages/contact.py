@@ -4,17 +4,15 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 
+from ...arrays import ComplexArray
 from ...time_reversal.responses.load import PlateLoad, carried
 from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import PointForce
 from .motion import PlateMotion, answer, moving, times
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 Numbers = tuple[float, ...]
 
 

@@ -4,10 +4,10 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ...time_reversal.filters import Band, GainCurve
 from ...time_reversal.focusing.focusing import reversed_waveform
 from ...time_reversal.focusing.quantiser import Analogue, Quantiser
@@ -19,7 +19,6 @@ from ...time_reversal.screen.attenuation import Attenuation
 from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import ForceSource, PointForce, border
 
-FloatArray = NDArray[np.float64]
 Points = tuple[tuple[float, float], ...]
 
 

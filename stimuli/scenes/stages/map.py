@@ -3,11 +3,9 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from .motion import PlateMotion
-
-FloatArray = NDArray[np.float64]
 
 
 def along(side_m: float, n: int) -> Callable[[], FloatArray]:

@@ -10,19 +10,16 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.errors import InvalidParameter
 
+from ...arrays import ComplexArray, FloatArray
 from ...time_reversal.oscillators.oscillators import Oscillators
 from ...time_reversal.plate.modes import Modes, values
 from ...time_reversal.responses.load import CHUNK, Receptances, contour
 from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import PointForce
 from .emission import Emission, Points
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 
 @dataclass(frozen=True, eq=False)

@@ -24,7 +24,8 @@ from typing import TYPE_CHECKING
 from ..effect import Demand, Size, Surroundings
 
 if TYPE_CHECKING:
-    from ...electrovibration.waveforms.pieces import Pieces, Real
+    from ...arrays import FloatArray
+    from ...electrovibration.waveforms.pieces import Pieces
 
 FEWEST, MOST = 16, 4_000_000
 """Samples of a record; the most take about 2 GB."""
@@ -163,7 +164,7 @@ def _leak_per_s(scene: Surroundings) -> float:
     return 1 / (VACUUM_F_PER_M * leakage.corneum_resistivity_ohm_m * permittivity)  # type: ignore[attr-defined, no-any-return]
 
 
-def grid(n_samples: int) -> "Callable[[Pieces], Real]":
+def grid(n_samples: int) -> "Callable[[Pieces], FloatArray]":
     """Equal steps from the beginning to the end of a voltage."""
     import numpy as np
 

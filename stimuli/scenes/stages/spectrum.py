@@ -13,7 +13,7 @@ from ..effect import Demand, Size
 from .sampling import samples
 
 if TYPE_CHECKING:
-    from ...electrovibration.waveforms.pieces import Real
+    from ...arrays import FloatArray
     from ...perception.detection import Components
 
 WINDOW = (0.35875, 0.48829, 0.14128, 0.01168)
@@ -57,14 +57,14 @@ def size(demand: Demand, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ) -> Size
     return Size({"padding": padding}, error, n_operations=300.0 * padding * n)
 
 
-def components_of(padding: int) -> "Callable[[Real, Real], Components]":
+def components_of(padding: int) -> "Callable[[FloatArray, FloatArray], Components]":
     """The components of a record (n_samples,) at equal steps, its mean left out."""
     import numpy as np
     from scipy.signal.windows import blackmanharris
 
     from ...perception.detection import Components
 
-    def peaks(t_s: "Real", record: "Real") -> "Components":
+    def peaks(t_s: "FloatArray", record: "FloatArray") -> "Components":
         x = record[:-1]  # a period of the transform ends before the sample that would begin the next
         window = blackmanharris(x.size, sym=False)
         lines = np.fft.rfft((x - window @ x / window.sum()) * window, padding * x.size)

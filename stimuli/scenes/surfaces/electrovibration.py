@@ -12,9 +12,10 @@ from ..stages.sampling import per_sample, record
 from ..stages.scaling import MULTIPLIED
 
 if TYPE_CHECKING:
+    from ...arrays import FloatArray
     from ...electrovibration.attraction.force import ForceForm
     from ...electrovibration.skin.skin import Skin
-    from ...electrovibration.waveforms.pieces import Pieces, Real
+    from ...electrovibration.waveforms.pieces import Pieces
     from ...electrovibration.waveforms.waveform import Waveform
     from ..effect import Demand
 
@@ -143,7 +144,7 @@ def scaled() -> "Callable[[Pieces, float], Pieces]":
     return lambda unit, peak_voltage_v: unit.scaled(peak_voltage_v)
 
 
-def sampled() -> "Callable[[Real, Pieces], Real]":
+def sampled() -> "Callable[[FloatArray, Pieces], FloatArray]":
     """A voltage at times."""
     return lambda t_s, voltage: voltage.at(t_s)
 
@@ -169,11 +170,11 @@ def constant(value: float) -> Callable[[], float]:
     return lambda: value
 
 
-def attraction() -> "Callable[[Real, ForceForm], Real]":
+def attraction() -> "Callable[[FloatArray, ForceForm], FloatArray]":
     """The force of a layer's voltage."""
     return lambda layer_v, form: form.force_n(layer_v)
 
 
-def highest() -> "Callable[[Real], float]":
+def highest() -> "Callable[[FloatArray], float]":
     """The largest value of a course."""
     return lambda course: float(course.max())

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments.annotations import UnboundedArray
 from tactometry.arguments.checked import checked
@@ -24,10 +24,9 @@ from tactometry.arguments.require import (
     positive_array,
 )
 
+from ...arrays import FloatArray
 from ..filters import Band
 from ..plate.plate import Plate
-
-FloatArray = NDArray[np.float64]
 
 CHAOTIC_KURTOSIS: Final = 2.0
 """<phi^4> / <phi^2>^2 - 1 of Gaussian shapes."""

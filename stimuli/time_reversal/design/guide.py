@@ -11,13 +11,13 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.annotations import Vector
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import given, positive
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ..filters import Band
 from ..plate.dispersion import group_velocity_m_per_s, wavenumber_rad_per_m
 from ..plate.plate import Plate
@@ -33,8 +33,6 @@ from .closed_forms import (
     resolution_m,
 )
 from .low_pass import effective_hz, passed_hz, weighted_width_m
-
-FloatArray = NDArray[np.float64]
 
 OFF: Final[Mapping[str, tuple[float, float]]] = {
     "resolution": (-0.15, 0.10),

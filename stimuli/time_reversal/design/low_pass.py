@@ -7,16 +7,14 @@ theta by W = sinc(k s cos(theta) / 2) sinc(k s sin(theta) / 2), s the side. Deri
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive
 
+from ...arrays import FloatArray
 from ..filters import Band
 from ..plate.dispersion import wavenumber_rad_per_m
 from ..plate.plate import Plate
-
-FloatArray = NDArray[np.float64]
 
 
 @checked

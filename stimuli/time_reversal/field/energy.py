@@ -1,7 +1,6 @@
 """Energy: stored in the plate, needed to deform it, and drawn by the switched piezo loads."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative, positive
@@ -11,8 +10,6 @@ from tactometry.signal import Signal
 from ..focusing.quantiser import transitions_per_s
 from ..screen.screen import Screen
 from .field import modal_amplitudes
-
-FloatArray = NDArray[np.float64]
 
 VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
 PZ27_RELATIVE_PERMITTIVITY = 1800.0

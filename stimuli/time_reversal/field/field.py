@@ -4,7 +4,6 @@ from collections.abc import Iterator, Sequence
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.annotations import Vector
 from tactometry.arguments.checked import checked
@@ -12,11 +11,11 @@ from tactometry.arguments.require import one_of, whole
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
+from ...arrays import FloatArray
 from ..oscillators.oscillators import QUANTITIES
 from ..responses.responses import chunks
 from ..screen.screen import Screen
 
-FloatArray = NDArray[np.float64]
 MAX_GRID: Final = 100_000
 Grid = tuple[Vector, Vector]
 

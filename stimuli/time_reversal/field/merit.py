@@ -6,14 +6,14 @@ Amplitude is the displacement at the focus. Contrasts are ratios of that amplitu
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.annotations import Matrix, Vector
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import ascending, between, not_negative, positive, whole, within
 from tactometry.errors import InvalidParameter
 
-FloatArray = NDArray[np.float64]
+from ...arrays import FloatArray
+
 Grid = tuple[Vector, Vector]
 
 HALF: float = 0.5

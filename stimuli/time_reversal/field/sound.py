@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments.annotations import Vector
 from tactometry.arguments.checked import checked
@@ -16,12 +16,11 @@ from tactometry.arguments.require import ascending, not_negative_array, positive
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
+from ...arrays import FloatArray
 from ..oscillators.oscillators import Oscillators
 from ..plate.plate import Plate
 from ..responses.responses import chunks
 from ..screen.screen import Screen
-
-FloatArray = NDArray[np.float64]
 
 SOUND_SPEED_M_PER_S: Final = 343.0
 AIR_DENSITY_KG_PER_M3: Final = 1.204

@@ -7,21 +7,19 @@ subset is a sum of one matrix.
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.annotations import Matrix
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import whole
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ..focusing.emission import Emission
 from ..focusing.focusing import drive
 from ..responses.responses import Point, Responses
 from ..screen.screen import Screen
 from .field import modal_amplitudes
 from .merit import HALF, width_m
-
-FloatArray = NDArray[np.float64]
 
 
 @checked

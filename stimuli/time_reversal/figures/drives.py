@@ -5,15 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from ..field.sound import NoiseSpectrum
 from ..focusing.pattern import PATTERNS, Pattern
 from ..focusing.quantiser import OneBit, PulseWidth, Quantiser, SigmaDelta
 from ..focusing.sigma_delta import modulate
 from .style import BLACK, BLUE, ORANGE, colours, label, sheet
-
-FloatArray = NDArray[np.float64]
 
 
 def quantised_sine(rate_hz: float = 1e6, frequency_hz: float = 5e3) -> Figure:

@@ -5,10 +5,10 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
 from tactometry.signal import Signal
 
+from ...arrays import FloatArray
 from ..field.field import field, grid
 from ..field.merit import width_m
 from ..filters import Band
@@ -18,8 +18,6 @@ from ..responses.decay import schroeder_db, tau_s
 from ..responses.responses import Point, Responses
 from ..screen.screen import Screen
 from .style import BLUE, DIVERGING, ORANGE, colours, label, sheet
-
-FloatArray = NDArray[np.float64]
 
 N_X, N_Y = 301, 213
 

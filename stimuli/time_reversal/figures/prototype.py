@@ -5,15 +5,13 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from ..finger.force_loss import LossRow
 from ..responses.responses import Point
 from ..screen.screen import Screen
 from ..screen.transducer import Patch
 from .style import BLACK, BLUE, ORANGE, colours, label, sheet
-
-FloatArray = NDArray[np.float64]
 
 
 def layout(screen: Screen, foci: Sequence[Point]) -> Figure:

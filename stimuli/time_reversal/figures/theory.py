@@ -4,8 +4,8 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from ..design.closed_forms import (
     Reverberation,
     analogue_amplitude_ratio,
@@ -20,7 +20,6 @@ from ..plate.plate import Plate
 from ..plate.statics import bending_stress_pa, deflection_m
 from .style import BLACK, BLUE, ORANGE, colours, label, sheet
 
-FloatArray = NDArray[np.float64]
 Measured = Sequence[tuple[float, float]]
 
 

@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative, positive, within
 
+from ...arrays import ComplexArray, FloatArray
 from ..design.closed_forms import one_bit_amplitude_ratio
 from ..focusing.emission import Emission
 from ..focusing.focusing import drive, focus_amplitude
@@ -23,9 +23,6 @@ from ..plate.plate import Plate
 from ..responses.load import Attached, PlateLoad
 from ..responses.responses import Point
 from ..screen.screen import Screen
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 REFERENCE_FORCE_N: Final = 2.0
 RESISTANCE_N_S_PER_M: Final = 10.0

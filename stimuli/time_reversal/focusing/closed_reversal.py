@@ -12,18 +12,16 @@ from typing import Final
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive, shaped
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ..oscillators.oscillators import Oscillators
 from ..plate.modes import Modes, modes_of
 from ..plate.plate import Plate
 from ..screen.attenuation import Attenuation
-
-FloatArray = NDArray[np.float64]
 
 SMALL: Final = 1e-2
 """Below this |z T| six terms of (e^{zT} - 1) / (zT) are exact to rounding."""

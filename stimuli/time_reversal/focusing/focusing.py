@@ -8,17 +8,15 @@ V g sum h^2; both identities hold to rounding.
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
+from ...arrays import FloatArray
 from ..responses.responses import Responses, samples_in
 from .quantiser import OneBit, Quantiser
-
-FloatArray = NDArray[np.float64]
 
 
 @checked

@@ -12,18 +12,17 @@ from dataclasses import replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import some, within
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ..filters import Band
 from ..plate.dispersion import wavenumber_rad_per_m
 from ..plate.plate import Plate
 from ..responses.responses import Point, Responses
-
-FloatArray = NDArray[np.float64]
 
 NOISE_SHARE: Final = 1e-4
 """Power of measurement noise relative to the responses; keeps C invertible."""

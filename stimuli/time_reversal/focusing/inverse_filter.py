@@ -8,16 +8,14 @@ responses.
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import finite_array, positive, within
 from tactometry.errors import InvalidParameter
 
+from ...arrays import ComplexArray, FloatArray
 from ..filters import Band
 from ..responses.responses import Responses, samples_in
-
-FloatArray = NDArray[np.float64]
 
 
 @checked
@@ -70,7 +68,7 @@ def inverse_filter_waveform(
     return np.asarray(np.fft.irfft(spectrum, n_fft, axis=0)[:n].T)
 
 
-def _tikhonov(transfer: NDArray[np.complex128], regularisation: float) -> NDArray[np.complex128]:
+def _tikhonov(transfer: ComplexArray, regularisation: float) -> ComplexArray:
     """(n_frequencies, n_channels, n_points): H^H (H H^H + beta I)^-1."""
     adjoint = np.conj(np.swapaxes(transfer, 1, 2))
     power = transfer @ adjoint

@@ -11,18 +11,16 @@ from dataclasses import dataclass
 from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import at_most, not_negative, one_of, positive, within
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
+from ...arrays import FloatArray, IntArray
 from ..responses.responses import MAX_SAMPLES, Responses
 from .focusing import reversed_waveform
 from .quantiser import OneBit, Quantiser
-
-FloatArray = NDArray[np.float64]
 
 LOW_HZ: Final = 200.0
 HIGH_HZ: Final = 500.0
@@ -211,7 +209,7 @@ def pattern_drive(
 
 
 @checked
-def focus_samples(pattern: Pattern, rate_hz: float, n_reversal: int) -> NDArray[np.int64]:
+def focus_samples(pattern: Pattern, rate_hz: float, n_reversal: int) -> IntArray:
     """(n_foci,): the sample of each focus in a drive with `n_reversal` samples of reversal."""
     positive("focus_samples", rate_hz=rate_hz)
     return _starts(pattern, rate_hz) + n_reversal - 1
@@ -233,7 +231,7 @@ def burst_s(weight: float, reversal_s: float, tau_s: float) -> float:
     return reversal_s if reached == 1 else -tau_s * math.log1p(-reached)
 
 
-def _starts(pattern: Pattern, rate_hz: float) -> NDArray[np.int64]:
+def _starts(pattern: Pattern, rate_hz: float) -> IntArray:
     at_most("samples of the pattern", pattern.times_s[-1] * rate_hz, MAX_SAMPLES)
     return np.round(pattern.times_s * rate_hz).astype(np.int64)
 
@@ -255,7 +253,7 @@ def _modulate(piece: FloatArray, weight: float, modulation: str, tau_s: float | 
     return np.asarray(math.copysign(1.0, weight) * piece * kept)
 
 
-def _supply(weights: FloatArray, starts: NDArray[np.int64], n: int) -> FloatArray:
+def _supply(weights: FloatArray, starts: IntArray, n: int) -> FloatArray:
     """(n_samples,): the largest magnitude of the weights whose drives are under way."""
     supply = np.zeros(int(starts[-1]) + n)
     for weight, start in zip(np.abs(weights), starts, strict=True):
@@ -263,7 +261,7 @@ def _supply(weights: FloatArray, starts: NDArray[np.int64], n: int) -> FloatArra
     return supply
 
 
-def _overlay(pieces: Sequence[FloatArray], starts: NDArray[np.int64]) -> FloatArray:
+def _overlay(pieces: Sequence[FloatArray], starts: IntArray) -> FloatArray:
     n_channels, n = pieces[0].shape
     total = np.zeros((n_channels, int(starts[-1]) + n))
     for piece, start in zip(pieces, starts, strict=True):

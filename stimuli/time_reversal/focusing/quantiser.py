@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from typing import Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.annotations import Matrix
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive, within
 from tactometry.errors import InvalidParameter, LimitExceeded
 
-FloatArray = NDArray[np.float64]
+from ...arrays import FloatArray
 
 
 @runtime_checkable

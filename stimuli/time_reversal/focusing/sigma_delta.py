@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from tactometry.arguments.require import finite_array
 from tactometry.errors import InvalidParameter
 
-FloatArray = NDArray[np.float64]
+from ...arrays import FloatArray
 
 STATE_LIMIT: Final = {1: 2.0, 2: 10.0}
 """Largest |y| of a sound modulator of each order: 2 is exact for |u| <= 1; of the second order it stays below 6 at

@@ -19,10 +19,8 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
+from ...arrays import ComplexArray, FloatArray, IntArray
 from .oscillators import Oscillators, turns
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 WIDTH: Final = 16
 """Bins of the kernel."""
@@ -144,7 +142,7 @@ def _transform(
 
 def _spread_kernel(
     oscillators: Oscillators, grid: _Grid, rate_hz: float, start: int, quantity: str
-) -> tuple[NDArray[np.int64], ComplexArray]:
+) -> tuple[IntArray, ComplexArray]:
     """(n,) first bins and (n, width) values of each mode, its phase at the middle of the signal included."""
     apart = oscillators.decay_per_s - _common_decay(oscillators)
     bins, rounded = turns(oscillators.split_rad_per_s, grid.n_fft, rate_hz)
@@ -155,7 +153,7 @@ def _spread_kernel(
     return first, -1j * oscillators.analytic(rate_hz, start + grid.middle, quantity)[:, None] * values
 
 
-def _tile(weights: FloatArray, first: NDArray[np.int64], kernel: ComplexArray, grid: _Grid) -> FloatArray:
+def _tile(weights: FloatArray, first: IntArray, kernel: ComplexArray, grid: _Grid) -> FloatArray:
     """(n_rows, n_fft): what the spread bins become in time; bins beyond 0 and Nyquist fold back, conjugate."""
     from scipy.fft import irfft
 
@@ -170,7 +168,7 @@ def _tile(weights: FloatArray, first: NDArray[np.int64], kernel: ComplexArray, g
 
 
 @njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
-def _spread(weights: FloatArray, kernel: FloatArray, first: NDArray[np.int64], wide: FloatArray) -> None:
+def _spread(weights: FloatArray, kernel: FloatArray, first: IntArray, wide: FloatArray) -> None:
     n_rows, n_modes = weights.shape
     for row in range(n_rows):
         for mode in range(n_modes):

@@ -16,8 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from tactometry.arguments.require import one_of, positive
 from tactometry.errors import InvalidParameter
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
+from ...arrays import ComplexArray, FloatArray
 
 BLOCK: Final = 64
 STILL_RAD_PER_S: Final = 1e-150

@@ -9,12 +9,9 @@ from typing import Final
 
 import numpy as np
 from numba import njit
-from numpy.typing import NDArray
 
+from ...arrays import ComplexArray, FloatArray, IntArray
 from .oscillators import Oscillators
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 SERIES_BELOW: Final = 0.5
 NEAR_CRITICAL: Final = 0.05
@@ -46,7 +43,7 @@ def linear_input(oscillators: Oscillators, step_s: float) -> FloatArray:
     return out
 
 
-def run_impulses(oscillators: Oscillators, impulses: FloatArray, rate_hz: float, keep: NDArray[np.int64]) -> FloatArray:
+def run_impulses(oscillators: Oscillators, impulses: FloatArray, rate_hz: float, keep: IntArray) -> FloatArray:
     """(n, n_kept): displacements at samples `keep` (ascending) under impulses (n, n_samples) per unit
     mass.
     """
@@ -114,7 +111,7 @@ def _exponential_input(omega: float, a: float, step_s: float) -> FloatArray:
 
 
 @njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _impulses(step: FloatArray, impulses: FloatArray, keep: NDArray[np.int64]) -> FloatArray:
+def _impulses(step: FloatArray, impulses: FloatArray, keep: IntArray) -> FloatArray:
     """Time outside, modes inside: no mode waits for another."""
     n_samples, n = impulses.shape
     out = np.zeros((len(keep), n))

@@ -3,14 +3,13 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative_array, positive, positive_array
 
+from ...arrays import FloatArray
 from .plate import Plate
-
-FloatArray = NDArray[np.float64]
 
 MINDLIN_SHEAR_FACTOR: Final = 5 / 6
 

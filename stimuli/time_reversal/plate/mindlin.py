@@ -14,8 +14,8 @@ import math
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray
 from ..rectangle.axis import LegendreAxis, orthonormal_legendre
 from .dispersion import shear_stiffness_n_per_m
 from .plate import Plate
@@ -23,7 +23,6 @@ from .plate import Plate
 if TYPE_CHECKING:
     from ..rectangle.ritz import ParityBlock
 
-FloatArray = NDArray[np.float64]
 
 BATCH: Final = 64
 """Modes whose tables of coefficients are held at a time."""

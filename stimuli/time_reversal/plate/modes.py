@@ -10,13 +10,14 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments.annotations import Vector
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import finite_array, positive, shaped
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray, IntArray
 from ..rectangle.axis import Axis, SineAxis
 from .dispersion import (
     mindlin_angular_frequency_rad_per_s,
@@ -27,7 +28,6 @@ from .plate import Plate, navier, ritz
 if TYPE_CHECKING:
     from ..rectangle.ritz import ParityBlock
 
-FloatArray = NDArray[np.float64]
 ROUNDING: Final = 1e-12
 """Of shapes with a mean square of 1: polynomials that vanish at a held edge leave up to 3e-14 there."""
 
@@ -86,8 +86,8 @@ class SeparableModes:
 
     plate: Plate
     angular_frequency_rad_per_s: FloatArray
-    m: NDArray[np.int64]
-    n: NDArray[np.int64]
+    m: IntArray
+    n: IntArray
 
     @property
     def frequency_hz(self) -> FloatArray:
@@ -129,7 +129,7 @@ class RitzModes:
     plate: Plate
     angular_frequency_rad_per_s: FloatArray
     blocks: Sequence["ParityBlock"]
-    order: NDArray[np.int64]
+    order: IntArray
 
     @property
     def frequency_hz(self) -> FloatArray:
@@ -234,9 +234,7 @@ def _draw(block: "ParityBlock", amplitude: FloatArray, x_functions: FloatArray, 
     return _drawn(np.asarray(amplitude @ block.vectors), place, x_functions, y_functions)
 
 
-def _drawn(
-    amplitude: FloatArray, place: NDArray[np.int64], x_functions: FloatArray, y_functions: FloatArray
-) -> FloatArray:
+def _drawn(amplitude: FloatArray, place: IntArray, x_functions: FloatArray, y_functions: FloatArray) -> FloatArray:
     """X A Y for amplitudes at places of the table A, the shorter product first."""
     (n_x, n_m), (n_n, n_y) = x_functions.shape, y_functions.shape
     table = np.zeros((*amplitude.shape[:-1], n_m * n_n))

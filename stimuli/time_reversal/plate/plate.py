@@ -6,19 +6,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import at_most, not_negative, positive, within
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ..rectangle.rectangle import Rectangle
 from ..rectangle.separable import Sines, sines
 
 if TYPE_CHECKING:
     from ..rectangle.ritz import ParityBlock
 
-FloatArray = NDArray[np.float64]
 
 MAX_MODES: Final = 1_000_000
 MARGIN_DEGREES: Final = 20

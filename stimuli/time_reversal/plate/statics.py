@@ -3,16 +3,15 @@
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive, whole, within
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ..rectangle.axis import SineAxis
 from .plate import Plate
-
-FloatArray = NDArray[np.float64]
 
 # of Levy's sum, and of Navier's under a patch, along each side
 N_TERMS: Final = 20_000

@@ -8,11 +8,9 @@ B_k vanishes with its slope at both ends for k >= 2; the cubics 1, s, B_0, B_1 c
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray, IntArray
 from .axis import LegendreAxis, orthonormal_legendre
-
-FloatArray = NDArray[np.float64]
 
 N_CUBICS = 4
 
@@ -22,7 +20,7 @@ class Family:
     """Functions of one parity (or of none, `parity` = -1) with the degree order used to truncate products."""
 
     axis: LegendreAxis
-    order: NDArray[np.int64]
+    order: IntArray
 
     @property
     def n(self) -> int:

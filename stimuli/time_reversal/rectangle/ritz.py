@@ -13,13 +13,10 @@ from itertools import product
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray, IntArray
 from .legendre import Family, families
 from .rectangle import Rectangle
-
-FloatArray = NDArray[np.float64]
-IntArray = NDArray[np.int64]
 
 SHIFT: Final = 1.0
 """Of the eigenvalues, whose unit is (2 / length)^4: rigid motions have a finite theta then."""

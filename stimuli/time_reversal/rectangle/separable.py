@@ -4,17 +4,17 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...arrays import FloatArray, IntArray
 from .rectangle import Rectangle
 
 
 class Sines(NamedTuple):
     """Half-waves `m` along x and `n` along y, each from 1, by ascending `wavenumber2_per_m2`."""
 
-    m: NDArray[np.int64]
-    n: NDArray[np.int64]
-    wavenumber2_per_m2: NDArray[np.float64]
+    m: IntArray
+    n: IntArray
+    wavenumber2_per_m2: FloatArray
 
 
 def sines(rectangle: Rectangle, wavenumber2_max_per_m2: float) -> Sines:

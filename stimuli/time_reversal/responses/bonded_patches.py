@@ -12,19 +12,16 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative, positive, whole, within
 
+from ...arrays import ComplexArray, FloatArray
 from ..plate.modes import laplacians
 from ..plate.plate import Plate
 from ..screen.screen import Screen
 from ..screen.transducer import DiscPatch, Patch
 from .load import Attached, PlateLoad
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 PATCH_THICKNESS_M: Final = 0.3e-3
 CERAMIC_DENSITY_KG_PER_M3: Final = 7700.0

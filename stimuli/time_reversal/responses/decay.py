@@ -9,16 +9,14 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.annotations import Unbounded, Vector
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import between, positive
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray, IndexArray
 from .responses import Responses
-
-FloatArray = NDArray[np.float64]
 
 N_BLOCKS: Final = 32
 N_LEFT_OUT: Final = 8
@@ -109,7 +107,7 @@ def tau_estimate(responses: Responses) -> TauEstimate:
 
 
 @checked
-def decay_of(energy: Vector, kept: NDArray[np.intp] | None = None) -> Decay:
+def decay_of(energy: Vector, kept: IndexArray | None = None) -> Decay:
     """Fit of the log energy (`N_BLOCKS`,) of equal blocks, from the loudest on; `kept` of them if given."""
     if len(energy) != N_BLOCKS or energy.min() < 0 or not energy.any():
         raise InvalidParameter(f"energy: found {len(energy)} blocks, expected {N_BLOCKS} of at least 0, not all zero")

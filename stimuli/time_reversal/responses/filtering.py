@@ -3,16 +3,12 @@
 from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
 from ..filters import AUDIBLE_MAX_HZ, Band, GainCurve
 from .responses import Responses
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 
 @checked

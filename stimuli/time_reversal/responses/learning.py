@@ -14,7 +14,6 @@ from pathlib import Path
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.annotations import Vector
 from tactometry.arguments.checked import checked
@@ -23,10 +22,9 @@ from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.files.durable import read_file
 from tactometry.files.samples import Npz
 
+from ...arrays import FloatArray
 from ..oscillators.oscillators import QUANTITIES
 from .responses import Responses, samples_in
-
-FloatArray = NDArray[np.float64]
 
 REGULARISATION: Final = 1e-6
 """Of the mean power of the excitation's spectrum in its band (unverified default)."""

@@ -12,19 +12,16 @@ from dataclasses import dataclass, replace
 from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.annotations import Unbounded, UnboundedComplex
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative, positive, shaped, whole
 from tactometry.errors import InvalidParameter
 
+from ...arrays import ComplexArray, FloatArray
 from ..oscillators.oscillators import Oscillators
 from ..screen.screen import Screen
 from .responses import Point, Responses, impulse_responses, values_at
-
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 
 WRAP_AROUND: Final = 1e-8
 """What is left of the response after one period of the discrete transform."""

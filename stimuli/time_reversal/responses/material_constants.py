@@ -1,16 +1,15 @@
 """Material constants of a plate from what was measured on it (thesis 3.4.2), each with a 95 % interval."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive_array
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ..plate.plate import Plate
 from .decay import TauEstimate, mean_estimate
-
-FloatArray = NDArray[np.float64]
 
 
 @checked

@@ -28,10 +28,9 @@ from tactometry.files.durable import LARGEST_BYTES, read_file
 from tactometry.files.hdf5 import as_npz
 from tactometry.files.samples import Npz, table_of_numbers, wav_of
 
+from ...arrays import FloatArray, IntArray
 from .decay import LEAST_FALL_DB, N_BLOCKS, decay_of
 from .responses import Responses
-
-FloatArray = NDArray[np.float64]
 
 CLIPPED_RUN: Final = 3
 """Equal samples at the extreme of a channel that betray clipping."""
@@ -179,7 +178,7 @@ def _kind(responses: Responses) -> tuple[float, str, tuple[int, ...]]:
     return responses.rate_hz, responses.quantity, responses.samples.shape[1:]
 
 
-def _longest_run_at_peak(h: FloatArray) -> NDArray[np.int64]:
+def _longest_run_at_peak(h: FloatArray) -> IntArray:
     """(n_points, n_channels): most consecutive samples at the extreme value of their channel."""
     at_peak = np.abs(h) >= np.abs(h).max(axis=2, keepdims=True) * (1 - 1e-9)
     run = np.zeros(h.shape[:2], np.int64)

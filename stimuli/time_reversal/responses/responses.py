@@ -5,17 +5,16 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import one_of, whole
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ..oscillators.oscillators import QUANTITIES, check_sampling
 from ..plate.modes import values
 from ..screen.screen import Screen
 
-FloatArray = NDArray[np.float64]
 Point = tuple[float, float]
 
 CHUNK: Final = 16_384

@@ -4,14 +4,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from tactometry.arguments.annotations import Unbounded
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative, not_negative_array, positive
 from tactometry.errors import InvalidParameter
 
-FloatArray = NDArray[np.float64]
+from ...arrays import FloatArray
 
 
 @checked

@@ -5,20 +5,16 @@ from dataclasses import dataclass
 from functools import lru_cache
 from typing import Final
 
-import numpy as np
-from numpy.typing import NDArray
-
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import some
 
+from ...arrays import FloatArray
 from ..oscillators.oscillators import Oscillators
 from ..plate.glass import A4_SCREEN
 from ..plate.modes import Modes, modes_of
 from ..plate.plate import Plate
 from .attenuation import Attenuation
 from .transducer import ForceSource, border, modal_forces
-
-FloatArray = NDArray[np.float64]
 
 
 @checked

@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import positive, some, whole
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ..plate.modes import Modes, laplacians, values
 from ..plate.plate import Plate
-
-FloatArray = NDArray[np.float64]
 
 MOMENT_N_PER_V: Final = 8.2e-4
 """Bending moment per length and volt of a patch; unverified default, set so that

@@ -6,7 +6,6 @@ from math import inf
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.annotations import Vector
 from tactometry.arguments.checked import checked
@@ -15,13 +14,12 @@ from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
+from ...arrays import ComplexArray, FloatArray, IntArray
 from ..finger.finger import FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Finger
 from ..focusing.focusing import emitted
 from ..responses.load import PlateLoad, Receptances, contour
 from ..responses.responses import values_at
 from .setup import Setup
-
-FloatArray = NDArray[np.float64]
 
 N_CACHED: Final = 32
 APART_S: Final = 1e-3
@@ -167,7 +165,7 @@ def events(displacement_m: Vector, rate_hz: float) -> tuple[FloatArray, FloatArr
     positive("events", rate_hz=rate_hz)
     magnitude = np.abs(np.concatenate([[0.0], displacement_m, [0.0]]))
     apart = max(round(APART_S * rate_hz), 1)
-    index: NDArray[np.int64] = find_peaks(magnitude, height=FAINT * magnitude.max(), distance=apart)[0]
+    index: IntArray = find_peaks(magnitude, height=FAINT * magnitude.max(), distance=apart)[0]
     return np.asarray((index - 1) / rate_hz, float), np.asarray(magnitude[index])
 
 
@@ -220,7 +218,7 @@ def _free_displacement(keyed: Keyed, setup: Setup, at_m: tuple[float, float]) ->
 
 
 @lru_cache(maxsize=N_CACHED)
-def _receptance(setup: Setup, at_m: tuple[float, float], n_samples: int) -> NDArray[np.complex128]:
+def _receptance(setup: Setup, at_m: tuple[float, float], n_samples: int) -> ComplexArray:
     s, _, _ = contour(n_samples, setup.rate_hz)
     screen = setup.screen
     at = values_at(screen, [at_m], setup.modes_to_hz)

@@ -6,12 +6,12 @@ from math import inf
 from typing import Final, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.checked import checked
 from tactometry.contact import Contact
 from tactometry.signal import Signal
 
+from ...arrays import ComplexArray, FloatArray
 from ..finger.contactor import FINGER_DIAMETER_M, Contactor
 from ..focusing.focusing import emitted
 from ..responses.load import PlateLoad, Receptances, carried, contour
@@ -19,8 +19,6 @@ from ..responses.responses import impulse_responses, values_at
 from .sensation import Keyed
 from .setup import Setup
 
-FloatArray = NDArray[np.float64]
-ComplexArray = NDArray[np.complex128]
 Places = tuple[tuple[float, float], ...]
 
 N_CACHED: Final = 32

@@ -1,0 +1,9 @@
+"""What arrays hold."""
+
+import numpy as np
+from numpy.typing import NDArray
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+IntArray = NDArray[np.int64]
+IndexArray = NDArray[np.intp]
