@@ -11,7 +11,7 @@ from .phases import Heights, Phases
 Bare = tuple[Any, ...]
 
 
-class Plan(NamedTuple):
+class DrivenPlan(NamedTuple):
     """A driven linear system over time, for any heights.
 
     The nodes that were asked for, the first node of each piece, and whether the circuit has a line and a slope among
@@ -30,7 +30,7 @@ class Plan(NamedTuple):
     drives: FloatArray
 
 
-class Sliding(NamedTuple):
+class FullSlip(NamedTuple):
     """A finger in full slip: its pad, the coefficient of friction and the force that presses it."""
 
     mass_kg: float
@@ -85,7 +85,7 @@ def relax(low: int, high: int, slope: float, phases: Phases, at: int, free: Floa
 
 
 @compiled
-def states(heights: Heights, plan: Plan) -> FloatArray:
+def states(heights: Heights, plan: DrivenPlan) -> FloatArray:
     """States (n_states, n_nodes) of a circuit, in the order of `Circuit`; each inner loop runs over a piece's nodes."""
     phases, first = plan.phases, plan.first
     n_relax, n_turns = len(phases.decay), phases.turns.shape[1]
@@ -109,7 +109,7 @@ def states(heights: Heights, plan: Plan) -> FloatArray:
 
 
 @compiled
-def march(z: FloatArray, newton: float, plan: Plan) -> FloatArray:
+def march(z: FloatArray, newton: float, plan: DrivenPlan) -> FloatArray:
     """``x_(i+1) = map x_i + newton drive P(z_i)`` from 0, (n, n_nodes): P the products of z, upper triangle."""
     kinds, maps, drives = plan.kinds, plan.maps, plan.drives
     n, n_nodes = maps.shape[1], z.shape[1]
@@ -130,28 +130,28 @@ def march(z: FloatArray, newton: float, plan: Plan) -> FloatArray:
     return path
 
 
-def respond(newton: float, heights: Heights, plan: Plan) -> FloatArray:
+def respond(newton: float, heights: Heights, plan: DrivenPlan) -> FloatArray:
     """Driven states (n, n_wanted) under the force ``newton u^2``, u the linear form of the circuit's states."""
     return _respond(newton, tuple(heights), _bare(plan))
 
 
-def slide(newton: float, finger: Sliding, heights: Heights, plan: Plan) -> FloatArray:
+def slide(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan) -> FloatArray:
     """Rows of `Motion`, (5, n_wanted): electrostatic and lateral force, deflection and its two derivatives."""
     return _slide(newton, tuple(finger), tuple(heights), _bare(plan))
 
 
-def slide_many(newton: float, finger: Sliding, heights: Heights, plan: Plan) -> FloatArray:
+def slide_many(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan) -> FloatArray:
     """`slide` for heights with a first axis (n_stimuli,): (5, n_stimuli, n_wanted)."""
     return _slide_many(newton, tuple(finger), tuple(heights), _bare(plan))
 
 
-def _bare(plan: Plan) -> Bare:
+def _bare(plan: DrivenPlan) -> Bare:
     return (tuple(plan.phases), *plan[1:])
 
 
 @compiled
-def _plan(bare: Bare) -> Plan:
-    return Plan(Phases(*bare[0]), *bare[1:])
+def _plan(bare: Bare) -> DrivenPlan:
+    return DrivenPlan(Phases(*bare[0]), *bare[1:])
 
 
 @entry
@@ -162,7 +162,7 @@ def _respond(newton: float, heights: Bare, plan: Bare) -> FloatArray:
 
 @entry
 def _slide(newton: float, finger: Bare, heights: Bare, plan: Bare) -> FloatArray:
-    return _slid(newton, Sliding(*finger), Heights(*heights), _plan(plan))
+    return _slid(newton, FullSlip(*finger), Heights(*heights), _plan(plan))
 
 
 @entry
@@ -171,12 +171,12 @@ def _slide_many(newton: float, finger: Bare, heights: Bare, plan: Bare) -> Float
     whole = _plan(plan)
     rows = np.empty((5, len(offsets), len(whole.wanted)))
     for s in range(len(offsets)):
-        rows[:, s] = _slid(newton, Sliding(*finger), Heights(offsets[s], slopes[s], amplitudes[s]), whole)
+        rows[:, s] = _slid(newton, FullSlip(*finger), Heights(offsets[s], slopes[s], amplitudes[s]), whole)
     return rows
 
 
 @compiled
-def _slid(newton: float, finger: Sliding, heights: Heights, plan: Plan) -> FloatArray:
+def _slid(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan) -> FloatArray:
     m, c, k, mu, force_n = finger
     z = states(heights, plan)
     path, rows = march(z, mu * newton, plan), np.empty((5, len(plan.wanted)))

@@ -24,7 +24,7 @@ from .lift import LinearSystem, flow, pairs
 from .phases import Heights, heights, moving, nodes_of, phases
 
 if TYPE_CHECKING:
-    from .compiled_loops import Plan
+    from .compiled_loops import DrivenPlan
 
 Kind = tuple[float, tuple[bool, ...]]
 """Length of an interval and which relaxations move in it."""
@@ -91,9 +91,9 @@ class Timing:
 
 
 @lru_cache(maxsize=256)
-def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> "Plan":
+def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> "DrivenPlan":
     """The plan of a timing, made once: nodes, decays, turns and exponentials."""
-    from .compiled_loops import Plan
+    from .compiled_loops import DrivenPlan
 
     check_times(timing.t_s, timing.pieces)
     nodes = nodes_of(timing.pieces, relaxations, timing.t_s)
@@ -106,7 +106,7 @@ def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> "
     whole = Circuit(relaxations, tuple(timing.pieces.frequencies_hz.tolist()), timing.has_slope, all_moving)
     maps, drives = _maps(whole, system, groups)
     wanted = np.searchsorted(nodes, timing.t_s)
-    return Plan(shared, wanted, first, whole.has_line, whole.has_slope, whole.output(), kinds, maps, drives)
+    return DrivenPlan(shared, wanted, first, whole.has_line, whole.has_slope, whole.output(), kinds, maps, drives)
 
 
 def _check_resolved(system: LinearSystem, longest_s: float) -> None:

@@ -22,7 +22,7 @@ from .pad import CUTOFF_HZ_S_PER_M, MASS_KG_PER_M_PER_S, STIFFNESS_N_S_PER_M2
 from .phases import heights
 
 if TYPE_CHECKING:
-    from .compiled_loops import Sliding
+    from .compiled_loops import FullSlip
 
 
 @dataclass(frozen=True)
@@ -145,11 +145,11 @@ def sliding_many(
     return Motion(t, *slide_many(form.newton_per_v2, pressed, voltages, plan))
 
 
-def _loaded(finger: Finger, friction: CoulombFriction, force_n: float) -> "Sliding":
-    from .compiled_loops import Sliding
+def _loaded(finger: Finger, friction: CoulombFriction, force_n: float) -> "FullSlip":
+    from .compiled_loops import FullSlip
 
     pad = finger.mass_kg, finger.damping_n_s_per_m, finger.stiffness_n_per_m
-    return Sliding(*pad, friction.coefficient_at(force_n), force_n)
+    return FullSlip(*pad, friction.coefficient_at(force_n), force_n)
 
 
 def _check_kinds(owner: str, form: object, finger: object, friction: object) -> None:

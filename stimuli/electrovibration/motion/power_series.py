@@ -55,7 +55,7 @@ class Contact(NamedTuple):
     acceleration_m_per_s2: float
 
 
-class Circuit(NamedTuple):
+class CircuitState(NamedTuple):
     """The circuit at one instant, changed in place: value and slope of the line, sinusoids, relaxations."""
 
     line: FloatArray
@@ -72,7 +72,7 @@ class Series(NamedTuple):
     stretch: FloatArray
 
 
-class Skin(NamedTuple):
+class SkinState(NamedTuple):
     """Deflection of the skin and its rate, the direction of slip (0: stuck), and the time."""
 
     stretch_m: float
@@ -116,7 +116,7 @@ def _falls(c: FloatArray) -> float:
 
 
 @compiled
-def _force_series(circuit: Circuit, layers: Layers, moves: NDArray[np.bool_], h: float, series: Series) -> None:
+def _force_series(circuit: CircuitState, layers: Layers, moves: NDArray[np.bool_], h: float, series: Series) -> None:
     """Coefficients of the relaxations and of the force in powers of time over `h`."""
     gains, dc_gain, rates, omegas, responses, _ = layers
     level, slope, states = circuit.line[0], circuit.line[1], series.relaxed
@@ -156,7 +156,7 @@ def _square(c: FloatArray, factor: float, out: FloatArray) -> None:
 
 
 @compiled
-def _push_series(skin: Skin, contact: Contact, series: Series) -> None:
+def _push_series(skin: SkinState, contact: Contact, series: Series) -> None:
     """What drives a skin that slips: friction, and the inertia of a finger that speeds up."""
     friction = skin.direction * contact.kinetic
     push, force = series.push, series.force
@@ -166,7 +166,7 @@ def _push_series(skin: Skin, contact: Contact, series: Series) -> None:
 
 
 @compiled
-def _slip_series(skin: Skin, contact: Contact, h: float, series: Series) -> None:
+def _slip_series(skin: SkinState, contact: Contact, h: float, series: Series) -> None:
     """``m s'' + c s' + k s = push`` from ``s, s'`` in powers of time over `h`."""
     m, c, k = contact.mass_kg, contact.damping_n_s_per_m, contact.stiffness_n_per_m
     push, out = series.push, series.stretch
@@ -177,7 +177,7 @@ def _slip_series(skin: Skin, contact: Contact, h: float, series: Series) -> None
 
 
 @compiled
-def _stick_series(skin: Skin, contact: Contact, h: float, series: Series) -> None:
+def _stick_series(skin: SkinState, contact: Contact, h: float, series: Series) -> None:
     """The skin goes with the finger."""
     out = series.stretch
     out[:] = 0.0
@@ -185,7 +185,7 @@ def _stick_series(skin: Skin, contact: Contact, h: float, series: Series) -> Non
 
 
 @compiled
-def _breaks_loose(skin: Skin, contact: Contact, h: float, stretch: FloatArray, limit: FloatArray) -> float:
+def _breaks_loose(skin: SkinState, contact: Contact, h: float, stretch: FloatArray, limit: FloatArray) -> float:
     """Where the friction that a stuck finger asks for, ``k s + c V``, passes the limit, in units of `h`."""
     asked = contact.stiffness_n_per_m * stretch
     asked[0] += contact.damping_n_s_per_m * skin.rate_m_per_s
@@ -194,7 +194,7 @@ def _breaks_loose(skin: Skin, contact: Contact, h: float, stretch: FloatArray, l
 
 
 @compiled
-def _comes_to_rest(skin: Skin, contact: Contact, h: float, stretch: FloatArray) -> float:
+def _comes_to_rest(skin: SkinState, contact: Contact, h: float, stretch: FloatArray) -> float:
     """Where the skin is as fast as the finger that slips over it, in units of `h`."""
     ahead, direction = np.zeros(DEGREE + 1), skin.direction
     ahead[0], ahead[1] = direction * _speed(contact, skin.time_s), direction * contact.acceleration_m_per_s2 * h
@@ -222,20 +222,20 @@ def _speed(contact: Contact, time: float) -> float:
 
 
 @compiled
-def _asked(skin: Skin, contact: Contact) -> float:
+def _asked(skin: SkinState, contact: Contact) -> float:
     """The friction that holds the skin to the finger."""
     return contact.stiffness_n_per_m * skin.stretch_m + contact.damping_n_s_per_m * _speed(contact, skin.time_s)
 
 
 @compiled
-def _changed(skin: Skin, contact: Contact) -> Skin:
+def _changed(skin: SkinState, contact: Contact) -> SkinState:
     """From slip to stick, or from stick to slip where friction pulls: there the skin is as fast as the finger."""
     direction = 0.0 if skin.direction != 0 else (1.0 if _asked(skin, contact) > 0 else -1.0)
-    return Skin(skin.stretch_m, _speed(contact, skin.time_s), direction, skin.time_s)
+    return SkinState(skin.stretch_m, _speed(contact, skin.time_s), direction, skin.time_s)
 
 
 @compiled
-def _row(skin: Skin, contact: Contact, series: Series) -> tuple[float, float, float, float, float, float]:
+def _row(skin: SkinState, contact: Contact, series: Series) -> tuple[float, float, float, float, float, float]:
     """A row of the first result of `flow`."""
     s, rate, direction, force = skin.stretch_m, skin.rate_m_per_s, skin.direction, series.force[0]
     if direction == 0:
@@ -245,7 +245,7 @@ def _row(skin: Skin, contact: Contact, series: Series) -> tuple[float, float, fl
 
 
 @compiled
-def _settle(i: int, free: FloatArray, heights: Heights, phases: Phases, circuit: Circuit) -> None:
+def _settle(i: int, free: FloatArray, heights: Heights, phases: Phases, circuit: CircuitState) -> None:
     """The circuit at node i, from the free decays at the start of its piece."""
     piece = phases.piece[i]
     slope = heights.slopes[piece]
@@ -258,7 +258,7 @@ def _settle(i: int, free: FloatArray, heights: Heights, phases: Phases, circuit:
 
 
 @compiled
-def _go_on(circuit: Circuit, layers: Layers, series: Series, reached: float, passed: float) -> None:
+def _go_on(circuit: CircuitState, layers: Layers, series: Series, reached: float, passed: float) -> None:
     """The circuit behind `reached` of a step, which is the time `passed`."""
     for m in range(len(layers.gains)):
         circuit.relaxed[m] = _value(series.relaxed[m], reached)
@@ -268,7 +268,7 @@ def _go_on(circuit: Circuit, layers: Layers, series: Series, reached: float, pas
 
 
 @compiled
-def _next_event(skin: Skin, contact: Contact, h: float, series: Series, limit: FloatArray) -> float:
+def _next_event(skin: SkinState, contact: Contact, h: float, series: Series, limit: FloatArray) -> float:
     """The series of the skin over a step, and where in units of `h` its next event is; 2 if it has none."""
     if skin.direction == 0:
         _stick_series(skin, contact, h, series)
@@ -278,10 +278,10 @@ def _next_event(skin: Skin, contact: Contact, h: float, series: Series, limit: F
 
 
 @compiled
-def _empty(layers: Layers) -> tuple[Circuit, Series]:
+def _empty(layers: Layers) -> tuple[CircuitState, Series]:
     """Room for the circuit and its series."""
     n, width = len(layers.gains), DEGREE + 1
-    circuit = Circuit(np.zeros(2), np.zeros(len(layers.omegas), np.complex128), np.zeros(n))
+    circuit = CircuitState(np.zeros(2), np.zeros(len(layers.omegas), np.complex128), np.zeros(n))
     return circuit, Series(np.zeros((n, width)), np.zeros(width), np.zeros(width), np.zeros(width))
 
 
@@ -312,28 +312,28 @@ def _flow(
     out, events = np.zeros((len(phases.piece), 6)), np.empty((most[0], 2))
     piece, lengths, longest, moves = phases.piece, steps.lengths, steps.longest, steps.moves
     (circuit, series), free = _empty(layers), np.zeros(len(layers.gains))
-    skin, held, n_events, n_here, n_steps = Skin(start, contact.speed_m_per_s, 0.0, 0.0), -1, 0, 0, 0
+    skin, held, n_events, n_here, n_steps = SkinState(start, contact.speed_m_per_s, 0.0, 0.0), -1, 0, 0, 0
     for i in range(len(phases.piece)):
         while held < piece[i]:
             held += 1
             enter(held, i, heights, phases, free)
         _settle(i, free, heights, phases, circuit)
-        rest, told = lengths[i] if i < len(lengths) else 0.0, False
-        while rest > 0 or not told:
+        rest, noted = lengths[i] if i < len(lengths) else 0.0, False
+        while rest > 0 or not noted:
             h = min(rest, longest[0 if skin.direction == 0 else 1, i])
             unit, n_steps = max(h, 1e-300), n_steps + 1
             _force_series(circuit, layers, moves[i], unit, series)
             limit = _strongest(contact, series.force)
             if skin.direction == 0:
-                skin = Skin(skin.stretch_m, _speed(contact, skin.time_s), 0.0, skin.time_s)
+                skin = SkinState(skin.stretch_m, _speed(contact, skin.time_s), 0.0, skin.time_s)
                 if abs(_asked(skin, contact)) > limit[0] * (1 + 1e-14) and n_events < most[0]:
                     skin = _changed(skin, contact)
                     events[n_events] = skin.time_s, skin.direction
                     n_events, n_here = n_events + 1, n_here + 1
                     continue  # a step of one that slips may be shorter
             _push_series(skin, contact, series)
-            if not told:
-                out[i], told = _row(skin, contact, series), True
+            if not noted:
+                out[i], noted = _row(skin, contact, series), True
             if rest <= 0:
                 break
             place = _next_event(skin, contact, unit, series, limit)
@@ -343,7 +343,7 @@ def _flow(
             rest = rest - passed if place <= 1 else (0.0 if h >= rest else rest - h)
             n_here = n_here if passed <= 1e-14 * skin.time_s else 0
             rate = _slope(series.stretch, reached) / unit
-            skin = Skin(_value(series.stretch, reached), rate, skin.direction, skin.time_s + passed)
+            skin = SkinState(_value(series.stretch, reached), rate, skin.direction, skin.time_s + passed)
             if place <= 1 and n_events < most[0]:
                 skin = _changed(skin, contact)
                 events[n_events] = skin.time_s, skin.direction
