@@ -146,6 +146,7 @@ def _reason(state: BlockState) -> str:
 
 def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: TrialOutcome, reply: Reply) -> Trial:
     """The row of a reply."""
+    # Where no touch is the one whose level counts, the first stands for the trial.
     felt = outcome.stimulus or next(iter(outcome.touches), None)
     return Trial(
         block=number,

@@ -28,6 +28,7 @@ def williams_square(n: int) -> list[list[int]]:
         If `n` is below 1.
     """
     whole("williams_square", lowest=1, n=n)
+    # 0, 1, n - 1, 2, n - 2, ...: its steps are all different, so that every pair of neighbours comes once.
     zigzag = [(k + 1) // 2 if k % 2 else (n - k // 2) % n for k in range(n)]
     rows = [[(start + step) % n for step in zigzag] for start in range(n)]
     return rows + [row[::-1] for row in rows] if n % 2 and n > 1 else rows
@@ -148,7 +149,8 @@ class Crossing(Generic[T]):
         order = ORDERS[rule](len(levels), row, rng)
         n_round, turn = divmod(row, n_orders(rule, len(levels)))
         for position, index in enumerate(order):
-            yield from self._inner(faster, {**outer, name: levels[index]}, n_round + turn * len(order) + position, rng)
+            inner_row = n_round + turn * len(order) + position
+            yield from self._inner(faster, {**outer, name: levels[index]}, inner_row, rng)
 
     def _levels(self, name: str, outer: Mapping[str, T]) -> Sequence[T]:
         given = (

@@ -217,8 +217,9 @@ class TableModel:
                 "where the table has chances"
             )
         place = float(np.interp(level, self.levels, range(len(self.levels))))
-        low, part = math.floor(place), place % 1
-        probabilities = (1 - part) * self.table[outcome, low] + part * self.table[outcome, math.ceil(place)]
+        low, beyond = math.floor(place), place % 1
+        # At the last level floor and ceiling are the same row, and no row beyond the table is read.
+        probabilities = (1 - beyond) * self.table[outcome, low] + beyond * self.table[outcome, math.ceil(place)]
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(probabilities).ravel(), dtype=np.float64)
 
@@ -236,7 +237,7 @@ def _check_parameters(owner: str, parameters: Mapping[str, tuple[float, ...]]) -
 
 
 def _check_sum(total: Array, level: float) -> None:
-    if not (np.abs(total - 1) <= 1e-9).all():
+    if not (np.abs(total - 1) <= 1e-9).all():  # negated, so that NaN is refused too
         worst = float(total.flat[int(np.abs(total - 1).argmax())])
         raise InvalidParameter(
             f"model: found chances at level {level:g} that add up to {worst:g}, expected 1 over all outcomes"

@@ -101,6 +101,7 @@ class ParameterGrid:
         z = shape.z50 + distances[..., None] / np.asarray(self.widths) * shape.z_width
         log_s = (shape.log_cdf if outcome else shape.log_sf)(z)
         s, floor, span = np.exp(log_s), guess if outcome else lapse, 1 - guess - lapse
+        # span s + floor for every pair of rates, as one product of matrices.
         with np.errstate(divide="ignore"):
             mixed = np.log(np.stack([s, np.ones_like(s)], axis=-1) @ np.stack([span, floor]))
         no_floor = floor == 0
@@ -162,7 +163,7 @@ class MixtureLikelihoods:
     def total(self, weights: Array) -> Array:
         slopes, floors, masses = self.mixed(weights)
         yes = self.sigmoid.reshape(len(self.levels), -1) @ slopes.ravel() + floors.sum()
-        return np.array([masses.sum() - yes, yes])
+        return np.array([masses.sum() - yes, yes])  # weights need not sum to 1: they may be moments
 
     def joint(self, weights: Array) -> Array:
         slopes, floors, masses = self.mixed(weights)
@@ -198,6 +199,7 @@ class MixtureLikelihoods:
         if self.steps is None:
             distances = self.grid.distances(self.levels)
             return np.stack([self.grid.certainty(column).reshape(-1, self.grid.size[1]) for column in distances.T])
+        # Backwards, so that a window runs along the levels; its first one is then that of the last threshold.
         table = self.grid.certainty(self.steps[::-1]).reshape(len(self.steps), -1)
         windows = np.lib.stride_tricks.sliding_window_view(table, len(self.levels), axis=0)
         return windows.transpose(0, 2, 1)[::-1]
@@ -209,8 +211,8 @@ class MixtureLikelihoods:
         by_threshold = weights.reshape(len(self.grid.thresholds), -1, 1)
         total = np.zeros(len(self.levels))
         for n in range(0, by_threshold.shape[1], BLOCK):
-            part = np.matmul(self.costs[:, :, n : n + BLOCK], by_threshold[:, n : n + BLOCK])
-            total += part[..., 0].sum(axis=0)
+            of_block = np.matmul(self.costs[:, :, n : n + BLOCK], by_threshold[:, n : n + BLOCK])
+            total += of_block[..., 0].sum(axis=0)
         return total
 
 

@@ -124,6 +124,7 @@ class Quest(WeighingRule):
     @cached_property
     def thresholds(self) -> Array:
         """The grid: whole steps from `low`, `high` the last if a step falls on it, (n_thresholds,)."""
+        # Whole steps may divide to just less than a whole number: 0.3 / 0.1 does.
         n_steps = math.floor((self.high - self.low) / self.step * (1 + 1e-12))
         return np.asarray(self.low + self.step * np.arange(n_steps + 1), dtype=np.float64)
 
@@ -132,6 +133,7 @@ class Quest(WeighingRule):
         """The same functions by their half points."""
         gumbel, scale = shape_named("gumbel"), self.decade / (self.slope * math.log(10))
         unscaled = (self.target - self.guess_rate) / (1 - self.guess_rate - self.lapse_rate)
+        # log(-log(1 - p)) is a straight line over the level: a step of `scale` for each unit.
         to_half = (math.log(math.log(2)) - math.log(-math.log1p(-unscaled))) * scale
         half = tuple(float(threshold) + to_half for threshold in self.thresholds)
         return ParameterGrid(half, (gumbel.z_width * scale,), (self.guess_rate,), (self.lapse_rate,))

@@ -167,6 +167,8 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
         if self.rule.criterion == "variance":
             return self._variance()
         likelihoods, weights = self.rule.likelihoods, self.state.weights
+        # No posterior of a possible answer is needed: H(cell | answer) = H(cell) + H(answer | cell) - H(answer), and
+        # of the threshold alone H(threshold | answer) = H(threshold, answer) - H(answer).
         spread = _sum_p_log_p(likelihoods.total(weights))
         if self.rule.aim == "threshold":
             return np.asarray(spread - _sum_p_log_p(likelihoods.joint(weights)).sum(axis=1), dtype=np.float64)
@@ -189,7 +191,7 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
 
     def _variance_of(self, axis: Array) -> Array:
         weights = self.state.weights
-        away = axis - float(weights @ axis)
+        away = axis - float(weights @ axis)  # about the mean, so that the difference of squares keeps its digits
         mass, first, second = (self.rule.likelihoods.total(weights * away**power) for power in range(3))
         left: Array = second - first**2 / np.where(mass > 0, mass, 1.0)
         return np.asarray(np.where(mass > 0, left, 0.0).sum(axis=0), dtype=np.float64)

@@ -108,7 +108,7 @@ class QuestPlusSettings:
             raise InvalidParameter(
                 f"QuestPlusSettings.width_prior_factor: found {factor!r:.60}, expected a number above 1"
             )
-        middle = math.sqrt(widths[0]) * math.sqrt(widths[-1])
+        middle = math.sqrt(widths[0]) * math.sqrt(widths[-1])  # roots first: the product may leave the floats
         return tuple(math.exp(-0.5 * (math.log(width / middle) / math.log(factor)) ** 2) for width in widths)
 
     def _levels(self) -> tuple[float, ...]:
@@ -206,7 +206,7 @@ def psi(
     'quest_plus'
     """
     numbers("psi.sds", sds)
-    sd_to_width = 2 * 1.6448536269514722
+    sd_to_width = 2 * 1.6448536269514722  # from the 0.05 to the 0.95 point of the normal
     widths = tuple(sd_to_width * sd for sd in sds)
     grid = ParameterGrid(thresholds, widths, (guess_rate,), (lapse_rate,), shape="normal")
     return QuestPlus(levels, grid, n_trials=n_trials, sd_stop=sd_stop, aim=aim)

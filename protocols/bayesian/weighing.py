@@ -85,6 +85,7 @@ class WeighingRun(Run[RuleT]):
         converged = sd_stop is not None and self.threshold_sd <= sd_stop
         if not (last or converged):
             return None
+        # At an end of the grid a small spread is the grid's own: the run is censored, however it ended.
         return edge(self.rule.thresholds, self.marginal_of_threshold) or ("converged" if converged else "trials")
 
     def _estimate(self) -> RuleThreshold:

@@ -83,7 +83,7 @@ class ConstantStimuliRun(Run[ConstantStimuli], FixedOrder):
 
     @property
     def level(self) -> float:
-        return self.order[min(self.n_done, len(self.order) - 1)]
+        return self.order[min(self.n_done, len(self.order) - 1)]  # a run that has ended still has a level
 
     @property
     def ended(self) -> Ending | None:

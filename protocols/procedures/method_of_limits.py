@@ -78,6 +78,7 @@ class MethodOfLimits(Rule["MethodOfLimitsRun"]):
 
     @property
     def n_steps(self) -> int:
+        # Whole steps may divide to just less than a whole number: 0.3 / 0.1 does.
         return math.floor((self.high - self.low) / self.step * (1 + 1e-12))
 
     @property
@@ -115,7 +116,7 @@ class MethodOfLimitsRun(Run[MethodOfLimits]):
     @property
     def level(self) -> float:
         rule = self.rule
-        series = min(len(self.transitions), rule.n_series - 1)
+        series = min(len(self.transitions), rule.n_series - 1)  # a run that has ended still has a level
         steps = min(self.starts[series] + self.n_in_series, rule.n_steps)
         return rule.low + rule.step * (steps if self.ascending else rule.n_steps - steps)
 
@@ -137,6 +138,7 @@ class MethodOfLimitsRun(Run[MethodOfLimits]):
 
     def _updated(self) -> Self:
         """The next level of the series, or the first of the next one."""
+        # Rising levels change the answer to 1, falling ones to 0.
         if self.responses[-1] == self.ascending or self._at_last():
             return replace(self, transitions=(*self.transitions, self._transition()), n_in_series=0)
         return replace(self, n_in_series=self.n_in_series + 1)

@@ -26,5 +26,5 @@ def after_answer(
     (True, False)
     """
     moved = procedures[index].after(response, delivered)
-    others = (each.learning_from(moved) if isinstance(each, Sharing) else each for each in procedures)
+    others = (other.learning_from(moved) if isinstance(other, Sharing) else other for other in procedures)
     return tuple(moved if n == index else other for n, other in enumerate(others))

@@ -168,7 +168,7 @@ class StaircaseRun(Run[UpDown]):
         return None if censored or len(kept) < 2 else fmean(kept)
 
     def _late_reversals(self, discard: int = 2) -> tuple[float, ...]:
-        return self.reversals[discard + (len(self.reversals) - discard) % 2 :]
+        return self.reversals[discard + (len(self.reversals) - discard) % 2 :]  # as many peaks as valleys
 
     def _estimate(self) -> RuleThreshold:
         """`mean_of_reversals` without the first two."""
