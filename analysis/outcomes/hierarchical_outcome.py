@@ -78,19 +78,20 @@ def group_fit(found: Sequence[Cell], factors: Sequence[str], n_choices: int, uni
         width_by=varied if curve.has_difference else (),
         **(WITHOUT_LAPSES if curve.has_difference else curve.options(n_choices, unit)),
     )
-    return _told(task, fit, varied, table)
+    return _outcome(task, fit, varied, table)
 
 
 def _without(task: str, note: str) -> HierarchicalOutcome:
     return HierarchicalOutcome(task, None, note, pd.DataFrame(), pd.DataFrame())
 
 
-def _told(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> HierarchicalOutcome:
-    own = (fit.conditions, fit.participants)
+def _outcome(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> HierarchicalOutcome:
     if fit.status not in HAS_FIT:
         return _without(task, f"no hierarchical fit: {fit.note}")
     has_difference = CURVES[task].has_difference
-    conditions, participants = (_with_difference(part) if has_difference else part for part in own)
+    conditions, participants = fit.conditions, fit.participants
+    if has_difference:
+        conditions, participants = _with_difference(conditions), _with_difference(participants)
     has_widths = has_difference and fit.conditions["width"].notna().any()
     effects, notes = _effects(fit, varied, table, ("threshold", "log_width") if has_widths else ("threshold",))
     conditions = conditions.assign(text=[_text(row) for _, row in conditions.iterrows()])
@@ -110,16 +111,16 @@ def _effects(
     between = [name for name in varied if table.groupby("participant")[name].nunique().max() < 2]
     if between:
         return {}, f"no test of effects: {', '.join(between)} does not vary within participants"
-    parts = [part for r in range(1, len(varied) + 1) for part in combinations(varied, r)]
+    factors_of = [factors for r in range(1, len(varied) + 1) for factors in combinations(varied, r)]
     several, notes = len(quantities) > 1, []
-    found: dict[str, FactorEffect] = {}
+    effects: dict[str, FactorEffect] = {}
     for of in quantities:
         where = f" on the {QUANTITIES[of]}" if several else ""
         try:
-            found |= {" * ".join(part) + where: fit.effect(*part, of=of) for part in parts}
+            effects |= {" * ".join(factors) + where: fit.effect(*factors, of=of) for factors in factors_of}
         except InvalidParameter as refusal:
             notes.append(f"no test of effects: {refusal}")
-    return found, "; ".join(notes)
+    return effects, "; ".join(notes)
 
 
 def _text(row: "pd.Series[Any]") -> str:

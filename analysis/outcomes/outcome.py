@@ -48,7 +48,7 @@ class Given:
     def of(cls, estimates: pd.DataFrame, factors: Sequence[str], dependent: str) -> "Given":
         varied = [name for name in factors if estimates[name].nunique() > 1]
         fixed = [name for name in varied if estimates.groupby(SUBJECT)[name].nunique().max() < 2]
-        apart = len(fixed) == 1
+        apart = len(fixed) == 1  # of two and more factors between participants no analysis here has a model
         within = tuple(name for name in varied if not (apart and name in fixed))
         return cls(bounds_of(estimates, dependent), dependent, within, fixed[0] if apart else None)
 
@@ -191,12 +191,12 @@ def _censored(given: Given, table: pd.DataFrame, within: Sequence[str]) -> Censo
 
 def _counted(found: CensoredAnova) -> list[str]:
     """How the values that are not known count."""
-    parts = [
+    kinds = [
         (found.n_censored, "as a bound", "as bounds"),
         (found.n_missing, "as missing at random", "as missing at random"),
     ]
-    told = [f"{n} value{'s' if n > 1 else ''} {many if n > 1 else one}" for n, one, many in parts if n]
-    return [f"the analysis of values and bounds counts {' and '.join(told)}"] if told else []
+    counts = [f"{n} value{'s' if n > 1 else ''} {many if n > 1 else one}" for n, one, many in kinds if n]
+    return [f"the analysis of values and bounds counts {' and '.join(counts)}"] if counts else []
 
 
 def _lost(part: SubDesign) -> list[str]:
@@ -212,8 +212,8 @@ def _lost(part: SubDesign) -> list[str]:
 def _with_model(found: Outcome, given: Given, forces: pd.DataFrame) -> Outcome:
     """A mixed model with the measured force instead of its target. A bound counts as a bound."""
     keys = [SUBJECT, *given.factors]
-    own = forces.groupby(keys, observed=True)["force_mean_n"].mean().reset_index()
-    data = given.table.merge(own[own["force_mean_n"] > 0], on=keys, how="inner")
+    measured = forces.groupby(keys, observed=True)["force_mean_n"].mean().reset_index()
+    data = given.table.merge(measured[measured["force_mean_n"] > 0], on=keys, how="inner")  # 0 has no logarithm
     known = data[given.dependent].notna()
     data = data[known | data[[LOW, HIGH]].notna().any(axis=1)]
     data = data.assign(**{MEASURED: np.log2(data["force_mean_n"].astype(float))})
@@ -273,40 +273,44 @@ def _pairs_by(given: Given, table: pd.DataFrame, factor: str, by: str) -> pd.Dat
         return group_pairs(table, between=factor, by=by, **given.arguments)
     if by != given.between:
         return pairs(table, factor=factor, by=by, **given.arguments)
-    parts = [
-        pairs(part, factor=factor, correction="none", **given.arguments).assign(**{by: value})
-        for value, part in table.groupby(by, sort=True)
+    # Groups have other participants, so that `by` is no factor within: each group alone, then all corrected together.
+    of_groups = [
+        pairs(members, factor=factor, correction="none", **given.arguments).assign(**{by: value})
+        for value, members in table.groupby(by, sort=True)
     ]
-    return all_together(pd.concat(parts, ignore_index=True), "holm", INTERVAL)
+    return all_together(pd.concat(of_groups, ignore_index=True), "holm", INTERVAL)
 
 
 def _censored_comparisons(found: Outcome, given: Given, part: SubDesign | None, bounds: Mapping[str, float]) -> Outcome:
     """Of the model of all that is known."""
     del part
-    own = found.censored
-    assert own is not None
-    within, between = list(own.design.factors), own.design.between
-    orders = interacting(own.table, [*([between] if between else []), *within])
-    table = _rows_of(given.table, own)
+    censored = found.censored
+    assert censored is not None  # it is the primary analysis
+    within, between = list(censored.design.factors), censored.design.between
+    orders = interacting(censored.table, [*([between] if between else []), *within])
+    table = _rows_of(given.table, censored)
 
     def analysis(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
         return _censored(given, rows, factors).table
 
     return replace(
         found,
-        pairs={name: censored_pairs(own, name) for name in within},
-        group_pairs={between: censored_group_pairs(own)} if between else {},
+        pairs={name: censored_pairs(censored, name) for name in within},
+        group_pairs={between: censored_group_pairs(censored)} if between else {},
         equivalence={
-            name: censored_equivalence(own, name, bound=bound) for name, bound in bounds.items() if name in within
+            name: censored_equivalence(censored, name, bound=bound) for name, bound in bounds.items() if name in within
         },
         simple={
             (name, by): simple_effects(analysis, table, within, name, by) for name, by in orders if name != between
         },
-        simple_pairs={
-            (name, by): censored_group_pairs(own, by=by) if name == between else censored_pairs(own, name, by=by)
-            for name, by in orders
-        },
+        simple_pairs={(name, by): _censored_pairs_by(censored, name, by) for name, by in orders},
     )
+
+
+def _censored_pairs_by(found: CensoredAnova, factor: str, by: str) -> pd.DataFrame:
+    if factor == found.design.between:
+        return censored_group_pairs(found, by=by)
+    return censored_pairs(found, factor, by=by)
 
 
 def _rows_of(table: pd.DataFrame, found: CensoredAnova) -> pd.DataFrame:

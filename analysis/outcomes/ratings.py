@@ -67,35 +67,39 @@ class Ratings:
 
     def _effects(self, stem: str) -> dict[str, pd.DataFrame]:
         """Of all dimensions together: effects and comparisons, a file each."""
-        parts: dict[str, list[pd.DataFrame]] = {}
-        for dimension, each in self.outcomes.items():
-            for name, table in each.tables(stem).items():
-                if not name.startswith(("group_", "cross_")):
-                    own = table.copy()
-                    own.insert(0, "dimension", dimension)
-                    parts.setdefault(f"{stem}_{name.replace(f'_{stem}', '', 1)}", []).append(own)
-        return {name: pd.concat(tables, ignore_index=True) for name, tables in parts.items()}
+        by_file: dict[str, list[pd.DataFrame]] = {}
+        for dimension, one in self.outcomes.items():
+            for name, table in one.tables(stem).items():
+                if not name.startswith(("group_", "cross_")):  # the summary says the means of all dimensions
+                    of_dimension = table.copy()  # the outcome keeps its own table as it is
+                    of_dimension.insert(0, "dimension", dimension)
+                    by_file.setdefault(f"{stem}_{name.replace(f'_{stem}', '', 1)}", []).append(of_dimension)
+        return {name: pd.concat(tables, ignore_index=True) for name, tables in by_file.items()}
 
     @property
     def tests_effects(self) -> bool:
         """Whether anything was tested by F."""
-        return self.crossed is not None or any(each.primary is not None for each in self.outcomes.values())
+        return self.crossed is not None or any(one.primary is not None for one in self.outcomes.values())
 
     @property
     def notes(self) -> list[str]:
         """What a reader must know of the outcomes; what holds for all dimensions once."""
-        found: dict[str, list[str]] = {}
-        for dimension, each in self.outcomes.items():
-            for note in each.notes:
-                found.setdefault(note, []).append(dimension)
-        whose = {note: "" if len(own) == len(self.outcomes) else f", {', '.join(own)}" for note, own in found.items()}
-        return [f"{self.form.title}{own}: {note}" for note, own in whose.items()]
+        dimensions_of: dict[str, list[str]] = {}
+        for dimension, one in self.outcomes.items():
+            for note in one.notes:
+                dimensions_of.setdefault(note, []).append(dimension)
+        notes = []
+        for note, dimensions in dimensions_of.items():
+            whose = "" if len(dimensions) == len(self.outcomes) else f", {', '.join(dimensions)}"
+            notes.append(f"{self.form.title}{whose}: {note}")
+        return notes
 
     def cross(self) -> pd.DataFrame:
         """Conditions down, dimensions across, each as mean with interval, in text."""
-        found = self.summary.assign(text=[_mean_text(row) for _, row in self.summary.iterrows()])
-        wide = found.pivot(index="condition", columns="dimension", values="text")
-        return wide.loc[list(dict.fromkeys(found["condition"])), list(self.form.dimensions)].reset_index()
+        long = self.summary.assign(text=[_mean_text(row) for _, row in self.summary.iterrows()])
+        wide = long.pivot(index="condition", columns="dimension", values="text")
+        # pivot sorts by name; conditions and dimensions keep the order that they have in the summary and the form.
+        return wide.loc[list(dict.fromkeys(long["condition"])), list(self.form.dimensions)].reset_index()
 
 
 def _mean_text(row: "pd.Series[Any]") -> str:

@@ -18,10 +18,12 @@ def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
     from pyarrow import csv
 
     whole = text.rstrip("\r\n")
-    if '"' in whole or "\n\n" in whole or "\r\n\r" in whole or whole.startswith(("\n", "\r")) or not whole:
+    has_blank_line = "\n\n" in whole or "\r\n\r" in whole or whole.startswith(("\n", "\r"))
+    if not whole or '"' in whole or has_blank_line:
         return None
-    end = whole.find("\n")
-    names = [str(place) for place in range(whole.count(separator, 0, end if end > 0 else len(whole)) + 1)]
+    header = whole.partition("\n")[0]
+    names = [str(place) for place in range(header.count(separator) + 1)]
+
     if len(names) < 2 or whole.count("\r") != whole.count("\r\n"):
         return None
     try:
@@ -56,5 +58,5 @@ def plain_numbers(text: "pd.Series[str]") -> Array | None:
         numbers = pc.cast(known, pa.float64())
     except (pa.ArrowInvalid, pa.ArrowTypeError, pa.ArrowNotImplementedError):
         return None
-    found = numbers.to_numpy(zero_copy_only=False) if isinstance(numbers, pa.Array) else numbers.to_numpy()
-    return np.array(found, dtype=np.float64)
+    values = numbers.to_numpy(zero_copy_only=False) if isinstance(numbers, pa.Array) else numbers.to_numpy()
+    return np.array(values, dtype=np.float64)  # a copy: arrow's own memory may not be written to

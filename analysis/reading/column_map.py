@@ -96,11 +96,11 @@ def translated(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataF
     """
     if column_map == ColumnMap():
         return raw
-    found = _measured(_kept(raw, column_map, file), column_map)
-    found = _renamed(found, column_map, file)
+    # Their names and words come first: rows are kept, and cells are missing, as the file has them.
+    table = _renamed(_measured(_kept(raw, column_map, file), column_map), column_map, file)
     for name, text in {**column_map.constants, **_of_name(column_map, file)}.items():
-        found[name] = _text(text)
-    return _in_si(_meant(found, column_map, file), column_map, file)
+        table[name] = _text(text)
+    return _in_si(_meant(table, column_map, file), column_map, file)
 
 
 def trials_of(found: pd.DataFrame) -> pd.DataFrame:
@@ -132,14 +132,14 @@ def _kept(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
 
 def _measured(raw: pd.DataFrame, column_map: ColumnMap) -> pd.DataFrame:
     """Empty cells for what was not measured, decimal points for decimal commas."""
-    texts = [name for name in raw.columns if name != "row"]
-    found = raw.copy()
-    for name in texts:
+    table = raw.copy()
+    for name in (name for name in raw.columns if name != "row"):
         if column_map.missing:
-            found[name] = found[name].where(~found[name].isin(column_map.missing), "")
+            table[name] = table[name].where(~table[name].isin(column_map.missing), "")
         if column_map.decimal == ",":
-            found[name] = found[name].str.replace(r"^([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)$", r"\1.\2", regex=True)
-    return found
+            # Only cells that are a number as a whole: texts keep their commas.
+            table[name] = table[name].str.replace(r"^([+-]?\d*),(\d+(?:[eE][+-]?\d+)?)$", r"\1.\2", regex=True)
+    return table
 
 
 def _renamed(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
@@ -147,8 +147,9 @@ def _renamed(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFra
         _expect(raw, theirs, f"the column map names for {ours!r}", file)
         if ours != theirs and ours in raw.columns:
             raise InvalidFile(f"{file}: found the column {ours!r}, which the column map also names {theirs!r}")
-    found = raw.rename(columns={theirs: ours for ours, theirs in column_map.columns.items()})
-    return found.assign(**{ours: raw[theirs] for ours, theirs in column_map.columns.items() if ours not in found})
+    table = raw.rename(columns={theirs: ours for ours, theirs in column_map.columns.items()})
+    # One column of theirs may stand for several of ours, of which renaming makes one.
+    return table.assign(**{ours: raw[theirs] for ours, theirs in column_map.columns.items() if ours not in table})
 
 
 def _expect(raw: pd.DataFrame, theirs: str, where: str, file: Path) -> None:
@@ -157,13 +158,13 @@ def _expect(raw: pd.DataFrame, theirs: str, where: str, file: Path) -> None:
 
 
 def _of_name(column_map: ColumnMap, file: Path) -> Mapping[str, str]:
-    found = {}
+    values = {}
     for ours, key in column_map.from_name.items():
-        part = re.search(rf"(?:^|_){re.escape(key)}-([A-Za-z0-9]+)", file.name)
-        if part is None:
+        value = re.search(rf"(?:^|_){re.escape(key)}-([A-Za-z0-9]+)", file.name)
+        if value is None:
             raise InvalidFile(f"{file}: found no {key}-... in the file's name, expected it for {ours!r} (from_name)")
-        found[ours] = part[1]
-    return found
+        values[ours] = value[1]
+    return values
 
 
 def _meant(found: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:

@@ -63,7 +63,7 @@ class Exclusion:
         >>> Exclusion(force_in_band_share_min=0.8).stated()
         {'force_in_band_share_min': 0.8}
         """
-        values = {each.name: getattr(self, each.name) for each in fields(self)}
+        values = {rule.name: getattr(self, rule.name) for rule in fields(self)}
         return {name: value for name, value in values.items() if value is not None}
 
 
@@ -80,10 +80,10 @@ def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Tr
     rows = trials.rows
     broken = {name: _broken(rows, name, bound, quality) for name, bound in rules.stated().items()}
     lost = [
-        {"participant": code, "rule": name, "bound": rules.stated()[name], "n_trials": int(part.sum())}
+        {"participant": code, "rule": name, "bound": rules.stated()[name], "n_trials": int(bad_of_one.sum())}
         for name, bad in broken.items()
-        for code, part in bad.groupby(rows["participant"], sort=True)
-        if part.any()
+        for code, bad_of_one in bad.groupby(rows["participant"], sort=True)
+        if bad_of_one.any()
     ]
     out = np.logical_or.reduce([bad.to_numpy() for bad in broken.values()]) if broken else np.zeros(len(rows), bool)
     kept = replace(trials, rows=rows[~out].reset_index(drop=True))
@@ -91,7 +91,7 @@ def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Tr
 
 
 def _broken(rows: pd.DataFrame, name: str, bound: float, quality: pd.DataFrame) -> "pd.Series[bool]":
-    """Rows that break a rule; what was not measured breaks none."""
+    """Rows that break a rule; what was not measured breaks none: NaN compares as false."""
     if name == "force_in_band_share_min":
         return _column(rows, "force_in_band", name) < bound
     if name == "force_deviation_ratio_max":

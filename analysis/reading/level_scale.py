@@ -52,21 +52,23 @@ def scaled(rows: pd.DataFrame, scale: str) -> pd.DataFrame:
     if scale == "linear":
         return rows
     name, of = LOGARITHMS[scale]
-    own = rows["task"].isin(SCALED)
+    is_scaled = rows["task"].isin(SCALED)
     units = rows["level_unit"] if "level_unit" in rows.columns else pd.Series("", index=rows.index)
-    for unit in units[own].unique():
+    for unit in units[is_scaled].unique():
         if is_logarithm(unit):
             raise InvalidParameter(
                 f"--level-scale: found {scale} for levels in {unit!r}, which are a logarithm, expected linear"
             )
-    found = rows.assign(level_unit=units.where(~own, [f"{name} {unit}".rstrip() for unit in units]))
+    table = rows.assign(level_unit=units.where(~is_scaled, [f"{name} {unit}".rstrip() for unit in units]))
     for column in PLACED:
         if column in rows.columns:
-            found[column] = rows[column].where(~own, of(_positive(rows, column, rows[column].where(own))))
-    settings = own & rows["task"].isin(SETTINGS) & (rows["response"] != "")
+            logarithms = of(_positive(rows, column, rows[column].where(is_scaled)))
+            table[column] = rows[column].where(~is_scaled, logarithms)
+    # An adjustment's response is a level too. Responses are text, and repr keeps every digit.
+    settings = is_scaled & rows["task"].isin(SETTINGS) & (rows["response"] != "")
     set_to = of(_positive(rows, "response", rows["response"].where(settings).astype(float)))
-    found["response"] = rows["response"].where(~settings, [repr(float(level)) for level in set_to])
-    return found
+    table["response"] = rows["response"].where(~settings, [repr(float(level)) for level in set_to])
+    return table
 
 
 def _positive(rows: pd.DataFrame, name: str, levels: "pd.Series[float]") -> Array:
@@ -82,13 +84,13 @@ def _positive(rows: pd.DataFrame, name: str, levels: "pd.Series[float]") -> Arra
 
 def wide_levels(rows: pd.DataFrame) -> list[str]:
     """A warning where levels that are no logarithm span a factor above `WIDE`."""
-    own = rows["task"].isin(tasks_with_level("curve"))
+    is_linear = rows["task"].isin(tasks_with_level("curve"))
     if "level_unit" in rows.columns:
-        own &= ~rows["level_unit"].isin([unit for unit in rows["level_unit"].unique() if is_logarithm(unit)])
-    levels = rows.loc[own, "level"]
+        is_linear &= ~rows["level_unit"].isin([unit for unit in rows["level_unit"].unique() if is_logarithm(unit)])
+    levels = rows.loc[is_linear, "level"]
     above = levels[levels > 0]
     if above.empty or (levels < 0).any() or above.max() <= WIDE * above.min():
-        return []
+        return []  # a scale that goes below 0 is none of ratios
     low, high = float(above.min()), float(above.max())
     return [
         f"levels from {low:.3g} to {high:.3g} span a factor of {high / low:.3g} on a linear axis; if their scale is "

@@ -52,8 +52,8 @@ class Origin:
 
     @property
     def _seeds(self) -> str:
-        told = ", ".join(map(str, self.seeds)) or "not known"
-        return f"{'seeds' if len(self.seeds) > 1 else 'seed'} {told}"
+        seeds = ", ".join(map(str, self.seeds)) or "not known"
+        return f"{'seeds' if len(self.seeds) > 1 else 'seed'} {seeds}"
 
 
 def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
@@ -63,7 +63,8 @@ def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
     """
     known = _heads(trials.path)
     mask = _simulated(trials.rows, known)
-    seeds = tuple(sorted({told[0].seed for told in known.values() if told[0].rig == SIMULATED}))
+    first_heads = [sittings[0] for sittings in known.values()]  # a session goes on with the rig and seed it began with
+    seeds = tuple(sorted({head.seed for head in first_heads if head.rig == SIMULATED}))
     warnings = (*_unplayed(trials.rows), *_changes(known))
     if mask.all() and len(mask):
         origin = Origin(is_simulated=True, seeds=seeds, warnings=warnings)
@@ -77,18 +78,18 @@ def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
 
 def _heads(path: Path) -> dict[Key, tuple[Head, ...]]:
     """The heads of all sittings, by session; a journal that is damaged is none."""
-    found: dict[Key, tuple[Head, ...]] = {}
+    by_session: dict[Key, tuple[Head, ...]] = {}
     for journal in sorted((path / "journals").glob("participant-*.jsonl")) if path.is_dir() else ():
         with suppress(InvalidFile):
-            told = heads(journal)
-            found |= {(told[0].participant, float(told[0].session)): told} if told else {}
-    return found
+            sittings = heads(journal)
+            by_session |= {(sittings[0].participant, float(sittings[0].session)): sittings} if sittings else {}
+    return by_session
 
 
 def _simulated(rows: pd.DataFrame, known: Mapping[Key, Sequence[Head]]) -> Bools:
     rigs = rows["rig"].astype(str) if "rig" in rows.columns else pd.Series("", index=rows.index)
     if known and "session" in rows.columns and (rigs == "").any():
-        by_journal = {key: told[0].rig for key, told in known.items()}
+        by_journal = {key: sittings[0].rig for key, sittings in known.items()}
         keys = zip(rows["participant"], rows["session"], strict=True)
         rigs = rigs.mask(rigs == "", pd.Series([by_journal.get(key, "") for key in keys], index=rows.index))
     return np.asarray(rigs == SIMULATED)
@@ -114,6 +115,6 @@ def _named(rows: pd.DataFrame) -> str:
 
 
 def _changes(known: Mapping[Key, Sequence[Head]]) -> Iterator[str]:
-    for (code, session), told in known.items():
-        for change in changes(told):
+    for (code, session), sittings in known.items():
+        for change in changes(sittings):
             yield f"{code}, session {session:g}: {change}"

@@ -22,10 +22,10 @@ def frames(path: Path) -> pd.DataFrame:
         If a file of events has not the columns, or something else than counts in them.
     """
     files = sorted((path / "journals").glob("participant-*_events.tsv")) if path.is_dir() else []
-    parts = [part for file in files if len(part := _one(file))]
-    if not parts:
+    tables = [table for file in files if len(table := _one(file))]
+    if not tables:
         return pd.DataFrame(columns=["participant", *COUNTS, SLOWEST])
-    whole = pd.concat(parts, ignore_index=True)
+    whole = pd.concat(tables, ignore_index=True)
     return whole.groupby("participant", sort=True).agg(dict.fromkeys(COUNTS, "sum") | {SLOWEST: "max"}).reset_index()
 
 
@@ -61,7 +61,7 @@ def quality(trials: Trials) -> pd.DataFrame:
         "n_false_alarms": catch & rows["response"].isin(["1", "1.0"]),
     }
     table = pd.DataFrame(flags, index=rows.index).groupby(rows["participant"], sort=True).sum()
-    rate = table["n_false_alarms"] / table["n_catch"].where(table["n_catch"] > 0)
+    rate = table["n_false_alarms"] / table["n_catch"].where(table["n_catch"] > 0)  # without catch trials NaN, not inf
     return table.assign(false_alarm_rate=rate).reset_index()
 
 

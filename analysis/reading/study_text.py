@@ -125,21 +125,22 @@ def procedure_text(study: Table, unit: str, courses: Courses = NO_COURSES) -> st
     felt a stimulus (share of catch trials 20 %). Levels were chosen by a staircase (first level 40 dB re 1 V,
     reversals 8).
     """
-    told = [*_design(study), *_tables(study, unit, courses), *_variants(study, courses), *_bounds(study, unit)]
-    return in_words(" ".join(told), list(_table(study, "factors")))
+    sentences = [*_design(study), *_tables(study, unit, courses), *_variants(study, courses), *_bounds(study, unit)]
+    return in_words(" ".join(sentences), list(_table(study, "factors")))
 
 
 def _table(study: Table, name: str) -> Table:
-    found = study.get(name, {})
-    return found if isinstance(found, Mapping) else {}
+    """Empty in place of what is no table: the file is quoted, not checked."""
+    table = study.get(name, {})
+    return table if isinstance(table, Mapping) else {}
 
 
 def _design(study: Table) -> Iterator[str]:
     factors, plan = _table(study, "factors"), _table(study, "plan")
     if factors:
-        each = [f"{split_unit(name)[0]} ({_levels(name, levels)})" for name, levels in factors.items()]
-        kind = ", in all combinations" if len(each) > 1 and not _table(study, "nested") else ""
-        yield f"The conditions were {_listed(each)}{kind}."
+        conditions = [f"{split_unit(name)[0]} ({_levels(name, levels)})" for name, levels in factors.items()]
+        kind = ", in all combinations" if len(conditions) > 1 and not _table(study, "nested") else ""
+        yield f"The conditions were {_listed(conditions)}{kind}."
     for key, sentence in PLAN.items():
         if plan.get(key):
             yield sentence.format(_names(plan[key]))
@@ -185,8 +186,8 @@ def _tables(study: Table, unit: str, courses: Courses) -> Iterator[str]:
         if table := _table(study, name):
             if "kind" in table:
                 yield f"{tell(str(table['kind']))}{_details(table, unit)}."
-            elif told := _told(table, unit):
-                yield f"{name.capitalize()}: {told}."
+            elif keys := _keys(table, unit):
+                yield f"{name.capitalize()}: {keys}."
     if practice := _table(study, "practice"):
         yield f"Practice with feedback came first{_details(practice, unit)}."
     for inquiry in _table(study, "inquiries").values():
@@ -222,11 +223,11 @@ def _details(table: Table, unit: str) -> str:
     >>> _details({"kind": "press", "force_n": 1.5, "hold_s": "300 ms"}, "")
     ' (force 1.5 N, force held before each stimulus 300 ms)'
     """
-    told = _told(table, unit)
-    return f" ({told})" if told else ""
+    keys = _keys(table, unit)
+    return f" ({keys})" if keys else ""
 
 
-def _told(table: Table, unit: str) -> str:
+def _keys(table: Table, unit: str) -> str:
     """Every key of a table but its kind."""
     return ", ".join(_detail(key, value, unit) for key, value in table.items() if key != "kind")
 
@@ -243,9 +244,10 @@ def _detail(key: str, value: Any, unit: str) -> str:
         return f"{words}{_details(value, unit)}"
     if key in SHARES and isinstance(value, int | float):
         return f"{words} {percent_text(value)}"
-    told = _levels(key, value) if isinstance(value, list) else level_of("" if isinstance(value, str) else key, value)
+    # A text says its unit itself; and a step in decibels is a ratio, which has no reference.
+    stated = _levels(key, value) if isinstance(value, list) else level_of("" if isinstance(value, str) else key, value)
     suffix = unit if key in LEVELS else unit.partition(" re ")[0] if key == "steps" else ""
-    return f"{words} {told} {suffix}".rstrip()
+    return f"{words} {stated} {suffix}".rstrip()
 
 
 def _variants(study: Table, courses: Courses) -> Iterator[str]:
@@ -253,8 +255,8 @@ def _variants(study: Table, courses: Courses) -> Iterator[str]:
     for factor in _table(study, "variants"):
         levels = _table(_table(study, "variants"), factor)
         for level in levels:
-            if told := list(_tables(_table(levels, level), "", courses)):
-                yield f"{split_unit(factor)[0].capitalize()} {level.replace('_', ' ')}: {' '.join(told)}"
+            if sentences := list(_tables(_table(levels, level), "", courses)):
+                yield f"{split_unit(factor)[0].capitalize()} {level.replace('_', ' ')}: {' '.join(sentences)}"
 
 
 def _bounds(study: Table, unit: str) -> Iterator[str]:

@@ -113,9 +113,9 @@ def _text(file: Path) -> str:
 
 
 def _plainly(message: str) -> str:
-    found = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", message)
-    if found:
-        return f", row {found[2]}: found {found[3]} cells, expected {found[1]} as in the header"
+    uneven = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", message)
+    if uneven:
+        return f", row {uneven[2]}: found {uneven[3]} cells, expected {uneven[1]} as in the header"
     if "EOF inside string" in message:
         return ": found a quotation mark that is never closed, expected it in pairs"
     return f": found something that is no table ({message.strip().splitlines()[-1]}), expected comma-separated values"
@@ -132,6 +132,7 @@ def _with_header(cells: pd.DataFrame, file: Path) -> pd.DataFrame:
             raise InvalidFile(f"{file}, row 1: found the column {name!r} twice, expected each once")
         seen.add(name)
     body = cells.iloc[1:].set_axis(names, axis=1)
+    # In a table of one column an empty line is an empty cell.
     blank = (body == "").all(axis=1) if len(names) > 1 else pd.Series(False, index=body.index)
     body = body[~blank]
     return body.assign(row=body.index + 1)

@@ -94,9 +94,9 @@ def read_trials(
     files = trial_files(path, FORMS if column_map is None else FORMS + FOREIGN_FORMS)
     given = column_map or ColumnMap()
     raw = [_raw(file, given) for file in files]
-    own = raw if column_map is None else [_trials_of(table, file) for table, file in zip(raw, files, strict=True)]
-    tables = _alike([_checked(table, file) for table, file in zip(own, files, strict=True)])
-    if column_map is None:
+    trials = raw if column_map is None else [_trials_of(table, file) for table, file in zip(raw, files, strict=True)]
+    tables = _alike([_checked(table, file) for table, file in zip(trials, files, strict=True)])
+    if column_map is None:  # the names of another program's files are its own
         for file, table in zip(files, tables, strict=True):
             _refuse_misnamed(table, file)
     headers = [list(table.columns) for table in tables]
@@ -147,15 +147,15 @@ def trial_files(path: Path, forms: Sequence[str] = FORMS) -> list[Path]:
         return [path]
     if not path.is_dir():
         raise InvalidFile(f"{path}: no such file or folder, expected a data set or a CSV file of trials")
-    found = next((files for form in forms if (files := _shown(path.glob(form)))), [])
-    if not found:
+    files = next((files for form in forms if (files := _shown(path.glob(form)))), [])
+    if not files:
         for folder in (path, path / "data"):
             listed(folder)  # a glob keeps silent about one that may not be read
         raise InvalidFile(
             f"{path}: found no {forms[0]}, expected a data set's folder, a CSV file of trials, or a column map "
             "(--columns) and a folder of another program's tables"
         )
-    return found
+    return files
 
 
 def _shown(files: Iterable[Path]) -> list[Path]:
@@ -187,10 +187,10 @@ def _raw(file: Path, column_map: ColumnMap) -> pd.DataFrame:
 
 
 def _trials_of(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
-    found = trials_of(raw)
-    if found.empty:
+    trials = trials_of(raw)
+    if trials.empty:
         raise InvalidFile(f"{file}: found no row with a level, an answer or an item, expected trials")
-    return found
+    return trials
 
 
 def _checked(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
@@ -286,6 +286,7 @@ def _numbers_of_words(text: "pd.Series[str]") -> Array:
     """Each different text is read once."""
     codes, different = pd.factorize(text)
     words = [word or "nan" for word in different.tolist()]
+    # numpy reads "1_000" as a number, as Python does; a table means a word by it.
     try:
         numbers = np.array(words, dtype=np.float64) if not any("_" in word for word in words) else None
     except ValueError:
@@ -364,6 +365,7 @@ def _factor_values(rows: pd.DataFrame, name: str) -> "pd.Series[Any]":
     numbers = parsed(text)
     if not np.isfinite(numbers[text != ""]).all():
         return text
+    # Beyond 2^53 floats leave whole numbers out: two levels could become one.
     is_whole = bool((numbers == np.floor(numbers)).all() and (numbers.abs() < 2**53).all())
     return numbers.astype(np.int64) if is_whole else numbers
 

@@ -30,8 +30,7 @@ def adjustment_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame
 
 def _row(part: pd.DataFrame) -> dict[str, object]:
     settings = np.asarray(parsed(part["response"]), dtype=np.float64)
-    mean = mean_row(settings)
-    named = {name.replace("mean", DEPENDENT): value for name, value in mean.items()}
+    named = {name.replace("mean", DEPENDENT): value for name, value in mean_row(settings).items()}
     return {"task": TASK, **named, "n_settings": len(settings)}
 
 

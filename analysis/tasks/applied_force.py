@@ -26,10 +26,10 @@ def force_of_participants(used: pd.DataFrame, factors: Sequence[str]) -> pd.Data
     keys = ["participant", *factors]
     known = [name for name in MEASURED if name in rows.columns]
     grouped = rows.groupby(keys, sort=True, observed=True)
-    found = grouped[known].mean().join(grouped.size().rename("n_trials")).reset_index()
+    means = grouped[known].mean().join(grouped.size().rename("n_trials")).reset_index()
     if TARGET in factors:
-        found["force_deviation_n"] = found["force_mean_n"] - found[TARGET].astype(float)
-    return found
+        means["force_deviation_n"] = means["force_mean_n"] - means[TARGET].astype(float)
+    return means
 
 
 def force_table(of_participants: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:

@@ -100,8 +100,7 @@ def _yes(rows: pd.DataFrame) -> "pd.Series[float]":
 
 def _cell(key: tuple[Any, ...], part: pd.DataFrame, n_factors: int) -> Cell:
     catch = part["is_catch"].to_numpy()
-    felt = part[~catch]
-    counts = felt.groupby("x")["yes"].agg(["sum", "count"])
+    counts = part[~catch].groupby("x")["yes"].agg(["sum", "count"])
     return Cell(
         participant=str(key[0]),
         condition=tuple(key[1 : 1 + n_factors]),
@@ -129,7 +128,7 @@ def n_alternatives(trials: Trials) -> int:
     rows = trials.rows[trials.rows["task"].isin(CHOICES)]
     answers = parsed(rows["response"])
     largest = answers.max() if "target" not in rows.columns else max(answers.max(), rows["target"].max())
-    return max(2, int(largest)) if np.isfinite(largest) else 2
+    return max(2, int(largest)) if np.isfinite(largest) else 2  # NaN where no row is one of a forced choice
 
 
 def estimates(found: Sequence[Cell], n_choices: int, unit: str = "", interval: float = 0.95) -> list[Estimate]:
@@ -138,7 +137,7 @@ def estimates(found: Sequence[Cell], n_choices: int, unit: str = "", interval: f
     By the posterior, its mode and marginal intervals, with what the curve of the task knows of its rates.
     """
     fits: dict[Cell, ThresholdFit] = {}
-    for task in CURVES:
+    for task in CURVES:  # one batch a task: its cells share the options of the fit, and one call is faster than many
         chosen = [cell for cell in found if cell.task == task]
         if chosen:
             fits |= dict(zip(chosen, _fits(chosen, task, n_choices, unit, interval), strict=True))
@@ -163,16 +162,13 @@ def stacked_counts(chosen: Sequence[Cell]) -> tuple[Rows, Rows, Rows]:
 
 def catch_counts(chosen: Sequence[Cell]) -> tuple[list[int], list[int]]:
     """False alarms and catch trials of cells as a fit uses them: none where the guess rate does not rest on them."""
-    asked = [CURVES[cell.task].counts_catch for cell in chosen]
-    return (
-        [cell.n_false_alarms * is_asked for cell, is_asked in zip(chosen, asked, strict=True)],
-        [cell.n_catch * is_asked for cell, is_asked in zip(chosen, asked, strict=True)],
-    )
+    used = [(cell.n_false_alarms, cell.n_catch) if CURVES[cell.task].counts_catch else (0, 0) for cell in chosen]
+    return [n_false_alarms for n_false_alarms, _ in used], [n_catch for _, n_catch in used]
 
 
 def _stack(rows: Sequence[Sequence[float]]) -> Rows:
     """Rows of different lengths, filled up with zeros: no trials there."""
-    stacked = np.zeros((len(rows), max(1, *(len(row) for row in rows)) if rows else 1))
+    stacked = np.zeros((len(rows), max([1, *map(len, rows)])))  # a place at least: a cell may have catch trials alone
     for place, row in enumerate(rows):
         stacked[place, : len(row)] = row
     return stacked

@@ -58,14 +58,14 @@ def goodness_columns(
     rows = _in_order(answers, factors)
     values, p = (np.full((len(found), len(TESTS)), np.nan) for _ in range(2))
     for task in CURVES:
-        chosen = [n for n, each in enumerate(found) if each.cell.task == task and each.fit.function is not None]
-        for part in _of_like_size(found, chosen):
-            tested = _tested(rows, [found[n] for n in part], part, CURVES[task].options(n_choices, unit), rng)
-            values[part], p[part] = tested.statistics, tested.p
+        chosen = [n for n, one in enumerate(found) if one.cell.task == task and one.fit.function is not None]
+        for numbers in _of_like_size(found, chosen):
+            tested = _tested(rows, [found[n] for n in numbers], numbers, CURVES[task].options(n_choices, unit), rng)
+            values[numbers], p[numbers] = tested.statistics, tested.p
     columns: dict[str, Any] = {"deviance_p": p[:, 0]}
     for n, (value, name) in enumerate(zip(STATISTICS, P_COLUMNS.values(), strict=True)):
-        columns |= {} if n == 0 else {value: values[:, n], name: p[:, n]}
-    return pd.DataFrame(columns | {MISFIT: [_flags(each) for each in p]})
+        columns |= {} if n == 0 else {value: values[:, n], name: p[:, n]}  # the estimates have the deviance already
+    return pd.DataFrame(columns | {MISFIT: [_flags(p_of_tests) for p_of_tests in p]})
 
 
 def _flags(p: Array) -> str:
@@ -79,6 +79,7 @@ def _flags(p: Array) -> str:
 def _in_order(answers: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """The answers to a level as they followed each other, with the number of their `cell`, their `stretch` of time in
     it, and whether levels of theirs `follow` the answers (a table that names no procedure may hold such)."""
+    # Numbered before the catch trials go: a cell of these alone keeps its place among the estimates.
     rows = answers.assign(cell=answers.groupby(cell_keys(factors), sort=True, observed=True).ngroup())
     rows = rows[~rows["is_catch"]]
     if "session" in rows.columns:
@@ -107,24 +108,27 @@ def _tested(
 ) -> Goodness:
     """The goodness of fit of estimates, which are those of the numbers `cells`."""
     curve, known = shape_named(options["shape"]), {"lapse_rate": None} | dict(options)
-    own_cells = [each.cell for each in found]
-    levels, n_yes, n_trials = stacked_counts(own_cells)
+    fitted_cells = [one.cell for one in found]
+    levels, n_yes, n_trials = stacked_counts(fitted_cells)
     counts = normalised(*checked(levels, n_yes, n_trials, positive=curve.on_log_levels))
-    alarms, catch = np.array(catch_counts(own_cells), dtype=np.float64)
+    alarms, catch = np.array(catch_counts(fitted_cells), dtype=np.float64)
     del known["shape"]
     prior = Prior(counts.gap, n_false_alarms=alarms, n_catch=catch, **known)
+    # The estimates may be medians: deviance is compared at the mode, as that of the draws is.
     theta = climb(curve, counts, prior, _parameters(found, counts)).theta
-    own = rows[rows["cell"].isin(cells)]
-    number = np.searchsorted(cells, own["cell"])
-    follows = np.bincount(number, own["follows"], len(cells)) > 0
-    return goodness(curve, counts, prior, theta, _sequences(own, number, levels, counts), follows, rng)
+    answers = rows[rows["cell"].isin(cells)]
+    number = np.searchsorted(cells, answers["cell"])
+    follows = np.bincount(number, answers["follows"], len(cells)) > 0
+    return goodness(curve, counts, prior, theta, _sequences(answers, number, levels, counts), follows, rng)
 
 
 def _parameters(found: Sequence[Estimate], counts: Counts) -> Array:
     """Of the fitted functions, (n_sets, 4), on the scale of the counts."""
-    rows = [(fit.threshold, fit.width, fit.lapse_rate, fit.guess_rate) for fit in (each.fit for each in found)]
+    fits = [one.fit for one in found]
+    rows = [(fit.threshold, fit.width, fit.lapse_rate, fit.guess_rate) for fit in fits]
     threshold, width, lapse, guess = np.array(rows, dtype=np.float64).T
-    return np.stack([(threshold - counts.centre) / counts.spread, np.log(width / counts.spread), lapse, guess], axis=1)
+    m, v = (threshold - counts.centre) / counts.spread, np.log(width / counts.spread)
+    return np.stack([m, v, lapse, guess], axis=1)
 
 
 def _sequences(rows: pd.DataFrame, number: Indices, levels: Array, counts: Counts) -> Sequences:
@@ -144,28 +148,26 @@ def goodness_table(estimates: pd.DataFrame) -> pd.DataFrame:
     """For each test the number of functions tested, of those flagged, the number that chance would flag, and what a
     flag means. Empty where nothing was tested."""
     tested = {name: estimates[column].dropna() for name, column in P_COLUMNS.items()}
-    return pd.DataFrame(
-        [
-            (name, len(p), int((p <= FLAGGED_P).sum()), FLAGGED_P * len(p), TESTS[name])
-            for name, p in tested.items()
-            if len(p)
-        ],
-        columns=["test", "n_tested", "n_flagged", "n_by_chance", "meaning"],
-    )
+    rows = [
+        (name, len(p), int((p <= FLAGGED_P).sum()), FLAGGED_P * len(p), TESTS[name])
+        for name, p in tested.items()
+        if len(p)
+    ]
+    return pd.DataFrame(rows, columns=["test", "n_tested", "n_flagged", "n_by_chance", "meaning"])
 
 
 def goodness_warnings(estimates: pd.DataFrame, factors: Sequence[str]) -> list[str]:
     """One for each test that flags more functions than chance does."""
-    found = []
+    warnings = []
     for name, column in P_COLUMNS.items():
         p = estimates[column].dropna()
         flagged = estimates.loc[p.index[p <= FLAGGED_P]]
         if _is_surprising(p):
-            found.append(
+            warnings.append(
                 f"{len(flagged)} of {len(p)} fitted functions have p <= {FLAGGED_P:g} in the test of {name} (by chance "
                 f"about {FLAGGED_P * len(p):.1f} of {len(p)} tests): {TESTS[name]} ({named_cells(flagged, factors)})"
             )
-    return found
+    return warnings
 
 
 def _is_surprising(p: "pd.Series[float]") -> bool:
@@ -176,4 +178,5 @@ def _is_surprising(p: "pd.Series[float]") -> bool:
     """
     bounds = np.array([FLAGGED_P, FLAGGED_P / 10])
     n_small = (p.to_numpy()[:, None] <= bounds).sum(axis=0)
-    return bool(((n_small > 0) & (binom.sf(n_small - 1, len(p), bounds) <= SURPRISING)).any())
+    chance_of_as_many = binom.sf(n_small - 1, len(p), bounds)
+    return bool(((n_small > 0) & (chance_of_as_many <= SURPRISING)).any())

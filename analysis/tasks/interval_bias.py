@@ -85,5 +85,5 @@ def _equal_shares(table: Indices) -> float | None:
     right = table.diagonal()
     counts = np.array([right, table.sum(axis=1) - right])
     if (counts.sum(axis=0) == 0).any() or (counts.sum(axis=1) == 0).any():
-        return None
+        return None  # an empty row or column has no expected counts
     return float(chi2_contingency(counts, correction=False).pvalue)

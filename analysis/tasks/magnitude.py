@@ -70,10 +70,11 @@ def growth_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     if felt.empty:
         return pd.DataFrame()
     keys = [*factors, "x"]
-    own = felt.assign(log=np.log(felt["number"])).groupby(["participant", *keys], observed=True)["log"].mean()
-    own = own - own.groupby("participant").transform("mean") + own.groupby("participant").mean().mean()
-    found = own.groupby(keys, observed=True).agg(geometric_mean="mean", n="size").reset_index()
-    return found.assign(geometric_mean=np.exp(found["geometric_mean"])).rename(columns={"x": "level"})
+    logs = felt.assign(log=np.log(felt["number"])).groupby(["participant", *keys], observed=True)["log"].mean()
+    of_participants = logs.groupby("participant")
+    logs = logs - of_participants.transform("mean") + of_participants.mean().mean()
+    growth = logs.groupby(keys, observed=True).agg(geometric_mean="mean", n="size").reset_index()
+    return growth.assign(geometric_mean=np.exp(growth["geometric_mean"])).rename(columns={"x": "level"})
 
 
 def _ratings(rows: pd.DataFrame) -> pd.DataFrame:
@@ -85,15 +86,16 @@ def _ratings(rows: pd.DataFrame) -> pd.DataFrame:
     if len(bad):
         expected = "an amplitude above 0 or a level_unit in decibels (dB ...)"
         raise bad_cell(bad.iloc[0], "level", f"{x[bad.index[0]]:g}", expected)
+    # Decibels are logarithms of amplitude already, 20 for a factor of ten, and may be below 0.
     log_level = np.where(in_db, x * np.log(10) / 20, np.log(x.where(~in_db, 1.0)))
     return rows.assign(number=parsed(rows["response"]), x=x, log_level=log_level)
 
 
 def _row(part: pd.DataFrame) -> dict[str, Any]:
     felt = part[part["number"] > 0]
-    found = exponent(felt["log_level"].to_numpy(float), felt["number"].to_numpy(float))
+    slope = exponent(felt["log_level"].to_numpy(float), felt["number"].to_numpy(float))
     counts = {"n_ratings": len(part), "n_zero": len(part) - len(felt), "n_levels": felt["x"].nunique()}
-    return {"task": TASK, **found, **counts, "note": FEW_LEVELS if found["exponent"] is None else ""}
+    return {"task": TASK, **slope, **counts, "note": FEW_LEVELS if slope["exponent"] is None else ""}
 
 
 ANALYSIS = TaskAnalysis(

@@ -20,6 +20,7 @@ def loss_of(level: pd.Series, measured: pd.Series, in_db: "pd.Series[bool]") -> 
     >>> loss_of(pd.Series([20.0, 4.0]), pd.Series([14.0, 3.0]), pd.Series([True, False])).round(3).tolist()
     [0.499, 0.25]
     """
+    # Each formula only where it holds: a level of 0 dB divides nothing, and an amplitude is no exponent.
     left = pd.Series(np.where(in_db, measured - level, 0.0), level.index)
     share = np.divide(measured, level, out=np.ones(len(level)), where=~in_db.to_numpy())
     return pd.Series(1 - np.where(in_db, 10 ** (left / 20), share), level.index)

@@ -29,6 +29,7 @@ def detection_rates(found: Sequence[Cell], factors: Sequence[str]) -> pd.DataFra
     rates = table.groupby([*factors, "task", "level"], sort=True, observed=True).sum().reset_index()
     low, high = proportion_confint(rates["n_yes"], rates["n_trials"], method="wilson")
     rate = rates["n_yes"] / rates["n_trials"]
+    # Wilson's ends may miss a rate of exactly 0 or 1 by rounding, and a bar of an error has no negative length.
     return rates.assign(rate=rate, rate_low=np.minimum(low, rate), rate_high=np.maximum(high, rate))
 
 

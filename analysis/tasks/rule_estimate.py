@@ -39,8 +39,8 @@ def rule_columns(
     """A row for each estimate, in their order, of all answers that the rule was told, left out later or not. Of several
     runs the means of estimates and spreads, and all reversals or answers."""
     runs = _runs(answers[~answers["is_catch"]], factors, replay)
-    rows_of = ((each.cell.participant, *each.cell.condition, each.cell.task) for each in found)
-    return pd.DataFrame([_together(runs.get(key, [])) for key in rows_of], columns=list(COLUMNS))
+    keys = ((one.cell.participant, *one.cell.condition, one.cell.task) for one in found)
+    return pd.DataFrame([_together(runs.get(key, [])) for key in keys], columns=list(COLUMNS))
 
 
 def _runs(
@@ -50,13 +50,14 @@ def _runs(
     unsaid = {name: rows[name].fillna(0) for name in RUN if name in rows.columns}
     rows = rows.assign(track=rows["track"].fillna("") if "track" in rows.columns else "", **unsaid)
     of_block = ["participant", *(name for name in RUN if name in rows.columns)]
-    own = {} if replay is None else {key: replay(block) for key, block in _groups(rows, of_block)}
-    found: dict[tuple[object, ...], list[RuleEstimate]] = {}
+    # By blocks, as tracks of one block may have learnt from each other's answers.
+    replayed = {} if replay is None else {key: replay(block) for key, block in _groups(rows, of_block)}
+    runs: dict[tuple[object, ...], list[RuleEstimate]] = {}
     for (*block, track), run in _groups(rows, [*of_block, "track"]):
-        told = None if replay is None else own[tuple(block)].get(str(track))
+        by_replay = None if replay is None else replayed[tuple(block)].get(str(track))
         for key, part in _groups(run, ["participant", *factors, "task"]):
-            found.setdefault(key, []).append(from_rows(part) if told is None else told)
-    return found
+            runs.setdefault(key, []).append(from_rows(part) if by_replay is None else by_replay)
+    return runs
 
 
 def _groups(rows: pd.DataFrame, keys: Sequence[str]) -> Iterator[tuple[tuple[object, ...], pd.DataFrame]]:
@@ -99,12 +100,12 @@ def reversals(levels: Sequence[float]) -> list[float]:
     [4, 6, 4]
     """
     moves = [(level, np.sign(then - level)) for level, then in pairwise(levels) if then != level]
-    return [level for (_, before), (level, after) in pairwise(moves) if before != after]
+    return [level for (_, old_sign), (level, sign) in pairwise(moves) if old_sign != sign]
 
 
 def of_reversals(turns: Sequence[float], where: str) -> RuleEstimate:
     """The mean of reversals without the first two, made even in number."""
-    kept = turns[DISCARDED + (len(turns) - DISCARDED) % 2 :]
+    kept = turns[DISCARDED + (len(turns) - DISCARDED) % 2 :]  # as many peaks as valleys
     if len(kept) < 2:
         return RuleEstimate(None, None, None, f"too few reversals: {len(turns)} {where}")
     return RuleEstimate(fmean(kept), stdev(kept), len(kept), f"mean of reversals {where}")

@@ -38,7 +38,7 @@ def yes_no_sensitivity(n_hits: int, n_signals: int, n_false_alarms: int, n_noise
     """
     z_hit = z_score("n_hits", n_hits, "n_signals", n_signals)
     z_false_alarm = z_score("n_false_alarms", n_false_alarms, "n_noises", n_noises)
-    return Sensitivity(z_hit - z_false_alarm, -(z_hit + z_false_alarm) / 2 + 0.0)
+    return Sensitivity(z_hit - z_false_alarm, -(z_hit + z_false_alarm) / 2 + 0.0)  # a zero without a sign
 
 
 def two_interval_sensitivity(n_correct_first: int, n_first: int, n_correct_second: int, n_second: int) -> Sensitivity:
@@ -97,7 +97,7 @@ def forced_choice_chance(d_prime: float, n_alternatives: int) -> float:
         raise InvalidParameter(f"n_alternatives: found {n_alternatives}, expected a whole number from 2")
     if not np.isfinite(d_prime):
         raise InvalidParameter(f"d_prime: found {d_prime}, expected a finite number")
-    x, weights = _hermite()
+    x, weights = _hermite()  # of the weight exp(-x^2 / 2): phi(x) up to the sum of the weights
     chances = np.exp((n_alternatives - 1) * log_ndtr(x + d_prime))
     return float(weights @ chances / weights.sum())
 
