@@ -23,7 +23,6 @@ def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
         return None
     header = whole.partition("\n")[0]
     names = [str(place) for place in range(header.count(separator) + 1)]
-
     if len(names) < 2 or whole.count("\r") != whole.count("\r\n"):
         return None
     try:

@@ -135,6 +135,7 @@ def _filled(model: str, rows: pd.DataFrame, source: ExportedDataSet, data: str) 
 
 def _is_number(source: ExportedDataSet, name: str) -> bool:
     try:
+        # A column without any value counts as text.
         return bool([float(text) for row in source.rows if (text := row.get(name))])
     except ValueError:
         return False

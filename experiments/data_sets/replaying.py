@@ -106,6 +106,7 @@ def _rebuild(root: Path, journal: Path, experiment: Experiment, study_toml: byte
         return None
     _check_named(journal, head)
     before = read_file(trials, "a trials file") if trials.exists() else None
+    # Whoever opens a recorded session writes its files anew from the journal, as after a crash.
     opened = OpenSession(root, experiment.design(study_toml), session_of(head), head.rig, resume=True)
     opened.close()
     changed = read_file(trials, "a trials file") != before

@@ -66,6 +66,7 @@ def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None =
 
     The result does not depend on where it is computed.
     """
+    # Once and here: a study that is refused starts no process and no session.
     flaw(wire(parse(simulation.study_toml, simulation.where), simulation.where), simulation.root)
     if scheduler is not None:
         yield from _on_cluster(simulation, scheduler)

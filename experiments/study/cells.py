@@ -71,20 +71,20 @@ def merge(table: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]
     >>> merge({"a": 1, "b": {"c": 2, "d": 3}}, {"b": {"c": 4}})
     {'a': 1, 'b': {'c': 4, 'd': 3}}
     """
-    inner = {
-        key: merge(table[key], value) if isinstance(value, Mapping) and isinstance(table.get(key), Mapping) else value
-        for key, value in change.items()
-    }
-    return {**table, **inner}
+    changed = dict(table)
+    for key, value in change.items():
+        are_tables = isinstance(value, Mapping) and isinstance(table.get(key), Mapping)
+        changed[key] = merge(table[key], value) if are_tables else value
+    return changed
 
 
 def tables(study: Study, factors: Factors) -> dict[str, dict[str, Any]]:
     """The tables of a cell: those of the study with what the variants of its levels change."""
-    found = {name: dict(getattr(study, name)) for name in VARIED}
+    of_cell = {name: dict(getattr(study, name)) for name in VARIED}
     for factor, level in factors.items():
         for name, change in study.variants.get(factor, {}).get(cell_text(level), {}).items():
-            found[name] = merge(found[name], change)
-    return found
+            of_cell[name] = merge(of_cell[name], change)
+    return of_cell
 
 
 class Wiring:
@@ -137,7 +137,7 @@ class Wiring:
 
     def procedure(self, table: Mapping[str, Any]) -> ReadyProcedure:
         """Built once: the tables of QUEST+ take longer than all the rest of a study."""
-        key = repr(table)
+        key = repr(table)  # a table holds lists, which have no hash
         if key not in self._procedures:
             self._procedures[key] = rule_of(table)
         return self._procedures[key]

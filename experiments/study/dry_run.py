@@ -68,7 +68,11 @@ def _n_trials(block: Block) -> Iterator[int]:
     rate = block.catch_rate
     for track in block.tracks:
         n_stimuli = track.procedure.n_trials_at_most
-        yield n_stimuli if rate == 0 else round(n_stimuli / (1 - 1 / max(round(1 / rate), 2)))
+        if rate == 0:
+            yield n_stimuli
+        else:
+            n_group = max(round(1 / rate), 2)  # of each group of trials exactly one is a catch trial
+            yield round(n_stimuli / (1 - 1 / n_group))
 
 
 def duration_s(experiment: Experiment, blocks: list[PlannedBlock]) -> float:

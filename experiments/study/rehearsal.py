@@ -29,7 +29,7 @@ def rehearse(experiment: Experiment) -> None:
     """
     study = experiment.study
     _refuse_idle(experiment)
-    texts = replace(texts_in("en", study.texts), shipped={})
+    texts = replace(texts_in("en", study.texts), shipped={})  # with them to fall back on, no text would be refused
     known = texts_in("en", {})
     for name in study.texts:
         if name not in known.messages and name not in known.labels:

@@ -70,10 +70,13 @@ def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list
     """The cells of every session that the plan has for this participant; one session if all are the same."""
     plan = study.plan
     groups = combinations({name: study.factors[name] for name in plan.between})
+    # Participants go through the groups in turn, and within each group through the rows of its orders.
     row, group = divmod(number - 1, len(groups))
     factors = {**study.factors, **{name: (level,) for name, level in groups[group].items()}}
     cells = crossing_of(study, over, factors).cells(row, stream(seed, "order", number))
-    return [list(part) for _, part in itertools.groupby(cells, lambda cell: [cell[n] for n in plan.sessions])]
+    # The factors of sessions are the slowest: the cells of one session follow each other.
+    by_session = itertools.groupby(cells, lambda cell: [cell[name] for name in plan.sessions])
+    return [list(of_session) for _, of_session in by_session]
 
 
 @dataclass(frozen=True)
@@ -140,7 +143,7 @@ class SessionBuilder:
         return Block(tuple(tracks), self.table.task, self.table.options)
 
     def _cell(self, factors: Factors) -> WiredCell:
-        over = self.table.over
+        over = self.table.over  # its alternatives share a cell's touch and procedure: the first stands for them
         full = factors if over is None else {**factors, over: self.study.factors[over][0]}
         return self.cells[key_of(full)]
 
@@ -166,7 +169,6 @@ class SessionBuilder:
 
 def all_cells(study: Study) -> list[dict[str, float | str]]:
     """Every cell of the design, those of all groups and sessions."""
-    return [
-        {name: cell[name] for name in study.factors}
-        for cell in Crossing[float | str](study.factors, {}, nested_levels(study)).cells(0, np.random.default_rng(0))
-    ]
+    crossing = Crossing[float | str](study.factors, {}, nested_levels(study))
+    cells = crossing.cells(0, np.random.default_rng(0))  # all orders are fixed: nothing is drawn
+    return [{name: cell[name] for name in study.factors} for cell in cells]
