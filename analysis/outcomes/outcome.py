@@ -84,19 +84,19 @@ def outcome(
     the rule of `primary` does."""
     given = Given.of(table, factors, dependent)
     group = group_table(table, factors, dependent)
-    found = Outcome(task, dependent, table, group, cross_table(group, factors), given.within, given.between)
-    part, notes = _complete(given)
-    found = replace(found, notes=notes)
-    if part is not None:
-        found = _with_anova(found, given, part, permuted=primary == Primary.PERMUTATION)
+    result = Outcome(task, dependent, table, group, cross_table(group, factors), given.within, given.between)
+    complete, notes = _complete(given)
+    result = replace(result, notes=notes)
+    if complete is not None:
+        result = _with_anova(result, given, complete, permuted=primary == Primary.PERMUTATION)
     if not given.is_whole or primary == Primary.CENSORED:
-        found = _with_censored(found, given, factors)
+        result = _with_censored(result, given, factors)
     if forces is not None and FORCE in given.within:
-        found = _with_model(found, given, forces)
-    if given.factors:
-        found = _with_primary(found, primary, is_whole=given.is_whole)
-    compare = _censored_comparisons if found.primary is Primary.CENSORED else _comparisons
-    return compare(found, given, part, bounds or {})
+        result = _with_model(result, given, forces)
+    if given.factors:  # last, as an analysis that has no answer cannot be the one that answers
+        result = _with_primary(result, primary, is_whole=given.is_whole)
+    compare = _censored_comparisons if result.primary is Primary.CENSORED else _comparisons
+    return compare(result, given, complete, bounds or {})
 
 
 def _complete(given: Given) -> tuple[SubDesign | None, tuple[str, ...]]:
@@ -125,24 +125,24 @@ def _with_values(given: Given) -> SubDesign:
     return SubDesign(given.table[known], (), left_out)
 
 
-def _with_anova(found: Outcome, given: Given, part: SubDesign, *, permuted: bool) -> Outcome:
+def _with_anova(result: Outcome, given: Given, complete: SubDesign, *, permuted: bool) -> Outcome:
     """The analysis of variance of a complete part; within participants with its assumptions and, where an error matrix
     is singular or a permutation test is asked for, that."""
-    within, arguments = list(part.within), given.arguments
-    found = replace(found, left_out=part.left_out)
+    within, arguments = list(complete.within), given.arguments
+    result = replace(result, left_out=complete.left_out)
     try:
-        anova = _anova(given)(part.table, within)
+        anova = _anova(given)(complete.table, within)
     except UndefinedStatistic as refusal:
-        return replace(found, notes=(*found.notes, f"no analysis of variance: {refusal}"), status=refusal.status)
+        return replace(result, notes=(*result.notes, f"no analysis of variance: {refusal}"), status=refusal.status)
     status = anova.attrs["status"]
-    found = replace(found, anova=anova, status=status, notes=(*found.notes, *anova.attrs["notes"]))
+    result = replace(result, anova=anova, status=status, notes=(*result.notes, *anova.attrs["notes"]))
     if given.between is not None:
-        return found
-    found = replace(found, checks=checks(part.table, within=within, **arguments))
+        return result
+    result = replace(result, checks=checks(complete.table, within=within, **arguments))
     if not (permuted or status is DesignStatus.SINGULAR):
-        return found
+        return result
     rng = np.random.default_rng(PERMUTATION_SEED)
-    return replace(found, permutation=permutation_test(part.table, within=within, rng=rng, **arguments))
+    return replace(result, permutation=permutation_test(complete.table, within=within, rng=rng, **arguments))
 
 
 def _anova(given: Given) -> Analysis:
@@ -158,29 +158,29 @@ def _anova(given: Given) -> Analysis:
     return analysis
 
 
-def _with_censored(found: Outcome, given: Given, factors: Sequence[str]) -> Outcome:
+def _with_censored(result: Outcome, given: Given, factors: Sequence[str]) -> Outcome:
     """The analysis of all that is known of all participants; the group's means are then those of its model."""
     if len(given.within) > MAX_FACTORS:
-        return found
+        return result
     options: dict[str, Any] = {"between": given.between, "at_least": MIN_KNOWN}
-    part = SubDesign(given.table, (), ())
+    kept = SubDesign(given.table, (), ())
     if given.within:
-        part = largest_known(given.table, within=given.within, **given.arguments, **options) or part
-    if given.within and not part.within:
+        kept = largest_known(given.table, within=given.within, **given.arguments, **options) or kept
+    if given.within and not kept.within:
         note = f"no analysis of bounds: no two conditions have {MIN_KNOWN} participants with a value"
-        return replace(found, notes=(*found.notes, note))
+        return replace(result, notes=(*result.notes, note))
     try:
-        censored = _censored(given, part.table, part.within)
+        censored = _censored(given, kept.table, kept.within)
     except InvalidParameter as refusal:
-        return replace(found, notes=(*found.notes, f"no analysis of bounds: {refusal}"))
-    means = group_table(found.estimates, factors, found.dependent, model=_means(censored, part.table, factors))
-    notes = (*found.notes, *_counted(censored), *_lost(part))
-    return replace(found, censored=censored, notes=notes, group=means, cross=cross_table(means, factors))
+        return replace(result, notes=(*result.notes, f"no analysis of bounds: {refusal}"))
+    means = group_table(result.estimates, factors, result.dependent, model=_means(censored, kept.table, factors))
+    notes = (*result.notes, *_counted(censored), *_lost(kept))
+    return replace(result, censored=censored, notes=notes, group=means, cross=cross_table(means, factors))
 
 
-def _means(found: CensoredAnova, table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+def _means(model: CensoredAnova, table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """With the one level of each factor of which the others are left out: the means are of no other."""
-    means = found.means()
+    means = model.means()
     return means.assign(**{name: table[name].iloc[0] for name in factors if name not in means.columns})
 
 
@@ -189,27 +189,27 @@ def _censored(given: Given, table: pd.DataFrame, within: Sequence[str]) -> Censo
     return censored_anova(table, low=LOW, high=HIGH, within=list(within), between=between, **given.arguments)
 
 
-def _counted(found: CensoredAnova) -> list[str]:
+def _counted(model: CensoredAnova) -> list[str]:
     """How the values that are not known count."""
     kinds = [
-        (found.n_censored, "as a bound", "as bounds"),
-        (found.n_missing, "as missing at random", "as missing at random"),
+        (model.n_censored, "as a bound", "as bounds"),
+        (model.n_missing, "as missing at random", "as missing at random"),
     ]
     counts = [f"{n} value{'s' if n > 1 else ''} {many if n > 1 else one}" for n, one, many in kinds if n]
     return [f"the analysis of values and bounds counts {' and '.join(counts)}"] if counts else []
 
 
-def _lost(part: SubDesign) -> list[str]:
-    if not part.left_out:
+def _lost(kept: SubDesign) -> list[str]:
+    if not kept.left_out:
         return []
-    names = ", ".join(part.left_out)
+    names = ", ".join(kept.left_out)
     return [
         f"the analysis of values and bounds leaves out {names}: fewer than {MIN_KNOWN} participants have a value in "
         "one of its conditions"
     ]
 
 
-def _with_model(found: Outcome, given: Given, forces: pd.DataFrame) -> Outcome:
+def _with_model(result: Outcome, given: Given, forces: pd.DataFrame) -> Outcome:
     """A mixed model with the measured force instead of its target. A bound counts as a bound."""
     keys = [SUBJECT, *given.factors]
     measured = forces.groupby(keys, observed=True)["force_mean_n"].mean().reset_index()
@@ -222,9 +222,9 @@ def _with_model(found: Outcome, given: Given, forces: pd.DataFrame) -> Outcome:
     try:
         model = _model(data, arguments, is_known=bool(known.all()))
     except InvalidParameter as refusal:
-        return replace(found, notes=(*found.notes, f"no mixed model: {refusal}"))
+        return replace(result, notes=(*result.notes, f"no mixed model: {refusal}"))
     title = " * ".join([*factors, MEASURED]) + ", participants at random"
-    return replace(found, model=model, model_title=title)
+    return replace(result, model=model, model_title=title)
 
 
 def _model(data: pd.DataFrame, arguments: Mapping[str, Any], *, is_known: bool) -> MixedModel:
@@ -233,27 +233,27 @@ def _model(data: pd.DataFrame, arguments: Mapping[str, Any], *, is_known: bool) 
     return censored_model(data, low=LOW, high=HIGH, **arguments)
 
 
-def _with_primary(found: Outcome, named: str | None, *, is_whole: bool) -> Outcome:
+def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outcome:
     primary, reason = chosen(named, is_whole=is_whole)
-    if primary not in found.analyses():
+    if primary not in result.analyses():
         note = f"no primary analysis: {TITLES[primary]} ({reason}) has no answer here"
-        return replace(found, notes=(*found.notes, note))
-    found = replace(found, primary=primary, reason=reason)
+        return replace(result, notes=(*result.notes, note))
+    result = replace(result, primary=primary, reason=reason)
     lost = []
-    if primary in (Primary.ANOVA, Primary.PERMUTATION) and found.left_out:
-        lost = [f"the primary analysis leaves out {', '.join(found.left_out)}, which is at random only if bounds are"]
-    return replace(found, notes=(*found.notes, *lost))
+    if primary in (Primary.ANOVA, Primary.PERMUTATION) and result.left_out:
+        lost = [f"the primary analysis leaves out {', '.join(result.left_out)}, which is at random only if bounds are"]
+    return replace(result, notes=(*result.notes, *lost))
 
 
-def _comparisons(found: Outcome, given: Given, part: SubDesign | None, bounds: Mapping[str, float]) -> Outcome:
+def _comparisons(result: Outcome, given: Given, complete: SubDesign | None, bounds: Mapping[str, float]) -> Outcome:
     """Pairs, groups and simple effects of the complete part."""
-    if found.anova is None or part is None:
-        return found
-    within, between, table = list(part.within), given.between, part.table
-    orders = interacting(found.anova, [*([between] if between else []), *within])
+    if result.anova is None or complete is None:
+        return result
+    within, between, table = list(complete.within), given.between, complete.table
+    orders = interacting(result.anova, [*([between] if between else []), *within])
     arguments = given.arguments
     return replace(
-        found,
+        result,
         pairs={name: pairs(table, factor=name, **arguments) for name in within},
         group_pairs={between: group_pairs(table, between=between, **arguments)} if between else {},
         equivalence={
@@ -281,10 +281,12 @@ def _pairs_by(given: Given, table: pd.DataFrame, factor: str, by: str) -> pd.Dat
     return all_together(pd.concat(of_groups, ignore_index=True), "holm", INTERVAL)
 
 
-def _censored_comparisons(found: Outcome, given: Given, part: SubDesign | None, bounds: Mapping[str, float]) -> Outcome:
+def _censored_comparisons(
+    result: Outcome, given: Given, complete: SubDesign | None, bounds: Mapping[str, float]
+) -> Outcome:
     """Of the model of all that is known."""
-    del part
-    censored = found.censored
+    del complete
+    censored = result.censored
     assert censored is not None  # it is the primary analysis
     within, between = list(censored.design.factors), censored.design.between
     orders = interacting(censored.table, [*([between] if between else []), *within])
@@ -294,7 +296,7 @@ def _censored_comparisons(found: Outcome, given: Given, part: SubDesign | None, 
         return _censored(given, rows, factors).table
 
     return replace(
-        found,
+        result,
         pairs={name: censored_pairs(censored, name) for name in within},
         group_pairs={between: censored_group_pairs(censored)} if between else {},
         equivalence={
@@ -307,14 +309,14 @@ def _censored_comparisons(found: Outcome, given: Given, part: SubDesign | None, 
     )
 
 
-def _censored_pairs_by(found: CensoredAnova, factor: str, by: str) -> pd.DataFrame:
-    if factor == found.design.between:
-        return censored_group_pairs(found, by=by)
-    return censored_pairs(found, factor, by=by)
+def _censored_pairs_by(model: CensoredAnova, factor: str, by: str) -> pd.DataFrame:
+    if factor == model.design.between:
+        return censored_group_pairs(model, by=by)
+    return censored_pairs(model, factor, by=by)
 
 
-def _rows_of(table: pd.DataFrame, found: CensoredAnova) -> pd.DataFrame:
+def _rows_of(table: pd.DataFrame, model: CensoredAnova) -> pd.DataFrame:
     """Those of the conditions that the model has."""
-    for name, levels in zip(found.design.factors, found.design.levels, strict=True):
+    for name, levels in zip(model.design.factors, model.design.levels, strict=True):
         table = table[table[name].isin(levels)]
     return table

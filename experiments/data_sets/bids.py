@@ -178,11 +178,11 @@ def _phenotype(form: Questionnaire, answers: pd.DataFrame, source: ExportedDataS
     people = sorted(set(answers["participant"]))
     rows = [[f"sub-{code}", *(_score(known.get((code, *key))) for key in keys)] for code in people]
     columns = {_score_name(factors, key): _score_text(form, factors, key) for key in keys}
-    told = {"MeasurementToolMetadata": {"Description": f"{form.title}: {form.reference}"}}
-    told |= {"participant_id": {"Description": "Code of the participant"}}
-    told |= {name: {"Description": text} for name, text in columns.items()}
+    sidecar = {"MeasurementToolMetadata": {"Description": f"{form.title}: {form.reference}"}}
+    sidecar |= {"participant_id": {"Description": "Code of the participant"}}
+    sidecar |= {name: {"Description": text} for name, text in columns.items()}
     stem = f"phenotype/{_label(form.name)}"
-    return {f"{stem}.tsv": delimited(["participant_id", *columns], rows, "\t"), f"{stem}.json": json_text(told)}
+    return {f"{stem}.tsv": delimited(["participant_id", *columns], rows, "\t"), f"{stem}.json": json_text(sidecar)}
 
 
 def _score(value: float | None) -> str:

@@ -46,7 +46,7 @@ class ExportedDataSet:
     def sessions(self) -> list[tuple[str, str, list[Row]]]:
         """Participant, session and rows of each session."""
         ordered = sorted(self.rows, key=_whose)
-        return [(*key, list(part)) for key, part in groupby(ordered, key=_whose)]
+        return [(*key, list(rows)) for key, rows in groupby(ordered, key=_whose)]
 
     def tasks(self) -> list[str]:
         """The tasks of all rows, sorted."""

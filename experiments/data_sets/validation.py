@@ -54,44 +54,45 @@ def validate(path: Path) -> Soundness:
     if not os.path.lexists(path):
         raise InvalidFile(f"{path}: found no such folder or file, expected a data set or a trials file")
     content = read_file(path, "a data set or a trials file")
-    n_trials, found = n_rows(content), list(defects(content, path.name))
-    if not found and n_trials == 0:
-        found = [Defect(path.name, None, "found a header alone, expected a row for each trial")]
-    return Soundness(1, n_trials, tuple(grouped(found)), ())
+    n_trials, unsound = n_rows(content), list(defects(content, path.name))
+    if not unsound and n_trials == 0:
+        unsound = [Defect(path.name, None, "found a header alone, expected a row for each trial")]
+    return Soundness(1, n_trials, tuple(grouped(unsound)), ())
 
 
 def _data_set(root: Path) -> Soundness:
-    experiment, found = _study(root)
+    experiment, unsound = _study(root)
     notes = [*_alike(root), *_drafts(root)]
     files, journals = listed(root / "data", "*.csv"), sessions(root)
-    contents = {file: content for file in files if (content := _read(file, f"data/{file.name}", found)) is not None}
-    found += _guarded(root, NAME, _description(root, contents))
+    contents = {file: content for file in files if (content := _read(file, f"data/{file.name}", unsound)) is not None}
+    unsound += _guarded(root, NAME, _description(root, contents))
     if not files:
-        found.append(Defect("data", None, "found no trials file, expected at least one"))
+        unsound.append(Defect("data", None, "found no trials file, expected at least one"))
+    stems = [path.stem for path in journals]
     for file, content in contents.items():
-        found += _guarded(root, f"data/{file.name}", _trials_file(file, content, [path.stem for path in journals]))
-    found += _mixed(journals)
+        unsound += _guarded(root, f"data/{file.name}", _trials_file(file, content, stems))
+    unsound += _mixed(journals)
     for journal in journals:
-        found += _guarded(root, f"journals/{journal.name}", _session(root, journal, experiment, notes))
-    return Soundness(len(files), sum(map(n_rows, contents.values())), tuple(grouped(found)), tuple(notes))
+        unsound += _guarded(root, f"journals/{journal.name}", _session(root, journal, experiment, notes))
+    return Soundness(len(files), sum(map(n_rows, contents.values())), tuple(grouped(unsound)), tuple(notes))
 
 
-def _guarded(root: Path, name: str, found: Iterator[Defect]) -> Iterator[Defect]:
+def _guarded(root: Path, name: str, unsound: Iterator[Defect]) -> Iterator[Defect]:
     """Defects, the last of which may be that a file cannot be read."""
     try:
-        yield from found
+        yield from unsound
     except InvalidFile as error:
         path, _, what = str(error).partition(": ")
         within = Path(path).is_relative_to(root)
         yield Defect(Path(path).relative_to(root).as_posix() if within else name, None, what)
 
 
-def _read(file: Path, name: str, found: list[Defect], what: str = "a trials file") -> bytes | None:
-    """The content of a file, or a defect."""
+def _read(file: Path, name: str, unsound: list[Defect], what: str = "a trials file") -> bytes | None:
+    """The content of a file, or a defect more."""
     try:
         return read_file(file, what)
     except InvalidFile as error:
-        found.append(Defect(name, None, str(error).removeprefix(f"{file}: ")))
+        unsound.append(Defect(name, None, str(error).removeprefix(f"{file}: ")))
         return None
 
 
@@ -122,10 +123,10 @@ def _drafts(root: Path) -> Iterator[str]:
 
 
 def _study(root: Path) -> tuple[Experiment | None, list[Defect]]:
-    found: list[Defect] = []
-    content = _read(root / "study.toml", "study.toml", found, "the study that ran")
+    unsound: list[Defect] = []
+    content = _read(root / "study.toml", "study.toml", unsound, "the study that ran")
     if content is None:
-        return None, found
+        return None, unsound
     try:
         return wire(parse(content, "study.toml"), "study.toml"), []
     except TactometryError as error:
@@ -178,8 +179,9 @@ def _misnamed(file: Path, content: bytes) -> Iterator[Defect]:
             continue
         place = header.index(key)
         for number, cells in enumerate(rows, 2):
-            if "".join(cells[place : place + 1]).replace("-", "") != named[key]:
-                text = f"column {key!r}: found {''.join(cells[place : place + 1])!r}, expected {named[key]!r} as in"
+            value = "".join(cells[place : place + 1])  # empty in a row that ends before the column
+            if value.replace("-", "") != named[key]:  # a file's name keeps hyphens for its own keys
+                text = f"column {key!r}: found {value!r}, expected {named[key]!r} as in"
                 yield Defect(f"data/{file.name}", number, f"{text} the file's name")
                 return
 

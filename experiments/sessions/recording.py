@@ -138,7 +138,7 @@ def record(
 def _begin(keeper: OpenSession, head: Head, tell: Callable[[str], None]) -> None:
     """Write the head of a sitting, and tell what is not as it was in the last one."""
     if keeper.complete:
-        return
+        return  # a session that is over begins no sitting
     changed = [phrase for last in keeper.sittings[-1:] for phrase in differences(last, head)]
     if changed:
         tell(f"this sitting is not as the last one: {'; '.join(changed)}")

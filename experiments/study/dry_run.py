@@ -38,13 +38,13 @@ class PlannedBlock:
         >>> PlannedBlock(1, {}, "staircase", 80, n_tracks=2).content
         'staircase, 2 interleaved, at most 80 trials'
         """
-        parts = [
+        phrases = [
             self.procedure,
             f"{self.n_tracks} interleaved" if self.n_tracks > 1 else "",
             f"at most {counted(self.n_trials_at_most, 'trial')}" if self.n_trials_at_most else "",
             counted(self.n_items, "item") if self.n_items else "",
         ]
-        return ", ".join(filter(None, parts))
+        return ", ".join(filter(None, phrases))
 
 
 def plan(experiment: Experiment, number: int, n_session: int = 1, seed: int = 0) -> list[PlannedBlock]:
