@@ -174,7 +174,7 @@ def epsilons(covariance: Array, df: float) -> tuple[float, float, float]:
     squares = p * float(np.sum(covariance**2))
     greenhouse_geisser = float(np.trace(covariance)) ** 2 / squares if squares > 0 else 1.0
     room = p * (df - p * greenhouse_geisser)
-    wide = ((df + 1) * p * greenhouse_geisser - 2) / room if room > 0 else np.inf
+    wide = ((df + 1) * p * greenhouse_geisser - 2) / room if room > 0 else np.inf  # infinite: cut to 1 below
     n_moments = (df - 1) + df * (df - 1) / 2
     kept = (n_moments - 2) * (n_moments - 4) / n_moments**2 if n_moments > 4 else 0.0
     huynh_feldt = min(1.0, max(wide, greenhouse_geisser))

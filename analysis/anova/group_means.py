@@ -40,10 +40,10 @@ def group_table(
     """
     inside = {} if model is not None else _inside(estimates, factors, dependent, interval)
     rows = []
-    for key, part in parts(bounds_of(estimates, dependent), factors):
+    for key, condition in parts(bounds_of(estimates, dependent), factors):
         names = dict(zip(factors, key, strict=True))
-        own = None if model is None else _row_of(model, names)
-        rows.append(names | _group(part, dependent, interval, inside.get(key), own))
+        of_model = None if model is None else _row_of(model, names)
+        rows.append(names | _group(condition, dependent, interval, inside.get(key), of_model))
     return pd.DataFrame(rows)
 
 
@@ -61,8 +61,8 @@ def bounds_of(estimates: pd.DataFrame, dependent: str) -> pd.DataFrame:
 def _row_of(model: pd.DataFrame, names: Mapping[str, object]) -> "pd.Series[float] | None":
     """The row of a condition, by those factors that the model has."""
     shared = [name for name in names if name in model.columns]
-    found = model[(model[shared] == [names[name] for name in shared]).all(axis=1)]
-    return found.iloc[0] if len(found) == 1 else None
+    rows = model[(model[shared] == [names[name] for name in shared]).all(axis=1)]
+    return rows.iloc[0] if len(rows) == 1 else None  # none of a condition that the model leaves out
 
 
 def _inside(
@@ -75,13 +75,13 @@ def _inside(
     within, between = ([name for name in factors if bool(varied[name]) is is_varied] for is_varied in (True, False))
     if not within:
         return {}
-    found = {}
-    for group, part in parts(estimates, between):
-        wide = part.pivot_table(dependent, "participant", within, dropna=False, observed=True, aggfunc="mean")
+    by_condition = {}
+    for group, members in parts(estimates, between):
+        wide = members.pivot_table(dependent, "participant", within, dropna=False, observed=True, aggfunc="mean")
         for condition, half in _halves(wide, interval).items():
-            own = dict(zip([*between, *within], [*group, *condition], strict=True))
-            found[tuple(own[name] for name in factors)] = half
-    return found
+            value_of = dict(zip([*between, *within], [*group, *condition], strict=True))
+            by_condition[tuple(value_of[name] for name in factors)] = half  # keys in the order of all factors again
+    return by_condition
 
 
 def _halves(wide: pd.DataFrame, interval: float) -> dict[tuple[object, ...], float]:
@@ -130,5 +130,5 @@ def _text(row: Mapping[str, Any], n: int, where: str) -> str:
         beside.append(f"{row['n_missing']} missing")
     if row["mean"] is None:
         return f"of {n}: {', '.join(beside)}" if beside else f"none ({n} missing)"
-    told = ", ".join([f"n = {row['n']}", *(["all alike"] if row["sd"] == 0 else []), *beside])
-    return f"{interval_text(row['mean'], row['mean_low'], row['mean_high'])} ({told})"
+    counts = ", ".join([f"n = {row['n']}", *(["all alike"] if row["sd"] == 0 else []), *beside])
+    return f"{interval_text(row['mean'], row['mean_low'], row['mean_high'])} ({counts})"

@@ -60,7 +60,7 @@ class Alone:
         for c, place in enumerate(self.told):
             cell, together = self.cells[place], self.together[place]
             fits = [one for one in cell if is_told(one)] or [together] * is_told(together)
-            at = ends.get(together.status, middle)[c]
+            at = ends.get(together.status, middle)[c]  # the end of the levels beyond which the answers put it
             threshold.append(np.mean([one.threshold for one in fits]) if fits else at)
             widths = [np.log(one.width) for one in fits if one.width is not None]
             width.append(np.mean(widths) if widths else np.log(max((high - low)[c] / 2, 1e-9)))

@@ -16,7 +16,7 @@ SCHEMA_VERSION = "Psych-DS 1.5.0"
 def psychds_files(source: ExportedDataSet) -> dict[str, bytes]:
     """Every file, by its path; the same data give the same bytes."""
     names = [column.name for column in source.columns]
-    study = (source.text("study") or "trials").replace("-", "")
+    study = (source.text("study") or "trials").replace("-", "")  # a hyphen parts key and value in names of files
     files = {
         "dataset_description.json": json_text(_description(source)),
         "README.md": f"# {source.title}\n\n{source.description}\n\nWritten by tactometry export.\n".encode(),

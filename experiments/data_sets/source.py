@@ -188,5 +188,5 @@ def delimited(header: Sequence[str], rows: Sequence[Sequence[str]], separator: s
 
 
 def json_text(value: object) -> bytes:
-    """JSON for people, with sorted order as given."""
+    """JSON for people, in the order as given."""
     return (json.dumps(value, indent=2, ensure_ascii=False) + "\n").encode()

@@ -10,6 +10,7 @@ import click
 from tactometry.rigs.bench import Facts
 from tactometry.signal import Stimulus
 
+# Rigs and their devices are imported where one is made: a command that makes none starts without their libraries.
 if TYPE_CHECKING:
     from tactometry.session.event import EventLog
 
