@@ -48,6 +48,5 @@ def test_the_examples_of_a_page(page: Path) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.stem)
 def test_what_a_page_imports_is_there(page: Path) -> None:
     text = page.read_text(encoding="utf-8")
-    for module, names in re.findall(r"^(?:>>> )?from (tactometry[\w.]*) import ([\w, ]+)$", text, re.MULTILINE):
-        for name in names.split(", "):
-            assert hasattr(importlib.import_module(module), name), f"{module}: {name}"
+    for line in re.findall(r"^(?:>>> )?(from tactometry[\w.]* import [\w, ]+)$", text, re.MULTILINE):
+        exec(line, {})
