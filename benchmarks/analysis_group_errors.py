@@ -16,7 +16,7 @@ import pandas as pd
 from scipy.stats import t as student
 
 from tactometry.analysis.anova.censored import censored_anova
-from tactometry.analysis.anova.contrasts import Effect, contrasts, permutation_p
+from tactometry.analysis.anova.contrasts import ContrastEffect, contrasts, permutation_p
 from tactometry.analysis.anova.design import UndefinedStatistic
 from tactometry.analysis.anova.post_hoc import all_together
 from tactometry.analysis.anova.within_intervals import DIFFERENCE, within_variances
@@ -51,7 +51,7 @@ def detected(values: np.ndarray, design: str) -> dict[str, float]:
     """The share of studies with p < 5 % by each test."""
     n_levels, part = DESIGNS[design]
     scores = values @ contrasts(n_levels, part).T
-    effects = [Effect(("x",), each, values.shape[-1]) for each in scores]
+    effects = [ContrastEffect(("x",), each, values.shape[-1]) for each in scores]
     shapes = [effect.sphericity for effect in effects]
     tests = {
         "uncorrected": [1.0] * len(effects),

@@ -8,7 +8,7 @@ from scipy.stats import shapiro
 
 from ..arrays import Array
 from ..wording.numbers import p_text, share_text
-from .contrasts import Effect, effects
+from .contrasts import ContrastEffect, effects
 from .design import spread, within_design
 
 ALPHA = 0.05
@@ -59,7 +59,7 @@ def _normality(residuals: Array) -> dict[str, object]:
     return _tested(name, "Shapiro-Wilk W", float(w), float(p))
 
 
-def _sphericity(effect: Effect) -> dict[str, object]:
+def _sphericity(effect: ContrastEffect) -> dict[str, object]:
     name = f"sphericity of {effect.name}"
     shape = effect.sphericity
     if shape.w is None or shape.p is None:

@@ -65,7 +65,7 @@ class Tested:
 
 
 @dataclass(frozen=True)
-class Effect:
+class ContrastEffect:
     """One effect of a design of `n_conditions` cells: its factors and the scores of all participants, shape
     (participant, contrast)."""
 
@@ -110,7 +110,7 @@ class Effect:
         return sphericity(errors.T @ errors / df, df, self.n_conditions)
 
 
-def effects(design: WithinDesign) -> list[Effect]:
+def effects(design: WithinDesign) -> list[ContrastEffect]:
     """Main effects first, then the interactions.
 
     >>> values = np.array([[1.0, 2, 4], [2, 2, 5], [1, 3, 3]])
@@ -123,12 +123,12 @@ def effects(design: WithinDesign) -> list[Effect]:
     return [_effect(design, part) for part in chosen]
 
 
-def _effect(design: WithinDesign, part: tuple[int, ...]) -> Effect:
+def _effect(design: WithinDesign, part: tuple[int, ...]) -> ContrastEffect:
     scores = design.cells @ contrasts(design.values.shape[1:], part).T
     mean = scores.mean(axis=0)
     if np.abs(scores - mean).max() <= design.rounding:
         scores = np.broadcast_to(mean, scores.shape)  # an error of rounding alone is 0, and F undefined, not huge
-    return Effect(tuple(design.factors[place] for place in part), scores, design.cells.shape[1])
+    return ContrastEffect(tuple(design.factors[place] for place in part), scores, design.cells.shape[1])
 
 
 def participant_scores(design: WithinDesign) -> Array:
@@ -191,14 +191,14 @@ def _mauchly_p(log_w: float, p: int, df: int, n_conditions: int) -> float:
     return first + second * (later - first)
 
 
-def permutation_p(effect: Effect, *, rng: np.random.Generator | None = None, n_resamples: int = 9_999) -> float:
+def permutation_p(effect: ContrastEffect, *, rng: np.random.Generator | None = None, n_resamples: int = 9_999) -> float:
     """The chance of an effect as large or larger if each participant's contrasts could as well have the other sign.
 
     Exact for symmetric errors, whatever the sphericity and the rank of the error matrix; the sum of squares of effect
     and error together does not change with the signs, so that the effect's own orders them as F does. Up to
     `MOST_EXACT` participants all signs are tried and `rng` is not used.
 
-    >>> effect = Effect(("force_n",), np.array([[1.0], [2.0], [3.0], [4.0]]), n_conditions=2)
+    >>> effect = ContrastEffect(("force_n",), np.array([[1.0], [2.0], [3.0], [4.0]]), n_conditions=2)
     >>> permutation_p(effect)
     0.125
     """

@@ -11,7 +11,7 @@ from scipy.stats import rankdata
 from tactometry.errors import InvalidParameter, nearest
 
 from ..arrays import Array
-from .contrasts import Effect, effects
+from .contrasts import ContrastEffect, effects
 from .design import DesignStatus, UndefinedStatistic, WithinDesign, spread, within_design
 from .post_hoc import pairs
 
@@ -104,7 +104,7 @@ def art_contrasts(
     return pairs(long, dependent="rank", factor="condition", subject="participant")
 
 
-def _ranked_row(design: WithinDesign, effect: Effect) -> dict[str, object]:
+def _ranked_row(design: WithinDesign, effect: ContrastEffect) -> dict[str, object]:
     cell_means = design.values.mean(axis=0, keepdims=True)
     aligned = _rounded(design.values - cell_means + _estimate(design, effect.factors))
     ranked = _named(replace(design, values=_ranks(aligned)), effect.name)
@@ -122,7 +122,7 @@ def _ranked_row(design: WithinDesign, effect: Effect) -> dict[str, object]:
     }
 
 
-def _named(design: WithinDesign, name: str) -> Effect:
+def _named(design: WithinDesign, name: str) -> ContrastEffect:
     return next(effect for effect in effects(design) if effect.name == name)
 
 

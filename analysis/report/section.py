@@ -29,7 +29,7 @@ class Heading:
 
 
 @dataclass(frozen=True)
-class Table:
+class TableBlock:
     kind: ClassVar = "table"
     grid: TextGrid
 
@@ -75,7 +75,7 @@ class Details:
     is_open: bool = False
 
 
-Block = Lead | Heading | Table | Sentences | FoldedSentences | Figure | Details
+Block = Lead | Heading | TableBlock | Sentences | FoldedSentences | Figure | Details
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from hypothesis import given, settings, strategies as st
 from scipy.stats import f as fisher, ncf
 from soak import SOAK
 
-from tactometry.analysis.anova.contrasts import Effect, Sphericity, effects, permutation_p
+from tactometry.analysis.anova.contrasts import ContrastEffect, Sphericity, effects, permutation_p
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic, WithinDesign
 from tactometry.analysis.anova.effect_size import eta_squared, noncentrality
 from tactometry.analysis.anova.within_subjects import effect_row, permutation_test, repeated_measures, singular_note
@@ -188,7 +188,7 @@ def test_the_interval_of_partial_eta_squared_covers_the_truth_of_a_spherical_eff
     scores = rng.normal(size=(n_studies, n, p)) + truth
     covered = 0
     for each in scores:
-        effect = Effect(("a",), each, 3)
+        effect = ContrastEffect(("a",), each, 3)
         low, high = noncentrality(effect.f, effect.df, 0.90)
         covered += low <= noncentral <= high
     assert covered / n_studies == pytest.approx(0.90, abs=3.9 * np.sqrt(0.09 / n_studies))
@@ -201,12 +201,12 @@ def test_all_signs_are_counted_once() -> None:
     scores = drawn((6, 3), np.random.default_rng())
     signs = np.array(list(product((-1, 1), repeat=6)))
     sums = np.array([np.sum((row @ scores) ** 2) for row in signs])
-    assert permutation_p(Effect(("a",), scores, 4)) == np.mean(sums >= sums[-1] * (1 - 1e-12))
+    assert permutation_p(ContrastEffect(("a",), scores, 4)) == np.mean(sums >= sums[-1] * (1 - 1e-12))
 
 
 def test_many_participants_draw_signs_and_agree_with_f() -> None:
     rng = np.random.default_rng()
-    effect = Effect(("a",), rng.normal(size=(40, 2)) + 0.25, 3)
+    effect = ContrastEffect(("a",), rng.normal(size=(40, 2)) + 0.25, 3)
     found = permutation_p(effect, rng=rng, n_resamples=4000)
     assert found == pytest.approx(effect.p(), abs=0.03)
 

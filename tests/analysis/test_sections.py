@@ -9,7 +9,7 @@ from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report import page, summary as json, terminal
 from tactometry.analysis.report.grid import grid
 from tactometry.analysis.report.kinds import KINDS
-from tactometry.analysis.report.section import Details, Figure, Kind, Lead, Section, Table, TextTable, rows_of
+from tactometry.analysis.report.section import Details, Figure, Kind, Lead, Section, TableBlock, TextTable, rows_of
 from tactometry.analysis.result import Analysis
 from tactometry.cli.analyse import summary_text
 
@@ -30,7 +30,9 @@ def figure() -> Figure:
 def added(monkeypatch) -> None:
     """As by a file in `sections` and a line in `kinds`."""
     kind = Kind(
-        lambda _: [Section("Reactions < all", (Lead("Means."), Details("More", (Table(grid(ROWS, ())), figure()))))],
+        lambda _: [
+            Section("Reactions < all", (Lead("Means."), Details("More", (TableBlock(grid(ROWS, ())), figure()))))
+        ],
         lambda _: [TextTable(ROWS, "reactions", ["no test of reactions"])],
         lambda _: [("reactions", [{"participant": "P01"}])],
     )

@@ -8,7 +8,7 @@ from ...result import Analysis
 from ...wording.cross_table import cross_table
 from ..captions import figure_text
 from ..grid import grid
-from ..section import Figure, Kind, Lead, Section, Table, TextTable, rows_of
+from ..section import Figure, Kind, Lead, Section, TableBlock, TextTable, rows_of
 
 
 def _sections(found: Analysis) -> Iterator[Section]:
@@ -16,7 +16,7 @@ def _sections(found: Analysis) -> Iterator[Section]:
         table, factors = found.tables["force"], found.trials.factors
         spread = " over participants ± standard deviation between them" if table["mean_low"].notna().any() else ""
         lead = Lead(f"Mean applied force{spread}, and time in the target band where it was measured.")
-        yield Section("Applied force", (lead, Table(grid(cross_table(table, factors), factors)), _figure(found)))
+        yield Section("Applied force", (lead, TableBlock(grid(cross_table(table, factors), factors)), _figure(found)))
 
 
 def _figure(found: Analysis) -> Figure:

@@ -9,7 +9,7 @@ from ...tasks.kinds import CURVES
 from ...wording.cross_table import cross_table
 from ...wording.labels import dependent_name, dependent_title, with_unit
 from ..grid import grid
-from ..section import Block, Details, Figure, Kind, Lead, Section, Sentences, Table, TextTable, plain_rows
+from ..section import Block, Details, Figure, Kind, Lead, Section, Sentences, TableBlock, TextTable, plain_rows
 from ..sentences import hierarchical_sentences
 
 MEANS = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean_high"}
@@ -32,11 +32,11 @@ def _blocks(outcome: HierarchicalOutcome, found: Analysis) -> Iterator[Block]:
         f"A check of the primary analysis. Hierarchical model: {_values_of(outcome)} of the group with 95 % interval; "
         "estimates of participants are drawn to the group as far as their answers leave it open."
     )
-    yield Table(grid(cross_table(outcome.conditions, outcome.fit.factors), factors))
+    yield TableBlock(grid(cross_table(outcome.conditions, outcome.fit.factors), factors))
     yield _figure(outcome, found)
     yield told
     participants = grid(outcome.participants, factors)
-    yield Details(f"Participants ({len(participants.rows)} rows)", (Table(participants),))
+    yield Details(f"Participants ({len(participants.rows)} rows)", (TableBlock(participants),))
 
 
 def _values_of(outcome: HierarchicalOutcome) -> str:

@@ -6,7 +6,7 @@ from ...figures.loss import loss_figure
 from ...result import Analysis
 from ...wording.cross_table import cross_table
 from ..grid import grid
-from ..section import Figure, Kind, Lead, Section, Table, TextTable, rows_of
+from ..section import Figure, Kind, Lead, Section, TableBlock, TextTable, rows_of
 
 
 def _sections(found: Analysis) -> Iterator[Section]:
@@ -20,7 +20,7 @@ def _sections(found: Analysis) -> Iterator[Section]:
         figure = Figure(
             "loss", loss_figure(table, factors), f"Loss of amplitude: means over {over}{bars}.", table="loss"
         )
-        yield Section("Loss of amplitude", (lead, Table(grid(cross_table(table, factors), factors)), figure))
+        yield Section("Loss of amplitude", (lead, TableBlock(grid(cross_table(table, factors), factors)), figure))
 
 
 def _terminal(found: Analysis) -> Iterator[TextTable]:

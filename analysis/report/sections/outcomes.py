@@ -24,7 +24,7 @@ from ..section import (
     Lead,
     Section,
     Sentences,
-    Table,
+    TableBlock,
     TextTable,
     plain_rows,
 )
@@ -49,7 +49,7 @@ def _sections(found: Analysis) -> Iterator[Section]:
 def _blocks(outcome: Outcome, found: Analysis) -> Iterator[Block]:
     factors = found.trials.factors
     yield Lead(means_sentence(outcome.group))
-    yield Table(grid(outcome.cross, factors))
+    yield TableBlock(grid(outcome.cross, factors))
     yield from _amplitudes(outcome, found)
     yield _figure(outcome, found)
     if outcome.dependent == EXPONENT and GROWTH in found.tables:
@@ -58,7 +58,7 @@ def _blocks(outcome: Outcome, found: Analysis) -> Iterator[Block]:
     if outcome.effects is not None:
         heading = outcome.heading()
         yield Heading(in_words(heading, factors))
-        yield Table(_effects_grid(outcome.effects, factors))
+        yield TableBlock(_effects_grid(outcome.effects, factors))
         yield Sentences(sentences.pop(heading, []))
     yield FoldedSentences(sentences, n_open=2)
 
@@ -70,7 +70,7 @@ def _amplitudes(outcome: Outcome, found: Analysis) -> Iterator[Block]:
         return
     peak = " peak" * bool(found.study.procedure)  # the levels of our own stimuli are peaks
     yield Lead(f"The same in {unit.partition(' re 1 ')[2]}{peak}, 10^(level / 20): means are geometric.")
-    yield Table(grid(cross_table(as_amplitudes(outcome.group), found.trials.factors), found.trials.factors))
+    yield TableBlock(grid(cross_table(as_amplitudes(outcome.group), found.trials.factors), found.trials.factors))
 
 
 def _figure(outcome: Outcome, found: Analysis) -> Figure:

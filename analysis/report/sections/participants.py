@@ -8,7 +8,7 @@ from ...figures import participants
 from ...result import Analysis
 from ...tasks.kinds import CURVES
 from ..grid import grid
-from ..section import Details, Figure, Kind, Section, Table, rows_of
+from ..section import Details, Figure, Kind, Section, TableBlock, rows_of
 
 TRACKS = {
     "staircase": "staircase",
@@ -30,7 +30,9 @@ def _sections(found: Analysis) -> Iterator[Section]:
         drawn = enumerate(_figures(found))
         unfolding = (Details(title, (figure,), is_open=n < N_OPEN) for n, (title, figure) in drawn)
         rows = grid(_short(found), found.trials.factors)
-        yield Section("Participants", (*unfolding, Details(f"All estimates ({len(rows.rows)} rows)", (Table(rows),))))
+        yield Section(
+            "Participants", (*unfolding, Details(f"All estimates ({len(rows.rows)} rows)", (TableBlock(rows),)))
+        )
 
 
 def _figures(found: Analysis) -> Iterator[tuple[str, Figure]]:

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from ...result import Analysis
 from ..grid import grid
-from ..section import Block, Heading, Kind, Lead, Section, Table, rows_of
+from ..section import Block, Heading, Kind, Lead, Section, TableBlock, rows_of
 
 COLUMNS = {
     "n_rows": "rows", "n_practice": "practice", "n_invalid": "invalid", "n_repeated": "asked again",
@@ -19,8 +19,8 @@ GOODNESS = (
 )
 
 
-def _table(found: Analysis, name: str) -> Table:
-    return Table(grid(found.tables[name].rename(columns=COLUMNS), found.trials.factors))
+def _table(found: Analysis, name: str) -> TableBlock:
+    return TableBlock(grid(found.tables[name].rename(columns=COLUMNS), found.trials.factors))
 
 
 def _blocks(found: Analysis) -> Iterator[Block]:

@@ -11,7 +11,7 @@ from ...outcomes.ratings import REFERENCE, Ratings
 from ...result import Analysis
 from ..captions import figure_text, means_of, means_sentence, means_text
 from ..grid import TextGrid
-from ..section import Block, Figure, FoldedSentences, Kind, Lead, Section, Table, TextTable, plain_rows
+from ..section import Block, Figure, FoldedSentences, Kind, Lead, Section, TableBlock, TextTable, plain_rows
 from ..sentences import form_sentences
 
 MOST_LINES = 7
@@ -26,7 +26,7 @@ def _sections(found: Analysis) -> Iterator[Section]:
 def _blocks(form: Ratings) -> Iterator[Block]:
     low, high, cross = form.form.score_low, form.form.score_high, form.cross()
     yield Lead(f"Scores from {low:g} to {high:g}. {means_sentence(form.summary)}")
-    yield Table(TextGrid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None))))
+    yield TableBlock(TextGrid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None))))
     yield from _figures(form)
     yield FoldedSentences(form_sentences(form), n_open=1)
 

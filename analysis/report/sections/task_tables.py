@@ -7,7 +7,7 @@ import pandas as pd
 from ...result import Analysis
 from ...tasks.kinds import RESULTS
 from ..grid import grid
-from ..section import Details, Kind, Lead, Section, Table, TextTable, rows_of
+from ..section import Details, Kind, Lead, Section, TableBlock, TextTable, rows_of
 
 TOLD = {task: results for task, results in RESULTS.items() if results.title or results.dependent}
 
@@ -24,10 +24,10 @@ def _sections(found: Analysis) -> Iterator[Section]:
     views = {task: grid(view, found.trials.factors) for task, view in _views(found)}
     for task, view in views.items():
         if TOLD[task].dependent:
-            yield Section("", (Details(f"Participants: {task} ({len(view.rows)} rows)", (Table(view),)),))
+            yield Section("", (Details(f"Participants: {task} ({len(view.rows)} rows)", (TableBlock(view),)),))
     for task, view in views.items():
         if TOLD[task].title:
-            yield Section(TOLD[task].title, (Lead(TOLD[task].lead), Table(view)))
+            yield Section(TOLD[task].title, (Lead(TOLD[task].lead), TableBlock(view)))
 
 
 def _terminal(found: Analysis) -> Iterator[TextTable]:

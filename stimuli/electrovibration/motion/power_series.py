@@ -41,7 +41,7 @@ class Steps(NamedTuple):
     longest: FloatArray
 
 
-class Contact(NamedTuple):
+class ContactConstants(NamedTuple):
     """A finger, its friction, the force that presses it, and its motion ``speed + acceleration t`` over the screen."""
 
     mass_kg: float
@@ -156,7 +156,7 @@ def _square(c: FloatArray, factor: float, out: FloatArray) -> None:
 
 
 @compiled
-def _push_series(skin: SkinState, contact: Contact, series: Series) -> None:
+def _push_series(skin: SkinState, contact: ContactConstants, series: Series) -> None:
     """What drives a skin that slips: friction, and the inertia of a finger that speeds up."""
     friction = skin.direction * contact.kinetic
     push, force = series.push, series.force
@@ -166,7 +166,7 @@ def _push_series(skin: SkinState, contact: Contact, series: Series) -> None:
 
 
 @compiled
-def _slip_series(skin: SkinState, contact: Contact, h: float, series: Series) -> None:
+def _slip_series(skin: SkinState, contact: ContactConstants, h: float, series: Series) -> None:
     """``m s'' + c s' + k s = push`` from ``s, s'`` in powers of time over `h`."""
     m, c, k = contact.mass_kg, contact.damping_n_s_per_m, contact.stiffness_n_per_m
     push, out = series.push, series.stretch
@@ -177,7 +177,7 @@ def _slip_series(skin: SkinState, contact: Contact, h: float, series: Series) ->
 
 
 @compiled
-def _stick_series(skin: SkinState, contact: Contact, h: float, series: Series) -> None:
+def _stick_series(skin: SkinState, contact: ContactConstants, h: float, series: Series) -> None:
     """The skin goes with the finger."""
     out = series.stretch
     out[:] = 0.0
@@ -185,7 +185,9 @@ def _stick_series(skin: SkinState, contact: Contact, h: float, series: Series) -
 
 
 @compiled
-def _breaks_loose(skin: SkinState, contact: Contact, h: float, stretch: FloatArray, limit: FloatArray) -> float:
+def _breaks_loose(
+    skin: SkinState, contact: ContactConstants, h: float, stretch: FloatArray, limit: FloatArray
+) -> float:
     """Where the friction that a stuck finger asks for, ``k s + c V``, passes the limit, in units of `h`."""
     asked = contact.stiffness_n_per_m * stretch
     asked[0] += contact.damping_n_s_per_m * skin.rate_m_per_s
@@ -194,7 +196,7 @@ def _breaks_loose(skin: SkinState, contact: Contact, h: float, stretch: FloatArr
 
 
 @compiled
-def _comes_to_rest(skin: SkinState, contact: Contact, h: float, stretch: FloatArray) -> float:
+def _comes_to_rest(skin: SkinState, contact: ContactConstants, h: float, stretch: FloatArray) -> float:
     """Where the skin is as fast as the finger that slips over it, in units of `h`."""
     ahead, direction = np.zeros(DEGREE + 1), skin.direction
     ahead[0], ahead[1] = direction * _speed(contact, skin.time_s), direction * contact.acceleration_m_per_s2 * h
@@ -204,7 +206,7 @@ def _comes_to_rest(skin: SkinState, contact: Contact, h: float, stretch: FloatAr
 
 
 @compiled
-def _strongest(contact: Contact, force: FloatArray) -> FloatArray:
+def _strongest(contact: ContactConstants, force: FloatArray) -> FloatArray:
     """The friction that a stuck finger can bear. Gated, the voltage does not help it to stick, only to slip."""
     coefficient = contact.kinetic if contact.gated else contact.static
     loaded = coefficient * force
@@ -217,25 +219,25 @@ def _strongest(contact: Contact, force: FloatArray) -> FloatArray:
 
 
 @compiled
-def _speed(contact: Contact, time: float) -> float:
+def _speed(contact: ContactConstants, time: float) -> float:
     return contact.speed_m_per_s + contact.acceleration_m_per_s2 * time
 
 
 @compiled
-def _asked(skin: SkinState, contact: Contact) -> float:
+def _asked(skin: SkinState, contact: ContactConstants) -> float:
     """The friction that holds the skin to the finger."""
     return contact.stiffness_n_per_m * skin.stretch_m + contact.damping_n_s_per_m * _speed(contact, skin.time_s)
 
 
 @compiled
-def _changed(skin: SkinState, contact: Contact) -> SkinState:
+def _changed(skin: SkinState, contact: ContactConstants) -> SkinState:
     """From slip to stick, or from stick to slip where friction pulls: there the skin is as fast as the finger."""
     direction = 0.0 if skin.direction != 0 else (1.0 if _asked(skin, contact) > 0 else -1.0)
     return SkinState(skin.stretch_m, _speed(contact, skin.time_s), direction, skin.time_s)
 
 
 @compiled
-def _row(skin: SkinState, contact: Contact, series: Series) -> tuple[float, float, float, float, float, float]:
+def _row(skin: SkinState, contact: ContactConstants, series: Series) -> tuple[float, float, float, float, float, float]:
     """A row of the first result of `flow`."""
     s, rate, direction, force = skin.stretch_m, skin.rate_m_per_s, skin.direction, series.force[0]
     if direction == 0:
@@ -268,7 +270,7 @@ def _go_on(circuit: CircuitState, layers: Layers, series: Series, reached: float
 
 
 @compiled
-def _next_event(skin: SkinState, contact: Contact, h: float, series: Series, limit: FloatArray) -> float:
+def _next_event(skin: SkinState, contact: ContactConstants, h: float, series: Series, limit: FloatArray) -> float:
     """The series of the skin over a step, and where in units of `h` its next event is; 2 if it has none."""
     if skin.direction == 0:
         _stick_series(skin, contact, h, series)
@@ -286,7 +288,7 @@ def _empty(layers: Layers) -> tuple[CircuitState, Series]:
 
 
 def flow(
-    heights: Heights, phases: Phases, layers: Layers, steps: Steps, contact: Contact, start: float, most: Pair
+    heights: Heights, phases: Phases, layers: Layers, steps: Steps, contact: ContactConstants, start: float, most: Pair
 ) -> tuple[FloatArray, FloatArray, int, float]:
     """States at the nodes and the events, of a finger that sticks at time 0 with a stretch of `start`.
 
@@ -302,12 +304,12 @@ def _entered(
     heights: Bare, phases: Bare, layers: Bare, steps: Bare, contact: Bare, start: float, most: Pair
 ) -> tuple[FloatArray, FloatArray, int, float]:
     time = Heights(*heights), Phases(*phases), Layers(*layers), Steps(*steps)
-    return _flow(*time, Contact(*contact), start, most)
+    return _flow(*time, ContactConstants(*contact), start, most)
 
 
 @compiled
 def _flow(
-    heights: Heights, phases: Phases, layers: Layers, steps: Steps, contact: Contact, start: float, most: Pair
+    heights: Heights, phases: Phases, layers: Layers, steps: Steps, contact: ContactConstants, start: float, most: Pair
 ) -> tuple[FloatArray, FloatArray, int, float]:
     out, events = np.zeros((len(phases.piece), 6)), np.empty((most[0], 2))
     piece, lengths, longest, moves = phases.piece, steps.lengths, steps.longest, steps.moves

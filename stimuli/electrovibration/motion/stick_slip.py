@@ -126,7 +126,7 @@ def stick_slip(
     wanted, shared, layers, steps = _plan(Timing(pieces, t), form, finger)
     pad = finger.mass_kg, finger.damping_n_s_per_m, finger.stiffness_n_per_m
     moved = travel.speed_m_per_s, travel.acceleration_m_per_s2
-    contact = power_series.Contact(*pad, friction.static, friction.kinetic, friction.gated, force_n, *moved)
+    contact = power_series.ContactConstants(*pad, friction.static, friction.kinetic, friction.gated, force_n, *moved)
     states, events, failure, time_s = power_series.flow(
         heights(pieces), shared, layers, steps, contact, travel.stretch_m, (n_events_max, N_STEPS_MAX)
     )
