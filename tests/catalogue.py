@@ -248,11 +248,11 @@ def simulated(seed=0, observer="default"):
     return SimulatedRig(
         AnyStimulus(),
         LIMITS,
-        Loudness(),
-        OBSERVERS[observer],
-        SimulatedFinger(),
-        lambda n_trials: np.random.default_rng([seed, n_trials]),
-        task_table.DECISIONS,
+        sensation=Loudness(),
+        observer=OBSERVERS[observer],
+        finger=SimulatedFinger(),
+        rng_of=lambda n_trials: np.random.default_rng([seed, n_trials]),
+        decisions=task_table.DECISIONS,
     )
 
 

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 
 from tactometry.arguments.require import one_of, positive
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.psychometric import shape_named
+from tactometry.psychometric import Shape, shape_named
 
 from ..arrays import Array
-from .counts import checked, normalised
+from .counts import Counts, checked, normalised
 from .methods import Fitting
 from .prior import BETA_B, LARGEST_RATE, Prior
 from .result import ThresholdFit
@@ -171,16 +171,10 @@ def fit_many(
     check_interval(interval)
     _check_method(method, estimate, rng, overdispersion=overdispersion)
     positive("fit", rate_beta=rate_beta, narrowest_spacings=narrowest_spacings)
-    x, k, n = checked(levels, n_correct, n_trials, positive=curve.on_log_levels)
-    if curve.on_log_levels:
-        x = np.log(np.where(n > 0, x, 1.0))  # places without trials hold level 0
-    counts = normalised(x, k, n, robust_range=robust_range)
+    counts = _on_their_axis(curve, levels, n_correct, n_trials, robust_range=robust_range)
     alarms, catch = _catch_trials(n_false_alarms, n_catch, len(counts))
-    if equal_asymptotes and not (guess_rate is None and lapse_rate is None and not catch.any()):
-        raise InvalidParameter(
-            f"equal_asymptotes: found guess_rate {guess_rate}, lapse_rate {lapse_rate} and {catch.sum():g} catch "
-            "trials, expected None, None and no trial: the one rate is estimated from the answers"
-        )
+    if equal_asymptotes:
+        _check_one_rate(guess_rate, lapse_rate, catch)
     prior = Prior(
         *(counts.gap, lapse_rate, guess_rate, alarms, catch),
         scale_free_width=scale_free_width,
@@ -190,6 +184,26 @@ def fit_many(
     )
     fitting = Fitting(shape, curve, counts, prior, method, interval, estimate, overdispersion)
     return fitting.results(n_resamples, rng)
+
+
+def _on_their_axis(
+    curve: Shape, levels: ArrayLike, n_correct: ArrayLike, n_trials: ArrayLike, *, robust_range: bool
+) -> Counts:
+    """The counts without units, on the axis of the function: of levels, or of their logarithms."""
+    x, k, n = checked(levels, n_correct, n_trials, positive=curve.on_log_levels)
+    if curve.on_log_levels:
+        # Places without trials hold level 0.
+        x = np.log(np.where(n > 0, x, 1.0))
+    return normalised(x, k, n, robust_range=robust_range)
+
+
+def _check_one_rate(guess_rate: float | None, lapse_rate: float | None, n_catch: Array) -> None:
+    """Refuse a rate of one asymptote where both are to be one rate."""
+    if not (guess_rate is None and lapse_rate is None and not n_catch.any()):
+        raise InvalidParameter(
+            f"equal_asymptotes: found guess_rate {guess_rate}, lapse_rate {lapse_rate} and {n_catch.sum():g} catch "
+            "trials, expected None, None and no trial: the one rate is estimated from the answers"
+        )
 
 
 def check_rates(guess_rate: float | None, lapse_rate: float | None) -> None:

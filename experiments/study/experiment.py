@@ -124,11 +124,11 @@ class Experiment:
         return SimulatedRig(
             self.bank,
             self.study.limits,
-            self.sensation(),
-            self.simulated_participant(participant, seed),
-            self.study.finger,
-            lambda n_trials: stream(seed, participant, n_session, "observer", n_trials),
-            DECISIONS,
+            sensation=self.sensation(),
+            observer=self.simulated_participant(participant, seed),
+            finger=self.study.finger,
+            rng_of=lambda n_trials: stream(seed, participant, n_session, "observer", n_trials),
+            decisions=DECISIONS,
             by_stimulus={cell.condition.stimulus: cell.sensation for cell in self.cells.values()},
         )
 

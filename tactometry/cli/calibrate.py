@@ -120,6 +120,7 @@ def _played_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: floa
 @click.option("--figure", type=click.Path(path_type=Path), help="Write fit and residuals as PNG, PDF or SVG.")
 @json_option
 def force(
+    *,
     bench_path: Path,
     by: str,
     weights_kg: str,
@@ -129,7 +130,6 @@ def force(
     degree: int,
     gravity_m_per_s2: float,
     figure: Path | None,
-    *,
     as_json: bool,
 ) -> None:
     """Force sensor: put on weights one after the other; a polynomial is fitted to what it counts."""

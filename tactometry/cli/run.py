@@ -29,6 +29,7 @@ if TYPE_CHECKING:
 @click.option("--dry-run", is_flag=True, help="Print the plan and its duration; run nothing.")
 @json_option
 def command(
+    *,
     study: str,
     participant: str,
     n_session: int,
@@ -37,7 +38,6 @@ def command(
     seed: int | None,
     bench_path: Path | None,
     out: Path | None,
-    *,
     resume: bool,
     dry_run: bool,
     as_json: bool,

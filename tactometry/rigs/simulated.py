@@ -73,6 +73,7 @@ class SimulatedRig(LiveRig):
         self,
         bank: Mapping[str, Stimulus],
         limits: Limits,
+        *,
         sensation: Sensation,
         observer: Observer,
         finger: SimulatedFinger,

@@ -46,11 +46,11 @@ def rig(**changes):
     return SimulatedRig(
         catalogue.AnyStimulus(),
         parts["limits"],
-        parts["sensation"],
-        catalogue.OBSERVERS["default"],
-        parts["finger"],
-        lambda n_trials: np.random.default_rng([7, n_trials]),
-        DECISIONS,
+        sensation=parts["sensation"],
+        observer=catalogue.OBSERVERS["default"],
+        finger=parts["finger"],
+        rng_of=lambda n_trials: np.random.default_rng([7, n_trials]),
+        decisions=DECISIONS,
     )
 
 

@@ -31,11 +31,11 @@ def rig(finger):
     return SimulatedRig(
         catalogue.AnyStimulus(),
         catalogue.LIMITS,
-        catalogue.Loudness(),
-        catalogue.OBSERVERS["default"],
-        finger,
-        lambda n_trials: np.random.default_rng([7, n_trials]),
-        DECISIONS,
+        sensation=catalogue.Loudness(),
+        observer=catalogue.OBSERVERS["default"],
+        finger=finger,
+        rng_of=lambda n_trials: np.random.default_rng([7, n_trials]),
+        decisions=DECISIONS,
     )
 
 

@@ -32,7 +32,9 @@ def console(limits):
 
 
 def simulated(limits):
-    return SimulatedRig(BANK, limits, None, None, SimulatedFinger(), lambda n: None, {})
+    return SimulatedRig(
+        BANK, limits, sensation=None, observer=None, finger=SimulatedFinger(), rng_of=lambda n: None, decisions={}
+    )
 
 
 @pytest.mark.parametrize("rig_with", [bench, console, simulated])
