@@ -1,3 +1,3 @@
-"""Tactometry: psychophysics on touch. The way of a value through the house is in the README."""
+"""Tactometry: psychophysics on touch. The way of a value through the house is in docs/design.md."""
 
 __version__ = "0.1.0"

@@ -39,7 +39,7 @@ def output(name, tmp_path, monkeypatch):
     return output_of(name)
 
 
-# "audio" needs a card: test_device_audio.py, test_check.py
+# "audio" needs a card: test_audio.py, test_check.py
 @pytest.mark.parametrize("name", sorted(catalogue.OUTPUTS.keys() - {"audio"}))
 def test_an_output_plays_stops_and_closes_and_may_be_closed_again(output):
     output.stop()

@@ -1,6 +1,6 @@
 """Whatever ends a stimulus: a real sound server hears that it falls silent within a block, in a real window.
 
-That a process which is ended or killed falls silent is heard in `test_device_session.py` and `test_device_audio.py`.
+That a process which is ended or killed falls silent is heard in `tests/devices/test_session.py` and `test_audio.py`.
 """
 
 import math

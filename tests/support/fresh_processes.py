@@ -1,4 +1,4 @@
-"""Scenes in processes that know nothing else: run as a program by test_scene_off.py.
+"""Scenes in processes that know nothing else: run as a program by tests/stimuli/scenes/test_off.py.
 
 It reads pairs of scene files as JSON, without an effect and with it. For each pair a copy is made of a process that has
 only run scenes without any effect.

@@ -16,7 +16,7 @@ from tactometry.stimuli.time_reversal.screen import screen as screens
 
 BOUNDARIES = ("CCCC", "CFFF")
 """Of which there is no solution of another origin here: their own polynomials of more degrees, whose frequencies
-`test_time_reversal_ritz.py` holds against published ones."""
+`../time_reversal/test_ritz.py` holds against published ones."""
 COURSE = ("t_s", "focus_displacement_m")
 
 

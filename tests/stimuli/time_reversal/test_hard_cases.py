@@ -1,6 +1,6 @@
 """The hard cases of time reversal, each with a reference that shares nothing with the code under test: 50 digits, exact
 rational arithmetic, Levy's plate, another Ritz basis, a count of negative pivots. The finger's are in
-`test_time_reversal_load.py`, one second-order overload in `test_time_reversal_quantiser.py`.
+`test_load.py`, one second-order overload in `test_quantiser.py`.
 """
 
 import math
