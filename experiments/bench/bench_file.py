@@ -9,9 +9,9 @@ from typing import Any
 
 from tactometry.arguments.require import one_of, some
 from tactometry.config.quantity import as_si
-from tactometry.config.strict import build
+from tactometry.config.strict import as_table, build, build_kind, check_keys
 from tactometry.config.toml import located, read_table
-from tactometry.devices.kinds import OUTPUTS, SENSORS, OutputSettings, SensorSettings, settings
+from tactometry.devices.kinds import OUTPUTS, SENSORS, OutputSettings, SensorSettings
 from tactometry.devices.measured import Measured
 from tactometry.devices.outputs.gain import Gain, required_gain
 from tactometry.devices.outputs.guarded import Guarded
@@ -297,47 +297,39 @@ def parse_bench(tables: Mapping[str, Any]) -> BenchFile:
     """
     table = as_si(dict(tables), "")
     assert isinstance(table, dict)
-    for key in table:
-        if key not in _PARTS:
-            raise InvalidParameter(
-                f"{key}: found an unknown key, expected one of {', '.join(_PARTS)}{nearest(key, _PARTS)}"
-            )
-        if not isinstance(table[key], dict):
-            raise InvalidParameter(f"{key}: found {table[key]!r}, expected a table")
-    return BenchFile(**{key: _PARTS[key](table[key], key) for key in table})
+    check_keys(table, _PARTS, "")
+    return BenchFile(**{key: _PARTS[key](as_table(part, key), key) for key, part in table.items()})
 
 
-def _output(table: dict[str, Any], path: str) -> OutputPart:
-    of_device = {key: value for key, value in table.items() if key not in ("gain", "load", "ramp_s", "ungated")}
-    kept = {key: table[key] for key in ("ramp_s", "ungated") if key in table}
-    device = settings(OUTPUTS, {"kind": "null", **of_device}, path)
-    gain = build(Gain, table["gain"], f"{path}.gain") if "gain" in table else None
-    load = build(Load, table["load"], f"{path}.load") if "load" in table else None
+def _split(table: Mapping[str, Any], names: tuple[str, ...]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The keys of these names, and the others."""
+    named = {key: value for key, value in table.items() if key in names}
+    return named, {key: value for key, value in table.items() if key not in names}
+
+
+def _output(table: Mapping[str, Any], path: str) -> OutputPart:
+    of_bench, of_device = _split(table, ("gain", "load", "ramp_s", "ungated"))
+    device = build_kind({"kind": "null", **of_device}, path, OUTPUTS)
     if of_device.get("kind") == "packed":  # one bit has no ramp
-        kept = {"ramp_s": 0.0, **kept}
-    return build(OutputPart, kept, path, hidden=("settings", "gain", "load"), settings=device, gain=gain, load=load)
+        of_bench = {"ramp_s": 0.0, **of_bench}
+    return build(OutputPart, of_bench, path, settings=device)
 
 
-def _sensors(table: dict[str, Any], path: str) -> dict[str, SensorPart]:
-    for name, inner in table.items():
-        if not isinstance(inner, dict):
-            raise InvalidParameter(f"{path}.{name}: found {inner!r}, expected a table")
-    return {name: _sensor(inner, f"{path}.{name}") for name, inner in table.items()}
+def _sensors(tables: Mapping[str, Any], path: str) -> dict[str, SensorPart]:
+    return {name: _sensor(as_table(table, f"{path}.{name}"), f"{path}.{name}") for name, table in tables.items()}
 
 
-def _sensor(table: dict[str, Any], path: str) -> SensorPart:
-    of_device = {key: value for key, value in table.items() if key != "delay_s"}
-    kept = {key: table[key] for key in ("delay_s",) if key in table}
-    return build(SensorPart, kept, path, hidden=("settings",), settings=settings(SENSORS, of_device, path))
+def _sensor(table: Mapping[str, Any], path: str) -> SensorPart:
+    of_bench, of_device = _split(table, ("delay_s",))
+    return build(SensorPart, of_bench, path, settings=build_kind(of_device, path, SENSORS))
 
 
-def _force(table: dict[str, Any], path: str) -> ForcePart:
-    of_force = {key: value for key, value in table.items() if key in ("sensor", "channel", "release")}
-    calibration = build(ForceCalibration, {key: table[key] for key in table if key not in of_force}, path)
-    return build(ForcePart, of_force, path, calibration=calibration)
+def _force(table: Mapping[str, Any], path: str) -> ForcePart:
+    of_force, of_calibration = _split(table, ("sensor", "channel", "release"))
+    return build(ForcePart, of_force, path, calibration=build(ForceCalibration, of_calibration, path))
 
 
-_PARTS: Mapping[str, Callable[[dict[str, Any], str], Any]] = {
+_PARTS: Mapping[str, Callable[[Mapping[str, Any], str], Any]] = {
     "screen": partial(build, DisplayTable),
     "output": _output,
     "limits": partial(build, Limits),

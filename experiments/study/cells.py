@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from tactometry.config.strict import build
+from tactometry.config.strict import build, kind_of
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.protocols.tasks.touch import Pressing, Sliding, Touch
 from tactometry.protocols.track import Condition
@@ -14,7 +14,7 @@ from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.target import resolve
 from tactometry.trials.cells import cell as cell_text
 
-from .procedure_table import ReadyProcedure, kind_of, rule_of, without
+from .procedure_table import ReadyProcedure, rule_of, without
 from .study_file import VARIED, Study
 
 Factors = Mapping[str, float | str]

@@ -83,7 +83,7 @@ def keys_of(table: KeyTable) -> tuple[Key, ...]:
     (Key(name='n_intervals', holds='a whole number', unit='', within='2, 3 or 4', otherwise='2'),)
     """
     hints = typing.get_type_hints(table.reads)
-    fields = settable(table.reads, table.given)
+    fields = {name: one for name, one in settable(table.reads).items() if name not in table.given}
     keys = [_key(table, one, hints[name]) for name, one in fields.items() if not _in_python_only(hints[name])]
     return tuple(sorted(keys, key=lambda key: not key.required))
 
@@ -125,7 +125,7 @@ def _probes(part: Any) -> tuple[object, ...]:
 def _expected(table: KeyTable, name: str, probe: object) -> str:
     """What is expected in place of a probe, without values of the example; nothing if the probe is taken."""
     try:
-        table.made(build(table.reads, {**table.example, name: probe}, ASKED, (), **table.given))
+        table.made(build(table.reads, {**table.example, name: probe}, ASKED, **table.given))
     except TactometryError as error:
         where, _, rest = str(error).partition(": found ")
         of_this_key = re.fullmatch(rf"(?:.*[.: ])?{name}(\[\d+\])?", where)

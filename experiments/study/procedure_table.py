@@ -6,8 +6,8 @@ from typing import Any, Final
 
 import numpy as np
 
-from tactometry.config.strict import build
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.config.strict import build, kind_of
+from tactometry.errors import InvalidParameter
 from tactometry.protocols.bayesian.quest import Quest
 from tactometry.protocols.bayesian.settings import PsiSettings, QuestPlusSettings
 from tactometry.protocols.bayesian.shared_quest_plus import SharedQuestPlus
@@ -64,23 +64,6 @@ PROCEDURES: Mapping[str, ProcedureKind] = {
     ),
 }
 """The kinds of procedures: a new one is its file in `protocols/procedures` and a line here."""
-
-
-def kind_of(table: Mapping[str, Any], path: str, known: Mapping[str, Any]) -> Any:
-    """What the key `kind` of a table names.
-
-    Raises
-    ------
-    InvalidParameter
-        If it is missing, or names nothing that is known.
-    """
-    kind = table.get("kind")
-    if not isinstance(kind, str) or kind not in known:
-        found = "no such key" if kind is None else repr(kind)
-        raise InvalidParameter(
-            f"{path}.kind: found {found}, expected one of {', '.join(known)}{nearest(str(kind), known)}"
-        )
-    return known[kind]
 
 
 def without(table: Mapping[str, Any], *keys: str) -> dict[str, Any]:

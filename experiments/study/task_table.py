@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from tactometry.arguments.require import one_of
-from tactometry.config.strict import build
+from tactometry.config.strict import build, check_keys, kind_of
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.observers.decisions import Decision
 from tactometry.protocols.block_state import BlockOptions
@@ -14,7 +14,6 @@ from tactometry.questionnaire import Questionnaire, load, own, shipped
 from tactometry.target import resolve
 from tactometry.trials.tasks import TASKS as TASK_ROWS
 
-from .procedure_table import kind_of
 from .study_file import Study
 
 TASKS: Mapping[str, TaskKind] = {name: resolve(f"tactometry.protocols.tasks.{name}:TASK") for name in TASK_ROWS}
@@ -63,12 +62,7 @@ def task_of(study: Study) -> TaskTable:
     """
     task_kind: TaskKind = kind_of(study.task, "task", TASKS)
     common, of_kind = _names(BlockOptions), _names(task_kind.table)
-    for key in study.task:
-        if key not in ("kind", *of_kind, *common):
-            raise InvalidParameter(
-                f"task.{key}: found an unknown key, expected one of kind, {', '.join((*of_kind, *common))}"
-                f"{nearest(key, (*of_kind, *common))}"
-            )
+    check_keys(study.task, ("kind", *of_kind, *common), "task")
     options = build(BlockOptions, {key: study.task[key] for key in common if key in study.task}, "task")
     keys: Any = build(task_kind.table, {key: study.task[key] for key in of_kind if key in study.task}, "task")
     task = task_kind.made(keys, lambda name: form_of(study, name, "task.form"))

@@ -6,12 +6,11 @@ from pathlib import Path
 from typing import Any
 
 from tactometry.config.quantity import as_si
-from tactometry.config.strict import build, convert
+from tactometry.config.strict import build, build_kind, check_keys, convert
 from tactometry.config.toml import located, read_table
-from tactometry.errors import InvalidParameter, nearest
-from tactometry.target import resolve
+from tactometry.errors import InvalidParameter
 
-from .effect import Effect, FingerContact, Setting, Surface
+from .effect import Effect, FingerContact, Setting
 from .effects import EFFECTS
 from .scene import Scene
 from .surfaces import SURFACES
@@ -64,17 +63,12 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
     tables = build(_Tables, as_si(dict(table), ""), "")
     scene = _scene(tables)
     given = tables.given or {}
-    for name in given:
-        if name not in scene.surface.given:
-            raise InvalidParameter(
-                f"given.{name}: found an unknown quantity, expected one of {', '.join(scene.surface.given)}"
-                f"{nearest(name, scene.surface.given)}"
-            )
+    check_keys(given, scene.surface.given, "given", "quantity")
     return SceneFile(tables.title, scene, convert(dict[str, float], given, "given"))
 
 
 def _scene(tables: _Tables) -> Scene:
-    surface, effects = _kind_of(tables.surface, SURFACES, "surface"), _all_of(tables.effects)
+    surface, effects = build_kind(tables.surface, "surface", SURFACES), _all_of(tables.effects)
     contacts = tuple(build(FingerContact, touch, f"contacts[{n}]") for n, touch in enumerate(tables.contacts))
     try:
         return Scene(surface, effects, tables.outputs, tables.accuracy, contacts, _settings(tables))
@@ -87,14 +81,4 @@ def _settings(tables: _Tables) -> Mapping[str, Mapping[str, Setting]]:
 
 
 def _all_of(tables: tuple[dict[str, Any], ...]) -> tuple[Effect, ...]:
-    return tuple(_kind_of(table, EFFECTS, f"effects[{n}]") for n, table in enumerate(tables))
-
-
-def _kind_of(table: dict[str, Any], kinds: Mapping[str, str], path: str) -> Any:
-    """The surface or effect that a table names as its `kind`."""
-    kind = str(table.get("kind", ""))
-    if kind not in kinds:
-        what = repr(kind) if "kind" in table else "no such key"
-        raise InvalidParameter(f"{path}.kind: found {what}, expected one of {', '.join(kinds)}{nearest(kind, kinds)}")
-    made: Effect | Surface = build(resolve(kinds[kind]), {k: v for k, v in table.items() if k != "kind"}, path)
-    return made
+    return tuple(build_kind(table, f"effects[{n}]", EFFECTS) for n, table in enumerate(tables))

@@ -19,6 +19,23 @@ from .magnitudes import LARGEST_COUNT, TINY, domain, is_number
 V = TypeVar("V")
 
 
+def expect(holds: bool | np.bool_, where: str, found: object, expected: str) -> None:
+    """What a value must be where no other word says it; `found` stands in the sentence as it is to be read.
+
+    Raises
+    ------
+    InvalidParameter
+        Unless it `holds`.
+
+    >>> expect(0 < 0.5 <= 1, "Scene.accuracy", 0.5, "above 0 and at most 1")
+    >>> expect(0 < 2.0 <= 1, "Scene.accuracy", 2.0, "above 0 and at most 1")
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: Scene.accuracy: found 2.0, expected above 0 and at most 1
+    """
+    if not holds:
+        raise InvalidParameter(f"{where}: found {found}, expected {expected}")
+
+
 def finite(owner: str, /, **values: object) -> None:
     """Each is a finite number; a sign or a place may be as near to 0 as it likes.
 

@@ -12,14 +12,16 @@ from typing import Any, TypeVar
 import msgspec
 
 from ..errors import InvalidParameter, nearest
+from ..target import resolve
 from .toml import located, read_table
 
 T = TypeVar("T")
+K = TypeVar("K")
 _AT = re.compile(r"^(.*?)(?: - at `\$(.*)`)?$")
 
 
-def build(kind: type[T], table: object, path: str, hidden: Collection[str] = (), **given: object) -> T:
-    """A `kind` from a table of a file, which must hold neither the `given` fields nor the `hidden` ones.
+def build(kind: type[T], table: object, path: str, **given: object) -> T:
+    """A `kind` from a table of a file, which must not hold the `given` fields.
 
     Raises
     ------
@@ -27,16 +29,11 @@ def build(kind: type[T], table: object, path: str, hidden: Collection[str] = (),
         If a key is unknown (with the nearest name), missing or of another type, or `kind` refuses a value; the
         sentence opens with the key path.
     """
-    if not isinstance(table, Mapping):
-        raise InvalidParameter(f"{path}: found {table!r}, expected a table")
+    table = as_table(table, path)
     hints = typing.get_type_hints(kind)
-    fields = settable(kind, hidden)
+    fields = settable(kind)
     names = [name for name in fields if name not in given]
-    for key in table:
-        if key not in names:
-            raise InvalidParameter(
-                f"{_join(path, key)}: found an unknown key, expected one of {', '.join(names)}{nearest(key, names)}"
-            )
+    check_keys(table, names, path)
     for name in names:
         if name not in table and is_required(fields[name]):
             raise InvalidParameter(f"{_join(path, name)}: found no such key, expected {words_of(hints[name])}")
@@ -45,6 +42,66 @@ def build(kind: type[T], table: object, path: str, hidden: Collection[str] = (),
         return kind(**values, **given)
     except InvalidParameter as error:
         raise InvalidParameter(_relocated(str(error), kind.__name__, path)) from None
+
+
+def build_kind(table: Mapping[str, Any], path: str, targets: Mapping[str, str]) -> Any:
+    """What a table describes whose key ``kind`` names one of `targets`, each the target string of a class.
+
+    Raises
+    ------
+    InvalidParameter
+        As `kind_of` and `build`.
+    """
+    target = kind_of(table, path, targets)
+    return build(resolve(target), {key: value for key, value in table.items() if key != "kind"}, path)
+
+
+def kind_of(table: Mapping[str, Any], path: str, known: Mapping[str, K]) -> K:
+    """What the key ``kind`` of a table names.
+
+    Raises
+    ------
+    InvalidParameter
+        If it is missing, or names nothing that is known.
+
+    Examples
+    --------
+    >>> kind_of({"kind": "sine"}, "stimulus", {"sine": 1})
+    1
+    """
+    kind = table.get("kind")
+    if isinstance(kind, str) and kind in known:
+        return known[kind]
+    found = "no such key" if kind is None else repr(kind)
+    raise InvalidParameter(f"{path}.kind: found {found}, expected one of {', '.join(known)}{nearest(str(kind), known)}")
+
+
+def as_table(value: object, path: str) -> Mapping[str, Any]:
+    """A value of a file, if it is a table.
+
+    Raises
+    ------
+    InvalidParameter
+        If it is none.
+    """
+    if isinstance(value, Mapping):
+        return value
+    raise InvalidParameter(f"{path}: found {value!r}, expected a table")
+
+
+def check_keys(table: Mapping[str, Any], names: Collection[str], path: str, what: str = "key") -> None:
+    """Refuse a key that is none of `names`, with the nearest of them; `what` says what the names are.
+
+    Raises
+    ------
+    InvalidParameter
+        At the first.
+    """
+    for key in table:
+        if key not in names:
+            raise InvalidParameter(
+                f"{_join(path, key)}: found an unknown {what}, expected one of {', '.join(names)}{nearest(key, names)}"
+            )
 
 
 def read_toml(kind: type[T], path: Path, what: str) -> T:
@@ -68,8 +125,10 @@ def convert(kind: Any, value: object, path: str) -> Any:
     InvalidParameter
         If it is of another type; the sentence opens with the key path.
     """
-    if dataclasses.is_dataclass(kind) and isinstance(kind, type):
-        return build(kind, value, path)
+    of_optional = [part for part in typing.get_args(kind) if dataclasses.is_dataclass(part)]
+    table_class = of_optional[0] if typing.get_origin(kind) is types.UnionType and of_optional else kind
+    if dataclasses.is_dataclass(table_class) and isinstance(table_class, type):
+        return build(table_class, value, path)
     if typing.get_origin(kind) is dict and isinstance(value, Mapping):
         inner = typing.get_args(kind)[1]
         return {key: item if inner is Any else convert(inner, item, _join(path, key)) for key, item in value.items()}
@@ -84,10 +143,10 @@ def convert(kind: Any, value: object, path: str) -> Any:
         ) from None
 
 
-def settable(kind: type, hidden: Collection[str] = ()) -> dict[str, dataclasses.Field[Any]]:
+def settable(kind: type) -> dict[str, dataclasses.Field[Any]]:
     """The fields of a class that a table of a file may set, by name."""
     found = dataclasses.fields(kind)
-    return {field.name: field for field in found if field.init and field.name[0] != "_" and field.name not in hidden}
+    return {field.name: field for field in found if field.init and field.name[0] != "_"}
 
 
 def is_required(field: dataclasses.Field[Any]) -> bool:

@@ -1,11 +1,7 @@
 """Every kind of device, by the name that a bench file uses: what its table holds, imported when it is named."""
 
-from collections.abc import Mapping
-from typing import Any, ClassVar, Final, Protocol
+from typing import ClassVar, Final, Protocol
 
-from ..arguments.require import lookup
-from ..config.strict import build
-from ..target import resolve
 from .outputs.gain import Gain, SignalChain
 from .outputs.output import Driver
 from .sensors.reader import Source
@@ -45,20 +41,3 @@ class SensorSettings(Protocol):
     live: ClassVar[bool]
 
     def source(self) -> Source: ...
-
-
-def settings(kinds: Mapping[str, str], table: Mapping[str, Any], path: str) -> Any:
-    """The settings of the kind that a table names.
-
-    Raises
-    ------
-    InvalidParameter
-        If the kind is unknown, or does not know what the table holds; `path` opens the sentence.
-
-    Examples
-    --------
-    >>> settings(OUTPUTS, {"kind": "file", "folder": "played"}, "output")
-    FileSettings(folder='played', format='npz', n_channels=None, rate_hz=None)
-    """
-    target = lookup(f"{path}.kind", table.get("kind"), kinds)
-    return build(resolve(target), {key: value for key, value in table.items() if key != "kind"}, path)

@@ -5,9 +5,7 @@ from typing import Any, Final, Protocol
 
 import numpy as np
 
-from ..arguments.require import lookup
-from ..config.strict import build
-from ..target import resolve
+from ..config.strict import build_kind
 from .observer import Observer
 
 USUAL: Final = "signal_detection"
@@ -36,6 +34,5 @@ def population_of(table: Mapping[str, Any], path: str) -> Population:
     >>> population_of({"criterion": 2.0}, "observer").criterion
     2.0
     """
-    target = lookup(f"{path}.kind", table.get("kind", USUAL), OBSERVERS)
-    people: Population = build(resolve(target), {key: value for key, value in table.items() if key != "kind"}, path)
+    people: Population = build_kind({"kind": USUAL, **table}, path, OBSERVERS)
     return people

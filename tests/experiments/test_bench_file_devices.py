@@ -291,7 +291,7 @@ def test_packed_streams_have_no_ramps(tmp_path):
     [
         (('kind = "audio"', 'kind = "adio"'), "output.kind: found 'adio', expected one of null, file, .*mean 'audio'"),
         (('kind = "lsl"', "kind = 1"), "sensors.hand.kind: found 1, expected one of lsl, serial, udp, audio, touch, "),
-        (('kind = "lsl"\n', ""), "sensors.hand.kind: found None, expected one of lsl"),
+        (('kind = "lsl"\n', ""), "sensors.hand.kind: found no such key, expected one of lsl"),
         (('stream = "force"\n', ""), "sensors.hand.stream: found no such key, expected a text"),
         (
             ('"5 ms"', '"60 ms"'),
