@@ -12,6 +12,8 @@ from scene_cases import LEVEL, SLIDING, VOLT, default, effect, panel, screen, sm
 
 from tactometry.config.strict import build
 from tactometry.contact import Contact
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.output import NullOutput
 from tactometry.experiments.study import task_table
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.procedure_table import PROCEDURES as KINDS
@@ -44,6 +46,7 @@ from tactometry.protocols.block import run_block
 from tactometry.protocols.tasks.task import Alternative
 from tactometry.questionnaire import load as load_form
 from tactometry.rigs.console import Console
+from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
@@ -256,9 +259,14 @@ def simulated(seed=0, observer="default"):
     )
 
 
+def silent(bank, limits):
+    """The equipment of a console that plays nothing."""
+    return Equipment(Guarded(NullOutput(), limits), bank, limits)
+
+
 def console(seed=0):
     """A console with an endless input."""
-    return Console(AnyStimulus(), LIMITS, texts_in("en", {}), source=Answers(seed), output=io.StringIO())
+    return Console(silent(AnyStimulus(), LIMITS), texts_in("en", {}), Answers(seed), io.StringIO())
 
 
 class Answers(io.StringIO):

@@ -7,11 +7,11 @@ from typing import Final
 
 import numpy as np
 
-from tactometry.rigs.bench import Facts
 from tactometry.rigs.frame_timing import timing_of
 from tactometry.rigs.pages.layout import marker_page, message_page
 from tactometry.rigs.pages.page import Display, KeyDown, Page
 from tactometry.rigs.texts import texts_in
+from tactometry.session.request import Facts
 
 from .bench_file import DisplayTable
 from .finding import Finding

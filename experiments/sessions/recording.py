@@ -15,8 +15,8 @@ from tactometry.records.description import StudyDescription
 from tactometry.records.head import Head
 from tactometry.records.open_session import OpenSession
 from tactometry.records.sittings import differences
-from tactometry.session.event import EventLog, Fact
-from tactometry.session.request import Rig
+from tactometry.session.event import EventLog
+from tactometry.session.request import Fact, Rig
 from tactometry.session.run import run
 from tactometry.trials.trial import Tally
 

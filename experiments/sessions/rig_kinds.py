@@ -1,38 +1,27 @@
 """The rigs of `tactometry run`, made from a study and a bench file."""
 
 import sys
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import click
 
-from tactometry.rigs.bench import Facts
-from tactometry.signal import Stimulus
-
 # Rigs and their devices are imported where one is made: a command that makes none starts without their libraries.
 if TYPE_CHECKING:
+    from tactometry.rigs.device_rig import Equipment
     from tactometry.session.event import EventLog
 
-    from ..bench.bench_file import BenchFile, Devices
+    from ..bench.bench_file import BenchFile
     from ..study.experiment import Experiment
     from .recording import RigKind, Who
 
 
-@dataclass(frozen=True)
-class Outfit:
-    """The devices of a bench with the stimuli that fit them, and what the journal says of both."""
-
-    devices: "Devices"
-    bank: Mapping[str, Stimulus]
-    facts: Callable[[], Facts]
-
-
-def _outfit(experiment: "Experiment", bench: "BenchFile", log: "EventLog") -> Outfit:
+def _equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog") -> "Equipment":
     """None of the devices is open; the output counts on from what reached the participant before."""
     from datetime import date
 
     from tactometry.devices.outputs.output import check_format
+    from tactometry.rigs.device_rig import Equipment
 
     from ..bench.bench_file import device_facts
     from ..bench.learnt_stimuli import bank_of, learnt_facts
@@ -45,7 +34,16 @@ def _outfit(experiment: "Experiment", bench: "BenchFile", log: "EventLog") -> Ou
         check_format(strongest.signal, devices.output.driver)
     if devices.output.limits is not None:
         devices.output.count_on(log.exposure(devices.output.limits.duty_window_s))
-    return Outfit(devices, bank, lambda: device_facts(bench, devices) | learnt)
+    return Equipment(
+        devices.output,
+        bank,
+        bench.limits_with(experiment.study.limits),
+        devices.force,
+        devices.position,
+        bench.output.ramp_s,
+        bench.release,
+        lambda: device_facts(bench, devices) | learnt,
+    )
 
 
 def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
@@ -57,31 +55,17 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
     from .recording import RigKind
 
     del who
-    screen, study = bench.screen, experiment.study
-    texts = texts_in(screen.language, study.texts)
+    screen = bench.screen
+    texts = texts_in(screen.language, experiment.study.texts)
 
     def make(seed: int, log: "EventLog") -> Bench:
         del seed
-        outfit = _outfit(experiment, bench, log)
+        equipment = _equipment(experiment, bench, log)
         terminal = ExperimenterTerminal(sys.stdin, sys.stderr)
         window = Window(fullscreen=screen.fullscreen, size=(screen.width_px, screen.height_px))
         if window.caution is not None:
             terminal.tell(window.caution)
-        return Bench(
-            window,
-            outfit.devices.output,
-            outfit.bank,
-            limits=bench.limits_with(study.limits),
-            texts=texts,
-            sensor=outfit.devices.force,
-            position=outfit.devices.position,
-            display_height_m=screen.height_m,
-            ramp_s=bench.output.ramp_s,
-            release=bench.release,
-            device_facts=outfit.facts,
-            log=log,
-            terminal=terminal,
-        )
+        return Bench(window, equipment, texts, display_height_m=screen.height_m, log=log, terminal=terminal)
 
     return RigKind("bench", make)
 
@@ -97,7 +81,6 @@ def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKi
 
     del who
     texts = texts_in(bench.screen.language, experiment.study.texts)
-    limits = bench.limits_with(experiment.study.limits)
     if TASKS[experiment.table.kind].sets_level and not isinstance(bench.output.settings, NullSettings):
         raise InvalidParameter(
             "--rig: found console, where no level plays while it is set, expected bench for the adjustments of this "
@@ -106,19 +89,7 @@ def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKi
 
     def make(seed: int, log: "EventLog") -> Console:
         del seed
-        outfit = _outfit(experiment, bench, log)
-        return Console(
-            outfit.bank,
-            limits,
-            texts,
-            device=outfit.devices.output,
-            sensor=outfit.devices.force,
-            position=outfit.devices.position,
-            ramp_s=bench.output.ramp_s,
-            release=bench.release,
-            device_facts=outfit.facts,
-            log=log,
-        )
+        return Console(_equipment(experiment, bench, log), texts, log=log)
 
     return RigKind("console", make)
 

@@ -5,6 +5,8 @@ from typing import Protocol
 
 import numpy as np
 
+from ..session.request import Facts
+
 
 class Observer(Protocol):
     """Decides from sensation levels (dB re the detection threshold, -inf for nothing), never from a nominal level."""
@@ -26,4 +28,4 @@ class Observer(Protocol):
 
     def answer_time_s(self, rng: np.random.Generator) -> float: ...
 
-    def facts(self) -> dict[str, str | int | float | bool | None]: ...
+    def facts(self) -> Facts: ...

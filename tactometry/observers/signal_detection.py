@@ -8,6 +8,7 @@ from typing import Self
 import numpy as np
 
 from ..arguments.require import below_1, finite, not_negative, positive
+from ..session.request import Facts
 
 COMFORT_DB, COMFORT_RANGE_DB, LIKING_NOISE = 15.0, 25.0, 0.3
 
@@ -100,5 +101,5 @@ class SignalDetectionObserver:
     def answer_time_s(self, rng: np.random.Generator) -> float:
         return float(self.latency_s * math.exp(0.3 * float(rng.standard_normal())))
 
-    def facts(self) -> dict[str, str | int | float | bool | None]:
+    def facts(self) -> Facts:
         return {"kind": type(self).__name__, **asdict(self)}

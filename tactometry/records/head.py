@@ -7,7 +7,7 @@ from math import isfinite
 
 import msgspec
 
-from ..session.event import Fact
+from ..session.request import Fact
 from ..trials.cell_rules import PARTICIPANT, STUDY, is_time
 from ..trials.columns import RIGS
 from .data_set import LARGEST_NUMBER

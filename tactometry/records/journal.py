@@ -20,9 +20,9 @@ import msgspec
 from ..errors import DeviceFailed, InvalidFile
 from ..files.durable import read_file
 from ..session.answer import Done
-from ..session.event import Event, Fact, decode_event
+from ..session.event import Event, decode_event
 from ..session.replay import Replay
-from ..session.request import Record, Request
+from ..session.request import Fact, Record, Request
 from ..trials.trial import Trial
 from .formats import FORMAT, as_kept
 from .head import Head, head_of

@@ -12,7 +12,7 @@ import msgspec
 from ..errors import InvalidFile
 from ..files.durable import read_file
 from ..safety.limits import ROUNDING
-from ..session.event import Fact
+from ..session.request import Fact
 from .head import Head, head_of
 
 VARYING: Final = re.compile(r"(^|_)n_|(_offset_s|_minus_clock_s|_latency_s|_measured_s|_failure)$")

@@ -11,11 +11,11 @@ from .pages import layout
 from .pages.page import Answer
 
 
-def stepped(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:
+def after(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:
     """The steps from the start that follow an answer, within the bounds, and whether it settles them.
 
     >>> request = Adjust("tone", start=5.0, step=2.0, low=0.0, high=6.0)
-    >>> stepped(request, 0, layout.DOWN), stepped(request, 0, layout.UP), stepped(request, -1, layout.CONFIRM)
+    >>> after(request, 0, layout.DOWN), after(request, 0, layout.UP), after(request, -1, layout.CONFIRM)
     ((-1, False), (0, False), (-1, True))
     """
     if answer == layout.CONFIRM:

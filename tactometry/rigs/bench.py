@@ -6,84 +6,59 @@ Whatever goes wrong, or is stopped with Escape, the output is at zero before any
 import functools
 import math
 import time
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable
 from dataclasses import replace
+from typing import TypeVar
 
-from ..devices.outputs.guarded import Guarded
-from ..devices.outputs.output import RAMP_S
-from ..devices.sensors.force_sensor import ForceSensor
-from ..devices.sensors.position_sensor import PositionSensor
-from ..safety.limits import FORCE_PEAK_N, Limits
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.event import EventLog
 from ..session.request import (
-    A,
     Adjust,
     Choose,
     Enter,
+    Facts,
     Fill,
     Play,
     Press,
     Rate,
     Record,
-    Request,
     Show,
     Slide,
     Wait,
     value_at,
 )
-from ..signal import Stimulus
-from ..trials.trial import Tally, Trial, outcome, tally
+from ..trials.trial import outcome
 from . import adjustment
-from .closing import safely
-from .emitter import Emitter
-from .experimenter.supervisor import Supervisor, utc_text
+from .device_rig import DeviceRig, Equipment
+from .experimenter.supervisor import utc_text
 from .experimenter.terminal import ExperimenterTerminal
 from .experimenter.trial_log import CLOCK, TrialLog
-from .live_rig import LiveRig
 from .pages import entry, form, layout
 from .pages.page import Answer, Display, Page
-from .pages.presenter import Dress, Presenter, as_it_is
+from .pages.presenter import Dress, as_it_is
 from .texts import Texts
 from .touch.playing import play_to_end
-from .touch.release import Release
-from .touch.setup import TouchSetup
 from .touch.touch import TouchCourse, moving_cue
 from .touch.trace import Trace
 from .touch.watchdog import watchdog
 
-Facts = dict[str, str | int | float | bool | None]
+S = TypeVar("S")
 
 ASSUMED_DISPLAY_HEIGHT_M = 0.3
 """Of a 24-inch display; taken for the moving cue of a slide where nobody measured it (unverified default)."""
 
 
-class Bench(LiveRig):
-    """A rig with a person at it. It opens the devices, and closes all of them.
+class Bench(DeviceRig):
+    """A rig with a person at it.
 
     Parameters
     ----------
     screen : Display
-    output : Guarded
-    bank : mapping of str to Stimulus
-        The stimuli by the names that requests use.
-    limits : Limits or None
-        What the study allows, checked beside the limits of the output.
+    equipment : Equipment
     texts : Texts
-    sensor : ForceSensor, optional
-        Without one, the force is not measured: its fields are None and every touch is valid.
-    position : PositionSensor, optional
-        Without one, the finger's speed is not measured.
     display_height_m : float, optional
         Measured height of the visible picture, m, for the moving cue of a `Slide`; without it
         `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says that the height was not measured.
-    ramp_s : float
-        Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
-    release : bool
-        Whether the force must leave its band between touches.
-    device_facts : callable
-        What the head of the journal says of the devices, once they are open, and their clocks at any time.
     log : EventLog, optional
         Where pauses, remarks, clocks and the timing of each trial are kept.
     terminal : ExperimenterTerminal, optional
@@ -98,51 +73,26 @@ class Bench(LiveRig):
     def __init__(
         self,
         screen: Display,
-        output: Guarded,
-        bank: Mapping[str, Stimulus],
-        *,
-        limits: Limits | None,
+        equipment: Equipment,
         texts: Texts,
-        sensor: ForceSensor | None = None,
-        position: PositionSensor | None = None,
+        *,
         display_height_m: float | None = None,
-        ramp_s: float = RAMP_S,
-        release: bool = True,
-        device_facts: Callable[[], Facts] = dict,
         log: EventLog | None = None,
         terminal: ExperimenterTerminal | None = None,
     ) -> None:
-        self._screen, self._output, self._sensor, self._position = screen, output, sensor, position
-        self._emitter = Emitter(bank, output, limits, ramp_s)
-        self._device_facts, self._texts, self._display_height_m = device_facts, texts, display_height_m
-        pausing = layout.message_page(texts.message("pause"), "", screen.aspect)
-        self._terminal = ExperimenterTerminal() if terminal is None else terminal
-        self._supervisor = Supervisor(screen, self._terminal, log, self._emitter.mute, pausing)
-        output.tell(self._supervisor.emitted)
-        self._presenter = Presenter(screen, self._supervisor.attend)
+        self._display_height_m = display_height_m
+        super().__init__(screen, equipment, texts, terminal or ExperimenterTerminal(), log)
         self._trial_log = TrialLog(self._supervisor, screen, self._clocks)
-        self._tally = Tally()
-        self._limits, self._release = limits, Release(needed=release)
-        force_peak_n = FORCE_PEAK_N if limits is None else limits.force_peak_n
-        parts = (self._presenter, self._emitter, sensor, position, self._release, self._pause, self._terminal.add)
-        self._setup = TouchSetup(*parts, force_peak_n)
-        self.closed = False
-        self._open()
 
-    @safely
     def _open(self) -> None:
-        self._output.open()
-        for sensor in (self._sensor, self._position):
-            if sensor is not None:
-                sensor.open()
-        if self._sensor is not None:
-            self._sensor.listen(self._release.hear)
+        super()._open()
         # drawn now, so that the first page of a trial costs no frame when it is due
         for interval in (None, 1, 2):
             self._screen.prepare(layout.marker_page(interval, playing=True))
             self._screen.prepare(layout.marker_page(interval, playing=False))
         if not self._emitter.emits:
-            self._terminal.tell(f"output {self._output.name}: nothing is played, and no level counts as delivered")
+            name = self._equipment.output.name
+            self._terminal.tell(f"output {name}: nothing is played, and no level counts as delivered")
 
     def facts(self) -> Facts:
         """Display, keyboard, devices and clock, for the head of the journal."""
@@ -150,10 +100,6 @@ class Bench(LiveRig):
             "rig": "bench",
             **self._screen.facts(),
             "display_height_m": self._display_height_m,
-            "output": self._output.name,
-            "force_sensor": None if self._sensor is None else self._sensor.name,
-            "position_sensor": None if self._position is None else self._position.name,
-            **self._emitter.limit_facts(),
             **self._device_facts(),
             "clock": "time.perf_counter",
             "clock_resolution_s": time.get_clock_info("perf_counter").resolution,
@@ -162,43 +108,14 @@ class Bench(LiveRig):
 
     def _clocks(self) -> Facts:
         keyboard_s, utc_s = self._screen.clock_offset_s(), time.perf_counter() - time.time()
-        return {**self._device_facts(), f"keyboard{CLOCK}": keyboard_s, f"utc{CLOCK}": utc_s}
+        return {**self._equipment.facts(), f"keyboard{CLOCK}": keyboard_s, f"utc{CLOCK}": utc_s}
 
-    def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None:
-        self._tally = tally(trials)
-        self._supervisor.zero_s = time.perf_counter() - elapsed_s
-
-    @safely
-    def answer(self, request: Request[A]) -> A:
-        return super().answer(request)
-
-    def turn(self) -> None:
-        self._trial_log.turn()
-
-    def close(self) -> None:
-        if self.closed:
-            return
-        self.closed = True
-        # the output is at zero before anything is closed that may fail or hang; whatever fails, the rest is closed too
-        with ExitStack() as last_first:
-            last_first.callback(self._terminal.end_line)
-            last_first.callback(self._screen.close)
-            for sensor in (self._position, self._sensor):
-                if sensor is not None:
-                    last_first.callback(sensor.close)
-            last_first.callback(self._output.close)
-            last_first.callback(self._output.stop)
-
-    def _session_s(self, clock_s: float) -> float:
-        return round(clock_s - self._supervisor.zero_s, 6)
-
-    def _done(self) -> Done:
-        return Done(self._session_s(time.perf_counter()))
+    def _finish_trial(self) -> None:
+        self._trial_log.finish_trial()
 
     def _play(self, request: Play) -> Played:
-        signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
-        answer = play_to_end(self._setup, request, layout.marker_page(request.interval, playing=True), signal)
-        return replace(answer, onset_s=self._session_s(answer.onset_s))
+        page = layout.marker_page(request.interval, playing=True)
+        return self._in_session(play_to_end(self._setup, request, page, self._signal(request)))
 
     def _press(self, request: Press) -> Touched:
         return self._touch(request, "press", as_it_is, Trace())
@@ -209,24 +126,17 @@ class Bench(LiveRig):
         return self._touch(request, "slide", moving_cue(request, height_m, places), places)
 
     def _touch(self, request: Press | Slide, words: str, dress: Dress, places: Trace) -> Touched:
-        if self._limits is not None:
-            self._limits.check_force(request.target_n, request.tolerance)
         self._supervisor.under_way = True
         level = "blank" if request.level is None else f"{request.level:g}"
         self._terminal.add(f"trial {self._tally.n_trials + 1}: {request.stimulus} {level}")
-        signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
-        measured = self._texts.message(f"{words}_force" if self._sensor is not None else words)
+        measured = self._texts.message(words if self._setup.sensor is None else f"{words}_force")
         release = self._texts.message("release")
-        felt = TouchCourse(request, self._setup, places, measured, release, dress).felt(signal)
-        self._trial_log.decided(felt.gate_delay_s)
-        touched = replace(felt.touched, onset_s=self._session_s(felt.touched.onset_s))
+        result = TouchCourse(request, self._setup, places, measured, release, dress).felt(self._signal(request))
+        self._trial_log.note_decision(result.gate_delay_s)
+        touched = self._in_session(result.touched)
         if touched.valid and self._supervisor.repeat:
             return replace(touched, valid=False, invalid_reason="experimenter")
         return touched
-
-    def _pause(self, by: str, over: Callable[[], bool]) -> None:
-        self._supervisor.pause(by, over)
-        self._presenter.paused()
 
     def _choose(self, request: Choose) -> Chosen:
         page = layout.question_page(
@@ -236,30 +146,34 @@ class Bench(LiveRig):
             self._texts.message("hint_choose"),
             self._screen.aspect,
         )
-        option, onset_s, end_s = self._presenter.converse(
+        option, given = self._answer_on(
             request.options[0], lambda option: page, lambda option, answer: (_option(answer), True)
         )
-        return Chosen(option, *self._answered(onset_s, end_s), valid=self._counts)
+        return Chosen(option, *given)
 
-    @property
-    def _counts(self) -> bool:
-        """Whether the answer that was given counts: the experimenter wants no repetition."""
-        return not self._supervisor.repeat
-
-    def _answered(self, onset_s: float, end_s: float) -> tuple[float, float, str]:
-        """Onset in the session, latency and time of day of an answer."""
-        self._trial_log.answered(end_s)
+    def _answer_on(
+        self,
+        state: S,
+        view: Callable[[S], Page],
+        after: Callable[[S, Answer], tuple[S, bool]],
+        each_frame: Callable[[S], None] = lambda state: None,
+    ) -> tuple[S, tuple[float, float, str, bool]]:
+        """What a page was answered; its onset in the session, latency, time of day, and whether it counts: it does
+        unless the experimenter wants a repetition."""
+        state, onset_s, end_s = self._presenter.converse(state, view, after, each_frame)
+        self._trial_log.note_answer(end_s)
         self._terminal.add(f"answered in {end_s - onset_s:.2f} s")
-        return self._session_s(onset_s), round(end_s - onset_s, 6), utc_text(end_s)
+        latency_s = round(end_s - onset_s, 6)
+        return state, (self._session_s(onset_s), latency_s, utc_text(end_s), not self._supervisor.repeat)
 
     def _rate(self, request: Rate) -> Rated:
         scale = self._scale(request)
         unmarked: int | None = None
-        mark, onset_s, end_s = self._presenter.converse(
+        mark, given = self._answer_on(
             unmarked, lambda mark: layout.scale_page(scale, mark, self._screen.aspect), scale.after
         )
         value = None if mark is None else scale.value(mark, request.low, request.high)
-        return Rated(value, *self._answered(onset_s, end_s), valid=self._counts)
+        return Rated(value, *given)
 
     def _enter(self, request: Enter) -> Rated:
         words, hint = self._texts.message(request.question), self._texts.message("hint_enter")
@@ -269,15 +183,12 @@ class Bench(LiveRig):
             ready = entry.value_of(typed, low, high) is not None
             return entry.entry_page(words, typed, hint, self._screen.aspect, ready=ready)
 
-        typed, onset_s, end_s = self._presenter.converse(
-            "", view, lambda typed, key: entry.after(typed, key, low, high)
-        )
-        value = entry.value_of(typed, low, high)
-        return Rated(value, *self._answered(onset_s, end_s), valid=self._counts)
+        typed, given = self._answer_on("", view, lambda typed, key: entry.after(typed, key, low, high))
+        return Rated(entry.value_of(typed, low, high), *given)
 
     def _fill(self, request: Fill) -> Filled:
         page = self._form(request)
-        marks, onset_s, end_s = self._presenter.converse(
+        marks, given = self._answer_on(
             form.Marks((None,) * len(page.rows)),
             lambda marks: form.form_page(page, marks, self._screen.aspect),
             functools.partial(form.after, page),
@@ -286,7 +197,7 @@ class Bench(LiveRig):
             None if place is None else value_at(place, page.n_positions, request.low, request.high)
             for place in marks.places
         )
-        return Filled(values, *self._answered(onset_s, end_s), valid=self._counts)
+        return Filled(values, *given)
 
     def _form(self, request: Fill) -> form.Form:
         return form.Form(
@@ -314,12 +225,12 @@ class Bench(LiveRig):
         self._supervisor.under_way = True
         with watchdog(self._setup) as look:
             stimulus = adjustment.RepeatedStimulus(request, self._emitter, look)
-            n_steps, onset_s, end_s = self._presenter.converse(
-                0, lambda n_steps: page, functools.partial(adjustment.stepped, request), stimulus.keep_playing
+            n_steps, (onset_s, latency_s, utc, counts) = self._answer_on(
+                0, lambda n_steps: page, functools.partial(adjustment.after, request), stimulus.keep_playing
             )
             self._emitter.stop()
-        valid = self._counts and not stimulus.n_gaps
-        return Adjusted(request.level(n_steps), *self._answered(onset_s, end_s), valid=valid, n_gaps=stimulus.n_gaps)
+        n_gaps = stimulus.n_gaps
+        return Adjusted(request.level(n_steps), onset_s, latency_s, utc, counts and not n_gaps, n_gaps)
 
     def _wait(self, request: Wait) -> Done:
         begin_s = self._presenter.present(layout.waiting_page())
@@ -355,7 +266,7 @@ class Bench(LiveRig):
         self._terminal.end_line()
         if request.aborted:
             self._terminal.tell(f"! {request.aborted}")
-        self._trial_log.trial(trial)
+        self._trial_log.begin_trial(trial)
         return self._done()
 
 

@@ -2,6 +2,7 @@
 
 import time
 
+from ..session.request import Facts
 from .frame_timing import PERIOD_WITHOUT_BLANK_S
 from .pages.page import Input, Page
 
@@ -26,7 +27,7 @@ class Blind:
     def events(self) -> tuple[Input, ...]:
         return ()
 
-    def facts(self) -> dict[str, str | int | float | bool | None]:
+    def facts(self) -> Facts:
         return {}
 
     def frame_intervals_s(self) -> list[float]:

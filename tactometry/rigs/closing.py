@@ -1,13 +1,10 @@
-"""Whatever goes wrong on a bench, it is closed first, and its output before anything else."""
+"""Whatever goes wrong on a rig with devices, it is closed first, and its output before anything else."""
 
-import functools
-from collections.abc import Callable
-from typing import Concatenate, ParamSpec, Protocol, TypeVar
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import Protocol
 
 from ..errors import DeviceFailed
-
-P = ParamSpec("P")
-R = TypeVar("R")
 
 SIGNALLED = 128
 """Exit status of a process that a signal ended: this and the signal's number."""
@@ -29,32 +26,27 @@ class Closing(Protocol):
 
     def close(self) -> None: ...
 
-    def turn(self) -> None:
-        """What is due before anything else is asked."""
 
+@contextmanager
+def closed_on_failure(rig: Closing) -> Iterator[None]:
+    """Close the rig, output first, when the body ends by any exception.
 
-B = TypeVar("B", bound=Closing)
-
-
-def safely(method: Callable[Concatenate[B, P], R]) -> Callable[Concatenate[B, P], R]:
-    """Close the bench, output first, when the method ends by any exception."""
-
-    @functools.wraps(method)
-    def guarded(bench: B, /, *args: P.args, **kwargs: P.kwargs) -> R:
-        if bench.closed:
-            raise DeviceFailed("bench: it is closed, nothing can be asked of it; open it again")
-        try:
-            bench.turn()
-            return method(bench, *args, **kwargs)
-        except SystemExit as end:
-            bench.close()
-            if ended_by_signal(end):
-                raise
-            raise DeviceFailed(
-                f"window: PsychoPy ended the program by itself (exit status {end.code}); go on with --resume"
-            ) from end
-        except BaseException:  # Ctrl-C too: whatever ends a request, nothing plays on behind it
-            bench.close()
+    Raises
+    ------
+    DeviceFailed
+        If it is closed already, or PsychoPy ends the program.
+    """
+    if rig.closed:
+        raise DeviceFailed("bench: it is closed, nothing can be asked of it; open it again")
+    try:
+        yield
+    except SystemExit as end:
+        rig.close()
+        if ended_by_signal(end):
             raise
-
-    return guarded
+        raise DeviceFailed(
+            f"window: PsychoPy ended the program by itself (exit status {end.code}); go on with --resume"
+        ) from end
+    except BaseException:  # Ctrl-C too: whatever ends a request, nothing plays on behind it
+        rig.close()
+        raise

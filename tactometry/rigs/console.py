@@ -3,32 +3,22 @@
 import math
 import sys
 import time
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final, TextIO, TypeVar
 
-from ..devices.outputs.guarded import Guarded, GuardedSignal
-from ..devices.outputs.output import RAMP_S, NullOutput
-from ..devices.sensors.force_sensor import ForceSensor
-from ..devices.sensors.position_sensor import PositionSensor
 from ..errors import InvalidParameter, Stopped
-from ..safety.limits import Limits
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
-from ..session.event import Event, EventLog, Fact, Kind
-from ..session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Rate, Record, Show, Slide, Wait
-from ..signal import Stimulus
-from ..trials.trial import Tally, Trial, outcome, tally
+from ..session.event import EventLog
+from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Question, Rate, Record, Show, Slide, Wait
+from ..trials.trial import outcome
 from .blind import Blind
-from .emitter import Emitter
-from .experimenter.supervisor import SAFE, utc_text
-from .live_rig import LiveRig
+from .device_rig import DeviceRig, Equipment
+from .experimenter.supervisor import utc_text
+from .experimenter.terminal import ExperimenterTerminal
 from .pages import layout
-from .pages.presenter import Presenter
 from .texts import Texts
 from .touch.playing import play_to_end
-from .touch.release import Release
-from .touch.setup import TouchSetup
 from .touch.touch import TouchCourse
 from .touch.trace import Trace
 
@@ -42,145 +32,93 @@ SILENT_OUTPUT: Final = (
     "This terminal plays nothing: stimuli are checked and left out, and the rows hold no delivered level. It is for "
     "trying a study out; with --bench, stimuli play through the output of the bench file."
 )
-Facts = dict[str, str | int | float | bool | None]
 
 
-class Console(LiveRig):
+class Lines(ExperimenterTerminal):
+    """A line for whatever is told, in any file: participant and experimenter read the same."""
+
+    def __init__(self, output: TextIO) -> None:
+        super().__init__()
+        self._file = output
+
+    def add(self, words: str) -> None:
+        self.tell(words)
+
+    def _write(self, words: str) -> None:
+        print(words, end="", file=self._file, flush=True)
+
+
+class Console(DeviceRig):
     """Prints each request to `output` and reads the answers, a line each, from `source`.
 
-    Without a `device` stimuli are rendered and held against the limits, and nothing is emitted or delivered; with one
-    they play through its guard, under the conditions of the sensors, as on a bench. A line that is no answer is asked
-    again, up to `N_TRIES` times; Escape and the end of the input stop the session.
+    Where the output of the `equipment` is a null output, stimuli are rendered and held against the limits, and nothing
+    is emitted or delivered; with another they play through its guard, under the conditions of the sensors, as on a
+    bench. A line that is no answer is asked again, up to `N_TRIES` times; Escape and the end of the input stop the
+    session.
     """
 
     def __init__(
         self,
-        bank: Mapping[str, Stimulus],
-        limits: Limits,
+        equipment: Equipment,
         texts: Texts,
         source: TextIO | None = None,
         output: TextIO | None = None,
         *,
-        device: Guarded | None = None,
-        sensor: ForceSensor | None = None,
-        position: PositionSensor | None = None,
-        ramp_s: float = RAMP_S,
-        release: bool = True,
-        device_facts: Callable[[], Facts] = dict,
         log: EventLog | None = None,
     ) -> None:
-        self._limits, self._texts = limits, replace(texts, stop="ctrl_c")
-        self._source = sys.stdin if source is None else source
-        self._output = sys.stdout if output is None else output
-        self._device = Guarded(NullOutput(), limits) if device is None else device
-        self._sensor, self._position, self._release = sensor, position, Release(needed=release)
-        self._emitter, self._presenter = Emitter(bank, self._device, limits, ramp_s), Presenter(Blind())
-        parts = (self._presenter, self._emitter, sensor, position, self._release, self._pause, self._say)
-        self._setup = TouchSetup(*parts, limits.force_peak_n)
-        self._device_facts, self._log = device_facts, log
-        self._zero_s = time.perf_counter()
-        self._tally = Tally()
-        self._opened = ExitStack()
-        self._open()
-        self._say(f"Stimuli play through {self._device.name}." if self._emitter.emits else SILENT_OUTPUT)
-        self._say(f"{STOPPING}.")
+        self._source, self._output = source or sys.stdin, output or sys.stdout
+        super().__init__(Blind(), equipment, replace(texts, stop="ctrl_c"), Lines(self._output), log)
 
     def _open(self) -> None:
-        """Open the devices: what is open is closed if one of them cannot be opened."""
-        self._device.tell(self._emitted)
-        with ExitStack() as opened:
-            for part in (self._position, self._sensor, self._device):
-                if part is not None:
-                    part.open()
-                    opened.callback(part.close)
-            if self._sensor is not None:
-                self._sensor.listen(self._release.hear)
-            self._opened = opened.pop_all()
+        super()._open()
+        output = self._equipment.output
+        self._terminal.tell(f"Stimuli play through {output.name}." if output.emits else SILENT_OUTPUT)
+        self._terminal.tell(f"{STOPPING}.")
 
     def facts(self) -> Facts:
         clock = time.get_clock_info("perf_counter")
         return {
             "rig": "console",
-            "output": self._device.name,
-            "force_sensor": None if self._sensor is None else self._sensor.name,
-            "position_sensor": None if self._position is None else self._position.name,
-            **self._emitter.limit_facts(),
             **self._device_facts(),
             "clock": clock.implementation,
             "clock_resolution_s": clock.resolution,
             "terminal": self._source.isatty(),
         }
 
-    def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None:
-        self._tally = tally(trials)
-        self._zero_s = time.perf_counter() - elapsed_s
-
-    def close(self) -> None:
-        self._emitter.stop()  # zero before anything is closed that may fail or hang
-        self._opened.close()
-
-    def _session_s(self, clock_s: float) -> float:
-        return round(clock_s - self._zero_s, 6)
-
-    def _now_s(self) -> float:
-        return self._session_s(time.perf_counter())
-
-    def _say(self, text: str) -> None:
-        print(text, file=self._output, flush=True)
-
-    def _note(self, kind: Kind, clock_s: float, facts: Mapping[str, Fact], duration_s: float | None = None) -> None:
-        if self._log is not None:
-            self._log.note(Event(kind, self._session_s(clock_s), utc_text(clock_s), facts, duration_s))
-
-    def _emitted(self, emission: GuardedSignal) -> None:
-        self._note("stimulus", emission.onset_s, {"charge_c": emission.charge_c}, emission.duration_s)
-
-    def _stopped(self, why: str) -> Stopped:
-        self._emitter.stop()
-        self._note("stop", time.perf_counter(), {"text": why})
-        return Stopped(f"{why}; {SAFE} ({self._tally})")
-
-    def _pause(self, by: str, over: Callable[[], bool]) -> None:
-        """The output is at zero until it is over."""
-        self._emitter.mute(on=True)
-        self._note("pause", time.perf_counter(), {"text": by})
-        self._say(f"paused: {by}")
-        while not over():
-            time.sleep(self._presenter.screen.period_s)
-        self._note("resume", time.perf_counter(), {"text": by})
-        self._say("it goes on")
-        self._emitter.mute(on=False)
-        self._presenter.paused()
-
     def _ask(self, prompt: str, read: Callable[[str], T]) -> tuple[T, float, float, str]:
         """An answer, the onset of its question, its latency, and the time of day when it was given."""
-        onset_s = self._now_s()
+        onset_s = time.perf_counter()
         for _ in range(N_TRIES):
             print(prompt, end=" ", file=self._output, flush=True)
             line = self._source.readline()
             if not line:
-                raise self._stopped("the input ended")
+                raise self._stop("the input ended")
             if ESCAPE in line:
-                raise self._stopped("Escape was typed")
+                raise self._stop("Escape was typed")
             try:
                 return read(line.strip()), *self._answered(onset_s)
             except ValueError:
-                self._say(f"found {line.strip()!r}, expected an answer to: {prompt}")
-        raise self._stopped(f"{N_TRIES} lines were no answers")
+                self._terminal.tell(f"found {line.strip()!r}, expected an answer to: {prompt}")
+        raise self._stop(f"{N_TRIES} lines were no answers")
 
     def _answered(self, onset_s: float) -> tuple[float, float, str]:
-        return onset_s, round(self._now_s() - onset_s, 6), utc_text(time.perf_counter())
+        now_s = time.perf_counter()
+        return self._session_s(onset_s), round(now_s - onset_s, 6), utc_text(now_s)
+
+    def _stop(self, why: str) -> Stopped:
+        return self._supervisor.stop(why, f" ({self._tally})")
 
     def _present(self, what: str, interval: int | None) -> None:
-        self._say(f"[trial {self._tally.n_trials + 1}] {what}" + (f", interval {interval}" if interval else ""))
+        self._terminal.tell(
+            f"[trial {self._tally.n_trials + 1}] {what}" + (f", interval {interval}" if interval else "")
+        )
 
     def _play(self, request: Play) -> Played:
-        signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
+        signal = self._signal(request)
         self._present(f"play for {request.duration_s:g} s", request.interval)
         if not self._emitter.emits:
-            return Played(self._now_s(), None, "")
-        answer = play_to_end(self._setup, request, layout.waiting_page(), signal)
-        return replace(answer, onset_s=self._session_s(answer.onset_s))
+            return Played(self._done().at_s, None, "")
+        return self._in_session(play_to_end(self._setup, request, layout.waiting_page(), signal))
 
     def _press(self, request: Press) -> Touched:
         return self._touch(request, f"press with {request.target_n:g} N for {request.duration_s:g} s")
@@ -193,14 +131,12 @@ class Console(LiveRig):
         )
 
     def _touch(self, request: Press | Slide, what: str) -> Touched:
-        self._limits.check_force(request.target_n, request.tolerance)
-        signal = self._emitter.fitting(request.stimulus, request.level, request.duration_s)
-        lift = " (lift the finger first)" if self._sensor is not None and self._emitter.emits else ""
+        signal = self._signal(request)
+        lift = " (lift the finger first)" if self._setup.sensor is not None and self._emitter.emits else ""
         self._present(f"{what}{lift}", request.interval)
         if not self._emitter.emits:
-            return Touched(self._now_s(), None, None)
-        touched = TouchCourse(request, self._setup, Trace()).felt(signal).touched
-        return replace(touched, onset_s=self._session_s(touched.onset_s))
+            return Touched(self._done().at_s, None, None)
+        return self._in_session(TouchCourse(request, self._setup, Trace()).felt(signal).touched)
 
     def _choose(self, request: Choose) -> Chosen:
         labels = [self._texts.label(label) for label in request.labels]
@@ -220,7 +156,7 @@ class Console(LiveRig):
         return Rated(*self._ask(prompt, lambda line: _within(line, request.low, high)))
 
     def _fill(self, request: Fill) -> Filled:
-        onset_s = self._now_s()
+        onset_s = time.perf_counter()
         values = tuple(self._fill_one(request, question) for question in request.questions)
         return Filled(values, *self._answered(onset_s))
 
@@ -242,19 +178,19 @@ class Console(LiveRig):
 
     def _wait(self, request: Wait) -> Done:
         time.sleep(request.duration_s)
-        return Done(self._now_s())
+        return self._done()
 
     def _show(self, request: Show) -> Done:
-        self._say(self._texts.page(request, math.ceil(request.duration_s or 0)).strip())
-        return Done(self._now_s())
+        self._terminal.tell(self._texts.page(request, math.ceil(request.duration_s or 0)).strip())
+        return self._done()
 
     def _record(self, request: Record) -> Done:
         before, self._tally = self._tally, self._tally.after(request.trial)
         if self._tally.n_invalid > before.n_invalid:
-            self._say(f"[trial {self._tally.n_trials}] {outcome(request.trial, self._tally.n_trials)}")
+            self._terminal.tell(f"[trial {self._tally.n_trials}] {outcome(request.trial, self._tally.n_trials)}")
         if request.aborted:
-            self._say(f"! {request.aborted}")
-        return Done(self._now_s())
+            self._terminal.tell(f"! {request.aborted}")
+        return self._done()
 
 
 def _option(line: str, options: Sequence[int], labels: Sequence[str]) -> int:

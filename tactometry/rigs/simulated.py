@@ -19,6 +19,7 @@ from ..session.request import (
     Adjust,
     Choose,
     Enter,
+    Facts,
     Fill,
     Play,
     Press,
@@ -97,7 +98,7 @@ class SimulatedRig(LiveRig):
         self._rng = self._rng_of(n_trials)
         self._felt: list[Felt] = []
 
-    def facts(self) -> dict[str, str | int | float | bool | None]:
+    def facts(self) -> Facts:
         return {"rig": "simulated", "clock": "simulated"}
 
     def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None:

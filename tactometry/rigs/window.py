@@ -2,6 +2,7 @@
 
 What PsychoPy 2026.2.5 does and does not do was measured: text and plain shapes are cheap, keys come whole
 from its `ptb` back end only, its clock is the wall clock on Linux, taps are missed by polling.
+from ..session.request import Facts
 """
 
 import ctypes
@@ -18,6 +19,7 @@ from typing import Any
 import numpy as np
 
 from ..errors import DeviceFailed
+from ..session.request import Facts
 from .closing import ended_by_signal
 from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
 from .pages.page import PAPER, Box, Click, Closed, Disc, Input, KeyDown, Page, Text
@@ -34,7 +36,6 @@ Look = tuple[type[Box | Disc], str | None, str | None]
 """Kind, fill and line of a shape."""
 Stands = tuple[tuple[float, float], tuple[float, float]]
 """Where a shape is, and how large."""
-Facts = dict[str, str | int | float | bool | None]
 
 
 def _psychopy() -> SimpleNamespace:

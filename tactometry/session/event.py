@@ -10,8 +10,8 @@ import msgspec
 from ..errors import InvalidParameter
 from ..safety.limits import Exposure
 from ..trials.columns import Column
+from .request import Fact
 
-Fact = str | int | float | bool | None
 Kind = Literal["trial", "clock", "pause", "resume", "remark", "repeat", "stop", "abort", "stimulus"]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
 

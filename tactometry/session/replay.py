@@ -6,7 +6,7 @@ from typing import Any
 
 from ..errors import Diverged
 from ..trials.trial import Trial
-from .request import A, Record, Request
+from .request import A, Facts, Record, Request
 
 
 def _as_asked(request: Request[Any]) -> Request[Any]:
@@ -86,7 +86,7 @@ class Replay:
         recorded_answer: A = answer  # the entries are pairs: this answer is of the recorded request's type
         return recorded_answer
 
-    def facts(self) -> dict[str, str | int | float | bool | None]:
+    def facts(self) -> Facts:
         return {"rig": "replay"}
 
     def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None:

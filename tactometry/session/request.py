@@ -12,6 +12,9 @@ from ..trials.trial import Trial
 from .answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 
 A = TypeVar("A")
+Fact = str | int | float | bool | None
+Facts = dict[str, Fact]
+"""What a journal says of a display, of devices or a clock, by name."""
 
 TRAJECTORY_M = 0.1
 """Length of the path of a slide, one way (unverified default)."""
@@ -40,7 +43,7 @@ class Rig(Protocol):
     more than once and leaves every output at zero.
     """
 
-    def facts(self) -> dict[str, str | int | float | bool | None]:
+    def facts(self) -> Facts:
         """What the journal's head says of display, outputs, clock."""
 
     def answer(self, request: Request[A]) -> A: ...

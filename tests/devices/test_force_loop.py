@@ -16,6 +16,7 @@ from tactometry.devices.sensors.force_calibration import ForceCalibration
 from tactometry.devices.sensors.streamed import streamed_force, streamed_position
 from tactometry.gates.force import ForceGate
 from tactometry.rigs.bench import Bench
+from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.texts import texts_in
 from tactometry.session.request import Press, Slide
 from tactometry.stimuli.electrovibration import Sine
@@ -75,14 +76,7 @@ class Loop:
         position = streamed_position(device.reader, (0,), metres_per_count=5e-5)
         texts = texts_in("en", {})
         self.bench = Bench(
-            screen,
-            self.output,
-            {"tone": TONE},
-            limits=None,
-            texts=texts,
-            sensor=sensor,
-            position=position,
-            release=False,
+            screen, Equipment(self.output, {"tone": TONE}, sensor=sensor, position=position, release=False), texts
         )
         wait_for(lambda: device.reader.facts()["n_samples"] > 0)
 

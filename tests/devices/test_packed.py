@@ -26,6 +26,7 @@ from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import streamed_force
 from tactometry.errors import DeviceFailed, InvalidParameter, TactometryError
 from tactometry.rigs.bench import Bench
+from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
@@ -354,14 +355,7 @@ def test_escape_ends_a_session_whose_board_hangs(board, watched, participant, le
         output, Limits(40.0, 60.0, current_peak_a=10.0, duty=1.0, session_s=600.0), Load("electrode", 1e-12)
     )
     bench = Bench(
-        watched,
-        guard,
-        {"bits": Bits()},
-        limits=None,
-        texts=texts_in("en", {}),
-        sensor=sensor,
-        ramp_s=0.0,
-        release=False,
+        watched, Equipment(guard, {"bits": Bits()}, sensor=sensor, ramp_s=0.0, release=False), texts_in("en", {})
     )
     board.hang()
     participant.answers(1.0, "Escape")

@@ -202,7 +202,9 @@ def test_the_transducer_acts_on_the_sensation_level(exponent):
 
 def test_a_console_holds_signals_against_the_limits():
     tight = Limits(voltage_peak_v=0.1)
-    console = Console(catalogue.AnyStimulus(), tight, texts_in("en", {}), source=io.StringIO(), output=io.StringIO())
+    console = Console(
+        catalogue.silent(catalogue.AnyStimulus(), tight), texts_in("en", {}), source=io.StringIO(), output=io.StringIO()
+    )
     with pytest.raises(LimitExceeded, match="nothing was played"):
         console.answer(Play("tone", 20.0, 0.2))
 

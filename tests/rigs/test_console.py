@@ -18,8 +18,7 @@ FELT = Choose("felt", (0, 1), ("no", "yes"))
 def console(text, language="en", texts=None):
     said = io.StringIO()
     rig = Console(
-        catalogue.AnyStimulus(),
-        catalogue.LIMITS,
+        catalogue.silent(catalogue.AnyStimulus(), catalogue.LIMITS),
         texts_in(language, texts or {}),
         source=io.StringIO(text),
         output=said,

@@ -12,6 +12,7 @@ import sys
 import time
 from dataclasses import replace
 
+import catalogue
 import pytest
 from benches import file_bench
 from command_line import call
@@ -25,6 +26,7 @@ from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import streamed_force
 from tactometry.errors import DeviceFailed, Stopped
 from tactometry.rigs.console import Console
+from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
 from tactometry.session.request import Adjust, Choose, Play, Press, Record, Show
@@ -109,8 +111,8 @@ def console(tmp_path, force_n=None, text="", said=None):
     if force_n is not None:
         sensor = streamed_force(Reader(Sampled(force_n)), 0, ForceCalibration(newtons_per_count=1.0))
     device = Guarded(FileOutput(FileSettings(str(tmp_path))), LIMITS)
-    parts = {"source": io.StringIO(text), "output": said or io.StringIO()}
-    return Console({"tone": TONE}, LIMITS, texts_in("en", {}), **parts, device=device, sensor=sensor)
+    equipment = Equipment(device, {"tone": TONE}, LIMITS, sensor)
+    return Console(equipment, texts_in("en", {}), io.StringIO(text), said or io.StringIO())
 
 
 def played(tmp_path):
@@ -182,7 +184,7 @@ def test_a_sensor_that_does_not_open_leaves_no_output_open(tmp_path):
     sensor = streamed_force(Reader(Absent(lambda time_s: 1.0)), 0, ForceCalibration(newtons_per_count=1.0))
     device = Guarded(FileOutput(FileSettings(str(tmp_path / "played"))), LIMITS)
     with pytest.raises(DeviceFailed, match="hand: not there"):
-        Console({}, LIMITS, texts_in("en", {}), io.StringIO(), io.StringIO(), device=device, sensor=sensor)
+        Console(Equipment(device, {}, LIMITS, sensor), texts_in("en", {}), io.StringIO(), io.StringIO())
     assert not (tmp_path / "played").exists()
 
 
@@ -203,7 +205,7 @@ main(sys.argv[1:])
 )
 def test_its_pages_name_the_key_that_works(language, words):
     said = io.StringIO()
-    rig = Console({}, LIMITS, texts_in(language, {}), io.StringIO(), said)
+    rig = Console(catalogue.silent({}, LIMITS), texts_in(language, {}), io.StringIO(), said)
     rig.answer(Show("welcome", {"n_blocks": 1}))
     assert words in said.getvalue()
     assert "Escape" not in said.getvalue().split("\n\n", 1)[1]
@@ -211,7 +213,7 @@ def test_its_pages_name_the_key_that_works(language, words):
 
 
 def test_escape_and_return_stop_it_too():
-    rig = Console({}, LIMITS, texts_in("en", {}), io.StringIO("\x1b\n"), io.StringIO())
+    rig = Console(catalogue.silent({}, LIMITS), texts_in("en", {}), io.StringIO("\x1b\n"), io.StringIO())
     with pytest.raises(Stopped, match="Escape was typed; what was recorded is safe: go on with --resume"):
         rig.answer(Choose("felt", (0, 1), ("no", "yes")))
 

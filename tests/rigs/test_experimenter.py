@@ -16,6 +16,7 @@ from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import streamed_force
 from tactometry.errors import InvalidParameter, Stopped
 from tactometry.rigs.bench import Bench
+from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.experimenter.terminal import ExperimenterTerminal, order_of
 from tactometry.rigs.texts import texts_in
 from tactometry.session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Rate, Record, Wait
@@ -103,10 +104,8 @@ def bench_with(watched, output, kept, terminal, log):
         if force_n is not None:
             reader = Reader(Sampled(force_n, log))
             sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
-        texts, more = texts_in("en", {}), {"log": kept, "terminal": terminal.desk}
-        rigs.append(
-            Bench(watched, output, {"tone": TONE}, limits=None, texts=texts, sensor=sensor, release=False, **more)
-        )
+        equipment = Equipment(output, {"tone": TONE}, sensor=sensor, release=False)
+        rigs.append(Bench(watched, equipment, texts_in("en", {}), log=kept, terminal=terminal.desk))
         return rigs[-1]
 
     yield make

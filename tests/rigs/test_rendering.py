@@ -12,6 +12,7 @@ from tactometry.observers.finger import SimulatedFinger
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.blind import Blind
 from tactometry.rigs.console import Console
+from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.rendering import render
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.rigs.texts import texts_in
@@ -24,11 +25,11 @@ TIGHT = Limits(1e-6)
 
 def bench(limits):
     output = Guarded(NullOutput(), Limits(1000.0))
-    return Bench(Blind(), output, BANK, limits=limits, texts=texts_in("en", {}))
+    return Bench(Blind(), Equipment(output, BANK, limits), texts_in("en", {}))
 
 
 def console(limits):
-    return Console(BANK, limits, texts_in("en", {}), io.StringIO(), io.StringIO())
+    return Console(catalogue.silent(BANK, limits), texts_in("en", {}), io.StringIO(), io.StringIO())
 
 
 def simulated(limits):

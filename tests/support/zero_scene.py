@@ -15,6 +15,7 @@ from tactometry.devices.sensors.force_calibration import ForceCalibration
 from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import streamed_force
 from tactometry.rigs.bench import Bench
+from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.emitter import RAMP_S
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
@@ -59,7 +60,7 @@ class Scene:
         sensor = streamed_force(Reader(self.source), 0, ForceCalibration(newtons_per_count=1.0))
         output = Guarded(driver, LIMITS, Load("electrode", 1e-9))
         bank, texts = {"noise": Noise(20.0), "short": Noise(0.5)}, texts_in("en", {})
-        self.bench = Bench(self.screen, output, bank, limits=None, texts=texts, sensor=sensor, release=False)
+        self.bench = Bench(self.screen, Equipment(output, bank, sensor=sensor, release=False), texts)
 
     def felt(self, time_s):
         del time_s

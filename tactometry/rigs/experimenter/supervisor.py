@@ -6,7 +6,8 @@ from datetime import UTC, datetime, timedelta
 
 from ...devices.outputs.guarded import GuardedSignal
 from ...errors import Stopped
-from ...session.event import Event, EventLog, Fact, Kind
+from ...session.event import Event, EventLog, Kind
+from ...session.request import Fact
 from ..pages.page import Display, Input, Page
 from ..pages.presenter import ending
 from .terminal import HELP, ExperimenterTerminal, Order
@@ -62,7 +63,7 @@ class Supervisor:
         if self.log is not None:
             self.log.note(Event(kind, round(clock_s - self.zero_s, 6), utc_text(clock_s), facts, duration_s))
 
-    def emitted(self, emission: GuardedSignal) -> None:
+    def note_stimulus(self, emission: GuardedSignal) -> None:
         """Keep a stimulus as it begins: what is kept counts when the session goes on."""
         self._keep("stimulus", emission.onset_s, {"charge_c": emission.charge_c}, emission.duration_s)
 
@@ -97,19 +98,20 @@ class Supervisor:
     def _look(self, events: tuple[Input, ...]) -> None:
         why = ending(events)
         if why is not None:
-            self._stop(why)
+            raise self.stop(why)
         for order in self.terminal.orders():
             self._obey(order)
 
-    def _stop(self, why: str) -> None:
+    def stop(self, why: str, recorded: str = "") -> Stopped:
+        """Put the output to zero for good: what is to be raised, which says what is `recorded`."""
         self._mute(on=True)
         self.note("stop", text=why)
-        raise Stopped(f"{why}; {SAFE}")
+        return Stopped(f"{why}; {SAFE}{recorded}")
 
     def _obey(self, order: Order) -> None:
         match order.wish:
             case "stop":
-                self._stop("the experimenter stopped the session")
+                raise self.stop("the experimenter stopped the session")
             case "pause" | "go":
                 self._wanted = order.wish == "pause"
             case "note":

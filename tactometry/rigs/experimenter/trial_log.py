@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Mapping
 
-from ...session.event import Fact
+from ...session.request import Fact
 from ...trials.trial import Trial
 from ..frame_timing import timing_of
 from ..pages.page import Display
@@ -34,18 +34,18 @@ class TrialLog:
         self._delays_s: list[float] = []
         self._answered_s: float | None = None
 
-    def decided(self, gate_delay_s: float | None) -> None:
+    def note_decision(self, gate_delay_s: float | None) -> None:
         """A gate opened so late."""
         self._delays_s += [] if gate_delay_s is None else [gate_delay_s]
 
-    def answered(self, at_s: float) -> None:
+    def note_answer(self, at_s: float) -> None:
         """The last key or touch of an answer, on `time.perf_counter`."""
         self._answered_s = at_s
 
-    def trial(self, trial: Trial) -> None:
+    def begin_trial(self, trial: Trial) -> None:
         """A row is about to be recorded: the first of a trial, another of it, or one of a questionnaire on its own, in
         which the frames are nobody's."""
-        self.turn()
+        self.finish_trial()
         if trial.is_form:
             self._screen.frame_intervals_s()
             return
@@ -55,7 +55,7 @@ class TrialLog:
         if trial.key != self._last:
             self._trial, self._last = trial, trial.key
 
-    def turn(self) -> None:
+    def finish_trial(self) -> None:
         """Note the trial that was recorded, if there is one that was not noted."""
         trial, self._trial = self._trial, None
         if trial is None:

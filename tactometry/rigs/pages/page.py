@@ -7,6 +7,8 @@ every screen that is wide enough.
 from dataclasses import dataclass
 from typing import Literal, Protocol
 
+from ...session.request import Facts
+
 Answer = int | str | tuple[int, int]
 """What a button stands for: an option or a place, a name, or (row, place)."""
 
@@ -139,7 +141,7 @@ class Display(Protocol):
     def events(self) -> tuple[Input, ...]:
         """What was pressed or closed since the last call, in order; each once."""
 
-    def facts(self) -> dict[str, str | int | float | bool | None]: ...
+    def facts(self) -> Facts: ...
 
     @property
     def period_s(self) -> float:

@@ -4,7 +4,6 @@ import time
 from collections.abc import Callable
 from typing import TypeVar
 
-from ...errors import Stopped
 from .page import Answer, Closed, Display, Input, KeyDown, Page
 
 S = TypeVar("S")
@@ -33,21 +32,13 @@ def ending(events: tuple[Input, ...]) -> str | None:
     return None
 
 
-def stop_at_ending(events: tuple[Input, ...]) -> bool:
-    """Raises `Stopped` where the Escape key was pressed or the window closed."""
-    why = ending(events)
-    if why is not None:
-        raise Stopped(f"{why}; what was recorded is safe: go on with --resume")
-    return False
-
-
 class Presenter:
     """Shows pages on a screen; in each frame `attend` may stop or pause the session.
 
     `paused_until_s` is the end of the last pause on `time.perf_counter`.
     """
 
-    def __init__(self, screen: Display, attend: Attend = stop_at_ending) -> None:
+    def __init__(self, screen: Display, attend: Attend) -> None:
         self.screen = screen
         self.paused_until_s = -float("inf")
         self._attend = attend
@@ -99,9 +90,9 @@ class Presenter:
         events = self.screen.events()
         if not self._attend(events):
             return events
-        self.paused()
+        self.end_pause()
         return ()
 
-    def paused(self) -> None:
+    def end_pause(self) -> None:
         """A pause ends now."""
         self.paused_until_s = time.perf_counter()

@@ -16,6 +16,7 @@ from tactometry.devices.sensors.reader import Reader, SampleBlock
 from tactometry.devices.sensors.streamed import streamed_force
 from tactometry.errors import LimitExceeded, Stopped
 from tactometry.rigs.bench import Bench
+from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.pages.page import Text
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
@@ -34,8 +35,8 @@ def bench_with(watched, output, log):
     def make(force_n, output=output, screen=watched, limits=None, release=False):
         reader = Reader(Sampled(force_n, log))
         sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
-        texts = texts_in("en", {})
-        rigs.append(Bench(screen, output, {"tone": TONE}, limits=limits, texts=texts, sensor=sensor, release=release))
+        equipment = Equipment(output, {"tone": TONE}, limits, sensor=sensor, release=release)
+        rigs.append(Bench(screen, equipment, texts_in("en", {})))
         return rigs[-1]
 
     yield make
@@ -200,7 +201,7 @@ class Timed:
 def test_stamps_that_run_fast_open_no_gate_early(watched, output, participant, rate):
     """By our clock: those that ran 1.3 times as fast opened it after 0.23 of 0.3 s."""
     sensor, timed = streamed_force(Reader(Fast(rate)), 0, ForceCalibration(newtons_per_count=1.0)), Timed(output)
-    bench = Bench(watched, timed, {"tone": TONE}, limits=None, texts=texts_in("en", {}), sensor=sensor, release=False)
+    bench = Bench(watched, Equipment(timed, {"tone": TONE}, sensor=sensor, release=False), texts_in("en", {}))
     participant.answers(1.0, "Escape")
     begin_s = time.perf_counter()
     with suppress(Stopped):
@@ -272,9 +273,8 @@ def test_the_delay_of_the_gate_is_that_of_the_stimulus_whatever_the_force_does_l
     reader = Reader(Sampled(lambda time_s: next(left, 1.0) if "play 5 V" in log else 1.0, log))
     sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
     kept, tone = Kept(), Sine(frequency_hz=60.0, duration_s=0.8, ramp_s=0.02, level_unit="V")
-    bench = Bench(
-        watched, output, {"tone": tone}, limits=None, texts=texts_in("en", {}), sensor=sensor, release=False, log=kept
-    )
+    equipment = Equipment(output, {"tone": tone}, sensor=sensor, release=False)
+    bench = Bench(watched, equipment, texts_in("en", {}), log=kept)
     touched = bench.answer(Press("tone", 5.0, 0.8, 1.0, 0.2, hold_s=0.1, timeout_s=5.0))
     bench.answer(Record(Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1)))
     bench.answer(Wait(0.0))

@@ -22,6 +22,7 @@ from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load
 from tactometry.records.journal import read
 from tactometry.rigs.bench import Bench
+from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.pages import form
 from tactometry.rigs.texts import texts_in
 from tactometry.session.request import Enter, Press, Show
@@ -39,7 +40,7 @@ def place(row, k, n=7):
 
 @pytest.fixture
 def bench(watched, output):
-    rig = Bench(watched, output, {}, limits=None, texts=texts_in("en", {}))
+    rig = Bench(watched, Equipment(output, {}), texts_in("en", {}))
     yield rig
     rig.close()
 
@@ -120,7 +121,7 @@ def test_a_timed_page_passes_by_itself(bench):
 
 
 def test_a_questionnaire_without_the_language_is_refused(bench, watched, output):
-    german = Bench(watched, output, {}, limits=None, texts=replace(texts_in("en", {}), language="de"))
+    german = Bench(watched, Equipment(output, {}), replace(texts_in("en", {}), language="de"))
     with pytest.raises(InvalidParameter, match="item 'ATT1': found no words in 'de', expected one of en, fr"):
         german.answer(PAGE)
 

@@ -15,6 +15,7 @@ from screens import all_pages
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded, Stopped
 from tactometry.rigs.bench import Bench
+from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.pages.page import KeyDown, Page
 from tactometry.rigs.texts import languages, texts_in
 from tactometry.safety.limits import Limits
@@ -33,7 +34,7 @@ TRIAL = Trial(1, 1, {}, "staircase", 1.0, "V", "yes_no", 1)
 
 @pytest.fixture
 def bench(watched, output):
-    rig = Bench(watched, output, {"tone": TONE}, limits=None, texts=texts_in("en", {"warm": "Cold or warm?"}))
+    rig = Bench(watched, Equipment(output, {"tone": TONE}), texts_in("en", {"warm": "Cold or warm?"}))
     yield rig
     rig.close()
 
@@ -232,7 +233,7 @@ def test_a_connected_output_without_limits_plays_nothing(watched, output, log):
     unlimited = Guarded(output.driver, None)
     with (
         pytest.raises(LimitExceeded, match=r"output 'list': found no limits, .*nothing was played"),
-        Closing(Bench(watched, unlimited, {"tone": TONE}, limits=Limits(50.0), texts=texts_in("en", {}))) as bench,
+        Closing(Bench(watched, Equipment(unlimited, {"tone": TONE}, Limits(50.0)), texts_in("en", {}))) as bench,
     ):
         bench.answer(Play("tone", 1.0, 0.2))
     assert "play 1 V" not in log
@@ -241,7 +242,7 @@ def test_a_connected_output_without_limits_plays_nothing(watched, output, log):
 def test_the_limits_of_the_study_hold_beside_those_of_the_output(watched, output, log):
     with (
         pytest.raises(LimitExceeded, match="the limit is 2 V"),
-        Closing(Bench(watched, output, {"tone": TONE}, limits=Limits(2.0), texts=texts_in("en", {}))) as bench,
+        Closing(Bench(watched, Equipment(output, {"tone": TONE}, Limits(2.0)), texts_in("en", {}))) as bench,
     ):
         bench.answer(Play("tone", 3.0, 0.2))
     assert list(dict.fromkeys(log)) == ["output.open", "output.stop", "output.close", "screen.close"]

@@ -11,6 +11,7 @@ from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import streamed_force, streamed_position
 from tactometry.gates.speed import triangle
 from tactometry.rigs.bench import ASSUMED_DISPLAY_HEIGHT_M, Bench
+from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.texts import texts_in
 from tactometry.session.request import Slide
 from tactometry.stimuli.electrovibration import Sine
@@ -28,7 +29,7 @@ def slid(watched, output, log):
         force, place = (Reader(Sampled(value, rate_hz=500.0)) for value in (lambda time_s: 1.0, place_m))
         sensor = streamed_force(force, 0, ForceCalibration(newtons_per_count=1.0))
         parts = {"sensor": sensor, "release": False, "position": streamed_position(place, (0,), 1.0)}
-        rig = Bench(watched, output, {"tone": TONE}, limits=None, texts=texts_in("en", {}), **parts)
+        rig = Bench(watched, Equipment(output, {"tone": TONE}, **parts), texts_in("en", {}))
         try:
             return rig.answer(request)
         finally:

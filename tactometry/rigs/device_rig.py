@@ -1,0 +1,168 @@
+"""What the rigs with devices have in common: an output and sensors, a clock, and who looks after the session."""
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+from ..devices.outputs.guarded import Guarded
+from ..devices.outputs.output import RAMP_S
+from ..devices.sensors.force_sensor import ForceSensor
+from ..devices.sensors.position_sensor import PositionSensor
+from ..safety.limits import FORCE_PEAK_N, Limits
+from ..session.answer import Done, Played, Touched
+from ..session.event import EventLog
+from ..session.request import A, Facts, Play, Press, Request, Slide
+from ..signal import Signal, Stimulus
+from ..trials.trial import Tally, Trial, tally
+from .closing import closed_on_failure
+from .emitter import Emitter
+from .experimenter.supervisor import Supervisor
+from .experimenter.terminal import ExperimenterTerminal
+from .live_rig import LiveRig
+from .pages import layout
+from .pages.page import Display
+from .pages.presenter import Presenter
+from .texts import Texts
+from .touch.release import Release
+from .touch.setup import TouchSetup
+
+Felt = TypeVar("Felt", Played, Touched)
+
+
+@dataclass(frozen=True)
+class Equipment:
+    """The devices of a rig, with what plays through them.
+
+    Parameters
+    ----------
+    output : Guarded
+    bank : mapping of str to Stimulus
+        The stimuli by the names that requests use.
+    limits : Limits or None
+        What the study allows, checked beside the limits of the output.
+    sensor : ForceSensor, optional
+        Without one, the force is not measured: its fields are None and every touch is valid.
+    position : PositionSensor, optional
+        Without one, the finger's speed is not measured.
+    ramp_s : float
+        Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
+    release : bool
+        Whether the force must leave its band between touches.
+    facts : callable
+        What the head of the journal says of the devices, once they are open, and their clocks at any time.
+    """
+
+    output: Guarded
+    bank: Mapping[str, Stimulus]
+    limits: Limits | None = None
+    sensor: ForceSensor | None = None
+    position: PositionSensor | None = None
+    ramp_s: float = RAMP_S
+    release: bool = True
+    facts: Callable[[], Facts] = dict
+
+
+class DeviceRig(LiveRig):
+    """Opens the devices, and closes all of them, its output first, whatever goes wrong.
+
+    Raises
+    ------
+    DeviceFailed
+        If a device does not open; all are closed then.
+    """
+
+    def __init__(
+        self,
+        screen: Display,
+        equipment: Equipment,
+        texts: Texts,
+        terminal: ExperimenterTerminal,
+        log: EventLog | None,
+    ) -> None:
+        self._screen, self._equipment, self._texts, self._terminal = screen, equipment, texts, terminal
+        limits, output = equipment.limits, equipment.output
+        self._emitter = Emitter(equipment.bank, output, limits, equipment.ramp_s)
+        pause_page = layout.message_page(texts.message("pause"), "", screen.aspect)
+        self._supervisor = Supervisor(screen, terminal, log, self._emitter.mute, pause_page)
+        output.tell(self._supervisor.note_stimulus)
+        self._presenter = Presenter(screen, self._supervisor.attend)
+        self._setup = TouchSetup(
+            presenter=self._presenter,
+            emitter=self._emitter,
+            sensor=equipment.sensor,
+            position=equipment.position,
+            release=Release(needed=equipment.release),
+            pause=self._pause,
+            say=terminal.add,
+            force_peak_n=FORCE_PEAK_N if limits is None else limits.force_peak_n,
+        )
+        self._tally = Tally()
+        self.closed = False
+        with closed_on_failure(self):
+            self._open()
+
+    def _open(self) -> None:
+        # the output last: it is not claimed where a sensor is missing
+        for device in (self._equipment.position, self._equipment.sensor, self._equipment.output):
+            if device is not None:
+                device.open()
+        if self._equipment.sensor is not None:
+            self._equipment.sensor.listen(self._setup.release.hear)
+
+    def close(self) -> None:
+        if self.closed:
+            return
+        self.closed = True
+        # the output is at zero before anything is closed that may fail or hang; whatever fails, the rest is closed too
+        with ExitStack() as last_first:
+            last_first.callback(self._terminal.end_line)
+            last_first.callback(self._screen.close)
+            for sensor in (self._equipment.position, self._equipment.sensor):
+                if sensor is not None:
+                    last_first.callback(sensor.close)
+            last_first.callback(self._equipment.output.close)
+            last_first.callback(self._equipment.output.stop)
+
+    def _device_facts(self) -> Facts:
+        sensor, position = self._equipment.sensor, self._equipment.position
+        return {
+            "output": self._equipment.output.name,
+            "force_sensor": None if sensor is None else sensor.name,
+            "position_sensor": None if position is None else position.name,
+            **self._emitter.limit_facts(),
+            **self._equipment.facts(),
+        }
+
+    def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None:
+        self._tally = tally(trials)
+        self._supervisor.zero_s = time.perf_counter() - elapsed_s
+
+    def answer(self, request: Request[A]) -> A:
+        with closed_on_failure(self):
+            self._finish_trial()
+            return super().answer(request)
+
+    def _finish_trial(self) -> None:
+        """What is due before anything else is asked."""
+
+    def _pause(self, by: str, over: Callable[[], bool]) -> None:
+        self._supervisor.pause(by, over)
+        self._presenter.end_pause()
+
+    def _session_s(self, clock_s: float) -> float:
+        return round(clock_s - self._supervisor.zero_s, 6)
+
+    def _done(self) -> Done:
+        return Done(self._session_s(time.perf_counter()))
+
+    def _signal(self, request: Play | Press | Slide) -> Signal | None:
+        """The final samples of what is asked for, within all limits; None for a blank."""
+        if self._equipment.limits is not None and not isinstance(request, Play):
+            self._equipment.limits.check_force(request.target_n, request.tolerance)
+        return self._emitter.fitting(request.stimulus, request.level, request.duration_s)
+
+    def _in_session(self, felt: Felt) -> Felt:
+        """An answer whose onset was on `time.perf_counter`, with that in the session."""
+        return replace(felt, onset_s=self._session_s(felt.onset_s))
