@@ -11,7 +11,7 @@ from dataclasses import replace
 from threadpoolctl import threadpool_limits
 
 from tactometry.experiments.scenes import names, path_of
-from tactometry.stimuli.scenes.effect import Effect, FingerContact
+from tactometry.stimuli.composition.effect import Effect, FingerContact
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.plan import Plan

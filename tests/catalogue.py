@@ -51,6 +51,7 @@ from tactometry.rigs.simulated import SimulatedRig
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
 from tactometry.signal import Signal
+from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     Grating,
@@ -67,7 +68,6 @@ from tactometry.stimuli.electrovibration import (
 from tactometry.stimuli.electrovibration.textures.played_texture import straight_path_m
 from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.stimuli.hybrid import Hybrid
-from tactometry.stimuli.scenes.effect import FingerContact
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid as HybridScreen

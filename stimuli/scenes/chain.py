@@ -4,7 +4,7 @@ from collections.abc import Collection, Mapping, Sequence
 
 from tactometry.errors import InvalidParameter, nearest
 
-from .effect import Stage
+from ..composition.effect import Stage
 from .result import unit_of
 
 

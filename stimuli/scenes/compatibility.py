@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from tactometry.errors import InvalidParameter
 
-from .effect import Effect, Surroundings
+from ..composition.effect import Effect, Surroundings
 
 TOUCHES = ("contact", "sliding contact", "resting contact")
 

@@ -7,7 +7,7 @@ from math import isinf
 
 from tactometry.errors import InvalidParameter
 
-from .effect import Stage
+from ..composition.effect import Stage
 from .plan import Plan, predicted_s
 from .scene import Scene
 

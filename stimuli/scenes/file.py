@@ -10,7 +10,7 @@ from tactometry.config.strict import build, build_kind, check_keys, convert
 from tactometry.config.toml import located, read_table
 from tactometry.errors import InvalidParameter
 
-from .effect import Effect, FingerContact, Setting
+from ..composition.effect import Effect, FingerContact, Setting
 from .effects import EFFECTS
 from .scene import Scene
 from .surfaces import SURFACES

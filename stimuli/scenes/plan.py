@@ -9,7 +9,7 @@ from typing import Any
 
 from tactometry.errors import InvalidParameter
 
-from .effect import Stage
+from ..composition.effect import Stage
 
 Step = tuple[Callable[..., Any], tuple[int, ...], int]
 """A callable, the registers it reads, and the one it writes."""

@@ -6,9 +6,9 @@ from dataclasses import dataclass, field, replace
 
 from tactometry.errors import InvalidParameter, nearest
 
+from ..composition.effect import Demand, Effect, FingerContact, Setting, Stage, Surface
 from .chain import needed
 from .compatibility import check_effects
-from .effect import Demand, Effect, FingerContact, Setting, Stage, Surface
 from .plan import Plan
 from .result import unit_of
 

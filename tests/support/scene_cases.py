@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.stimuli.scenes.effect import Effect, FingerContact
+from tactometry.stimuli.composition.effect import Effect, FingerContact
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ..effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect, Stage, Surroundings
 from ..stages.circuit import circuit_stage
 
 if TYPE_CHECKING:

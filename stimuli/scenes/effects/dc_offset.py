@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
 
-from ..effect import Demand, Effect, Size, Stage, Surroundings
+from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.attraction.offset import WithOffset

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..effect import Demand, Effect, Size, Stage, Surroundings
+from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
 from ..stages.truncation import MOST_MODES, n_modes, remainder
 
 if TYPE_CHECKING:

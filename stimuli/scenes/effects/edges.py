@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from tactometry.errors import InvalidParameter
 
-from ..effect import Demand, Effect, Size, Stage, Surroundings
+from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.plate.plate import Plate

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from math import sqrt
 from typing import TYPE_CHECKING
 
-from ..effect import Effect, Stage, Surroundings
-from ..stages.sampling import per_sample
+from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.sampling import per_sample
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray

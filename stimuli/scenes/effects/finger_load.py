@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.arguments import require
 
-from ..effect import Demand, Effect, Setting, Size, Stage, Surroundings
+from ...composition.effect import Demand, Effect, Setting, Size, Stage, Surroundings
 from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from tactometry.errors import InvalidParameter
 
-from ..effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ..effect import Effect, Stage, Surroundings
-from ..stages.sampling import per_sample
+from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.sampling import per_sample
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from tactometry.arguments import require
 
-from ..effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect, Stage, Surroundings
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from ..effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.focusing.quantiser import Quantiser

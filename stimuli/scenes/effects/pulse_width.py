@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.focusing.quantiser import Quantiser

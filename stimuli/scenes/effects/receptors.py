@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ..effect import Demand, Effect, Size, Stage, Surroundings
+from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray

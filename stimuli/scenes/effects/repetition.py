@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from tactometry.arguments import require
 
-from ..effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.focusing.quantiser import Quantiser

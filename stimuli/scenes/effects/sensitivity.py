@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 
-from ..effect import Demand, Effect, Size, Stage, Surroundings
+from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...perception.detection import Components

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Final
 from tactometry.arguments.require import within
 from tactometry.errors import InvalidParameter
 
-from ..effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.responses.responses import Responses

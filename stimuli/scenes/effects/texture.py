@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.waveforms.pieces import Pieces

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
 
-from ..effect import Demand, Size, Stage
-from .sampling import per_sample
+from ...composition.effect import Demand, Size, Stage
+from ...composition.sampling import per_sample
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray

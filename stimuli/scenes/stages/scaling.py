@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
-from ..effect import Demand, Size, Stage
+from ...composition.effect import Demand, Size, Stage
 
 MULTIPLIED = f"{__name__}:multiplied"
 

@@ -9,8 +9,8 @@ from collections.abc import Callable
 from math import log, pi, sin
 from typing import TYPE_CHECKING
 
-from ..effect import Demand, Size
-from .sampling import samples
+from ...composition.effect import Demand, Size
+from ...composition.sampling import samples
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray

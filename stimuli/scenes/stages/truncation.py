@@ -18,7 +18,7 @@ from typing import Any
 
 from tactometry.errors import InvalidParameter
 
-from ..effect import Demand, Surroundings
+from ...composition.effect import Demand, Surroundings
 
 MOVING, STILL, TURNING = 2.0, 8.0, 2.0
 """Parts of one transducer's remainder, of the modes that move and of those that follow; where the latter turn.

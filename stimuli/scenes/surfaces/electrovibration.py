@@ -6,18 +6,18 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 
-from ..effect import Stage, Surface
+from ...composition.effect import Stage, Surface
+from ...composition.sampling import per_sample, record
 from ..stages.circuit import divider_stage
-from ..stages.sampling import per_sample, record
 from ..stages.scaling import MULTIPLIED
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
+    from ...composition.effect import Demand
     from ...electrovibration.attraction.force import ForceForm
     from ...electrovibration.skin.skin import Skin
     from ...electrovibration.waveforms.pieces import Pieces
     from ...electrovibration.waveforms.waveform import Waveform
-    from ..effect import Demand
 
 
 @dataclass(frozen=True)
@@ -90,7 +90,7 @@ class Electrovibration(Surface):
             Stage("unit_voltage", ("waveform",), "unit_voltage", f"{__name__}:of_one_volt"),
             Stage("level", ("level_db_re_1v",), "peak_voltage_v", f"{__name__}:peak"),
             Stage("voltage", ("unit_voltage", "peak_voltage_v"), "voltage", f"{__name__}:scaled"),
-            Stage("sampling", ("unit_voltage",), "t_s", "tactometry.stimuli.scenes.stages.sampling:grid", size=record),
+            Stage("sampling", ("unit_voltage",), "t_s", f"{__name__}:grid", size=record),
             Stage("drive", ("t_s", "voltage"), "voltage_v", f"{__name__}:sampled", size=per_sample(700.0)),
             Stage("skin", (), "skin", f"{__name__}:lossless", self._skin()),
             Stage("area", (), "area_m2", f"{__name__}:constant", {"value": self.area_m2}),
@@ -142,6 +142,13 @@ def peak() -> Callable[[float], float]:
 def scaled() -> "Callable[[Pieces, float], Pieces]":
     """A voltage of a peak."""
     return lambda unit, peak_voltage_v: unit.scaled(peak_voltage_v)
+
+
+def grid(n_samples: int) -> "Callable[[Pieces], FloatArray]":
+    """Equal steps from the beginning to the end of a voltage."""
+    import numpy as np
+
+    return lambda voltage: np.linspace(0.0, voltage.end_s, n_samples)
 
 
 def sampled() -> "Callable[[FloatArray, Pieces], FloatArray]":

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from tactometry.errors import InvalidParameter
 
-from ..effect import Demand, Effect, FingerContact, Size, Stage, Surface
+from ...composition.effect import Demand, Effect, FingerContact, Size, Stage, Surface
 from .electrovibration import Electrovibration
 from .time_reversal import TimeReversal
 

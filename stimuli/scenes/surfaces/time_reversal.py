@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ..effect import Demand, Size, Stage, Surface, Surroundings
+from ...composition.effect import Demand, Size, Stage, Surface, Surroundings
 from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes
 

@@ -25,6 +25,7 @@ from soak import SOAK
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
+from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.electrovibration import (
     CoulombFriction,
     ElectrovibrationSensation,
@@ -34,7 +35,6 @@ from tactometry.stimuli.electrovibration import (
     Skin,
     electrostatic_force_n_at,
 )
-from tactometry.stimuli.scenes.effect import FingerContact
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration

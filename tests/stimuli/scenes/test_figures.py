@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scene_cases import LEVEL, VOLT, default, effect, panel, screen
 
-from tactometry.stimuli.scenes.effect import FingerContact
+from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.scenes.figures.courses import BESIDE_LOAD, courses, numbers
 from tactometry.stimuli.scenes.figures.focus import focus_sheet
 from tactometry.stimuli.scenes.lifting import loads_n

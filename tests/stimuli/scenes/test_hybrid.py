@@ -8,9 +8,9 @@ from scene_cases import effect, panel, screen, small_screen
 
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import path_of
+from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.scenes import cache
 from tactometry.stimuli.scenes.cache import cached
-from tactometry.stimuli.scenes.effect import FingerContact
 from tactometry.stimuli.scenes.figures.film import write_film
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.result import computed

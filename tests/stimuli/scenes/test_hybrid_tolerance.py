@@ -20,8 +20,8 @@ from scene_errors import error_of
 from soak import SOAK
 
 from tactometry.signal import Signal
+from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.electrovibration import PowerLawArea, Sine, Skin, electrostatic_force_n_at
-from tactometry.stimuli.scenes.effect import FingerContact
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid

@@ -25,7 +25,7 @@ from soak import SOAK
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import path_of
 from tactometry.signal import Signal
-from tactometry.stimuli.scenes.effect import FingerContact
+from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.stages.truncation import cut, n_frequencies, n_modes

@@ -27,7 +27,7 @@ from scene_cases import (
 
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import names, path_of
-from tactometry.stimuli.scenes.effect import FingerContact
+from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.explain import explained
 from tactometry.stimuli.scenes.file import load_scene

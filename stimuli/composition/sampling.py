@@ -19,13 +19,8 @@ between the events, which are exact.
 
 from collections.abc import Callable
 from math import ceil, hypot, pi, sqrt
-from typing import TYPE_CHECKING
 
-from ..effect import Demand, Size, Surroundings
-
-if TYPE_CHECKING:
-    from ...arrays import FloatArray
-    from ...electrovibration.waveforms.pieces import Pieces
+from .effect import Demand, Size, Surroundings
 
 FEWEST, MOST = 16, 4_000_000
 """Samples of a record; the most take about 2 GB."""
@@ -162,10 +157,3 @@ def _leak_per_s(scene: Surroundings) -> float:
         insulator_m += gap.gap_m  # type: ignore[attr-defined]
     permittivity: float = skin.corneum_permittivity + skin.corneum_thickness_m / insulator_m  # type: ignore[attr-defined]
     return 1 / (VACUUM_F_PER_M * leakage.corneum_resistivity_ohm_m * permittivity)  # type: ignore[attr-defined, no-any-return]
-
-
-def grid(n_samples: int) -> "Callable[[Pieces], FloatArray]":
-    """Equal steps from the beginning to the end of a voltage."""
-    import numpy as np
-
-    return lambda voltage: np.linspace(0.0, voltage.end_s, n_samples)
