@@ -5,34 +5,25 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .output import json_option, say
+from .output import data_argument, json_option, path_option, say
 
 if TYPE_CHECKING:
     from tactometry.analysis.result import Analysis
 
 
-@click.command(
-    name="analyse",
-    epilog="Example: tactometry analyse demo --report demo/report.html",
-)
-@click.argument("path", type=click.Path(path_type=Path))
-@click.option("--report", type=click.Path(path_type=Path), metavar="FILE.html", help="Write a report and its tables.")
+@click.command(epilog="Example: tactometry analyse demo --report demo/report.html")
+@data_argument
+@path_option("--report", metavar="FILE.html", help="Write a report and its tables.")
 @click.option("--pdf", is_flag=True, help="Print the report to a PDF too.")
 @click.option("--within", metavar="A,B", help="Factors ('': none); else the columns between trial and procedure.")
-@click.option(
-    "--columns", type=click.Path(path_type=Path), metavar="MAP.toml", help="How a foreign table's columns are called."
-)
+@path_option("--columns", metavar="MAP.toml", help="How a foreign table's columns are called.")
 @click.option(
     "--level-scale",
     type=click.Choice(("linear", "log10", "db")),
     help="The axis on which levels are fitted: as they stand, or their logarithm.",
 )
-@click.option(
-    "--plan", type=click.Path(path_type=Path), metavar="PLAN.toml", help="What is left out, and what counts as equal."
-)
-@click.option(
-    "--figures", type=click.Path(path_type=Path), metavar="DIR", help="Every figure as SVG and PNG, with its data."
-)
+@path_option("--plan", metavar="PLAN.toml", help="What is left out, and what counts as equal.")
+@path_option("--figures", metavar="DIR", help="Every figure as SVG and PNG, with its data.")
 @json_option
 def command(
     path: Path,
@@ -44,7 +35,6 @@ def command(
     figures: Path | None,
     *,
     pdf: bool,
-    as_json: bool,
 ) -> None:
     """Thresholds with 95 % intervals, group table and ANOVA of the data set or trials file PATH."""
     from tactometry.analysis.pipeline import analyse
@@ -67,7 +57,7 @@ def command(
         warnings=edit_warnings(path),
         replay=replay_of(path),
     )
-    say(summary_text(found), summary(found), as_json=as_json)
+    say(summary_text(found), summary(found))
 
 
 def summary_text(found: "Analysis") -> str:

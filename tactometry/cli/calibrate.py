@@ -9,24 +9,19 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .hands_off import hands_off_option
-from .output import check_figure, json_option, say, writing
+from ..errors import InvalidParameter
+from .output import figure_option, hands_off_option, json_option, path_option, say, writing
 
 if TYPE_CHECKING:
     from tactometry.experiments.bench.bench_file import BenchFile
-    from tactometry.experiments.bench.calibration import ForceFit
 
     from ..devices.outputs.gain import Gain
     from ..devices.sensors.reader import Reader
 
-bench_option = click.option(
-    "--bench", "bench_path", type=click.Path(path_type=Path), required=True, help="Bench file (TOML)."
-)
+bench_option = path_option("--bench", "bench_path", required=True, help="Bench file (TOML).")
 
 
 def _somebody(ctx: click.Context, param: click.Parameter, by: str) -> str:
-    from ..errors import InvalidParameter
-
     del ctx, param
     if not by.strip():
         raise InvalidParameter("--by: found nothing, expected who measures: initials or a code")
@@ -37,7 +32,7 @@ by_option = click.option("--by", required=True, callback=_somebody, help="Who me
 TODAY = date.today
 
 
-@click.group(name="calibrate", epilog="Example: tactometry calibrate display --bar-m 0.149")
+@click.group(epilog="Example: tactometry calibrate display --bar-m 0.149")
 def command() -> None:
     """Measure what a bench file says; each prints the table to put there, with its date."""
 
@@ -49,7 +44,7 @@ def command() -> None:
 @click.option("--measured-v", default="", metavar="V,V,...", help="What was measured, peak V; else asked for each.")
 @click.option("--tone-s", type=click.FloatRange(0.1, 30), default=3.0, show_default=True, help="How long each sounds.")
 @json_option
-def gain(bench_path: Path, by: str, parts: str, measured_v: str, tone_s: float, *, as_json: bool) -> None:
+def gain(bench_path: Path, by: str, parts: str, measured_v: str, tone_s: float) -> None:
     """Output gain: play sines of 100 Hz on every channel, and type in the peak voltage at the known load.
 
     The limits and the gain that the bench file states hold while it plays: until it is measured, that of the data
@@ -69,12 +64,10 @@ def gain(bench_path: Path, by: str, parts: str, measured_v: str, tone_s: float, 
     table = gain_toml(replace(new, volts_per_unit=fit.volts_per_unit / new.amplifier_gain))
     was = before.load_volts_per_unit
     text = f"{table}# residual rms {fit.residual_rms_v:.3g} V; the file stated {was:.6g} V per unit at the load"
-    say(text, {"volts_per_unit": fit.volts_per_unit, "residual_rms_v": fit.residual_rms_v}, as_json=as_json)
+    say(text, {"volts_per_unit": fit.volts_per_unit, "residual_rms_v": fit.residual_rms_v})
 
 
 def _parts(text: str) -> list[float]:
-    from ..errors import InvalidParameter
-
     units = _numbers("--parts", text)
     for part in units:
         if not 0 < part <= 1:
@@ -87,8 +80,6 @@ def _played_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: floa
     import time
 
     from tactometry.experiments.bench.tone import tone
-
-    from ..errors import InvalidParameter
 
     if bench.limits is None:
         raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
@@ -117,7 +108,7 @@ def _played_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: floa
 @click.option("--channel", type=int, default=0, show_default=True, help="Of the sensor, from 0.")
 @click.option("--degree", type=click.IntRange(1, 5), default=1, show_default=True, help="Of the polynomial.")
 @click.option("--gravity-m-per-s2", type=float, default=9.80665, show_default=True, help="Where you are.")
-@click.option("--figure", type=click.Path(path_type=Path), help="Write fit and residuals as PNG, PDF or SVG.")
+@figure_option("Write fit and residuals as PNG, PDF or SVG.")
 @json_option
 def force(
     *,
@@ -130,25 +121,21 @@ def force(
     degree: int,
     gravity_m_per_s2: float,
     figure: Path | None,
-    as_json: bool,
 ) -> None:
     """Force sensor: put on weights one after the other; a polynomial is fitted to what it counts."""
     from tactometry.experiments.bench.bench_file import load_bench
     from tactometry.experiments.bench.calibration import fit_force, force_toml
 
-    check_figure(figure)
     bench = load_bench(bench_path)
     name = sensor or (bench.force.sensor if bench.force is not None else next(iter(bench.sensors), ""))
     masses_kg, reader = _masses_kg(weights_kg, degree), _reader(bench, name, channel)
     counted = _numbers("--counts", counts) if counts else _counted(reader, channel, masses_kg)
     fit = fit_force(masses_kg, counted, degree=degree, gravity_m_per_s2=gravity_m_per_s2)
-    rows = [f"# {f:8.4f} N  {c:12.2f} counts  residual {1e3 * r:+.2f} mN" for f, c, r in _rows(fit)]
+    weights = zip(fit.forces_n, fit.counts, fit.residuals_n, strict=True)
+    rows = [f"# {f:8.4f} N  {c:12.2f} counts  residual {1e3 * r:+.2f} mN" for f, c, r in weights]
     table = force_toml(fit, name, channel, TODAY(), by)
-    say(
-        "\n".join([table, *rows, f"# residual rms {1e3 * fit.residual_rms_n:.3g} mN"]),
-        {"polynomial": fit.polynomial, "residuals_n": fit.residuals_n.tolist(), "counts": fit.counts.tolist()},
-        as_json=as_json,
-    )
+    text = "\n".join([table, *rows, f"# residual rms {1e3 * fit.residual_rms_n:.3g} mN"])
+    say(text, {"polynomial": fit.polynomial, "residuals_n": fit.residuals_n.tolist(), "counts": fit.counts.tolist()})
     if figure is not None:
         from tactometry.experiments.bench.figures import force_figure
 
@@ -157,8 +144,6 @@ def force(
 
 
 def _masses_kg(text: str, degree: int) -> list[float]:
-    from ..errors import InvalidParameter
-
     masses_kg = _numbers("--weights-kg", text)
     if len(masses_kg) < degree + 2:
         raise InvalidParameter(
@@ -167,13 +152,8 @@ def _masses_kg(text: str, degree: int) -> list[float]:
     return masses_kg
 
 
-def _rows(fit: "ForceFit") -> Iterator[tuple[float, float, float]]:
-    yield from zip(fit.forces_n.tolist(), fit.counts.tolist(), fit.residuals_n.tolist(), strict=True)
-
-
 def _reader(bench: "BenchFile", name: str, channel: int) -> "Reader":
     from ..arguments.require import lookup
-    from ..errors import InvalidParameter
 
     reader = lookup("--sensor", name, bench.sensors).reader()
     if not 0 <= channel < reader.source.n_channels:
@@ -200,7 +180,7 @@ def _counted(reader: "Reader", channel: int, masses_kg: list[float]) -> list[flo
 @command.command(epilog="Example: tactometry calibrate display --bar-m 0.149")
 @click.option("--bar-m", type=float, help="Length of the bar, m; without it, the bar is shown, then asked for.")
 @json_option
-def display(bar_m: float | None, *, as_json: bool) -> None:
+def display(bar_m: float | None) -> None:
     """Display size: the screen shows a white bar until a key is pressed; measure it and type in its length.
 
     It is half as high as the picture. With --bar-m no window is opened.
@@ -208,7 +188,7 @@ def display(bar_m: float | None, *, as_json: bool) -> None:
     from tactometry.experiments.bench.calibration import display_height_m, display_toml
 
     height_m = display_height_m(_shown_bar_m() if bar_m is None else bar_m)
-    say(display_toml(height_m), {"height_m": height_m}, as_json=as_json)
+    say(display_toml(height_m), {"height_m": height_m})
 
 
 def _shown_bar_m() -> float:
@@ -247,8 +227,8 @@ def _shown_bar_m() -> float:
 @click.option("--sweep-s", type=float, default=0.2, show_default=True, help="Duration of the sweep.")
 @click.option("--sequence-order", type=int, help="Play a maximum-length sequence of this order instead.")
 @click.option("--duration-s", type=float, default=0.03, show_default=True, help="Of a response.")
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="NPZ file to write.")
-@click.option("--figure", type=click.Path(path_type=Path), help="Write response and spectra as PNG, PDF or SVG.")
+@path_option("--out", required=True, help="NPZ file to write.")
+@figure_option("Write response and spectra as PNG, PDF or SVG.")
 @hands_off_option
 @json_option
 def responses(**asked: object) -> None:
@@ -263,8 +243,6 @@ def responses(**asked: object) -> None:
 
 
 def _numbers(name: str, text: str) -> list[float]:
-    from ..errors import InvalidParameter
-
     try:
         return [float(part) for part in text.split(",")]
     except ValueError:

@@ -6,8 +6,8 @@ from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from .hands_off import hands_are_off
-from .output import check_figure, progress, say, writing
+from ..errors import InvalidParameter
+from .output import hands_are_off, progress, say, writing
 
 if TYPE_CHECKING:
     from tactometry.experiments.bench.bench_file import BenchFile, Devices
@@ -23,7 +23,6 @@ def run(asked: Mapping[str, Any]) -> None:
     from tactometry.experiments.bench.bench_file import load_bench
     from tactometry.stimuli.time_reversal.responses.learning import as_displacement
 
-    check_figure(asked["figure"])
     _check_out(asked["out"])
     bench = load_bench(asked["bench_path"])
     devices = _devices(bench, asked["sensor"])
@@ -38,12 +37,11 @@ def run(asked: Mapping[str, Any]) -> None:
     _write(responses, provenance, asked["out"], asked["figure"])
     kept = f"{responses.n_channels} responses of {responses.duration_s:g} s at {responses.rate_hz:g} Hz"
     record = {"file": str(asked["out"]), "n_channels": responses.n_channels, **provenance}
-    say(f"{asked['out']}: {kept}", record, as_json=asked["as_json"])
+    say(f"{asked['out']}: {kept}", record)
 
 
 def _devices(bench: "BenchFile", sensor: str) -> "Devices":
     from ..arguments.require import one_of
-    from ..errors import InvalidParameter
 
     one_of("--sensor", sensor, bench.sensors)
     if bench.limits is None:
@@ -55,8 +53,6 @@ def _learning(asked: Mapping[str, Any], n_channels: int, rate_hz: float) -> "Lea
     """What is played, on which channels: a sweep a fifth beyond the band, or a sequence of maximum length."""
     from tactometry.experiments.bench.learning import Learning
     from tactometry.stimuli.time_reversal.responses.learning import sequence, sweep
-
-    from ..errors import InvalidParameter
 
     low_hz, high_hz = asked["band_hz"]
     if high_hz > rate_hz / 2:
@@ -116,15 +112,11 @@ def _write(responses: "Responses", provenance: Mapping[str, Any], path: Path, fi
 
 
 def _check_hands(said: bool, *, connected: bool) -> None:
-    from ..errors import InvalidParameter
-
     if connected and not (said or hands_are_off()):
         raise InvalidParameter("--hands-off: found no word that hands are off, expected it; nothing was played")
 
 
 def _check_out(path: Path) -> None:
-    from ..errors import InvalidParameter
-
     if path.suffix != ".npz" or not path.parent.is_dir():
         raise InvalidParameter(
             f"--out: found {str(path)!r}, expected a name that ends in .npz, in a folder that exists"

@@ -6,8 +6,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .hands_off import hands_are_off, hands_off_option
-from .output import json_option, say
+from .output import bench_option, hands_are_off, hands_off_option, json_option, path_option, say
 
 if TYPE_CHECKING:
     from tactometry.experiments.bench.finding import Finding
@@ -17,18 +16,13 @@ LONGEST_CELL = 50
 MARKS = {True: "ok", False: "NOT FINE", None: ""}
 
 
-@click.command(name="check", epilog="Example: tactometry check electrovibration-threshold --bench bench.toml")
+@click.command(epilog="Example: tactometry check electrovibration-threshold --bench bench.toml")
 @click.argument("study", required=False)
-@click.option("--bench", "bench_path", type=click.Path(path_type=Path), help="Bench file (TOML).")
-@click.option(
-    "--out", type=click.Path(path_type=Path), default=Path(), help="Where data would be written; default here."
-)
+@bench_option
+@path_option("--out", default=Path(), help="Where data would be written; default here.")
 @hands_off_option
 @json_option
-@click.pass_context
-def command(
-    ctx: click.Context, study: str | None, bench_path: Path | None, out: Path, *, hands_off: bool, as_json: bool
-) -> None:
+def command(study: str | None, bench_path: Path | None, out: Path, *, hands_off: bool) -> int:
     """Try what a session of STUDY needs: computer, disk, display, sensors, and the output with a test tone.
 
     The tone stays at a tenth of the voltage limit. An output that leads to an amplifier plays it only after somebody
@@ -43,8 +37,8 @@ def command(
     sure = hands_off or (bench.output.settings.connected and hands_are_off())
     findings = check(study, bench, out, hands_off=sure)
     status = exit_status(findings)
-    say(_table(findings), {"fine": status == 0, "findings": [asdict(each) for each in findings]}, as_json=as_json)
-    ctx.exit(status)
+    say(_table(findings), {"fine": status == 0, "findings": [asdict(finding) for finding in findings]})
+    return status
 
 
 def _table(findings: "list[Finding]") -> str:
@@ -52,13 +46,13 @@ def _table(findings: "list[Finding]") -> str:
     from rich.table import Column, Table
 
     table = Table(*(Column(name, overflow="fold") for name in ("part", "what", "found", "expected", "")))
-    told = [each for each in findings if len(each.found) > LONGEST_CELL]
-    for each in findings:
-        found = "see below" if each in told else each.found
-        table.add_row(each.part, each.what, found, each.expected, MARKS[each.fine])
+    long = [finding for finding in findings if len(finding.found) > LONGEST_CELL]
+    for finding in findings:
+        cell = "see below" if finding in long else finding.found
+        table.add_row(finding.part, finding.what, cell, finding.expected, MARKS[finding.fine])
     console = Console()
     with console.capture() as capture:
         console.print(table, markup=False, highlight=False)
-    n_bad = sum(each.fine is False for each in findings)
-    sentences = [f"{each.part}: {each.found}" for each in told]
+    n_bad = sum(finding.fine is False for finding in findings)
+    sentences = [f"{finding.part}: {finding.found}" for finding in long]
     return "\n".join([capture.get().rstrip(), *sentences, "everything is fine" if n_bad == 0 else f"{n_bad} not fine"])

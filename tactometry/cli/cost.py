@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .output import json_option, progress, say
+from ..errors import InvalidParameter, nearest
+from ..target import resolve
+from .output import json_option, path_option, progress, say
 
 if TYPE_CHECKING:
     from tactometry.experiments.cost.measure import Climb
@@ -13,11 +15,11 @@ if TYPE_CHECKING:
 
 @click.command(epilog="Example: tactometry cost skin-propagator --out cost")
 @click.argument("ladder", metavar="LADDER|all")
-@click.option("--out", type=click.Path(path_type=Path), help="Write a CSV of all points and a figure per ladder.")
-@click.option("--page", type=click.Path(path_type=Path), help="Write a page (Markdown) with tables and figures.")
+@path_option("--out", help="Write a CSV of all points and a figure per ladder.")
+@path_option("--page", help="Write a page (Markdown) with tables and figures.")
 @click.option("--rounds", default=5, show_default=True, type=click.IntRange(1), help="Warm calls of each rung.")
 @json_option
-def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int, as_json: bool) -> None:
+def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int) -> None:
     """What accuracy costs: error, time and memory of each setting, and the cheapest one for an error.
 
     Errors are the same in every run; times are those of this machine, now.
@@ -25,9 +27,6 @@ def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int, as
     from tactometry.experiments.cost.measure import climb
     from tactometry.experiments.cost.report import machine, table
     from tactometry.experiments.ladders import LADDERS
-
-    from ..errors import InvalidParameter, nearest
-    from ..target import resolve
 
     if ladder != "all" and ladder not in LADDERS:
         raise InvalidParameter(
@@ -40,7 +39,7 @@ def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int, as
         _write(climbs, out)
     if page is not None:
         _write_page(climbs, page)
-    say("\n\n".join([*map(table, climbs), machine()]), _record(climbs), as_json=as_json)
+    say("\n\n".join([*map(table, climbs), machine()]), _record(climbs))
 
 
 def _write(climbs: "list[Climb]", out: Path) -> None:

@@ -4,17 +4,17 @@ from pathlib import Path
 
 import click
 
-from .output import json_option, progress, say
+from .output import json_option, path_option, progress, say
 
 STUDY = "electrovibration-threshold"
 N_PARTICIPANTS = 10
 
 
-@click.command(name="demo", epilog="Example: tactometry demo --out demo --seed 1")
-@click.option("--out", type=click.Path(path_type=Path), default=Path("demo"), show_default=True)
+@click.command(epilog="Example: tactometry demo --out demo --seed 1")
+@path_option("--out", default=Path("demo"), show_default=True)
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Same seed, same bytes.")
 @json_option
-def command(out: Path, seed: int, *, as_json: bool) -> None:
+def command(out: Path, seed: int) -> None:
     """Simulate ten participants of a threshold study, analyse their data and write the report."""
     from tactometry.analysis.pipeline import analyse
     from tactometry.analysis.report.summary import summary
@@ -30,8 +30,4 @@ def command(out: Path, seed: int, *, as_json: bool) -> None:
     found = analyse(out, report=out / "report.html", replay=replay_of(out))
     n_trials = sum(session.n_trials for session in sessions)
     where = f"data set: {out} ({N_PARTICIPANTS} simulated participants, {n_trials} trials)"
-    say(
-        f"{summary_text(found)}\n{where}",
-        {"data_set": str(out), "trials": n_trials, **summary(found)},
-        as_json=as_json,
-    )
+    say(f"{summary_text(found)}\n{where}", {"data_set": str(out), "trials": n_trials, **summary(found)})

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .output import check_figure, json_option, say, writing
+from .output import figure_option, json_option, path_option, say, writing
 
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
@@ -14,9 +14,7 @@ if TYPE_CHECKING:
 
 
 @click.command(epilog="Example: tactometry design --contrast 15 --amplitude-m 10e-6 --repetition-hz 100")
-@click.option(
-    "--plate", "plate_file", type=click.Path(path_type=Path), help="TOML file of a plate; default A4, 1.1 mm."
-)
+@path_option("--plate", "plate_file", help="TOML file of a plate; default A4, 1.1 mm.")
 @click.option("--transducers", default=32, show_default=True, help="Number of patches Q.")
 @click.option("--patch-m", default=10e-3, show_default=True, help="Side of a patch.")
 @click.option("--voltage-v", default=30.0, show_default=True, help="Peak voltage of the one-bit drive.")
@@ -27,13 +25,9 @@ if TYPE_CHECKING:
 @click.option("--amplitude-m", type=float, help="Wanted: smallest displacement at the focus.")
 @click.option("--repetition-hz", type=float, help="Wanted: foci per second.")
 @click.option("--thickness-m", type=float, multiple=True, help="Sheets that can be had; else glass as sold.")
-@click.option(
-    "--figure", type=click.Path(path_type=Path), help="Write the trade-offs as a PNG, PDF or SVG, and NAME_thickness."
-)
+@figure_option("Write the trade-offs as a PNG, PDF or SVG, and NAME_thickness.")
 @json_option
-@click.pass_context
 def command(
-    ctx: click.Context,
     *,
     plate_file: Path | None,
     transducers: int,
@@ -47,8 +41,7 @@ def command(
     repetition_hz: float | None,
     thickness_m: tuple[float, ...],
     figure: Path | None,
-    as_json: bool,
-) -> None:
+) -> int:
     """Design a time-reversal screen: T, repetition time, transducers, band and thickness for what is wanted.
 
     The thickness is that of the plate if it will do, else the nearest sheet that misses the least.
@@ -61,7 +54,6 @@ def command(
     from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     from tactometry.stimuli.time_reversal.plate.plate_file import read_plate
 
-    check_figure(figure)
     plate = A4_SCREEN if plate_file is None else read_plate(plate_file)
     among = sheets(
         plate,
@@ -75,8 +67,8 @@ def command(
     if figure is not None:
         _write_figures(best, among, figure)
     told = {"thicknesses": [_record(sheet) for sheet in among], "simulation_over_law": {**OFF}}
-    say(_text(best, among), _record(best) | told, as_json=as_json)
-    ctx.exit(1 if best.unreachable else 0)
+    say(_text(best, among), _record(best) | told)
+    return 1 if best.unreachable else 0
 
 
 def _write_figures(best: "Sheet", among: "Sequence[Sheet]", figure: Path) -> None:

@@ -1,4 +1,4 @@
-"""What commands share: results as JSON, files that they write, progress on a terminal."""
+"""What commands share: options, results as text or JSON, files that they write, progress, a word at the terminal."""
 
 import json
 import math
@@ -6,20 +6,57 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TypeVar
+from typing import Any, Final, TypeVar
 
 import click
+
+from ..errors import DeviceFailed, InvalidParameter
 
 T = TypeVar("T")
 F = TypeVar("F", bound=Callable[..., object])
 
 FIGURE_FORMATS = (".png", ".pdf", ".svg")
+HANDS_OFF: Final = "hands off"
+_AS_JSON: Final = f"{__name__}.as_json"
 
-json_option: Callable[[F], F] = click.option("--json", "as_json", is_flag=True, help="Print the result as JSON.")
+
+def path_option(*names: str, **said: Any) -> Callable[[F], F]:
+    """An option that names a file or a folder."""
+    return click.option(*names, type=click.Path(path_type=Path), **said)
 
 
-def say(text: str, value: object, *, as_json: bool) -> None:
-    """Print a result: as text, or as JSON."""
+def figure_option(said: str) -> Callable[[F], F]:
+    """The option of a figure, refused before anything is computed or measured if its name ends in no format."""
+    return path_option("--figure", callback=_check_figure, help=said)
+
+
+def _check_figure(ctx: click.Context, param: click.Parameter, path: Path | None) -> Path | None:
+    del ctx, param
+    if path is not None and path.suffix not in FIGURE_FORMATS:
+        raise InvalidParameter(
+            f"--figure: found {str(path)!r}, expected a name that ends in {', '.join(FIGURE_FORMATS)}"
+        )
+    return path
+
+
+def _keep_form(ctx: click.Context, param: click.Parameter, as_json: bool) -> None:
+    del param
+    ctx.meta[_AS_JSON] = as_json
+
+
+json_option: Callable[[F], F] = click.option(
+    "--json", is_flag=True, expose_value=False, callback=_keep_form, help="Print the result as JSON."
+)
+bench_option: Callable[[F], F] = path_option("--bench", "bench_path", help="Bench file (TOML).")
+hands_off_option: Callable[[F], F] = click.option(
+    "--hands-off", is_flag=True, help="No hand is on the surface: an output that leads to an amplifier may play."
+)
+data_argument: Callable[[F], F] = click.argument("path", type=click.Path(path_type=Path))
+
+
+def say(text: str, value: object) -> None:
+    """Print the result of the command that runs: as text, or as JSON where that was asked for."""
+    as_json = click.get_current_context().meta[_AS_JSON]
     click.echo(json.dumps(_finite(value), indent=2, allow_nan=False) if as_json else text)
 
 
@@ -32,21 +69,9 @@ def _finite(value: object) -> object:
     return [_finite(part) for part in value] if isinstance(value, list | tuple) else value
 
 
-def check_figure(path: Path | None) -> None:
-    """Refuse a figure whose name ends in no format, before anything is computed or measured."""
-    from ..errors import InvalidParameter
-
-    if path is not None and path.suffix not in FIGURE_FORMATS:
-        raise InvalidParameter(
-            f"--figure: found {str(path)!r}, expected a name that ends in {', '.join(FIGURE_FORMATS)}"
-        )
-
-
 @contextmanager
 def writing(path: Path) -> Iterator[None]:
     """A file that cannot be written is one sentence."""
-    from ..errors import DeviceFailed
-
     try:
         yield
     except OSError as error:
@@ -62,3 +87,14 @@ def progress(items: Iterable[T], total: int, what: str) -> Iterator[T]:
     from rich.progress import track
 
     yield from track(items, total=total, description=what, console=Console(stderr=True), transient=True)
+
+
+def hands_are_off() -> bool:
+    """Whether somebody at the terminal types that no hand is on the surface; without a terminal nobody does.
+
+    Asked before something plays that no gate stops.
+    """
+    if not sys.stdin.isatty():
+        return False
+    question = f"The output will play. Type '{HANDS_OFF}' when no hand is on the surface"
+    return str(click.prompt(question, default="", err=True)).strip().casefold() == HANDS_OFF

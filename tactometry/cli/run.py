@@ -7,24 +7,23 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .output import json_option, say
+from ..errors import InvalidParameter, counted
+from .output import bench_option, json_option, path_option, say
 
 if TYPE_CHECKING:
     from tactometry.experiments.sessions.recording import Recorded, Who
     from tactometry.experiments.study.experiment import Experiment
 
 
-@click.command(name="run", epilog="Example: tactometry run tutorial --participant P01 --rig console --out pilot")
+@click.command(epilog="Example: tactometry run tutorial --participant P01 --rig console --out pilot")
 @click.argument("study")
 @click.option("--participant", required=True, help="A code of letters and digits, such as P01: no names.")
 @click.option("--session", "n_session", type=int, default=1, show_default=True, help="The participant's session.")
 @click.option("--rig", type=click.Choice(["bench", "console", "simulated"]), default="bench", show_default=True)
 @click.option("--number", type=int, help="Number for counterbalancing; default: the last digits of the code.")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Default: a new one, which the journal keeps.")
-@click.option("--bench", "bench_path", type=click.Path(path_type=Path), help="Bench file (TOML).")
-@click.option(
-    "--out", type=click.Path(path_type=Path), help="The data set; default: STUDY's name and -data, or -simulated."
-)
+@bench_option
+@path_option("--out", help="The data set; default: STUDY's name and -data, or -simulated.")
 @click.option("--resume", is_flag=True, help="Go on where an interrupted session stopped.")
 @click.option("--dry-run", is_flag=True, help="Print the plan and its duration; run nothing.")
 @json_option
@@ -40,7 +39,6 @@ def command(
     out: Path | None,
     resume: bool,
     dry_run: bool,
-    as_json: bool,
 ) -> int:
     """Run a session of STUDY (a built-in name or a path).
 
@@ -64,19 +62,17 @@ def command(
         _check_duration(experiment, who, begun=resume)
     if dry_run:
         rehearse(experiment)
-        _print_plan(experiment, who, as_json=as_json)
+        _print_plan(experiment, who)
         return 0
     root = out or Path(f"{numbers.name}-{'simulated' if rig == 'simulated' else 'data'}")
     kind = RIGS[rig](experiment, who, bench)
     recorded = record(experiment, content, root, who, kind, resume=resume, tell=_tell)
-    return _report(root, recorded, as_json=as_json)
+    return _report(root, recorded)
 
 
 def _check_duration(experiment: "Experiment", who: "Who", *, begun: bool) -> None:
     """Tell of a long session; refuse one that nobody sits through, unless it has begun."""
     from tactometry.experiments.study.dry_run import check_duration, plan
-
-    from ..errors import InvalidParameter
 
     try:
         caution = check_duration(experiment, plan(experiment, who.counterbalancing_number, who.session, who.seed or 0))
@@ -101,10 +97,9 @@ ENDINGS = {
 """How procedures end, where that is not what is said of it."""
 
 
-def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:
+def _print_plan(experiment: "Experiment", who: "Who") -> None:
     from tactometry.experiments.study.dry_run import duration_s, plan
 
-    from ..errors import counted
     from ..trials.cells import cell
 
     blocks = plan(experiment, who.counterbalancing_number, who.session, who.seed or 0)
@@ -118,10 +113,10 @@ def _print_plan(experiment: "Experiment", who: "Who", *, as_json: bool) -> None:
     notes = ["the order is drawn: this is that of --seed 0"] if drawn else []
     longest = f"at most {counted(math.ceil(minutes), 'minute')}, trials that are asked again not counted"
     text = "\n".join(["block", *rows, *notes, longest])
-    say(text, {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes}, as_json=as_json)
+    say(text, {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes})
 
 
-def _report(root: Path, recorded: "Recorded", *, as_json: bool) -> int:
+def _report(root: Path, recorded: "Recorded") -> int:
     """Print what was recorded: status 1 if a block, or one of its tracks, did not come to its end."""
     counts = recorded.endings
     failed = bool(UNFINISHED & counts.keys())
@@ -135,7 +130,7 @@ def _report(root: Path, recorded: "Recorded", *, as_json: bool) -> int:
         "not_valid": recorded.tally.n_invalid,
         "ended": counts,
     }
-    say(text, result, as_json=as_json)
+    say(text, result)
     return int(failed)
 
 
@@ -145,8 +140,6 @@ def _ended(counts: dict[str, int]) -> str:
     >>> _ended({"trials": 2, "aborted": 1})
     '; 3 procedures: 2 came to their last trial, 1 aborted'
     """
-    from ..errors import counted
-
     if not counts:
         return ""
     told = [f"{n} {ENDINGS.get(ending, ending)}" for ending, n in counts.items()]

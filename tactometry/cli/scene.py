@@ -5,7 +5,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from .output import check_figure, json_option, say, writing
+from ..config.toml import located
+from ..errors import InvalidParameter
+from .output import figure_option, json_option, path_option, say, writing
 
 if TYPE_CHECKING:
     from tactometry.stimuli.scenes.file import SceneFile
@@ -18,13 +20,11 @@ FILM_ACCURACY = 0.1
 @click.command(epilog="Example: tactometry scene electrovibration-panel --explain")
 @click.argument("file", metavar="FILE")
 @click.option("--explain", is_flag=True, help="Each stage on or off, why, its settings, error and time.")
-@click.option("--figure", type=click.Path(path_type=Path), help="Draw the outputs as a PNG, PDF or SVG.")
-@click.option("--movie", type=click.Path(path_type=Path), help="Film the wave that focuses, as a GIF or MP4.")
+@figure_option("Draw the outputs as a PNG, PDF or SVG.")
+@path_option("--movie", help="Film the wave that focuses, as a GIF or MP4.")
 @click.option("--cache", type=click.Path(path_type=Path, file_okay=False), help="Keep results in a folder, by content.")
 @json_option
-def command(
-    *, file: str, explain: bool, figure: Path | None, movie: Path | None, cache: Path | None, as_json: bool
-) -> None:
+def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None, cache: Path | None) -> None:
     """Compute a scene: a TOML file, or the name of a built-in one.
 
     Only the effects that the file calls for are computed, as finely as its accuracy asks for.
@@ -33,14 +33,11 @@ def command(
     from tactometry.stimuli.scenes.explain import explained, values_for
     from tactometry.stimuli.scenes.file import load_scene
 
-    from ..config.toml import located
-
-    check_figure(figure)
     found = load_scene(path_of(file))
     if explain:
         with located(file):
             text = explained(found.scene, found.given)
-        say(text, {"plan": text.splitlines()}, as_json=as_json)
+        say(text, {"plan": text.splitlines()})
     if figure is not None or not explain:
         with located(file):
             plan = found.scene.resolve()
@@ -52,7 +49,7 @@ def command(
         _film(found, movie)
     if not explain:
         record = _record(result)
-        say(_text(found, record, result), record, as_json=as_json)
+        say(_text(found, record, result), record)
 
 
 def _result(plan: "Plan", given: dict[str, float], cache: Path | None) -> "Result":
@@ -73,8 +70,6 @@ def _draw(result: "Result", found: "SceneFile", path: Path) -> None:
 
 def _figure(result: "Result", title: str) -> Any:
     """A map and courses, or courses alone, as the outputs allow."""
-    from ..errors import InvalidParameter
-
     if {"x_m", "y_m", "field_m"} <= set(result.values):
         from tactometry.stimuli.scenes.figures.focus import focus_sheet
 
@@ -102,8 +97,6 @@ def _film(found: "SceneFile", path: Path) -> None:
     from tactometry.stimuli.scenes.explain import values_for
     from tactometry.stimuli.scenes.figures.film import write_film
     from tactometry.stimuli.scenes.result import computed
-
-    from ..errors import InvalidParameter
 
     scene = found.scene
     if Movie.kind not in scene.surface.effects:

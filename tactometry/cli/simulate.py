@@ -4,37 +4,25 @@ from pathlib import Path
 
 import click
 
-from .output import json_option, progress, say
+from ..errors import InvalidParameter, counted
+from .output import json_option, path_option, progress, say
 
 
-@click.command(
-    name="simulate",
-    epilog="Example: tactometry simulate tutorial --participants 5 --seed 1 --out simulated",
-)
+@click.command(epilog="Example: tactometry simulate tutorial --participants 5 --seed 1 --out simulated")
 @click.argument("study")
 @click.option("--participants", "n_participants", type=int, required=True, help="How many, P01 and on.")
 @click.option("--seed", type=int, required=True, help="The same seed gives the same bytes.")
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="The data set to write.")
+@path_option("--out", required=True, help="The data set to write.")
 @click.option("--resume", is_flag=True, help="Go on where an interrupted simulation stopped.")
 @click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
 @json_option
 def command(
-    study: str,
-    n_participants: int,
-    seed: int,
-    out: Path,
-    *,
-    resume: bool,
-    n_jobs: int,
-    scheduler: str | None,
-    as_json: bool,
+    study: str, n_participants: int, seed: int, out: Path, *, resume: bool, n_jobs: int, scheduler: str | None
 ) -> None:
     """Run STUDY (a built-in name or a path) with simulated participants."""
     from tactometry.experiments.sessions.simulation import Simulation, simulate
     from tactometry.experiments.study.study_file import load
-
-    from ..errors import InvalidParameter, counted
 
     if n_jobs == 0 or n_jobs < -1 or (scheduler and n_jobs != 1):
         raise InvalidParameter(
@@ -52,4 +40,4 @@ def command(
     result = {"data_set": str(out), "participants": n_participants, "trials": n_trials, "seed": seed}
     aborted = f", {counted(n_aborted, 'procedure')} aborted" if n_aborted else ""
     text = f"{out}: {counted(n_participants, 'simulated participant')}, {counted(n_trials, 'trial')}{aborted}"
-    say(text, {**result, "aborted": n_aborted}, as_json=as_json)
+    say(text, {**result, "aborted": n_aborted})

@@ -4,29 +4,28 @@ from pathlib import Path
 
 import click
 
-from .output import json_option, say
+from ..errors import DeviceFailed, InvalidFile
+from .output import json_option, path_option, say
 
 
 @click.command(epilog="Example: tactometry studies")
 @json_option
-def studies(*, as_json: bool) -> None:
+def studies() -> None:
     """The built-in studies, a line each."""
     from tactometry.experiments.study.study_file import builtin, load
 
     titles = {name: load(name)[0].title for name in builtin()}
     width = max(map(len, titles))
-    say("\n".join(f"{name:<{width}}  {title}" for name, title in titles.items()), titles, as_json=as_json)
+    say("\n".join(f"{name:<{width}}  {title}" for name, title in titles.items()), titles)
 
 
 @click.command(epilog="Example: tactometry new tutorial --out mine.toml")
 @click.argument("study")
-@click.option("--out", type=click.Path(path_type=Path), help="The file to write; default STUDY.toml.")
+@path_option("--out", help="The file to write; default STUDY.toml.")
 @json_option
-def new(study: str, out: Path | None, *, as_json: bool) -> None:
+def new(study: str, out: Path | None) -> None:
     """Copy the built-in STUDY to a file of your own to edit."""
     from tactometry.experiments.study.study_file import load, locate
-
-    from ..errors import DeviceFailed, InvalidFile
 
     _, content = load(study)
     path = out or Path(locate(study).name)
@@ -39,8 +38,4 @@ def new(study: str, out: Path | None, *, as_json: bool) -> None:
         raise InvalidFile(f"{path}: found no folder {path.parent}, expected one to write to; make it first") from None
     except OSError as error:
         raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a folder that can be written") from None
-    say(
-        f"wrote {path}; run it with: tactometry run {path} --participant P01",
-        {"file": str(path)},
-        as_json=as_json,
-    )
+    say(f"wrote {path}; run it with: tactometry run {path} --participant P01", {"file": str(path)})

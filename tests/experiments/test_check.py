@@ -20,7 +20,7 @@ from emulated import Emulator, available
 from patience import LONGEST_PROGRAM_S, LONGEST_WAIT_S
 
 from tactometry.cli.check import _table
-from tactometry.cli.hands_off import hands_are_off
+from tactometry.cli.output import hands_are_off
 from tactometry.experiments.bench.bench_file import load_bench, parse_bench
 from tactometry.experiments.bench.finding import Finding, exit_status
 from tactometry.experiments.bench.preflight_devices import devices, tone_of

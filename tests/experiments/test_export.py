@@ -18,7 +18,7 @@ from hard_cases import exact_case
 from tactometry.analysis.attrakdiff.scoring import scores
 from tactometry.analysis.reading.column_map import read_column_map
 from tactometry.analysis.reading.trials import read_trials, used_rows
-from tactometry.cli.export import command
+from tactometry.cli.data_sets import export as command
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.data_sets.export import export
 from tactometry.experiments.sessions.simulation import Simulation, simulate

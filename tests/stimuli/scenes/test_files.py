@@ -5,11 +5,13 @@ import math
 import tomllib
 from dataclasses import replace
 
+import click
 import pytest
+from click.testing import CliRunner
 from places import DOCS
 
 from tactometry.cli import main
-from tactometry.cli.output import say
+from tactometry.cli.output import json_option, say
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.scenes import names, path_of
 from tactometry.stimuli.scenes.effects import EFFECTS
@@ -300,6 +302,11 @@ def test_a_built_in_file_says_what_is_unverified(name):
     assert tomllib.loads(text)["title"]
 
 
-def test_json_has_null_for_a_level_that_is_not_finite(capsys):
-    say("", {"silent_db": -math.inf, "courses": [(1.0, math.nan)], "n": 3}, as_json=True)
-    assert json.loads(capsys.readouterr().out) == {"silent_db": None, "courses": [[1.0, None]], "n": 3}
+def test_json_has_null_for_a_level_that_is_not_finite():
+    @click.command()
+    @json_option
+    def command():
+        say("", {"silent_db": -math.inf, "courses": [(1.0, math.nan)], "n": 3})
+
+    printed = CliRunner().invoke(command, ["--json"]).output
+    assert json.loads(printed) == {"silent_db": None, "courses": [[1.0, None]], "n": 3}

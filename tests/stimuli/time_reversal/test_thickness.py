@@ -62,7 +62,7 @@ def test_the_command_lists_every_thickness():
     assert record["thickness_m"] == 0.9e-3
     assert [each["thickness_m"] for each in record["thicknesses"]] == sorted(SHEETS_M)
     only = ["--patch-m", "5e-3", "--contrast", "28", "--thickness-m", "1.1e-3"]
-    assert CliRunner().invoke(command, only).exit_code == 1
+    assert CliRunner().invoke(command, only, standalone_mode=False).return_value == 1
 
 
 def test_the_figure_marks_the_recommended_sheet():
