@@ -7,7 +7,6 @@ from tactometry.arguments.require import not_negative, positive
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
-from ..focusing.quantiser import transitions_per_s
 from ..screen.screen import Screen
 from .field import modal_amplitudes
 
@@ -24,13 +23,6 @@ def deformation_energy_j(screen: Screen, signal: Signal, sample: int, f_max_hz: 
     q = modal_amplitudes(screen, signal, sample, f_max_hz)
     omega = screen.oscillators(f_max_hz).omega_rad_per_s
     return 0.5 * screen.plate.mass_kg * float(np.sum((omega * q) ** 2))
-
-
-@checked
-def kinetic_energy_j(screen: Screen, signal: Signal, sample: int, f_max_hz: float) -> float:
-    """Kinetic energy of the plate at a sample of a drive: half the sum of M q_n'^2."""
-    v = modal_amplitudes(screen, signal, sample, f_max_hz, "velocity")
-    return 0.5 * screen.plate.mass_kg * float(v @ v)
 
 
 @checked
@@ -58,20 +50,3 @@ def switched_power_w(signal: Signal, channel_capacitance_f: float) -> float:
         raise InvalidParameter("signal: found fewer than two samples, expected a drive")
     lost_j = 0.5 * channel_capacitance_f * np.sum(np.diff(signal.samples, axis=1) ** 2)
     return float(lost_j * signal.rate_hz / (signal.samples.shape[1] - 1))
-
-
-@checked
-def bridge_power_w(signal: Signal, channel_capacitance_f: float) -> float:
-    """Q C 2 V^2 r_t from the counted transitions of a +-V drive; equals `switched_power_w` for one-bit
-    signals.
-    """
-    not_negative("bridge_power_w", channel_capacitance_f=channel_capacitance_f)
-    rate = float(np.sum(transitions_per_s(signal.samples, signal.rate_hz)))
-    return channel_capacitance_f * 2 * signal.peak**2 * rate
-
-
-@checked
-def average_power_w(power_w: float, duration_s: float, repetition_hz: float) -> float:
-    """Mean over a train of foci: the power during a drive times its duty (at most 1)."""
-    not_negative("average_power_w", power_w=power_w, duration_s=duration_s, repetition_hz=repetition_hz)
-    return power_w * min(duration_s * repetition_hz, 1.0)

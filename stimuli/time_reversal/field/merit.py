@@ -19,9 +19,6 @@ Grid = tuple[Vector, Vector]
 HALF: float = 0.5
 """-6 dB of amplitude."""
 
-MINUS_3_DB: float = math.sqrt(0.5)
-"""Half of the power."""
-
 
 @checked
 def contrast_whole_of(amplitude_m: float, field_m: FloatArray) -> float:
@@ -57,7 +54,7 @@ def contrast_temporal_of(signal_m: Vector, focus_sample: int, rate_hz: float, st
 def width_m(at_m: Vector, profile: Vector, level: float = HALF) -> float:
     """Full width of a focus along a line, between the crossings of `level` nearest to the peak.
 
-    `HALF` gives the width at -6 dB, `MINUS_3_DB` at -3 dB; crossings are found by linear interpolation.
+    `HALF` gives the width at -6 dB, 0.7071 at -3 dB; crossings are found by linear interpolation.
 
     >>> x = np.linspace(-1.0, 1.0, 201)
     >>> round(width_m(x, 1 - np.abs(x)), 12)
@@ -117,22 +114,6 @@ def uniformity(amplitudes_m: Vector) -> float:
     if amplitudes.size < 2 or not amplitudes.any():
         raise InvalidParameter(f"amplitudes_m: found {amplitudes.size} values, expected two or more, not all zero")
     return 1 - float(np.std(amplitudes, ddof=1) / np.mean(amplitudes))
-
-
-@checked
-def deformation_energy_estimate_j(
-    area_density_kg_per_m2: float, frequency_hz: float, amplitude_m: float, resolution_m: float
-) -> float:
-    """Order of magnitude of the energy in a focus: rho_s w^2 A^2 / 2 over a disc as wide as the resolution.
-
-    >>> round(deformation_energy_estimate_j(2.453, 12.5e3, 10e-6, 14.7e-3) * 1e3, 2)
-    0.13
-    """
-    owner = "deformation_energy_estimate_j"
-    positive(owner, area_density_kg_per_m2=area_density_kg_per_m2, resolution_m=resolution_m)
-    not_negative(owner, frequency_hz=frequency_hz, amplitude_m=amplitude_m)
-    disc_m2 = math.pi * resolution_m**2 / 4
-    return 0.5 * area_density_kg_per_m2 * (2 * math.pi * frequency_hz * amplitude_m) ** 2 * disc_m2
 
 
 def _ratio(amplitude: float, field: FloatArray) -> float:

@@ -6,7 +6,6 @@ c^T C^-1 c of the power. Within a grid finer than half a wavelength that share i
 point it is 0.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Final
@@ -80,10 +79,3 @@ def expected_amplitude_ratio(
     """
     _, share = estimator(points, at, plate, np.linspace(max(band.f_min_hz, 1.0), band.f_max_hz, 200), noise_share)
     return float(share.mean())
-
-
-@checked
-def one_bit_amplitude_ratio_expected(share: float) -> float:
-    """sqrt(share): a sign learnt from a waveform of correlation r finds the share r of the amplitude."""
-    within("one_bit_amplitude_ratio_expected", 0.0, 1.0, share=share)
-    return math.sqrt(share)

@@ -117,11 +117,3 @@ def normalised(waveform: Matrix, *, per_channel: bool = False) -> FloatArray:
     """The waveform with a peak of 1; zeros stay zeros."""
     peak = np.abs(waveform).max(axis=-1 if per_channel else None, keepdims=True, initial=0.0)
     return np.asarray(waveform / np.where(peak > 0, peak, 1.0))
-
-
-@checked
-def transitions_per_s(values: Matrix, rate_hz: float) -> FloatArray:
-    """(n_channels,): how often each channel changes its sign in a second."""
-    positive("transitions_per_s", rate_hz=rate_hz)
-    changes = np.count_nonzero(np.diff(np.signbit(values).astype(np.int8), axis=-1), axis=-1)
-    return np.asarray(changes * rate_hz / max(values.shape[-1] - 1, 1), float)

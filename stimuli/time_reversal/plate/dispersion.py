@@ -47,16 +47,6 @@ def group_velocity_m_per_s(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
 
 
 @checked
-def mindlin_phase_velocity_m_per_s(
-    plate: Plate, frequency_hz: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
-) -> FloatArray:
-    """omega / k of the flexural branch; frequencies above 0."""
-    positive_array("mindlin_phase_velocity_m_per_s.frequency_hz", frequency_hz)
-    omega = 2 * np.pi * np.asarray(frequency_hz, float)
-    return np.asarray(omega / mindlin_wavenumber_rad_per_m(plate, frequency_hz, shear_factor))
-
-
-@checked
 def mindlin_group_velocity_m_per_s(
     plate: Plate, frequency_hz: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
 ) -> FloatArray:

@@ -75,12 +75,6 @@ def read(paths: Sequence[Path], *, full_scale: float = 1.0, quantity: str = "dis
 
 
 @checked
-def write_npz(responses: Responses, path: Path) -> None:
-    """Keep responses in a file that `read` reads."""
-    np.savez(path, samples=responses.samples, rate_hz=responses.rate_hz, quantity=responses.quantity)
-
-
-@checked
 def trimmed(responses: Responses, start_s: float, duration_s: float) -> Responses:
     """A piece of the responses."""
     first, n = round(start_s * responses.rate_hz), round(duration_s * responses.rate_hz)

@@ -54,17 +54,3 @@ class Attenuation:
         not_negative_array("Attenuation.rate_per_s.frequency_hz", frequency_hz)
         relative = np.asarray(frequency_hz, float) / self.reference_hz
         return np.asarray(relative**self.exponent / self.tau_s)
-
-
-@checked
-def tau_from_damping_ratio_s(damping_ratio: float, frequency_hz: float) -> float:
-    """tau = 1 / (zeta omega)."""
-    positive("tau_from_damping_ratio_s", damping_ratio=damping_ratio, frequency_hz=frequency_hz)
-    return 1 / (damping_ratio * 2 * math.pi * frequency_hz)
-
-
-@checked
-def tau_from_loss_factor_s(loss_factor: float, frequency_hz: float) -> float:
-    """tau = 2 / (eta omega)."""
-    positive("tau_from_loss_factor_s", loss_factor=loss_factor, frequency_hz=frequency_hz)
-    return 2 / (loss_factor * 2 * math.pi * frequency_hz)

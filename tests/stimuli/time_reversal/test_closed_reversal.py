@@ -1,7 +1,5 @@
 """Perfect reversal in closed form: the integrals, degenerate and lossless modes, and the sum over samples beside it."""
 
-import math
-
 import numpy as np
 import pytest
 from hard_cases import hard_case
@@ -17,8 +15,6 @@ from tactometry.stimuli.time_reversal.plate.modes import values
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import (
     Attenuation,
-    tau_from_damping_ratio_s,
-    tau_from_loss_factor_s,
 )
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 from tactometry.stimuli.time_reversal.screen.transducer import PointForce
@@ -68,11 +64,6 @@ def test_rigid_and_overdamped_plates_are_refused():
         ClosedReversal.of(free, Attenuation(3e-3), 2e3, T_S)
     with pytest.raises(InvalidParameter, match="attenuation: found modes that do not oscillate"):
         ClosedReversal.of(A4_SCREEN, Attenuation(1e-6), 2e3, T_S)
-
-
-def test_attenuation_from_damping_ratio_and_loss_factor():
-    assert tau_from_damping_ratio_s(0.01, 1e3) == pytest.approx(1 / (0.01 * 2 * math.pi * 1e3))
-    assert tau_from_loss_factor_s(0.02, 1e3) == pytest.approx(tau_from_damping_ratio_s(0.01, 1e3))
 
 
 @pytest.mark.parametrize(

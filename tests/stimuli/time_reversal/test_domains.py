@@ -24,8 +24,6 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
     resolution_m,
 )
 from tactometry.stimuli.time_reversal.field.energy import (
-    average_power_w,
-    bridge_power_w,
     capacitance_f,
     switched_power_w,
 )
@@ -34,7 +32,6 @@ from tactometry.stimuli.time_reversal.field.merit import (
     contrast_far_of,
     contrast_temporal_of,
     contrast_whole_of,
-    deformation_energy_estimate_j,
     temporal_width_s,
     uniformity,
     width_m,
@@ -225,12 +222,9 @@ OUTSIDE = {
     "area of zeros": (lambda: area_m2(np.zeros((5, 5)), (LINE, LINE)), "field_m"),
     "area of another grid": (lambda: area_m2(FIELD, (LINE[:3], LINE)), "field_m"),
     "uniformity nan": (lambda: uniformity(NANS), "amplitudes_m"),
-    "energy nan": (lambda: deformation_energy_estimate_j(1.0, math.nan, 1.0, 1.0), "frequency_hz"),
     "capacitance nan": (lambda: capacitance_f(math.nan, 1e-3), "area_m2"),
     "capacitance of no thickness": (lambda: capacitance_f(1e-4, 0.0), "thickness_m"),
     "power nan": (lambda: switched_power_w(Signal(BUMP[None], 1e3, "V"), math.nan), "channel_capacitance_f"),
-    "bridge nan": (lambda: bridge_power_w(Signal(BUMP[None], 1e3, "V"), math.nan), "channel_capacitance_f"),
-    "mean power nan": (lambda: average_power_w(math.nan, 1.0, 1.0), "power_w"),
     "deflection nan": (lambda: deflection_m(A4_SCREEN, math.nan, (0.1, 0.1), 0.1, 0.1), "force_n"),
     "deflection off the plate": (lambda: deflection_m(A4_SCREEN, 1.0, (0.1, 0.1), 0.1, 9.0), "x_m, y_m"),
     "deflection at nan": (lambda: deflection_m(A4_SCREEN, 1.0, (0.1, 0.1), math.nan, 0.1), "x_m: found nan"),

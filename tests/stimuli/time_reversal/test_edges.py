@@ -40,7 +40,6 @@ from tactometry.stimuli.time_reversal.plate.dispersion import (
     group_velocity_m_per_s,
     mindlin_angular_frequency_rad_per_s,
     mindlin_group_velocity_m_per_s,
-    mindlin_phase_velocity_m_per_s,
     mindlin_wavenumber_rad_per_m,
 )
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
@@ -173,8 +172,9 @@ def test_energy_in_a_thick_plate_travels_at_the_slope_of_its_dispersion(thicknes
 
 def test_waves_in_thick_glass_tend_to_thin_glass_and_to_shear():
     shear = math.sqrt(5 / 6 * 64e9 / 2.4 / 2230)
-    fast = (mindlin_group_velocity_m_per_s, mindlin_phase_velocity_m_per_s)
-    assert [float(v(A4_SCREEN, 1e9)) for v in fast] == pytest.approx([shear, shear], rel=1e-5)
+    phase = 2 * math.pi * 1e9 / mindlin_wavenumber_rad_per_m(A4_SCREEN, 1e9)
+    group = mindlin_group_velocity_m_per_s(A4_SCREEN, 1e9)
+    assert [float(phase), float(group)] == pytest.approx([shear, shear], rel=1e-5)
     assert mindlin_group_velocity_m_per_s(A4_SCREEN, 1.0) == pytest.approx(
         group_velocity_m_per_s(A4_SCREEN, 1.0), rel=1e-5
     )

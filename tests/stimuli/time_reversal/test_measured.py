@@ -15,7 +15,6 @@ from tactometry.stimuli.time_reversal.focusing.interpolation import (
     estimator,
     expected_amplitude_ratio,
     interpolated,
-    one_bit_amplitude_ratio_expected,
 )
 from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, normalised
@@ -23,6 +22,7 @@ from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.decay import mean_estimate, schroeder_db, tau_estimate, tau_s
 from tactometry.stimuli.time_reversal.responses.filtering import band_limited
+from tactometry.stimuli.time_reversal.responses.learning import write_learnt
 from tactometry.stimuli.time_reversal.responses.material_constants import (
     alpha_from_resolutions,
     rigidity_ratio_from_dispersion,
@@ -35,7 +35,6 @@ from tactometry.stimuli.time_reversal.responses.measured import (
     read,
     reciprocity_error,
     trimmed,
-    write_npz,
 )
 from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
@@ -82,7 +81,7 @@ def write_csv(h: Responses, folder) -> list:
 
 
 def write_numpy(h: Responses, folder) -> list:
-    write_npz(h, folder / "h.npz")
+    write_learnt(h, folder / "h.npz", {})
     return [folder / "h.npz"]
 
 
@@ -142,8 +141,8 @@ def test_absent_file_and_mismatched_files(recorded, tmp_path):
             InvalidFile, match=rf"none\.{suffix}: cannot be read \(No such file or directory\), expected"
         ):
             read([tmp_path / f"none.{suffix}"])
-    write_npz(recorded, tmp_path / "a.npz")
-    write_npz(trimmed(recorded, 0.0, 5e-3), tmp_path / "b.npz")
+    write_learnt(recorded, tmp_path / "a.npz", {})
+    write_learnt(trimmed(recorded, 0.0, 5e-3), tmp_path / "b.npz", {})
     with pytest.raises(InvalidFile, match="expected the same as in"):
         read([tmp_path / "a.npz", tmp_path / "b.npz"])
 
@@ -330,7 +329,7 @@ def test_interpolated_focus_costs_what_is_predicted(step_m):
     truth = band_limited(impulse_responses(SCREEN, [at], **sampling), band)
     guess = interpolated(calibrated, points, at, A4_SCREEN)
     ratio = focus_amplitude(drive(guess, 1.0), truth) / focus_amplitude(drive(truth, 1.0), truth)
-    predicted = one_bit_amplitude_ratio_expected(expected_amplitude_ratio(points, at, A4_SCREEN, band))
+    predicted = math.sqrt(expected_amplitude_ratio(points, at, A4_SCREEN, band))
     assert ratio == pytest.approx(predicted, abs=0.08)
 
 
@@ -340,7 +339,7 @@ def test_the_sign_of_a_correlated_waveform_finds_the_root_of_its_share_of_power(
     x, other = rng.normal(size=(2, 400_000))
     y = 0.5 * x + math.sqrt(0.75) * other
     found = np.mean(x * np.sign(y)) / np.mean(np.abs(x))
-    assert found == pytest.approx(one_bit_amplitude_ratio_expected(0.25), abs=4 * math.sqrt(2 / 400_000))
+    assert found == pytest.approx(math.sqrt(0.25), abs=4 * math.sqrt(2 / 400_000))
 
 
 def test_interpolation_puts_nothing_at_the_end_of_a_response_that_has_ended():
