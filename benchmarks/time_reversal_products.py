@@ -14,8 +14,7 @@ from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.closed_reversal import ClosedReversal
 from tactometry.stimuli.time_reversal.plate.glass import GLASSES
 from tactometry.stimuli.time_reversal.plate.modes import modes_of, values
-from tactometry.stimuli.time_reversal.responses.filtering import band_limited
-from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
 from tactometry.stimuli.time_reversal.screen.transducer import PointForce, border

@@ -16,7 +16,6 @@ def force_figure(fit: ForceFit, path: Path) -> None:
     counts = np.linspace(fit.counts.min(), fit.counts.max(), 200)
     above.plot(counts, np.polynomial.polynomial.polyval(counts, fit.polynomial), color=BLUE, label="fit")
     above.plot(fit.counts, fit.forces_n, "o", color=ORANGE, label="weights")
-    above.legend(frameon=False)
     label(above, "sensor (counts)", "force (N)", f"polynomial of degree {len(fit.polynomial) - 1}")
     below.axhline(0, color=BLUE)
     below.plot(fit.counts, 1e3 * fit.residuals_n, "o", color=ORANGE)

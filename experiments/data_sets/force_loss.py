@@ -7,8 +7,7 @@ from typing import Any, Final
 from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.analysis.tasks.measurement import TASK, loss_table, losses
 from tactometry.errors import InvalidFile
-from tactometry.stimuli.time_reversal.finger.contactor import FINGER_DIAMETER_M
-from tactometry.stimuli.time_reversal.finger.force_loss import LossRow
+from tactometry.stimuli.time_reversal.finger import FINGER_DIAMETER_M, LossRow
 
 from ..study.study_file import load
 

@@ -4,7 +4,7 @@ from functools import partial
 
 import numpy as np
 
-from tactometry.stimuli.time_reversal import Finger, PlateLoad, PointForce, Screen, loaded_responses
+from tactometry.stimuli.time_reversal import Fingertip, PlateLoad, PointForce, Screen, loaded_responses
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.responses.responses import values_at
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
@@ -20,7 +20,7 @@ SCREEN = Screen(A4_SCREEN, (PointForce(0.03, 0.02), PointForce(0.25, 0.19)), Att
 
 def problem() -> Problem:
     """A finger of 2 N, 20 mm beside the place that is heard, at 8 000 times a second."""
-    load = Finger(*AT_M, force_n=2.0, mass_kg=1e-4, stiffness_n_per_m=1e3).load()
+    load = Fingertip(mass_kg=1e-4, stiffness_n_per_m=1e3).load(AT_M, 2.0)
     return Problem(
         "finger-load",
         "largest error of the responses under a finger of 2 N over the largest, modes below 4 kHz, 4 ms",

@@ -12,7 +12,7 @@ from tactometry.stimuli.scenes.file import SceneFile, load_scene
 from tactometry.stimuli.time_reversal import (
     Attenuation,
     Band,
-    Finger,
+    Fingertip,
     OneBit,
     PlateLoad,
     Screen,
@@ -43,12 +43,12 @@ def thin_screen() -> Problem:
 
 def a4_screen() -> Problem:
     """The prototype under a finger of 2 N at the focus."""
-    return _problem("a4-screen", (Finger(0.121, 0.093, 2.0).load(),), 5e-4)
+    return _problem("a4-screen", (Fingertip().load((0.121, 0.093), 2.0),), 5e-4)
 
 
 def hybrid_screen() -> Problem:
     """A resting finger at the focus, a sliding one elsewhere."""
-    return _problem("hybrid-screen", (Finger(0.121, 0.093, 2.0).load(), Finger(0.22, 0.15, 1.5).load()), 5e-4)
+    return _problem("hybrid-screen", (Fingertip().load((0.121, 0.093), 2.0), Fingertip().load((0.22, 0.15), 1.5)), 5e-4)
 
 
 def _problem(name: str, loads: Sequence[PlateLoad], uncertainty: float) -> Problem:

@@ -51,8 +51,7 @@ def command(
     from tactometry.stimuli.time_reversal.design.guide import OFF, Target, Transducers
     from tactometry.stimuli.time_reversal.design.thickness import SHEETS_M, recommended, sheets
     from tactometry.stimuli.time_reversal.filters import Band
-    from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
-    from tactometry.stimuli.time_reversal.plate.plate_file import read_plate
+    from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, read_plate
 
     plate = A4_SCREEN if plate_file is None else read_plate(plate_file)
     among = sheets(
@@ -72,8 +71,8 @@ def command(
 
 
 def _write_figures(best: "Sheet", among: "Sequence[Sheet]", figure: Path) -> None:
-    from tactometry.stimuli.time_reversal.figures.design import over_thickness, trade_offs
     from tactometry.stimuli.time_reversal.figures.style import save
+    from tactometry.stimuli.time_reversal.figures.theory import over_thickness, trade_offs
 
     with writing(figure):
         save(trade_offs(best.guide), figure)

@@ -39,10 +39,9 @@ from tactometry.experiments.bench.learning import Learning, Microphone, join, le
 from tactometry.experiments.bench.tone import tone
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
-from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.learning import as_displacement, read_provenance, sequence, sweep
 from tactometry.stimuli.time_reversal.responses.measured import read
-from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 TODAY = date(2026, 11, 21)

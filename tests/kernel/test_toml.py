@@ -17,7 +17,7 @@ from tactometry.experiments.bench.bench_file import load_bench
 from tactometry.experiments.study.study_file import parse
 from tactometry.questionnaire import parse as parse_questionnaire
 from tactometry.stimuli.scenes.file import load_scene
-from tactometry.stimuli.time_reversal.plate.plate_file import read_plate
+from tactometry.stimuli.time_reversal.plate.glass import read_plate
 
 READERS: dict[str, Callable[[Path], object]] = {
     "a bench file": load_bench,

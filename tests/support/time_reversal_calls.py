@@ -43,7 +43,7 @@ from tactometry.stimuli.time_reversal import (
     Attenuation,
     Contactor,
     DiscPatch,
-    Finger,
+    Fingertip,
     Glass,
     OneBit,
     Patch,
@@ -81,6 +81,10 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "bonded_loads": {"plate": PLATE, "patches": SCREEN.sources, "mass": True, "stiffness": True, "n_parts": 1},
         },
         "design.closed_forms": {
+            **{
+            name: {"plate": PLATE, "side_m": 1e-2, "band": BAND}
+            for name in ("passed", "passed_hz", "effective_hz", "weighted_width_m")
+        },
             "one_bit_amplitude_ratio": {"reversal_s": [6e-3], "tau_s": 3e-3},
             "analogue_amplitude_ratio": {"reversal_s": [6e-3], "tau_s": 3e-3},
             "contrast_whole": {"room": ROOM},
@@ -99,7 +103,23 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "ClosedReversal.modal_amplitudes": {"self": CLOSED, "sources": WEIGHTS, "focus": WEIGHTS[:, 0]},
             "overlap": {"oscillators": SCREEN.oscillators(1e3), "reversal_s": 5e-3},
         },
-        "finger.contactor": {
+        "finger": {
+            "force_loss": {
+                "screen": SCREEN, "focus": (0.1, 0.1), "places": {"F": (0.1, 0.1)},
+                "contactors": [Contactor("finger")], "forces_n": [2.0], "emission": EMISSION,
+            },
+            "Fingertip.load": {"self": Fingertip(), "at_m": (0.1, 0.1), "force_n": 2.0},
+            "amplitude_loss": {
+                "screen": SCREEN, "focus": (0.1, 0.1), "loads": [PlateLoad(0.2, 0.1, 9.0)], "emission": EMISSION,
+                "relearn": False,
+            },
+            "amplitude_ratio_at_focus": {"plate": PLATE, "impedance_n_s_per_m": 10.0},
+            "absorbing_tau_s": {"plate": PLATE, "impedance_n_s_per_m": 10.0},
+            "amplitude_ratio_elsewhere": {
+                "plate": PLATE, "impedance_n_s_per_m": 10.0, "tau_s": 3e-3, "reversal_s": 6e-3,
+            },
+            "contact_is_lost": {"amplitude_m": 1e-5, "frequency_hz": 1e4, "force_n": 2.0, "pulp_mass_kg": 1e-4},
+            "ejection_force_n": {"amplitude_m": 1e-5, "frequency_hz": 1e4, "pulp_mass_kg": 1e-4},
             "Contactor.loads": {"self": Contactor("rigid"), "plate": PLATE, "at_m": (0.1, 0.1), "force_n": 2.0},
             "hertz_stiffness_n_per_m": {"force_n": 1.0, "radius_m": 1e-3, "modulus_pa": 1e9},
         },
@@ -116,7 +136,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 "plate": PLATE, "transducers": Transducers(8), "band": DESIGN.band, "tau_s": 3e-3,
                 "target": Target(1e-2, 5.0, 1e-6, 200.0),
             },
-            "amplitude_over_reversal": {"design": DESIGN, "reversal_s": np.array([1e-3])},
+            "amplitudes_m": {"design": DESIGN, "reversal_s": np.array([1e-3])},
             "contrast_over": {"design": DESIGN, "n_channels": np.array([8.0]), "reversal_s": np.array([1e-3])},
             "n_held": {"plate": PLATE, "side_m": 1e-2},
             "thickness_for_m": {"plate": PLATE, "band": BAND, "wanted_resolution_m": 1e-2},
@@ -134,12 +154,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "mindlin_group_velocity_m_per_s": {**on_plate, "shear_factor": 0.8},
             "shear_stiffness_n_per_m": {"plate": PLATE, "shear_factor": 0.8},
         },
-        "screen.temperature": {"warmed": {"screen": SCREEN, "kelvin": 5.0, "shift_per_k": -5e-5}},
-        "field.energy": {
-            "deformation_energy_j": {**driven, "sample": 7},
-            "capacitance_f": {"area_m2": 1e-4, "thickness_m": 3e-4, "relative_permittivity": 1800.0},
-            "switched_power_w": {"signal": SIGNAL, "channel_capacitance_f": 1e-9},
-        },
         "responses.material_constants": {
             "rigidity_ratio_from_dispersion": {"frequency_hz": [1e3, 2e3], "wavenumber_rad_per_m": [60.0, 85.0]},
             "rigidity_ratio_from_modes": {"measured_hz": [93.0, 186.0], "guess": PLATE},
@@ -153,31 +167,16 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "movie": {**driven, "samples": [3, 7], "at_m": GRID},
             "modal_history": {**driven, "samples": [3, 7]},
         },
-        "focusing.emission": {
-            "Emission.responses": {"self": EMISSION, "screen": SCREEN, "points": POINTS, "loads": [Finger(0.1, 0.1)]},
-        },
-        "finger.finger": {
-            "Finger.load": {"self": Finger(0.1, 0.1)},
-            "Finger.weights": {"self": Finger(0.1, 0.1), "screen": SCREEN, **LOW},
-            "Finger.dynamic_stiffness": {"self": Finger(0.1, 0.1), "s": S},
-            "amplitude_loss": {
-                "screen": SCREEN, "focus": (0.1, 0.1), "loads": [PlateLoad(0.2, 0.1, 9.0)], "emission": EMISSION,
-                "relearn": False,
-            },
-            "amplitude_ratio_at_focus": {"plate": PLATE, "impedance_n_s_per_m": 10.0},
-            "absorbing_tau_s": {"plate": PLATE, "impedance_n_s_per_m": 10.0},
-            "amplitude_ratio_elsewhere": {
-                "plate": PLATE, "impedance_n_s_per_m": 10.0, "tau_s": 3e-3, "reversal_s": 6e-3,
-            },
-            "contact_is_lost": {"amplitude_m": 1e-5, "frequency_hz": 1e4, "force_n": 2.0, "pulp_mass_kg": 1e-4},
-            "ejection_force_n": {"amplitude_m": 1e-5, "frequency_hz": 1e4, "pulp_mass_kg": 1e-4},
-        },
         "stimulus.focus_train": {
             "FocusTrain.at": {"self": TRAIN, "level": -60.0},
             "FocusTrain.voltage_v": {"self": TRAIN, "level": -60.0},
             "measured": {"train": TRAIN, "heard": SETUP.responses_at(0.1, 0.1)},
         },
         "focusing.focusing": {
+            "Emission.responses": {
+                "self": EMISSION, "screen": SCREEN, "points": POINTS, "loads": [PlateLoad(0.1, 0.1, 9.0)],
+            },
+            "Emission.drive": {"self": EMISSION, "foci": RESPONSES},
             "reversed_waveform": {
                 "foci": RESPONSES, "reversal_s": 0.2, "weights": [1.0, -1.0], "window": np.ones(400),
             },
@@ -189,13 +188,8 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "focus_amplitudes": {"signal": SIGNAL, **heard},
             "focus_amplitude": {"signal": SIGNAL, **heard, "point": 1},
         },
-        "finger.force_loss": {
-            "force_loss": {
-                "screen": SCREEN, "focus": (0.1, 0.1), "places": {"F": (0.1, 0.1)},
-                "contactors": [Contactor("finger")], "forces_n": [2.0], "emission": EMISSION,
-            }
-        },
         "plate.glass": {
+            "read_plate": {"path": toml},
             "Glass.plate": {
                 "self": Glass("x", 64e9, 0.2, 2230.0, "here"), "length_m": 0.2, "width_m": 0.1, "thickness_m": 1e-3,
                 "boundary": "SSSS",
@@ -249,10 +243,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "loaded_responses": {"screen": SCREEN, "points": POINTS, "loads": [PlateLoad(0.1, 0.1, 9.0)], **SAMPLING},
             "contour": {"n_samples": 9, "rate_hz": 2e3},
         },
-        "design.low_pass": {
-            name: {"plate": PLATE, "side_m": 1e-2, "band": BAND}
-            for name in ("passed", "passed_hz", "effective_hz", "weighted_width_m")
-        },
         "responses.measured": {
             "read": {"paths": [npz], "full_scale": 1.0, "quantity": "velocity"},
             "trimmed": {**heard, "start_s": 0.01, "duration_s": 0.1},
@@ -261,6 +251,13 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "reciprocity_error": {"there": LINE, "back": BUMP},
         },
         "field.merit": {
+            "contributions_m": {**heard, "voltage_v": 30.0},
+            "amplitude_over_count_m": {"contributions": FIELD, "rng": np.random.default_rng(0), "n_draws": 2},
+            "amplitude_by_subset_m": {"contributions": FIELD, "subsets": {"all": [0, 1]}},
+            "resolution_per_focus_m": {"screen": SCREEN, "foci": [(0.14, 0.1)], "emission": EMISSION, "level": 0.5},
+            "deformation_energy_j": {**driven, "sample": 7},
+            "capacitance_f": {"area_m2": 1e-4, "thickness_m": 3e-4, "relative_permittivity": 1800.0},
+            "switched_power_w": {"signal": SIGNAL, "channel_capacitance_f": 1e-9},
             "contrast_whole_of": {"amplitude_m": 4.0, "field_m": FIELD},
             "contrast_far_of": {
                 "amplitude_m": 4.0, "field_m": FIELD, "grid_m": (LINE, LINE), "focus_m": (2.0, 2.0), "radius_m": 1.0,
@@ -310,7 +307,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "ritz_frequencies_hz": {"plate": PLATE, **LOW},
             "degrees": {"plate": PLATE, **LOW},
         },
-        "plate.plate_file": {"read_plate": {"path": toml}},
         "focusing.quantiser": {
             **{
                 f"{type(rule).__name__}.quantise": {"self": rule, "waveform": FIELD, "rate_hz": 2e3}
@@ -323,6 +319,9 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "displacement_at_focus_m": {"setup": SETUP, "signal": AT_SETUP, "loads": [PlateLoad(0.1, 0.1, 9.0)]},
         },
         "responses.responses": {
+            "through": {**heard, "gain": Hold(2e3)},
+            "band_limited": {**heard, "band": BAND},
+            "inaudible": {**heard, "cutoff_hz": 100.0, "flank_hz": 50.0},
             "Responses.at_point": {"self": RESPONSES, "index": 1},
             "Responses.of_channels": {"self": RESPONSES, "channels": [1]},
             "impulse_responses": {
@@ -333,7 +332,10 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "values_at": {"screen": SCREEN, "points": POINTS, **LOW},
         },
         "screen.screen": {
+            **{
             f"Screen.{name}": {"self": SCREEN, **LOW} for name in ("modes", "oscillators", "modal_forces")
+        },
+            "warmed": {"screen": SCREEN, "kelvin": 5.0, "shift_per_k": -5e-5},
         },
         "stimulus.sensation": {
             **{
@@ -362,11 +364,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 for gain in (BAND, Butterworth(500.0), MeasuredGain((1.0, 2.0), (1.0, 1j)), Hold(1e3))
             },
         },
-        "responses.filtering": {
-            "through": {**heard, "gain": Hold(2e3)},
-            "band_limited": {**heard, "band": BAND},
-            "inaudible": {**heard, "cutoff_hz": 100.0, "flank_hz": 50.0},
-        },
         "plate.statics": {
             "deflection_m": {"plate": PLATE, "force_n": 2.0, "at_m": (0.1, 0.1), "x_m": [0.1], "y_m": [0.1]},
             "bending_stress_pa": {"plate": PLATE, "force_n": 2.0, "contact_m": 0.01},
@@ -393,11 +390,5 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             },
             "modal_forces": {"modes": MODAL, "sources": SCREEN.sources},
             "border": {"plate": PLATE, "n_transducers": 4, "side_m": 0.01, "inset_m": 0.012},
-        },
-        "field.variability": {
-            "contributions_m": {**heard, "voltage_v": 30.0},
-            "amplitude_over_count_m": {"contributions": FIELD, "rng": np.random.default_rng(0), "n_draws": 2},
-            "amplitude_by_subset_m": {"contributions": FIELD, "subsets": {"all": [0, 1]}},
-            "resolution_per_focus_m": {"screen": SCREEN, "foci": [(0.14, 0.1)], "emission": EMISSION, "level": 0.5},
         },
     }  # fmt: skip

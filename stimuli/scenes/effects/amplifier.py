@@ -42,7 +42,7 @@ class Amplifier(Effect):
 def heard_through(cutoff_hz: float, order: int) -> "Callable[[Responses], Responses]":
     """Responses of the amplifier and the plate."""
     from ...time_reversal.filters import Butterworth
-    from ...time_reversal.responses.filtering import through
+    from ...time_reversal.responses.responses import through
 
     gain = Butterworth(cutoff_hz, order)
     return lambda learnt: through(learnt, gain)

@@ -51,6 +51,6 @@ class AudibleFilter(Effect):
 
 def silenced(cutoff_hz: float, flank_hz: float) -> "Callable[[Responses], Responses]":
     """Responses without their audible part."""
-    from ...time_reversal.responses.filtering import inaudible
+    from ...time_reversal.responses.responses import inaudible
 
     return lambda learnt: inaudible(learnt, cutoff_hz, flank_hz)

@@ -72,7 +72,7 @@ def drawn(capacitance_f: float) -> "Callable[[Emission], float]":
     """The mean power during an emission of 1 V."""
     from tactometry.signal import Signal
 
-    from ...time_reversal.field.energy import switched_power_w
+    from ...time_reversal.field.merit import switched_power_w
 
     return lambda emission: switched_power_w(Signal(emission.samples, emission.rate_hz, "V"), capacitance_f)
 

@@ -118,11 +118,11 @@ def borne(
     exponent: float,
 ) -> "Callable[[PlateMotion], PlateMotion]":
     """The motion of the plate under the fingers."""
-    from ...time_reversal.finger.finger import Finger
+    from ...time_reversal.finger import Fingertip
     from ..stages.contact import bearing
 
-    pulp = resistance_n_s_per_m, mass_kg, stiffness_n_per_m, exponent
-    return bearing([Finger(x, y, f, *pulp).load() for x, y, f in zip(x_m, y_m, force_n, strict=True)])
+    finger = Fingertip(resistance_n_s_per_m, mass_kg, stiffness_n_per_m, exponent)
+    return bearing([finger.load((x, y), f) for x, y, f in zip(x_m, y_m, force_n, strict=True)])
 
 
 def displaced(x_m: "Numbers", y_m: "Numbers") -> "Callable[[PlateMotion, int], FloatArray]":

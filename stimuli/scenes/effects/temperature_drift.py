@@ -62,7 +62,7 @@ def learnt_cold(
     kelvin: float, shift_per_k: float, rate_hz: float, reversal_s: float, band_max_hz: float, flank_hz: float
 ) -> "Callable[[Screen, Points], Responses]":
     """Responses of the colder plate."""
-    from ...time_reversal.screen.temperature import warmed
+    from ...time_reversal.screen.screen import warmed
     from ..stages.emission import learning
 
     learn = learning(rate_hz, reversal_s, band_max_hz, flank_hz)

@@ -13,8 +13,7 @@ from ...time_reversal.focusing.focusing import reversed_waveform
 from ...time_reversal.focusing.quantiser import Analogue, Quantiser
 from ...time_reversal.plate.modes import Modes
 from ...time_reversal.plate.plate import Plate
-from ...time_reversal.responses.filtering import band_limited
-from ...time_reversal.responses.responses import Responses, impulse_responses
+from ...time_reversal.responses.responses import Responses, band_limited, impulse_responses
 from ...time_reversal.screen.attenuation import Attenuation
 from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import ForceSource, PointForce, border

@@ -27,12 +27,14 @@ from .closed_forms import (
     Reverberation,
     contrast_limit,
     contrast_whole,
+    effective_hz,
     one_bit_amplitude_ratio,
+    passed_hz,
     repetition_amplitude_ratio,
     repetition_noise_ratio,
     resolution_m,
+    weighted_width_m,
 )
-from .low_pass import effective_hz, passed_hz, weighted_width_m
 
 OFF: Final[Mapping[str, tuple[float, float]]] = {
     "resolution": (-0.15, 0.10),
@@ -229,7 +231,7 @@ def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: float, 
 
 
 @checked
-def amplitude_over_reversal(design: Design, reversal_s: Vector) -> FloatArray:
+def amplitudes_m(design: Design, reversal_s: Vector) -> FloatArray:
     """Amplitude (m) for reversal times."""
     return np.array([replace(design, reversal_s=float(t)).amplitude_m for t in reversal_s])
 

@@ -4,6 +4,7 @@ Amplitude is the displacement at the focus. Contrasts are ratios of that amplitu
 """
 
 import math
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
@@ -11,8 +12,13 @@ from tactometry.arguments.annotations import Matrix, Vector
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import ascending, between, not_negative, positive, whole, within
 from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
 
 from ...arrays import FloatArray
+from ..focusing.focusing import Emission
+from ..responses.responses import Point, Responses
+from ..screen.screen import Screen
+from .field import modal_amplitudes
 
 Grid = tuple[Vector, Vector]
 
@@ -131,3 +137,106 @@ def _crossing(at: FloatArray, relative: FloatArray, level: float) -> float:
     positive("width_m", profile=float(relative[i - 1] - relative[i]))
     share = (relative[i - 1] - level) / (relative[i - 1] - relative[i])
     return float(at[i - 1] + share * (at[i] - at[i - 1]))
+
+
+VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
+
+PZ27_RELATIVE_PERMITTIVITY = 1800.0
+"""eps33T / eps0 of PZ27; unverified default."""
+
+
+@checked
+def deformation_energy_j(screen: Screen, signal: Signal, sample: int, f_max_hz: float) -> float:
+    """Strain energy of the plate at a sample of a drive: half the sum of M w_n^2 q_n^2, exact for its
+    modes.
+    """
+    q = modal_amplitudes(screen, signal, sample, f_max_hz)
+    omega = screen.oscillators(f_max_hz).omega_rad_per_s
+    return 0.5 * screen.plate.mass_kg * float(np.sum((omega * q) ** 2))
+
+
+@checked
+def capacitance_f(
+    area_m2: float, thickness_m: float, relative_permittivity: float = PZ27_RELATIVE_PERMITTIVITY
+) -> float:
+    """C = eps A / t of a piezoelectric plate.
+
+    >>> round(capacitance_f(1e-4, 0.3e-3) * 1e9, 2)
+    5.31
+    """
+    positive("capacitance_f", area_m2=area_m2, thickness_m=thickness_m, relative_permittivity=relative_permittivity)
+    return relative_permittivity * VACUUM_PERMITTIVITY_F_PER_M * area_m2 / thickness_m
+
+
+@checked
+def switched_power_w(signal: Signal, channel_capacitance_f: float) -> float:
+    """Mean electrical power during a switched drive.
+
+    Every change by dV of a capacitance that is charged from a stiff supply dissipates C dV^2 / 2: a +-V
+    bridge loses 2 C V^2 per transition, Q C 2 V^2 r_t in all.
+    """
+    not_negative("switched_power_w", channel_capacitance_f=channel_capacitance_f)
+    if signal.samples.shape[1] < 2:
+        raise InvalidParameter("signal: found fewer than two samples, expected a drive")
+    lost_j = 0.5 * channel_capacitance_f * np.sum(np.diff(signal.samples, axis=1) ** 2)
+    return float(lost_j * signal.rate_hz / (signal.samples.shape[1] - 1))
+
+
+@checked
+def contributions_m(responses: Responses, voltage_v: float) -> FloatArray:
+    """(n_points, n_channels): what each transducer adds to a one-bit focus at each point; its amplitude alone."""
+    return np.asarray(voltage_v * np.abs(responses.samples).sum(axis=2))
+
+
+@checked
+def amplitude_over_count_m(contributions: Matrix, rng: np.random.Generator, n_draws: int = 50) -> FloatArray:
+    """(n_draws, n_points, n_channels): focus amplitude of 1..Q transducers, added in random orders."""
+    whole("amplitude_over_count_m", lowest=1, n_draws=n_draws)
+    orders = (rng.permutation(contributions.shape[1]) for _ in range(n_draws))
+    return np.stack([np.cumsum(contributions[:, order], axis=1) for order in orders])
+
+
+@checked
+def amplitude_by_subset_m(contributions: Matrix, subsets: Mapping[str, Sequence[int]]) -> dict[str, FloatArray]:
+    """Focus amplitudes (n_points,) of named subsets of transducers.
+
+    Raises
+    ------
+    InvalidParameter
+        If a subset is empty or names a channel that is not there.
+    """
+    for name, channels in subsets.items():
+        if not channels or not set(channels) <= set(range(contributions.shape[1])):
+            raise InvalidParameter(
+                f"subsets[{name!r}]: found {list(channels)}, expected channels from 0 to {contributions.shape[1] - 1}"
+            )
+    return {name: contributions[:, list(channels)].sum(axis=1) for name, channels in subsets.items()}
+
+
+@checked
+def resolution_per_focus_m(
+    screen: Screen, foci: Sequence[Point], emission: Emission, level: float = HALF
+) -> FloatArray:
+    """(n_foci, 2): widths along x and y of each simulated focus."""
+    return np.array([_widths(screen, focus, emission, level) for focus in foci])
+
+
+def _widths(screen: Screen, focus: Point, emission: Emission, level: float) -> tuple[float, float]:
+    signal = emission.drive(emission.responses(screen, [focus]))
+    last = signal.samples.shape[1] - 1
+    amplitudes = modal_amplitudes(screen, signal, last, emission.f_max_hz)
+    # a wavelength at the mean frequency of the band, to each side
+    reach = 2 * np.sqrt(np.pi * screen.plate.wave_constant_m2_per_s / emission.band.mean_hz / 2)
+    x, y = (_around(at, reach, side) for at, side in zip(focus, _sides(screen), strict=True))
+    modes = screen.modes(emission.f_max_hz)
+    along_x = modes.field(amplitudes, x, np.array([focus[1]]))[:, 0]
+    along_y = modes.field(amplitudes, np.array([focus[0]]), y)[0]
+    return width_m(x, along_x, level), width_m(y, along_y, level)
+
+
+def _sides(screen: Screen) -> tuple[float, float]:
+    return screen.plate.length_m, screen.plate.width_m
+
+
+def _around(at_m: float, reach_m: float, side_m: float) -> FloatArray:
+    return np.linspace(max(at_m - reach_m, 0.0), min(at_m + reach_m, side_m), 241)

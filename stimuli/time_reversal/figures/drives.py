@@ -46,8 +46,7 @@ def modulator_noise(rate_hz: float = 1e6, f_max_hz: float = 25e3, n_samples: int
     for order in (1, 2):
         shaped = 2 / (3 * rate_hz) * (2 * np.sin(np.pi * f / rate_hz)) ** (2 * order)
         axes.plot(f / 1e3, 10 * np.log10(shaped), ":", color=BLACK, label="white error, shaped" if order == 1 else None)
-    label(axes, "Frequency (kHz)", "Noise density (dB re V²/Hz)")
-    axes.legend(frameon=False, ncols=2, loc="lower right")
+    label(axes, "Frequency (kHz)", "Noise density (dB re V²/Hz)", ncols=2, loc="lower right")
     return figure
 
 

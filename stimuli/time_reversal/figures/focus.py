@@ -1,6 +1,7 @@
 """Figures of a focus: map, cross-section, scans per band, spectrum, time signal, the four driving signals."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,8 +13,7 @@ from ...arrays import FloatArray
 from ..field.field import field, grid
 from ..field.merit import width_m
 from ..filters import Band
-from ..focusing.emission import Emission
-from ..focusing.focusing import drive, emitted, focus_amplitude
+from ..focusing.focusing import Emission, drive, emitted, focus_amplitude
 from ..responses.decay import schroeder_db, tau_s
 from ..responses.responses import Point, Responses
 from ..screen.screen import Screen
@@ -44,8 +44,8 @@ def scans_per_band(screen: Screen, focus: Point, bands: Sequence[Band], emission
     """The focus for several bands (thesis 3.13)."""
     figure, axes = sheet(1, len(bands), width_in=3.4 * len(bands), height_in=2.8)
     for one, band in zip(axes, bands, strict=True):
-        made = Emission(band, emission.reversal_s, emission.rate_hz, emission.voltage_v, emission.quantiser)
-        (x, y), u = _field(screen, _drive(screen, focus, made), made)
+        within = replace(emission, band=band)
+        (x, y), u = _field(screen, _drive(screen, focus, within), within)
         _map(figure, one, x, y, u, f"{band.f_min_hz / 1e3:g}–{band.f_max_hz / 1e3:g} kHz")
     return figure
 
@@ -55,11 +55,9 @@ def amplitude_over_bandwidth(screens: Mapping[str, Screen], focus: Point, emissi
     figure, (axes,) = sheet()
     widths = np.linspace(2e3, emission.band.f_max_hz, 12)
     for (name, screen), colour in zip(screens.items(), colours(), strict=False):
-        amplitude = [_amplitude(screen, focus, Band(0.0, float(b)), emission) for b in widths]
+        amplitude = [_amplitude(screen, focus, replace(emission, band=Band(0.0, float(b)))) for b in widths]
         axes.plot(widths / 1e3, np.multiply(amplitude, 1e6), "o-", color=colour, label=name)
-    label(axes, "Bandwidth from 0 (kHz)", "Focus amplitude (µm)")
-    axes.set_ylim(0, None)
-    axes.legend(frameon=False)
+    label(axes, "Bandwidth from 0 (kHz)", "Focus amplitude (µm)", from_zero=True)
     return figure
 
 
@@ -90,7 +88,6 @@ def decay_fit(response: FloatArray, rate_hz: float) -> Figure:
     right.plot(time_ms, -20 / np.log(10) * time_ms / fitted / 1e3, "--", color=ORANGE, label="fitted slope")
     right.set_ylim(-40, 1)
     label(right, "Time (ms)", "Level (dB)")
-    right.legend(frameon=False)
     return figure
 
 
@@ -99,7 +96,7 @@ def noise_window(
 ) -> Figure:
     """Time signal at the focus with its amplitude and the window of the noise (thesis 4.13)."""
     responses = emission.responses(screen, [focus])
-    signal = drive(responses, emission.voltage_v, emission.quantiser)
+    signal = emission.drive(responses)
     u = emitted(signal, responses)[0] * 1e6
     last = signal.samples.shape[1] - 1
     time_ms = (np.arange(len(u)) - last) / emission.rate_hz * 1e3
@@ -107,8 +104,7 @@ def noise_window(
     axes.plot(time_ms, u, color=BLUE, linewidth=0.6)
     axes.axvspan(window_s[0] * 1e3, window_s[1] * 1e3, color=ORANGE, alpha=0.25, label="noise window")
     axes.annotate(f"A = {u[last]:.2f} µm", (0.0, u[last]), xytext=(6, -4), textcoords="offset points")
-    label(axes, "Time from the focus (ms)", "Displacement (µm)")
-    axes.legend(frameon=False, loc="lower right")
+    label(axes, "Time from the focus (ms)", "Displacement (µm)", loc="lower right")
     return figure
 
 
@@ -126,7 +122,7 @@ def four_signals(screen: Screen, focus: Point, emissions: Mapping[str, Emission]
 
 def _focus_in_time(axes: Axes, screen: Screen, focus: Point, emission: Emission, name: str) -> None:
     responses = emission.responses(screen, [focus])
-    signal = drive(responses, emission.voltage_v, emission.quantiser)
+    signal = emission.drive(responses)
     u = emitted(signal, responses)[0] * 1e6
     time_ms = (np.arange(len(u)) - signal.samples.shape[1] + 1) / emission.rate_hz * 1e3
     shown = np.abs(time_ms) < 0.5
@@ -144,7 +140,7 @@ def _focus_in_space(axes: Axes, screen: Screen, focus: Point, emission: Emission
 
 
 def _drive(screen: Screen, focus: Point, emission: Emission) -> Signal:
-    return drive(emission.responses(screen, [focus]), emission.voltage_v, emission.quantiser)
+    return emission.drive(emission.responses(screen, [focus]))
 
 
 def _field(screen: Screen, signal: Signal, emission: Emission) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
@@ -152,10 +148,9 @@ def _field(screen: Screen, signal: Signal, emission: Emission) -> tuple[tuple[Fl
     return at, field(screen, signal, signal.samples.shape[1] - 1, at, emission.f_max_hz)
 
 
-def _amplitude(screen: Screen, focus: Point, band: Band, emission: Emission) -> float:
-    made = Emission(band, emission.reversal_s, emission.rate_hz, emission.voltage_v, emission.quantiser)
-    responses = made.responses(screen, [focus])
-    return focus_amplitude(drive(responses, made.voltage_v, made.quantiser), responses)
+def _amplitude(screen: Screen, focus: Point, emission: Emission) -> float:
+    responses = emission.responses(screen, [focus])
+    return focus_amplitude(emission.drive(responses), responses)
 
 
 def _map(figure: Figure, axes: Axes, x: FloatArray, y: FloatArray, u: FloatArray, title: str) -> None:

@@ -10,25 +10,18 @@ from matplotlib.figure import Figure
 from ..design.closed_forms import Reverberation
 from ..design.guide import Design, Target, Transducers, recommend
 from ..design.thickness import recommended, sheets
+from ..field.merit import amplitude_by_subset_m, amplitude_over_count_m, contributions_m, resolution_per_focus_m
 from ..field.sound import NoiseSpectrum, noise
-from ..field.variability import (
-    amplitude_by_subset_m,
-    amplitude_over_count_m,
-    contributions_m,
-    resolution_per_focus_m,
-)
 from ..filters import Band
-from ..finger.contactor import Contactor
-from ..finger.force_loss import force_loss
-from ..focusing.emission import Emission
-from ..focusing.focusing import drive
-from ..focusing.quantiser import OneBit, SigmaDelta
+from ..finger import Contactor, force_loss
+from ..focusing.focusing import Emission
+from ..focusing.quantiser import SigmaDelta
 from ..plate.glass import A4_SCREEN, BOROFLOAT_33
 from ..responses.responses import Point, impulse_responses
 from ..screen.attenuation import Attenuation
 from ..screen.screen import A4_PROTOTYPE, TAU_S, Screen
 from ..screen.transducer import DiscPatch
-from . import design, drives, focus, prototype, theory
+from . import drives, focus, prototype, theory
 from .style import save
 
 FOCUS: Final = (0.121, 0.093)
@@ -90,8 +83,7 @@ def _four_signals(emissions: Mapping[str, Emission] = FOUR) -> Figure:
 
 
 def _noise(emission: Emission) -> NoiseSpectrum:
-    signal = drive(emission.responses(A4_PROTOTYPE, [FOCUS]), emission.voltage_v, emission.quantiser or OneBit())
-    return noise(A4_PROTOTYPE, signal, 125e3)
+    return noise(A4_PROTOTYPE, emission.drive(emission.responses(A4_PROTOTYPE, [FOCUS])), 125e3)
 
 
 def _contributions() -> np.ndarray:
@@ -118,13 +110,13 @@ def _force_loss(forces_n: Sequence[float] = (0.0, 0.25, 0.5, 1.0, 2.0, 3.0, 4.0)
 
 def _design() -> Figure:
     target = Target(contrast=20.0, repetition_hz=100.0)
-    return design.trade_offs(recommend(A4_SCREEN, Transducers(), FILTERED.band, TAU_S, target))
+    return theory.trade_offs(recommend(A4_SCREEN, Transducers(), FILTERED.band, TAU_S, target))
 
 
 def _thickness() -> Figure:
     patches = Transducers(side_m=5e-3)
     among = sheets(A4_SCREEN, patches, FILTERED.band, TAU_S, Target(contrast=28.0))
-    return design.over_thickness(among, recommended(among, A4_SCREEN.thickness_m))
+    return theory.over_thickness(among, recommended(among, A4_SCREEN.thickness_m))
 
 
 GALLERY: Final[Mapping[str, Callable[..., Figure]]] = {

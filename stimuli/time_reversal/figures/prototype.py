@@ -7,11 +7,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
 from ...arrays import FloatArray
-from ..finger.force_loss import LossRow
+from ..finger import LossRow
 from ..responses.responses import Point
 from ..screen.screen import Screen
 from ..screen.transducer import Patch
-from .style import BLACK, BLUE, ORANGE, colours, label, sheet
+from .style import ABOVE, BLACK, BLUE, ORANGE, colours, label, sheet
 
 
 def layout(screen: Screen, foci: Sequence[Point]) -> Figure:
@@ -27,7 +27,7 @@ def layout(screen: Screen, foci: Sequence[Point]) -> Figure:
     axes.set_aspect("equal")
     axes.set(xlim=(-5, screen.plate.length_m * 1e3 + 5), ylim=(-5, screen.plate.width_m * 1e3 + 5))
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
-    axes.legend(frameon=False, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    axes.legend(frameon=False, **ABOVE)
     return figure
 
 
@@ -49,7 +49,6 @@ def amplitude_over_count(amplitudes_m: FloatArray) -> Figure:
     axes.fill_between(number, low, high, color=BLUE, alpha=0.25, label="5 to 95 % of foci and draws")
     axes.plot(number, middle, color=BLUE, label="median")
     label(axes, "Number of transducers Q", "Focus amplitude (µm)")
-    axes.legend(frameon=False)
     return figure
 
 
@@ -58,9 +57,7 @@ def amplitude_by_subset(amplitudes_m: Mapping[str, FloatArray]) -> Figure:
     figure, (axes,) = sheet(width_in=7.2)
     for (name, values), colour, marker in zip(amplitudes_m.items(), colours(), "osD^v<>", strict=False):
         axes.plot(np.arange(1, len(values) + 1), values * 1e6, marker, color=colour, label=name)
-    label(axes, "Focus", "Amplitude (µm)")
-    axes.set_ylim(0, None)
-    axes.legend(frameon=False, ncols=len(amplitudes_m), loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    label(axes, "Focus", "Amplitude (µm)", from_zero=True, ncols=len(amplitudes_m), **ABOVE)
     return figure
 
 
@@ -71,9 +68,7 @@ def resolution_of_foci(widths_m: FloatArray, expected_m: float) -> Figure:
     axes.plot(number, widths_m[:, 0] * 1e3, "o", color=BLUE, label="along x")
     axes.plot(number, widths_m[:, 1] * 1e3, "s", color=ORANGE, label="along y")
     axes.axhline(expected_m * 1e3, color=BLACK, linestyle=":", label="model")
-    label(axes, "Focus", "Width at −6 dB (mm)")
-    axes.set_ylim(0, None)
-    axes.legend(frameon=False, ncols=3, loc="lower center", bbox_to_anchor=(0.5, 1.0))
+    label(axes, "Focus", "Width at −6 dB (mm)", from_zero=True, ncols=3, **ABOVE)
     return figure
 
 
@@ -82,6 +77,7 @@ def loss_over_force(rows: Sequence[LossRow], measured: Sequence[LossRow] = ()) -
     places = list(dict.fromkeys(row.place for row in rows))
     figure, axes = sheet(1, len(places), width_in=4.6 * len(places) + 1.0, height_in=3.8)
     for one, place in zip(axes, places, strict=True):
+        label(one, "Contact force (N)", "Amplitude loss (%)", f"Contact at {place}")
         kinds = dict.fromkeys((row.contactor, row.diameter_m) for row in rows if row.place == place)
         for kind, colour, marker in zip(kinds, colours(), "osD^v<>", strict=False):
             name = kind[0] if kind[0] == "finger" else f"{kind[0]}, {kind[1] * 1e3:g} mm"
@@ -89,7 +85,6 @@ def loss_over_force(rows: Sequence[LossRow], measured: Sequence[LossRow] = ()) -
             if any((row.contactor, row.diameter_m) == kind for row in measured):
                 points = _points(measured, kind, place)
                 one.plot(*points, marker, color=colour, fillstyle="none", label=f"{name}, measured")
-        label(one, "Contact force (N)", "Amplitude loss (%)", f"Contact at {place}")
         one.set_ylim(0, None)
     figure.legend(*axes[0].get_legend_handles_labels(), frameon=False, loc="outside right center")
     return figure

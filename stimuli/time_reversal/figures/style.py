@@ -1,9 +1,9 @@
 """How the figures look: one column width, colours that colour-blind readers can tell apart, units on every axis."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import cycle
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -18,6 +18,8 @@ BLACK: Final = "#000000"
 COLOURS: Final = (BLUE, ORANGE, GREEN, PINK, SKY, GOLD, BLACK)
 DIVERGING: Final = "RdBu_r"
 RESOLUTION_DPI: Final = 150
+ABOVE: Final[Mapping[str, Any]] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0)}
+"""Where a legend stands over its axes."""
 
 
 def sheet(
@@ -28,9 +30,13 @@ def sheet(
     return figure, list(figure.subplots(n_rows, n_columns, squeeze=False).ravel())
 
 
-def label(axes: Axes, x: str, y: str, title: str = "") -> None:
-    """Axis labels with units, a light grid, no box."""
+def label(axes: Axes, x: str, y: str, title: str = "", *, from_zero: bool = False, **legend: Any) -> None:
+    """Axis labels with units, a light grid, no box; a legend of what is drawn under a name, where `legend` says."""
     axes.set(xlabel=x, ylabel=y)
+    if from_zero:
+        axes.set_ylim(0, None)
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(frameon=False, **legend)
     axes.set_title(title, fontsize="medium")
     axes.grid(alpha=0.3)
     axes.spines[["top", "right"]].set_visible(False)

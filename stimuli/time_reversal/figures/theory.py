@@ -1,6 +1,7 @@
 """Figures of chapter 3 that closed forms draw: resolution, stress, amplitude and contrast."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from typing import Final
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -15,6 +16,8 @@ from ..design.closed_forms import (
     one_bit_amplitude_ratio,
     resolution_m,
 )
+from ..design.guide import STRESS_MAX_PA, Guide, amplitudes_m, contrast_over
+from ..design.thickness import Sheet
 from ..filters import Band
 from ..plate.plate import Plate
 from ..plate.statics import bending_stress_pa, deflection_m
@@ -32,9 +35,7 @@ def resolution_over_bandwidth(plates: Mapping[str, Plate], measured: Mapping[str
         axes.plot(f_max / 1e3, np.multiply(widths, 1e3), color=colour, label=f"{name}, diffuse-field model")
         for bandwidth, width in (measured or {}).get(name, ()):
             axes.plot(bandwidth / 1e3, width * 1e3, "o", color=colour)
-    label(axes, "Bandwidth from 0 (kHz)", "Resolution at −6 dB (mm)")
-    axes.set_ylim(0, None)
-    axes.legend(frameon=False)
+    label(axes, "Bandwidth from 0 (kHz)", "Resolution at −6 dB (mm)", from_zero=True)
     return figure
 
 
@@ -47,9 +48,7 @@ def resolution_over_mean_frequency(plate: Plate, measured: Measured = ()) -> Fig
     axes.plot(f[::10] / 1e3, np.multiply(widths, 1e3), ".", color=BLACK, label="flat band from 0")
     for number, (f_mean, width) in enumerate(measured):
         axes.plot(f_mean / 1e3, width * 1e3, "s", color=ORANGE, label="measured" if number == 0 else None)
-    label(axes, "Mean frequency (kHz)", "Resolution at −6 dB (mm)")
-    axes.set_ylim(0, None)
-    axes.legend(frameon=False)
+    label(axes, "Mean frequency (kHz)", "Resolution at −6 dB (mm)", from_zero=True)
     return figure
 
 
@@ -80,8 +79,8 @@ def amplitude_over_reversal(tau_s: float, reversal_s: FloatArray, measured: Meas
         axes.plot(at * 1e3, share * 100, "o", color=BLACK, label="measured" if number == 0 else None)
     axes.axvline(2 * tau_s * 1e3, color=BLACK, linewidth=0.8, linestyle=":")
     axes.annotate(" T = 2τ", (2 * tau_s * 1e3, 5))
-    label(axes, "Reversal time T (ms)", "Amplitude (% of an endless reversal)", f"τ = {tau_s * 1e3:g} ms")
-    axes.legend(frameon=False, loc="center right")
+    title = f"τ = {tau_s * 1e3:g} ms"
+    label(axes, "Reversal time T (ms)", "Amplitude (% of an endless reversal)", title, loc="center right")
     return figure
 
 
@@ -101,7 +100,67 @@ def contrast_over_transducers(
         for at, contrast in (measured or {}).get(q, ()):
             axes.plot(at * 1e3, contrast, "o", color=colour)
     axes.axhline(contrast_limit(room), color=BLACK, linestyle=":", label="√N, all modes")
-    label(axes, "Reversal time T (ms)", "Contrast, A / rms of the plate")
-    axes.set_ylim(0, None)
-    axes.legend(frameon=False, ncols=2)
+    label(axes, "Reversal time T (ms)", "Contrast, A / rms of the plate", from_zero=True, ncols=2)
     return figure
+
+
+def trade_offs(guide: Guide) -> Figure:
+    """Amplitude and contrast over T, contrast over Q, resolution over mean frequency; the recommendation is marked."""
+    design = guide.design
+    figure, (amplitude, over_t, over_q, resolution) = sheet(2, 2, width_in=8.6, height_in=6.2)
+    times = np.linspace(0.1, 4.0, 60) * design.tau_s
+    amplitude.plot(times * 1e3, amplitudes_m(design, times) * 1e6, color=BLUE)
+    amplitude.plot(design.reversal_s * 1e3, design.amplitude_m * 1e6, "o", color=ORANGE)
+    label(amplitude, "Reversal time T (ms)", "Amplitude (µm)")
+    counts = np.array([1, 4, 16, design.transducers.n])
+    for row, q, colour in zip(contrast_over(design, counts, times), counts, colours(), strict=False):
+        over_t.plot(times * 1e3, row, color=colour, label=f"Q = {q}")
+    over_t.plot(design.reversal_s * 1e3, design.contrast, "o", color=ORANGE)
+    label(over_t, "Reversal time T (ms)", "Contrast, A / rms of the plate", from_zero=True, ncols=2, loc="lower right")
+    many = np.unique(np.geomspace(1, 256, 40).astype(int))
+    over_q.semilogx(many, contrast_over(design, many, np.array([design.reversal_s]))[:, 0], color=BLUE)
+    over_q.plot(design.transducers.n, design.contrast, "o", color=ORANGE)
+    over_q.axhline(np.sqrt(design.reverberation.n_modes), color=BLACK, linestyle=":", label="√N, all modes")
+    label(over_q, "Number of transducers Q", "Contrast, A / rms of the plate")
+    f = np.linspace(2e3, max(60e3, 1.2 * design.band.mean_hz), 100)
+    resolution.plot(f / 1e3, half_wavelength_m(design.plate, f) * 1e3, color=BLUE)
+    resolution.plot(design.band.mean_hz / 1e3, design.resolution_m * 1e3, "o", color=ORANGE, label="recommended")
+    label(resolution, "Mean frequency (kHz)", "Resolution at −6 dB (mm)")
+    return figure
+
+
+def over_thickness(among: Sequence[Sheet], best: Sheet) -> Figure:
+    """Resolution, contrast, amplitude and stress of each sheet: hollow where a wish is missed, the best ringed."""
+    figure, axes = sheet(2, 2, width_in=8.0, height_in=6.0)
+    for one, (name, of) in zip(axes, _QUANTITIES.items(), strict=True):
+        for each in among:
+            fill = "none" if each.unreachable else BLUE
+            one.plot(each.thickness_m * 1e3, of(each), "o", color=BLUE, markerfacecolor=fill)
+            if name in _BY_NUMBER:
+                number = f"{each.guide.design.transducers.n}"
+                at = each.thickness_m * 1e3, of(each)
+                one.annotate(number, at, (0, 8), textcoords="offset points", ha="center", fontsize="x-small")
+        one.plot(best.thickness_m * 1e3, of(best), "o", color=ORANGE, fillstyle="none", markersize=12)
+        one.set_xscale("log")
+        ticks = [each.thickness_m * 1e3 for each in among][::2]
+        one.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
+        one.minorticks_off()
+        label(one, "Thickness (mm)", name, from_zero=True)
+    axes[-1].axhline(STRESS_MAX_PA / 1e6, color=BLACK, linestyle=":", label="what glass bears for long")
+    axes[-1].legend(frameon=False)
+    title = (
+        "Filled: all wishes met; hollow: not; ringed: recommended; numbers: transducers Q, raised where a wish needs it"
+    )
+    figure.suptitle(title, fontsize="medium")
+    return figure
+
+
+_BY_NUMBER: Final = ("Contrast, A / rms of the plate", "Amplitude (µm)")
+"""What more transducers raise."""
+
+_QUANTITIES: Final[Mapping[str, Callable[[Sheet], float]]] = {
+    "Resolution at −6 dB (mm)": lambda each: each.guide.design.resolution_m * 1e3,
+    "Contrast, A / rms of the plate": lambda each: each.guide.design.contrast,
+    "Amplitude (µm)": lambda each: each.guide.design.amplitude_m * 1e6,
+    "Bending stress at 2 N (MPa)": lambda each: each.stress_pa / 1e6,
+}

@@ -1,8 +1,14 @@
 """Glasses for screens: elastic constants with their source."""
 
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
 
 from tactometry.arguments.checked import checked
+from tactometry.config.quantity import as_si
+from tactometry.config.strict import build
+from tactometry.config.toml import located, read_table
+from tactometry.errors import InvalidParameter, nearest
 
 from .plate import Plate
 
@@ -45,3 +51,35 @@ GLASSES = {glass.name: glass for glass in (BOROFLOAT_33, DURAN, SODA_LIME, GORIL
 
 A4_SCREEN = BOROFLOAT_33.plate(0.297, 0.210, 1.1e-3, "SSSS")
 """The thesis's prototype: A4, 1.1 mm. The glass and the edges are an unverified default."""
+
+
+MATERIAL: Final = ("youngs_modulus_pa", "poisson_ratio", "density_kg_per_m3")
+
+
+@checked
+def read_plate(path: Path) -> Plate:
+    """The plate of a file such as::
+
+        glass = "Borofloat 33"
+        length_m = 0.297
+        width_m = "210 mm"
+        thickness_m = 1.1e-3
+        boundary = "FFFF"
+
+    Raises
+    ------
+    InvalidFile
+        If the file cannot be read, a key is unknown or missing, or a value is out of range.
+    """
+    table = read_table(path, "a plate")
+    with located(path):
+        return build(Plate, as_si({**_glass(table.pop("glass", None)), **table}, ""), "plate")
+
+
+def _glass(name: object) -> dict[str, object]:
+    if name is None:
+        return {}
+    if not isinstance(name, str) or name not in GLASSES:
+        hint = nearest(name, GLASSES) if isinstance(name, str) else ""
+        raise InvalidParameter(f"glass: found {name!r}, expected one of {', '.join(GLASSES)}{hint}")
+    return {key: getattr(GLASSES[name], key) for key in MATERIAL}

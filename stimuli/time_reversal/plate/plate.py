@@ -12,8 +12,7 @@ from tactometry.arguments.require import at_most, not_negative, positive, within
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
-from ..rectangle.rectangle import Rectangle
-from ..rectangle.separable import Sines, sines
+from ..rectangle.rectangle import Rectangle, Sines, sines
 
 if TYPE_CHECKING:
     from ..rectangle.ritz import ParityBlock

@@ -21,8 +21,7 @@ from ..focusing.pattern import (
     Table,
 )
 from ..focusing.quantiser import Analogue, OneBit, Quantiser, SigmaDelta
-from ..responses.filtering import band_limited
-from ..responses.responses import Responses, samples_in
+from ..responses.responses import Responses, band_limited, samples_in
 from .family import TimeReversalStimulus
 from .setup import Setup
 

@@ -15,7 +15,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from ...arrays import ComplexArray, FloatArray, IntArray
-from ..finger.finger import FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Finger
+from ..finger import FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Fingertip
 from ..focusing.focusing import emitted
 from ..responses.load import PlateLoad, Receptances, contour
 from ..responses.responses import values_at
@@ -55,7 +55,7 @@ class TimeReversalSensation:
         Whether the amplitude under the finger's load counts, or that of the free plate, as if no force took
         anything.
     resistance_n_s_per_m, mass_kg, stiffness_n_per_m, exponent
-        The finger at 2 N and its growth with force, as in `Finger`; unverified defaults, which lose 31 % at 2 N.
+        The finger at 2 N and its growth with force, as in `Fingertip`; unverified defaults, which lose 31 % at 2 N.
     finger_x_m, finger_y_m : float, optional
         Where the finger is; by default at the focus.
 
@@ -113,14 +113,8 @@ class TimeReversalSensation:
         return loaded_displacement(free, self.setup, self._finger(contact.force_n))
 
     def _finger(self, force_n: float) -> PlateLoad:
-        return Finger(
-            *self._place,
-            force_n,
-            self.resistance_n_s_per_m,
-            self.mass_kg,
-            self.stiffness_n_per_m,
-            self.exponent,
-        ).load()
+        finger = Fingertip(self.resistance_n_s_per_m, self.mass_kg, self.stiffness_n_per_m, self.exponent)
+        return finger.load(self._place, force_n)
 
     @property
     def _place(self) -> tuple[float, float]:

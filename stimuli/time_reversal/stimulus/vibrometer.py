@@ -12,7 +12,7 @@ from tactometry.contact import Contact
 from tactometry.signal import Signal
 
 from ...arrays import ComplexArray, FloatArray
-from ..finger.contactor import FINGER_DIAMETER_M, Contactor
+from ..finger import FINGER_DIAMETER_M, Contactor
 from ..focusing.focusing import emitted
 from ..responses.load import PlateLoad, Receptances, carried, contour
 from ..responses.responses import impulse_responses, values_at

@@ -26,13 +26,12 @@ from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.finger.finger import Finger
+from tactometry.stimuli.time_reversal.finger import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted
 from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
-from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
-from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
 from tactometry.stimuli.time_reversal.screen.transducer import border
@@ -81,7 +80,7 @@ def sampled(factor):
     n = signal.samples.shape[1]
     spectrum = np.fft.rfft(np.pad(signal.samples, ((0, 0), (n, n))))
     finely = factor * np.fft.irfft(spectrum * band.at(np.fft.rfftfreq(3 * n, 1 / PLATE_HZ)), 3 * n * factor)
-    fingers = [Finger(*FOCUS, 2.0).load(), Finger(0.09, 0.06, 1.0).load()]
+    fingers = [Fingertip().load(FOCUS, 2.0), Fingertip().load((0.09, 0.06), 1.0)]
     sampling = {"rate_hz": factor * PLATE_HZ, "duration_s": 12e-3, "f_max_hz": 25e3 * factor}
     course = emitted(Signal(finely, factor * PLATE_HZ, "V"), loaded_responses(whole, [FOCUS], fingers, **sampling))[0]
     focus = factor * (2 * n - 1)

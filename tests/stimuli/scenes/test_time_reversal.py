@@ -30,16 +30,15 @@ from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.stages.truncation import cut, n_frequencies, n_modes
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
-from tactometry.stimuli.time_reversal.field.energy import deformation_energy_j
 from tactometry.stimuli.time_reversal.field.field import field
+from tactometry.stimuli.time_reversal.field.merit import deformation_energy_j
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.finger.finger import Finger
+from tactometry.stimuli.time_reversal.finger import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
-from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
-from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
 from tactometry.stimuli.time_reversal.screen.transducer import border
@@ -95,7 +94,7 @@ def test_the_field_and_the_energy_are_those_of_the_physics_in_time(fine):
 
 def test_a_finger_is_that_of_the_loaded_responses(fine):
     whole, signal, focus = fine
-    finger = Finger(0.05, 0.04, 2.0).load()
+    finger = Fingertip().load((0.05, 0.04), 2.0)
     sampling = {"rate_hz": 960e3, "duration_s": 12e-3, "f_max_hz": 400e3}
     expected = emitted(signal, loaded_responses(whole, [(0.05, 0.04)], [finger], **sampling))[0]
     outputs = ("t_s", "focus_displacement_m", "contact_displacement_m", "contact_force_n")

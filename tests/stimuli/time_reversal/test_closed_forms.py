@@ -36,8 +36,7 @@ from tactometry.stimuli.time_reversal.focusing.pattern import Pattern, focus_sam
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
 from tactometry.stimuli.time_reversal.plate.dispersion import wavelength_m, wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33, D263T
-from tactometry.stimuli.time_reversal.responses.filtering import band_limited
-from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
 from tactometry.stimuli.time_reversal.screen.transducer import border

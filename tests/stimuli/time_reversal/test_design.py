@@ -17,21 +17,18 @@ from tactometry.stimuli.time_reversal.design.guide import (
     Design,
     Target,
     Transducers,
-    amplitude_over_reversal,
+    amplitudes_m,
     contrast_over,
     recommend,
     thickness_for_m,
 )
 from tactometry.stimuli.time_reversal.field.field import field, grid
-from tactometry.stimuli.time_reversal.field.merit import contrast_whole_of
-from tactometry.stimuli.time_reversal.field.variability import resolution_per_focus_m
+from tactometry.stimuli.time_reversal.field.merit import contrast_whole_of, resolution_per_focus_m
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.focusing.emission import Emission
-from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.pattern import Pattern, focus_samples, pattern_drive
 from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
-from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.plate.plate_file import read_plate
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33, read_plate
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 from tactometry.stimuli.time_reversal.screen.transducer import border
@@ -197,7 +194,7 @@ def test_band_is_moved_up_for_resolution_while_the_wave_is_longer_than_a_patch()
 def test_trade_offs_rise_with_t_and_q():
     design = recommend(A4_SCREEN, Transducers(), BAND, TAU_S, Target()).design
     times = np.array([1e-3, 3e-3, 9e-3])
-    assert np.all(np.diff(amplitude_over_reversal(design, times)) > 0)
+    assert np.all(np.diff(amplitudes_m(design, times)) > 0)
     contrast = contrast_over(design, np.array([1, 8, 64]), times)
     assert np.all(np.diff(contrast, axis=0) > 0)
     assert np.all(np.diff(contrast, axis=1) > 0)

@@ -23,25 +23,21 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
     repetition_noise_ratio,
     resolution_m,
 )
-from tactometry.stimuli.time_reversal.field.energy import (
-    capacitance_f,
-    switched_power_w,
-)
 from tactometry.stimuli.time_reversal.field.merit import (
     area_m2,
+    capacitance_f,
     contrast_far_of,
     contrast_temporal_of,
     contrast_whole_of,
+    switched_power_w,
     temporal_width_s,
     uniformity,
     width_m,
 )
 from tactometry.stimuli.time_reversal.field.sound import noise
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.finger.contactor import Contactor
-from tactometry.stimuli.time_reversal.finger.finger import amplitude_ratio_elsewhere
-from tactometry.stimuli.time_reversal.focusing.emission import Emission
-from tactometry.stimuli.time_reversal.focusing.focusing import drive
+from tactometry.stimuli.time_reversal.finger import Contactor, amplitude_ratio_elsewhere
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive
 from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, Pattern, burst_s, pattern_drive
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, PulseWidth, SigmaDelta

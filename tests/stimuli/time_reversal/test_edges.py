@@ -12,7 +12,7 @@ from tactometry.stimuli.time_reversal import (
     Band,
     DiscPatch,
     Emission,
-    Finger,
+    Fingertip,
     FocusTrain,
     Patch,
     Pattern,
@@ -31,8 +31,8 @@ from tactometry.stimuli.time_reversal import (
     n_held,
 )
 from tactometry.stimuli.time_reversal.design.closed_forms import repetition_amplitude_ratio
-from tactometry.stimuli.time_reversal.design.guide import Design, amplitude_over_reversal
-from tactometry.stimuli.time_reversal.finger.finger import amplitude_ratio_at_focus
+from tactometry.stimuli.time_reversal.design.guide import Design, amplitudes_m
+from tactometry.stimuli.time_reversal.finger import amplitude_ratio_at_focus
 from tactometry.stimuli.time_reversal.focusing.closed_reversal import overlap
 from tactometry.stimuli.time_reversal.focusing.pattern import Table, focus_samples
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
@@ -50,13 +50,8 @@ EMISSION = Emission(Band(200.0, 9e3), 4e-3, 20e3)
 FOCUS = (0.12, 0.09)
 
 
-def test_a_finger_stands_wherever_a_load_can():
-    finger = Finger(*FOCUS, force_n=0.5, mass_kg=1e-4)
-    assert amplitude_loss(SCREEN, FOCUS, [finger], EMISSION) == amplitude_loss(SCREEN, FOCUS, [finger.load()], EMISSION)
-
-
 def test_a_finger_that_does_not_press_takes_nothing():
-    assert amplitude_loss(SCREEN, FOCUS, [Finger(*FOCUS, force_n=0.0)], EMISSION) == 0.0
+    assert amplitude_loss(SCREEN, FOCUS, [Fingertip().load(FOCUS, 0.0)], EMISSION) == 0.0
 
 
 @pytest.mark.parametrize("impedance", [math.nan, complex(math.nan, 1.0), complex(1.0, math.nan), "soft", None, True])
@@ -88,9 +83,7 @@ def test_drives_that_overlap_take_their_penalty_from_the_amplitude():
     penalty = [repetition_amplitude_ratio(float(t), 3e-3, 3e-3) for t in times]
     assert penalty[:2] == [1.0, 1.0]
     assert penalty[3] < penalty[2] < 0.9
-    np.testing.assert_allclose(
-        amplitude_over_reversal(train, times), amplitude_over_reversal(alone, times) * penalty, rtol=1e-12
-    )
+    np.testing.assert_allclose(amplitudes_m(train, times), amplitudes_m(alone, times) * penalty, rtol=1e-12)
 
 
 def test_a_long_train_keeps_its_penalty_at_any_ratio_of_times():

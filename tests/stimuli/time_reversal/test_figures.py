@@ -8,20 +8,19 @@ import pytest
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.design.closed_forms import Reverberation, resolution_m
-from tactometry.stimuli.time_reversal.field.sound import NoiseSpectrum
-from tactometry.stimuli.time_reversal.field.variability import (
+from tactometry.stimuli.time_reversal.field.merit import (
     amplitude_by_subset_m,
     amplitude_over_count_m,
     contributions_m,
     resolution_per_focus_m,
 )
+from tactometry.stimuli.time_reversal.field.sound import NoiseSpectrum
 from tactometry.stimuli.time_reversal.figures import drives, prototype, theory
 from tactometry.stimuli.time_reversal.figures.gallery import FOCI, FOCUS, GALLERY, UNFILTERED, rig
 from tactometry.stimuli.time_reversal.figures.style import save
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.finger.force_loss import LossRow
-from tactometry.stimuli.time_reversal.focusing.emission import Emission
-from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
+from tactometry.stimuli.time_reversal.finger import LossRow
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS
 from tactometry.stimuli.time_reversal.focusing.quantiser import SigmaDelta
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN

@@ -22,12 +22,15 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
 )
 from tactometry.stimuli.time_reversal.design.guide import Design, Transducers
 from tactometry.stimuli.time_reversal.field.field import field, grid, movie
-from tactometry.stimuli.time_reversal.field.merit import area_m2, contrast_whole_of, temporal_width_s
+from tactometry.stimuli.time_reversal.field.merit import (
+    area_m2,
+    contrast_whole_of,
+    resolution_per_focus_m,
+    temporal_width_s,
+)
 from tactometry.stimuli.time_reversal.field.sound import noise
-from tactometry.stimuli.time_reversal.field.variability import resolution_per_focus_m
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.focusing.emission import Emission
-from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
 from tactometry.stimuli.time_reversal.plate.dispersion import (
     group_velocity_m_per_s,
@@ -35,8 +38,7 @@ from tactometry.stimuli.time_reversal.plate.dispersion import (
     wavelength_m,
 )
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33, D263T
-from tactometry.stimuli.time_reversal.responses.filtering import band_limited
-from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
 from tactometry.stimuli.time_reversal.screen.transducer import PointForce, border

@@ -22,8 +22,13 @@ from tactometry.stimuli.time_reversal.focusing.focusing import (
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.plate.modes import modes_of
-from tactometry.stimuli.time_reversal.responses.filtering import band_limited, inaudible, through
-from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.responses.responses import (
+    Responses,
+    band_limited,
+    impulse_responses,
+    inaudible,
+    through,
+)
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 from tactometry.stimuli.time_reversal.screen.transducer import PointForce

@@ -14,8 +14,7 @@ from tactometry.protocols.tasks.task import Presentation
 from tactometry.protocols.tasks.touch import Pressing
 from tactometry.session.answer import Rated, Touched
 from tactometry.session.request import Enter, Press, Record
-from tactometry.stimuli.time_reversal.finger.contactor import Contactor
-from tactometry.stimuli.time_reversal.finger.finger import Finger
+from tactometry.stimuli.time_reversal.finger import Contactor, Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import emitted
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
@@ -84,7 +83,7 @@ def test_the_reading_is_the_loaded_plate_at_the_focus(kind, place):
 
 
 def test_a_finger_at_the_focus_reads_what_it_feels():
-    finger = Finger(*SMALL.focus_m, 2.0).load()
+    finger = Fingertip().load(SMALL.focus_m, 2.0)
     free = displacement_at_focus_m(SMALL, drive(), [])
     under = loaded_displacement(free, SMALL, finger)
     assert displacement_at_focus_m(SMALL, drive(), [finger]) == pytest.approx(under, abs=1e-9 * np.abs(free).max())

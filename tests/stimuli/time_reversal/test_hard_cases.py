@@ -29,9 +29,8 @@ from tactometry.stimuli.time_reversal.plate.modes import RitzModes, modes_of, va
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz
 from tactometry.stimuli.time_reversal.rectangle.ritz import ellipse, pairs, pencil
 from tactometry.stimuli.time_reversal.responses.decay import tau_estimate
-from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.measured import inspect
-from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 from tactometry.stimuli.time_reversal.screen.transducer import PointForce

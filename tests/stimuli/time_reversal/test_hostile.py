@@ -37,7 +37,7 @@ from tactometry.stimuli.time_reversal import (
     Attenuation,
     Contactor,
     DiscPatch,
-    Finger,
+    Fingertip,
     Glass,
     OneBit,
     Patch,
@@ -104,10 +104,10 @@ def constructors() -> Iterator[tuple[str, object]]:
     """Sound instances, whose fields are the arguments of their classes."""
     yield from {
         "screen.attenuation": Attenuation(3e-3, 0.1), "responses.bonded_patches": (Stiffener(0.1, 0.1, 1.0), Ceramic()),
-        "design.closed_forms": ROOM, "finger.contactor": Contactor("soft"),
+        "design.closed_forms": ROOM, "finger": (Contactor("soft"), Fingertip(10.0)),
         "responses.decay": TauEstimate(1.0, 0.5, 2.0),
-        "design.guide": (Transducers(8), Target(contrast=3.0), DESIGN), "finger.finger": Finger(0.1, 0.1),
-        "focusing.emission": EMISSION,
+        "design.guide": (Transducers(8), Target(contrast=3.0), DESIGN),
+        "focusing.focusing": EMISSION,
         "stimulus.focus_train": TRAIN, "plate.glass": Glass("x", 64e9, 0.2, 2230.0, "here"),
         "responses.learning": Excitation(CLICK, 2e3, 0.0, 1e3, "click"), "responses.load": PlateLoad(0.1, 0.1, 10.0),
         "focusing.pattern": (
@@ -177,7 +177,7 @@ INFINITE = (
     "field.sound.a_weighting_db",
     "field.sound.NoiseSpectrum",
     "field.sound.noise",
-    "finger.finger.absorbing_tau_s",
+    "finger.absorbing_tau_s",
     "responses.decay.mean_estimate",
 )
 """What their docstrings let be infinite: silence, no weight, no loss, an unknown interval."""
@@ -185,7 +185,7 @@ INFINITE = (
 RESULTS = frozenset(
     {
         "focusing.closed_reversal.ClosedReversal", "responses.decay.Decay", "design.guide.Guide",
-        "finger.force_loss.LossRow",
+        "finger.LossRow",
         "responses.load.Receptances",
         "responses.measured.Findings", "plate.modes.RitzModes", "plate.modes.SeparableModes",
     }

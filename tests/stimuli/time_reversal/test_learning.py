@@ -8,7 +8,6 @@ from hypothesis.extra.numpy import arrays
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
-from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.learning import (
     as_displacement,
     deconvolved,
@@ -20,7 +19,7 @@ from tactometry.stimuli.time_reversal.responses.learning import (
     write_learnt,
 )
 from tactometry.stimuli.time_reversal.responses.measured import read
-from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
 RATE_HZ, DURATION_S, F_MAX_HZ = 150e3, 7e-3, 60e3

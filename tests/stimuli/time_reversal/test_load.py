@@ -12,23 +12,21 @@ from hypothesis import given, settings, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.finger.contactor import Contactor
-from tactometry.stimuli.time_reversal.finger.finger import (
-    Finger,
+from tactometry.stimuli.time_reversal.finger import (
+    Contactor,
+    Fingertip,
     absorbing_tau_s,
     amplitude_loss,
     amplitude_ratio_at_focus,
     amplitude_ratio_elsewhere,
     contact_is_lost,
     ejection_force_n,
+    force_loss,
 )
-from tactometry.stimuli.time_reversal.finger.force_loss import force_loss
-from tactometry.stimuli.time_reversal.focusing.emission import Emission
-from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
+from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, focus_amplitude
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.modes import modes_of
-from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.load import (
     PlateLoad,
     Receptances,
@@ -36,10 +34,9 @@ from tactometry.stimuli.time_reversal.responses.load import (
     loaded_receptance,
     loaded_responses,
 )
-from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
-from tactometry.stimuli.time_reversal.screen.screen import Screen
-from tactometry.stimuli.time_reversal.screen.temperature import warmed
+from tactometry.stimuli.time_reversal.screen.screen import Screen, warmed
 from tactometry.stimuli.time_reversal.screen.transducer import PointForce, border
 
 MASS_KG, N_MODES = 0.15, 80
@@ -233,19 +230,19 @@ PAIRS = [((0.121, 0.093), (0.2, 0.15)), ((0.187, 0.067), (0.07, 0.12)), ((0.081,
 
 
 def test_published_loss_of_30_percent_at_the_focus_at_2_n():
-    losses = [amplitude_loss(screen(3.5e-3), focus, [Finger(*focus, 2.0).load()], EMISSION) for focus, _ in PAIRS]
+    losses = [amplitude_loss(screen(3.5e-3), focus, [Fingertip().load(focus, 2.0)], EMISSION) for focus, _ in PAIRS]
     assert 0.25 < np.mean(losses) < 0.33
 
 
 def test_published_loss_of_6_percent_elsewhere_at_2_n():
-    losses = [amplitude_loss(screen(3.5e-3), focus, [Finger(*at, 2.0).load()], EMISSION) for focus, at in PAIRS]
+    losses = [amplitude_loss(screen(3.5e-3), focus, [Fingertip().load(at, 2.0)], EMISSION) for focus, at in PAIRS]
     assert 0.04 < np.mean(losses) < 0.08
 
 
 def test_relearning_gives_back_the_scattered_part_only():
     focus, at = PAIRS[0]
     learnt, relearnt = (
-        amplitude_loss(screen(), focus, [Finger(*at).load()], EMISSION, relearn=again) for again in (False, True)
+        amplitude_loss(screen(), focus, [Fingertip().load(at)], EMISSION, relearn=again) for again in (False, True)
     )
     absorbed = 1 - amplitude_ratio_elsewhere(A4_SCREEN, 10.0, 3e-3, 7e-3)
     assert 0 < relearnt < learnt
@@ -255,7 +252,7 @@ def test_relearning_gives_back_the_scattered_part_only():
 def test_loss_grows_with_force_from_nothing():
     focus, at = PAIRS[0]
     for place in (focus, at):
-        losses = [amplitude_loss(screen(), focus, [Finger(*place, f).load()], EMISSION) for f in (0.0, 0.3, 1.0, 3.0)]
+        losses = [amplitude_loss(screen(), focus, [Fingertip().load(place, f)], EMISSION) for f in (0.0, 0.3, 1.0, 3.0)]
         assert losses[0] == 0.0
         assert np.all(np.diff(losses) > 0)
 
@@ -314,14 +311,14 @@ def test_a_contactor_is_seven_equal_loads_that_add_up_to_its_impedance():
 
 
 def test_all_of_a_finger_grows_with_the_root_of_its_force():
-    load = Finger(0.1, 0.1, 0.5, 10.0, 4e-4, 300.0).load()
+    load = Fingertip(10.0, 4e-4, 300.0).load((0.1, 0.1), 0.5)
     assert (load.resistance_n_s_per_m, load.mass_kg, load.stiffness_n_per_m) == (5.0, 2e-4, 150.0)
 
 
 def test_the_loss_after_relearning_is_the_ratio_of_the_sums_of_both_responses():
     """1 bit: each drive makes V times the sum of |h| of the plate that it was learnt on."""
     focus, at = PAIRS[1]
-    loads = [Finger(*at).load()]
+    loads = [Fingertip().load(at)]
     free, loaded = (np.abs(EMISSION.responses(screen(), [focus], some).samples).sum() for some in ((), loads))
     found = amplitude_loss(screen(), focus, loads, EMISSION, relearn=True)
     assert found == pytest.approx(1 - loaded / free, rel=1e-9)
@@ -357,7 +354,7 @@ def test_contour_leaves_no_wrap_around():
     [
         (lambda: PlateLoad(0.1, 0.1, -1.0), "PlateLoad.resistance_n_s_per_m: found -1.0"),
         (lambda: PlateLoad(0.1, 0.1, stiffness_n_per_m=math.nan), "PlateLoad.stiffness_n_per_m: found nan"),
-        (lambda: Finger(0.1, 0.1, -2.0), "Finger.force_n: found -2.0"),
+        (lambda: Fingertip().load((0.1, 0.1), -2.0), "Fingertip.load.force_n: found -2.0"),
         (lambda: Contactor("wet"), "Contactor.kind: found 'wet', expected one of finger, soft, rigid"),
         (
             lambda: loaded_responses(screen(), [FOCUS], [PlateLoad(1.0, 0.1)], **SAMPLING),

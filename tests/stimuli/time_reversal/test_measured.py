@@ -21,7 +21,6 @@ from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit
 from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.decay import mean_estimate, schroeder_db, tau_estimate, tau_s
-from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.learning import write_learnt
 from tactometry.stimuli.time_reversal.responses.material_constants import (
     alpha_from_resolutions,
@@ -36,7 +35,7 @@ from tactometry.stimuli.time_reversal.responses.measured import (
     reciprocity_error,
     trimmed,
 )
-from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
+from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
 from tactometry.stimuli.time_reversal.screen.transducer import border

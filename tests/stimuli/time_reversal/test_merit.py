@@ -7,17 +7,15 @@ import pytest
 
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.field.energy import (
-    capacitance_f,
-    deformation_energy_j,
-    switched_power_w,
-)
 from tactometry.stimuli.time_reversal.field.field import modal_amplitudes
 from tactometry.stimuli.time_reversal.field.merit import (
     area_m2,
+    capacitance_f,
     contrast_far_of,
     contrast_temporal_of,
     contrast_whole_of,
+    deformation_energy_j,
+    switched_power_w,
     temporal_width_s,
     uniformity,
     width_m,
@@ -34,8 +32,7 @@ from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.responses.filtering import band_limited, inaudible
-from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
+from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses, inaudible
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 from tactometry.stimuli.time_reversal.screen.transducer import PointForce

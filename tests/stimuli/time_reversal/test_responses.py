@@ -14,9 +14,8 @@ from tactometry.stimuli.time_reversal import Plate
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.modes import laplacians, modes_of, values
-from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.load import Receptances
-from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses, samples_in
+from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses, samples_in
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 from tactometry.stimuli.time_reversal.screen.transducer import DiscPatch, Patch, PointForce, border

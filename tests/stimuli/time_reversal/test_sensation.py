@@ -12,12 +12,12 @@ from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.signal import Signal
 from tactometry.stimuli.perception.sensitivity import sensitivity_db
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.finger.finger import Finger
+from tactometry.stimuli.time_reversal.finger import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import drive as reversed_drive, emitted
 from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS, focus_samples
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
-from tactometry.stimuli.time_reversal.responses.filtering import band_limited
 from tactometry.stimuli.time_reversal.responses.load import PlateLoad, loaded_responses
+from tactometry.stimuli.time_reversal.responses.responses import band_limited
 from tactometry.stimuli.time_reversal.screen.transducer import MOMENT_N_PER_V
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain, measured
 from tactometry.stimuli.time_reversal.stimulus.sensation import (
@@ -93,11 +93,11 @@ def test_no_contact_and_no_voltage_are_not_felt():
 @pytest.mark.parametrize(("mass_kg", "stiffness_n_per_m"), [(0.0, 0.0), (1e-4, 0.0), (0.0, 1e5)])
 def test_the_displacement_under_the_finger_is_that_of_the_loaded_plate(mass_kg, stiffness_n_per_m):
     drive = train().at(20.0)
-    finger = Finger(*SMALL.focus_m, 2.0, mass_kg=mass_kg, stiffness_n_per_m=stiffness_n_per_m)
+    finger = Fingertip(mass_kg=mass_kg, stiffness_n_per_m=stiffness_n_per_m)
     heard = loaded_responses(
         SMALL.screen,
         [SMALL.focus_m],
-        [finger.load()],
+        [finger.load(SMALL.focus_m)],
         rate_hz=SMALL.rate_hz,
         duration_s=SMALL.heard_s,
         f_max_hz=SMALL.modes_to_hz,

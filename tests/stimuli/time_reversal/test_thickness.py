@@ -8,7 +8,7 @@ from click.testing import CliRunner
 from tactometry.cli.design import command
 from tactometry.stimuli.time_reversal.design.guide import STRESS_MAX_PA, Target, Transducers, recommend
 from tactometry.stimuli.time_reversal.design.thickness import SHEETS_M, recommended, sheets
-from tactometry.stimuli.time_reversal.figures.design import over_thickness
+from tactometry.stimuli.time_reversal.figures.theory import over_thickness
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa, deflection_m

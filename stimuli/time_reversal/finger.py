@@ -1,0 +1,246 @@
+"""What presses on the screen, a finger or a contactor: its impedance, what it costs, and when the plate throws it off.
+
+Facts (thesis): 2 N elsewhere than the focus cost 6 % of amplitude, 2 N at the focus up to 30 %. The
+default, a damper of 10 N s/m at 2 N with tau = 3.5 ms, is set to meet both in simulation: it is neither
+measured nor a prediction. The force law is an unverified default.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from typing import Final
+
+import numpy as np
+
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import at_most, not_negative, one_of, positive, some
+
+from .design.closed_forms import one_bit_amplitude_ratio
+from .focusing.focusing import Emission, focus_amplitude
+from .plate.plate import Plate
+from .responses.load import Attached, PlateLoad
+from .responses.responses import Point
+from .screen.screen import Screen
+
+REFERENCE_FORCE_N: Final = 2.0
+RESISTANCE_N_S_PER_M: Final = 10.0
+FORCE_EXPONENT: Final = 0.5
+PULP_MASS_KG: Final = 1e-4
+
+
+@checked
+@dataclass(frozen=True)
+class Fingertip:
+    """What a fingertip at rest answers the plate with: R = R_2N (F / 2 N)^p, mass and stiffness by the same law.
+
+    Parameters
+    ----------
+    resistance_n_s_per_m, mass_kg, stiffness_n_per_m : float
+        At 2 N, at least 0.
+    exponent : float
+        From 1/3 (radius of a Hertz contact) to 2/3 (its area); unverified default 1/2.
+    """
+
+    resistance_n_s_per_m: float = RESISTANCE_N_S_PER_M
+    mass_kg: float = 0.0
+    stiffness_n_per_m: float = 0.0
+    exponent: float = FORCE_EXPONENT
+
+    def __post_init__(self) -> None:
+        not_negative("Fingertip", **vars(self))
+        at_most("Fingertip.exponent", self.exponent, 2.0)
+
+    def load(self, at_m: Point, force_n: float = REFERENCE_FORCE_N) -> PlateLoad:
+        """The load on the plate at a place, under a force of at least 0; at 0 nothing touches.
+
+        >>> Fingertip().load((0.1, 0.1), 0.5).resistance_n_s_per_m
+        5.0
+        """
+        not_negative("Fingertip.load", force_n=force_n)
+        # 0 ** 0 is 1: with an exponent of 0 a finger that touches nothing would load the plate
+        growth = (force_n / REFERENCE_FORCE_N) ** self.exponent if force_n > 0 else 0.0
+        at_2_n = self.resistance_n_s_per_m, self.mass_kg, self.stiffness_n_per_m
+        return PlateLoad(*at_m, *(growth * part for part in at_2_n))
+
+
+@checked
+def amplitude_loss(
+    screen: Screen, focus: Point, loads: Sequence[Attached], emission: Emission, *, relearn: bool = False
+) -> float:
+    """Share of the focus amplitude that loads take, 1 - A' / A at the focus instant.
+
+    Parameters
+    ----------
+    relearn : bool
+        Learn again with the loads present; by default the drive was learnt without.
+    """
+    free, loaded = (emission.responses(screen, [focus], present) for present in ((), loads))
+    signal = emission.drive(loaded if relearn else free)
+    return 1 - focus_amplitude(signal, loaded) / focus_amplitude(emission.drive(free), free)
+
+
+@checked
+def amplitude_ratio_at_focus(plate: Plate, impedance_n_s_per_m: complex) -> float:
+    """Closed form of the local part at the focus: |1 / (1 + Z / Z_p)|."""
+    return 1 / abs(1 + impedance_n_s_per_m / plate.point_impedance_n_s_per_m)
+
+
+@checked
+def absorbing_tau_s(plate: Plate, impedance_n_s_per_m: complex) -> float:
+    """tau_f = 2 M / R_eff, R_eff = Re Z / |1 + Z / Z_p|^2: how fast one contact alone empties the plate.
+
+    >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
+    >>> round(absorbing_tau_s(A4_SCREEN, 10.0) * 1e3)
+    51
+    """
+    effective = complex(impedance_n_s_per_m).real * amplitude_ratio_at_focus(plate, impedance_n_s_per_m) ** 2
+    return 2 * plate.mass_kg / effective if effective > 0 else math.inf
+
+
+@checked
+def amplitude_ratio_elsewhere(plate: Plate, impedance_n_s_per_m: complex, tau_s: float, reversal_s: float) -> float:
+    """Closed form of absorption alone, 1 bit, learnt without the finger.
+
+    A' / A = tau' (1 - exp(-T / tau')) / (tau (1 - exp(-T / tau))), 1 / tau' = 1 / tau + 1 / tau_f.
+
+    Scattering adds to the loss; relearning removes that part only.
+    """
+    positive("amplitude_ratio_elsewhere", tau_s=tau_s, reversal_s=reversal_s)
+    loaded_tau_s = 1 / (1 / tau_s + 1 / absorbing_tau_s(plate, impedance_n_s_per_m))
+    ratio = one_bit_amplitude_ratio(reversal_s, loaded_tau_s) / one_bit_amplitude_ratio(reversal_s, tau_s)
+    return float(loaded_tau_s / tau_s * ratio)
+
+
+@checked
+def contact_is_lost(
+    amplitude_m: float, frequency_hz: float, force_n: float, pulp_mass_kg: float = PULP_MASS_KG
+) -> bool:
+    """Whether the pulp leaves the plate: m |d^2u/dt^2| > F with a lumped mass (0.1 g, unverified default).
+
+    >>> contact_is_lost(10e-6, 12.5e3, 6.0), contact_is_lost(10e-6, 12.5e3, 6.5)
+    (True, False)
+    """
+    return ejection_force_n(amplitude_m, frequency_hz, pulp_mass_kg) > force_n
+
+
+@checked
+def ejection_force_n(amplitude_m: float, frequency_hz: float, pulp_mass_kg: float = PULP_MASS_KG) -> float:
+    """m w^2 A: the force that a focus of this amplitude can lift."""
+    positive("ejection_force_n", pulp_mass_kg=pulp_mass_kg)
+    return float(pulp_mass_kg * np.abs(amplitude_m) * (2 * math.pi * frequency_hz) ** 2)
+
+
+FINGER_DIAMETER_M: Final = 10e-3
+"""Diameter of a fingertip's contact at 2 N."""
+
+RIGID_MODULUS_PA: Final = 3e9
+"""Modulus of a plastic tip."""
+
+RIGID_MASS_KG: Final = 2e-3
+N_POINTS: Final = 7
+"""Of a disc: the centre and six on 2/3 of the radius share its impedance."""
+
+KINDS: Final = ("finger", "soft", "rigid")
+
+
+@checked
+@dataclass(frozen=True)
+class Contactor:
+    """What presses on the plate in place of a finger.
+
+    All constants are unverified defaults; the thesis's contactors are not known.
+
+    Parameters
+    ----------
+    kind : str
+        ``finger``: the lumped default of `Fingertip`; ``soft``: a finger's resistance per area over its own
+        area; ``rigid``: that, and the mass of a tip behind a Hertz contact that stiffens with force.
+    diameter_m : float
+        Above 0; not used for a finger.
+    """
+
+    kind: str
+    diameter_m: float = FINGER_DIAMETER_M
+
+    def __post_init__(self) -> None:
+        one_of("Contactor.kind", self.kind, KINDS)
+        positive("Contactor", diameter_m=self.diameter_m)
+
+    def loads(self, plate: Plate, at_m: Point, force_n: float) -> list[PlateLoad]:
+        """The loads on the plate under a force (N, at least 0), centred on the plate, the parts beyond an edge left
+        out."""
+        not_negative("Contactor.loads", force_n=force_n)
+        plate.check_holds("at_m", at_m)
+        if self.kind == "finger":
+            return [Fingertip().load(at_m, force_n)]
+        points = _disc(at_m, self.diameter_m / 2)
+        return [self._part(point, force_n) for point in points if plate.contains(*point)]
+
+    def _part(self, at_m: Point, force_n: float) -> PlateLoad:
+        area = (self.diameter_m / FINGER_DIAMETER_M) ** 2
+        rigid = self.kind == "rigid"
+        skin = Fingertip(RESISTANCE_N_S_PER_M * area / N_POINTS, RIGID_MASS_KG / N_POINTS if rigid else 0.0)
+        load = skin.load(at_m, force_n)
+        if not rigid:
+            return load
+        return replace(load, stiffness_n_per_m=hertz_stiffness_n_per_m(force_n, self.diameter_m / 2) / N_POINTS)
+
+
+@checked
+def hertz_stiffness_n_per_m(force_n: float, radius_m: float, modulus_pa: float = RIGID_MODULUS_PA) -> float:
+    """Slope of Hertz's law of a sphere, (6 E^2 R F)^(1/3).
+
+    >>> round(hertz_stiffness_n_per_m(1.0, 1e-3, 1e9))
+    181712
+    """
+    not_negative("hertz_stiffness_n_per_m", force_n=force_n)
+    positive("hertz_stiffness_n_per_m", radius_m=radius_m, modulus_pa=modulus_pa)
+    return float((6 * modulus_pa**2 * radius_m * force_n) ** (1 / 3))
+
+
+def _disc(centre_m: Point, radius_m: float) -> list[Point]:
+    x_m, y_m = centre_m
+    ring = [(math.cos(i * math.pi / 3), math.sin(i * math.pi / 3)) for i in range(6)]
+    return [centre_m, *((x_m + radius_m * 2 / 3 * c, y_m + radius_m * 2 / 3 * s) for c, s in ring)]
+
+
+@checked
+@dataclass(frozen=True)
+class LossRow:
+    """One condition: `loss` is 1 - A' / A of a drive that was learnt without the contact."""
+
+    contactor: str
+    diameter_m: float
+    place: str
+    force_n: float
+    loss: float
+
+
+@checked
+def force_loss(
+    screen: Screen,
+    focus: Point,
+    places: Mapping[str, Point],
+    contactors: Sequence[Contactor],
+    forces_n: Sequence[float],
+    emission: Emission,
+) -> list[LossRow]:
+    """Every contactor at every place with every force.
+
+    Parameters
+    ----------
+    places : mapping of name to (x_m, y_m)
+        Such as F, the focus, and P1.
+    """
+    some("force_loss.forces_n", forces_n)
+    some("force_loss.contactors", contactors)
+    free = emission.responses(screen, [focus])
+    signal = emission.drive(free)
+    alone = focus_amplitude(signal, free)
+    rows = []
+    for contactor, (place, at_m), force_n in product(contactors, places.items(), forces_n):
+        loaded = emission.responses(screen, [focus], contactor.loads(screen.plate, at_m, force_n))
+        loss = 1 - focus_amplitude(signal, loaded) / alone
+        rows.append(LossRow(contactor.kind, contactor.diameter_m, place, force_n, loss))
+    return rows

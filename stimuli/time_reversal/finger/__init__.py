@@ -1,1 +1,0 @@
-"""What presses on the screen: fingers, contactors, and what they cost."""
