@@ -1,29 +1,61 @@
-"""docs/design.md shows the house as it is: every path stands, every room in the picture is one."""
+"""docs/design.md shows the house as it is: every path stands, the picture has the rooms of each wing and no other."""
 
 import re
+from pathlib import Path
 
 import pytest
 from places import DOCS, ROOT
 
+from tactometry.cli import COMMANDS
+
 PAGE = (DOCS / "design.md").read_text(encoding="utf-8")
 PATHS = sorted(set(re.findall(r"`((?:tactometry|stimuli|protocols|analysis|experiments|tests)/[\w/.]*)`", PAGE)))
 PICTURE = (DOCS / "design" / "rooms.svg").read_text(encoding="utf-8")
-WINGS = ("tactometry/cli", "experiments", "protocols", "stimuli", "analysis", "tactometry")
+WINGS = ("experiments", "protocols", "stimuli", "analysis", "tactometry")
+BOX = re.compile(r'<rect x="([\d.]+)" y="([\d.]+)" width="([\d.]+)" height="([\d.]+)" rx="8"')
+TITLE = re.compile(r'<text x="([\d.]+)" y="([\d.]+)" font-size="16"[^>]*>([\w/]+)')
+ROOM = re.compile(r'<text x="([\d.]+)" y="([\d.]+)" font-size="12(?:\.5)?" [^>]*text-anchor="middle"[^>]*>(\w+)')
+
+
+def drawn(wing: str, picture: str = PICTURE) -> set[str]:
+    """The rooms in the box whose title is that of the wing."""
+    for left, top, width, height in (map(float, box) for box in BOX.findall(picture)):
+
+        def inside(text: tuple[str, str, str], x=left, y=top, w=width, h=height) -> bool:
+            return x < float(text[0]) < x + w and y < float(text[1]) < y + h
+
+        if any(title[2].rstrip("/") == wing for title in filter(inside, TITLE.findall(picture))):
+            return {room[2] for room in filter(inside, ROOM.findall(picture))}
+    raise AssertionError(f"the picture has no box for {wing}/")
+
+
+def folders(wing: Path) -> set[str]:
+    """The rooms of a wing, without the links to the other wings and the command line, which has a box of its own."""
+    rooms = {file.parent for file in wing.glob("*/__init__.py")}
+    return {room.name for room in rooms if not room.is_symlink()} - {"cli"}
 
 
 @pytest.mark.parametrize("path", PATHS)
-def test_a_path_on_the_page_stands(path) -> None:
+def test_a_path_on_the_page_stands(path: str) -> None:
     assert (ROOT / path).exists()
 
 
-def test_a_room_in_the_picture_is_one() -> None:
-    drawn = re.findall(r'font-size="12(?:\.5)?" font-weight="normal" text-anchor="middle"[^>]*>([\w/]+)', PICTURE)
-    assert len(drawn) > 50
-    for name in drawn:
-        stands = [ROOT / wing / name for wing in WINGS]
-        assert any(place.is_dir() or place.with_suffix(".py").exists() for place in stands), name
+@pytest.mark.parametrize("wing", WINGS)
+def test_each_room_is_in_the_picture(wing: str) -> None:
+    assert folders(ROOT / wing) - drawn(wing) == set()
+
+
+@pytest.mark.parametrize("wing", WINGS)
+def test_what_is_in_the_picture_is_a_room_or_a_file_of_its_wing(wing: str) -> None:
+    place = ROOT / wing
+    assert drawn(wing)
+    assert {room for room in drawn(wing) - folders(place) if not (place / f"{room}.py").is_file()} == set()
+
+
+def test_the_picture_has_each_command() -> None:
+    assert drawn("tactometry/cli") == set(COMMANDS)
 
 
 @pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md"])
-def test_who_begins_is_led_to_the_page(page) -> None:
+def test_who_begins_is_led_to_the_page(page: str) -> None:
     assert "docs/design.md" in (ROOT / page).read_text(encoding="utf-8")

@@ -13,11 +13,11 @@ from pathlib import Path
 
 import pytest
 from places import ROOT
+from source_tree import WINGS, copy_tree, parsed, sources
 
-ROOMS = ("stimuli", "protocols", "analysis", "experiments")
-FOLDERS = ("tactometry", *ROOMS)
-SCRIPTS = Path(sys.executable).parent
-PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+PROJECT = PYPROJECT["project"]
+CONTRACTS = {contract["name"]: contract for contract in PYPROJECT["tool"]["importlinter"]["contracts"]}
 
 DRIVEN = ("sounddevice", "serial", "pylsl", "nidaqmx")
 WORDS = """
@@ -28,14 +28,9 @@ HEAVY = frozenset((*WORDS.split(), *DRIVEN))
 IMPORTED_AS = {"pyserial": "serial", "imageio-ffmpeg": "imageio_ffmpeg"}
 
 
-def sources() -> list[Path]:
-    found = (path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
-    return sorted(path for path in found if not any(part.is_symlink() for part in (path, *path.parents)))
-
-
-def imports(source: str) -> Iterator[str]:
+def imports(tree: ast.Module) -> Iterator[str]:
     """The top-level names of all absolute imports."""
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name.split(".")[0] for alias in node.names)
         if isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
@@ -51,7 +46,7 @@ def distribution(requirement: str) -> str:
 # --- a dot stays in the wing, a name leaves it
 
 
-def misfits(path: Path, source: str) -> list[str]:
+def misfits(path: Path, tree: ast.Module) -> list[str]:
     """Imports of a file that do not say by their form how far they reach.
 
     Within a wing (kernel, stimuli, protocols, analysis, experiments) they are relative, so that a room can be moved or
@@ -59,7 +54,7 @@ def misfits(path: Path, source: str) -> list[str]:
     """
     wing, *rooms = path.parts[:-1]
     found = []
-    for node in ast.walk(ast.parse(source)):
+    for node in ast.walk(tree):
         names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
         if isinstance(node, ast.ImportFrom):
             leaves = node.level > len(rooms) + 1
@@ -71,19 +66,18 @@ def misfits(path: Path, source: str) -> list[str]:
 
 def leaves_or_stays_wrongly(name: str, wing: str) -> bool:
     top, *rest = name.split(".")
-    target = rest[0] if rest and rest[0] in ROOMS else "tactometry"
-    return top in ROOMS or top == "(another wing)" or (top == "tactometry" and target == wing)
+    target = rest[0] if rest and rest[0] in WINGS else "tactometry"
+    return top in WINGS or top == "(another wing)" or (top == "tactometry" and target == wing)
 
 
 def test_within_a_wing_imports_are_relative_and_across_wings_absolute() -> None:
-    places = [path.relative_to(ROOT) for path in sources()]
-    assert [line for path in places for line in misfits(path, (ROOT / path).read_text(encoding="utf-8"))] == []
+    assert [line for path in sources() for line in misfits(path.relative_to(ROOT), parsed(path))] == []
 
 
-@pytest.mark.parametrize("room", ROOMS)
+@pytest.mark.parametrize("room", WINGS)
 @pytest.mark.parametrize("form", ["import {}", "import {}.part", "from {} import part", "from {}.part import x"])
 def test_a_bare_room_is_refused(room: str, form: str) -> None:
-    assert misfits(Path("tactometry/rigs/new.py"), form.format(room) + "\n")
+    assert misfits(Path("tactometry/rigs/new.py"), ast.parse(form.format(room)))
 
 
 @pytest.mark.parametrize(
@@ -98,7 +92,7 @@ def test_a_bare_room_is_refused(room: str, form: str) -> None:
     ],
 )
 def test_an_import_of_the_wrong_form_is_refused(path: str, line: str) -> None:
-    assert misfits(Path(path), line + "\n")
+    assert misfits(Path(path), ast.parse(line))
 
 
 @pytest.mark.parametrize(
@@ -111,7 +105,7 @@ def test_an_import_of_the_wrong_form_is_refused(path: str, line: str) -> None:
     ],
 )
 def test_an_import_of_the_right_form_is_taken(path: str, line: str) -> None:
-    assert not misfits(Path(path), line + "\n")
+    assert not misfits(Path(path), ast.parse(line))
 
 
 # --- contracts
@@ -120,11 +114,7 @@ def test_an_import_of_the_right_form_is_taken(path: str, line: str) -> None:
 @pytest.fixture(scope="module")
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the tree that a test may spoil."""
-    place = tmp_path_factory.mktemp("tree")
-    shutil.copy(ROOT / "pyproject.toml", place)
-    for folder in FOLDERS:
-        shutil.copytree(ROOT / folder, place / folder, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
-    return place
+    return copy_tree(tmp_path_factory.mktemp("tree"), "pyproject.toml")
 
 
 def contracts(tree: Path) -> "subprocess.CompletedProcess[str]":
@@ -185,12 +175,17 @@ CIRCLES = {
     "tactometry/safety": "from typing import TYPE_CHECKING\nif TYPE_CHECKING:\n    from . import one",
 }
 """How a file `two` that `one` imports imports it back."""
+FLOORS = [contract for contract in CONTRACTS.values() if "containers" in contract]
+WITHOUT_A_FLOOR = [
+    f"{room}.on_no_floor" for contract in FLOORS if "exhaustive" in contract for room in contract["containers"]
+]
 
 
 @pytest.fixture(scope="module")
 def refused(copy: Path) -> "subprocess.CompletedProcess[str]":
     """What is said of a tree in which each bad line stands in a file of its own, or at the end of one."""
     bad = {copy / folder / f"bad_{n}.py": line for n, (folder, line) in enumerate(BAD)}
+    bad |= {copy / f"{module.replace('.', '/')}.py": "" for module in WITHOUT_A_FLOOR}
     for folder, back in CIRCLES.items():
         bad |= {copy / folder / "one.py": "from . import two", copy / folder / "two.py": back}
     sound = {copy / file: (copy / file).read_text(encoding="utf-8") for file, _ in BACK_UP}
@@ -203,6 +198,29 @@ def refused(copy: Path) -> "subprocess.CompletedProcess[str]":
             file.unlink()
         for file, text in sound.items():
             file.write_text(text, encoding="utf-8")
+
+
+def complaints(said: str) -> dict[str, str]:
+    """What is said of each broken contract, by its name; long lines are broken."""
+    details = " ".join(said.partition("Broken contracts")[2].split())
+    _, *parts = re.split(rf"({'|'.join(map(re.escape, CONTRACTS))}) -[ -]{{9,}}", details)
+    return dict(zip(parts[::2], parts[1::2], strict=True))
+
+
+@pytest.mark.parametrize("contract", CONTRACTS)
+def test_each_contract_is_broken_by_a_line(refused: "subprocess.CompletedProcess[str]", contract: str) -> None:
+    assert re.search(r"not allowed to import|llegal import|No cycles", complaints(refused.stdout).get(contract, ""))
+
+
+@pytest.mark.parametrize("module", WITHOUT_A_FLOOR)
+def test_a_file_on_no_floor_is_refused(refused: "subprocess.CompletedProcess[str]", module: str) -> None:
+    (contract,) = (floors["name"] for floors in FLOORS if module.rpartition(".")[0] in floors["containers"])
+    unlisted = complaints(refused.stdout)[contract].partition("not listed as layers")[2]
+    assert f"- {module} " in unlisted
+
+
+def test_every_room_with_floors_names_a_floor_for_each_file() -> None:
+    assert {floors["name"] for floors in FLOORS if "exhaustive" not in floors} <= {"floors of the report"}
 
 
 @pytest.mark.parametrize("n", range(len(BAD)), ids=[": ".join(bad) for bad in BAD])
@@ -235,7 +253,7 @@ def test_the_tree_keeps_its_contracts(copy: Path) -> None:
 
 @pytest.mark.parametrize("library", DRIVEN)
 def test_a_device_library_has_one_driver(library: str) -> None:
-    drivers = [path.name for path in sources() if library in imports(path.read_text(encoding="utf-8"))]
+    drivers = [path.name for path in sources() if library in imports(parsed(path))]
     assert len(drivers) <= 1
 
 
@@ -246,7 +264,7 @@ def test_what_the_product_imports_is_declared() -> None:
         *(each for name, group in extras.items() if name != "dev" for each in group),
     ]
     names = {IMPORTED_AS.get(name, name) for name in map(distribution, declared)}
-    used = {name for path in sources() for name in imports(path.read_text(encoding="utf-8"))}
+    used = {name for path in sources() for name in imports(parsed(path))}
     assert used - names - set(sys.stdlib_module_names) == {"tactometry"}
 
 

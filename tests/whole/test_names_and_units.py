@@ -3,12 +3,9 @@
 import ast
 import re
 from collections.abc import Iterator
-from pathlib import Path
 
 import pytest
-from places import ROOT
-
-ROOMS = ("tactometry", "stimuli", "protocols", "analysis", "experiments")
+from source_tree import name_of, parsed, sources
 
 WORDS = """
 acceleration amplitude angle area attenuation bandwidth capacitance carrier charge conductance
@@ -54,14 +51,6 @@ DRAWN = ("tactometry/rigs/pages/layout.py", "tactometry/rigs/pages/page.py", "ta
 ON_SCREEN = frozenset(("width", "length", "radius", "position"))  # PsychoPy's unit: heights of the window
 
 
-def is_product(path: Path) -> bool:
-    return not any(part.is_symlink() for part in (path, *path.parents))
-
-
-def sources() -> list[Path]:
-    return sorted(path for room in ROOMS for path in (ROOT / room).rglob("*.py") if is_product(path))
-
-
 def holds_float(annotation: ast.expr | None) -> bool:
     return annotation is not None and "float" in ast.unparse(annotation)
 
@@ -93,8 +82,8 @@ def lacks_unit(name: str, bare: frozenset[str]) -> bool:
     return bool(PREFIXED.search(name)) or (not SUFFIX.search(name) and bool((QUANTITIES - bare) & stems(name)))
 
 
-def offences(source: str, bare: frozenset[str] = frozenset()) -> list[str]:
-    return [f"{line}: {name}" for line, name in float_names(ast.parse(source)) if lacks_unit(name, bare)]
+def offences(tree: ast.AST, bare: frozenset[str] = frozenset()) -> list[str]:
+    return [f"{line}: {name}" for line, name in float_names(tree) if lacks_unit(name, bare)]
 
 
 @pytest.mark.parametrize(
@@ -115,7 +104,7 @@ def offences(source: str, bare: frozenset[str] = frozenset()) -> list[str]:
     "source", ["class A:\n    {}: float", "def f(*, {}: float | None) -> None: ...", "def {}() -> float: ..."]
 )
 def test_a_quantity_without_its_si_unit_is_found(name: str, source: str) -> None:
-    assert [offence.split(": ")[1] for offence in offences(source.format(name))] == [name]
+    assert [offence.split(": ")[1] for offence in offences(ast.parse(source.format(name)))] == [name]
 
 
 @pytest.mark.parametrize(
@@ -141,10 +130,13 @@ def test_a_quantity_without_its_si_unit_is_found(name: str, source: str) -> None
     ],
 )
 def test_a_name_with_its_unit_passes(name: str) -> None:
-    assert offences(f"def f({name}: float) -> None: ...") == []
+    assert offences(ast.parse(f"def f({name}: float) -> None: ...")) == []
 
 
-@pytest.mark.parametrize("path", sources(), ids=lambda path: path.relative_to(ROOT).as_posix())
-def test_every_public_quantity_carries_its_si_unit(path: Path) -> None:
-    bare = ON_SCREEN if path.relative_to(ROOT).as_posix() in DRAWN else frozenset()
-    assert offences(path.read_text(encoding="utf-8"), bare) == [], "add the unit, or explain the name in BARE"
+def test_every_public_quantity_carries_its_si_unit() -> None:
+    lacking = [
+        f"{name_of(path)}:{offence}"
+        for path in sources()
+        for offence in offences(parsed(path), ON_SCREEN if name_of(path) in DRAWN else frozenset())
+    ]
+    assert lacking == [], "add the unit, or explain the name in BARE"

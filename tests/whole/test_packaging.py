@@ -7,7 +7,6 @@ is empty, and pip installs the dependencies under the constraints.
 """
 
 import os
-import shutil
 import subprocess
 import sys
 import sysconfig
@@ -21,8 +20,8 @@ from packaging.utils import canonicalize_name
 from patience import LONGEST_PROGRAM_S
 from places import ROOT
 from soak import SOAK
+from source_tree import WINGS, copy_tree
 
-ROOMS = ("stimuli", "protocols", "analysis", "experiments")
 KEPT = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "COV_", "COVERAGE"))}
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 MARKERS = [{"python_version": version, "python_full_version": f"{version}.2"} for version in ("3.11", "3.12")]
@@ -36,7 +35,7 @@ def files(folder: Path) -> set[str]:
 
 
 def tree() -> set[str]:
-    rooms = {f"tactometry/{room}/{file}" for room in ROOMS for file in files(ROOT / room)}
+    rooms = {f"tactometry/{room}/{file}" for room in WINGS for file in files(ROOT / room)}
     return rooms | {f"tactometry/{file}" for file in files(ROOT / "tactometry")}
 
 
@@ -54,12 +53,8 @@ def done(result: "subprocess.CompletedProcess[str]") -> str:
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Built from a copy, so that nothing is left in the tree and nothing that lies there comes in."""
-    source = tmp_path_factory.mktemp("source")
-    for name in ("pyproject.toml", "setup.py", "README.md", "LICENSE"):
-        shutil.copy(ROOT / name, source)
-    for folder in ("tactometry", *ROOMS):
-        ignored = shutil.ignore_patterns("__pycache__")
-        shutil.copytree(ROOT / folder, source / folder, symlinks=True, ignore=ignored)
+    beside = ("pyproject.toml", "setup.py", "README.md", "LICENSE")
+    source = copy_tree(tmp_path_factory.mktemp("source"), *beside)
     out = source / "dist"
     done(run(sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", out, ".", cwd=source))
     (built,) = out.glob("*.whl")
@@ -85,7 +80,7 @@ def environment(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.fixture
 def foreign(tmp_path: Path) -> Path:
     """A lab's folder, whose own packages bear the names of our rooms."""
-    for room in (*ROOMS, "benchmarks"):
+    for room in (*WINGS, "benchmarks"):
         (tmp_path / room).mkdir()
         (tmp_path / room / "__init__.py").write_text("raise RuntimeError('the lab has its own')\n", encoding="utf-8")
     return tmp_path
@@ -108,10 +103,10 @@ def test_the_wheel_carries_the_licence(wheel: Path) -> None:
 
 
 def test_the_installed_rooms_are_ours_in_a_folder_that_has_its_own(environment: Path, foreign: Path) -> None:
-    names = ", ".join(f"tactometry.{room}" for room in ROOMS)
+    names = ", ".join(f"tactometry.{room}" for room in WINGS)
     script = f"import {names}; print(*(m.__file__ for m in ({names},)), sep='\\n')"
     found = done(run(environment / "python", "-c", script, cwd=foreign)).splitlines()
-    assert len(found) == len(ROOMS)
+    assert len(found) == len(WINGS)
     assert all(Path(file).is_relative_to(environment.parent) for file in found)
 
 

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 from places import ROOT
+from source_tree import copy_tree
 
-FOLDERS = ("tactometry", "stimuli", "protocols", "analysis", "experiments")
 NEW_FILES = ROOT / "tests" / "recipes"
 LINES = (
     (
@@ -41,9 +41,7 @@ LINES = (
 @pytest.fixture(scope="module")
 def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the tree, to which each thing is added: its new files, and its line."""
-    place = tmp_path_factory.mktemp("tree")
-    for folder in FOLDERS:
-        shutil.copytree(ROOT / folder, place / folder, symlinks=True)
+    place = copy_tree(tmp_path_factory.mktemp("tree"))
     for file in (file for file in NEW_FILES.rglob("*") if file.is_file() and "__pycache__" not in file.parts):
         new = place / file.relative_to(NEW_FILES)
         assert not new.exists()

@@ -1,0 +1,37 @@
+"""The product's own files, and copies of them that a test may spoil."""
+
+import ast
+import shutil
+from functools import cache
+from pathlib import Path
+
+from places import ROOT
+
+WINGS = ("stimuli", "protocols", "analysis", "experiments")
+"""Beside the kernel, where a link to each shows it to editors and type checkers."""
+FOLDERS = ("tactometry", *WINGS)
+
+
+def sources() -> list[Path]:
+    """The Python files, each once."""
+    paths = (path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py"))
+    return sorted(path for path in paths if not any(part.is_symlink() for part in (path, *path.parents)))
+
+
+@cache
+def parsed(path: Path) -> ast.Module:
+    return ast.parse(path.read_text(encoding="utf-8"))
+
+
+def name_of(path: Path) -> str:
+    return path.relative_to(ROOT).as_posix()
+
+
+def copy_tree(place: Path, *files: str) -> Path:
+    """`place`, with the folders of the product and files that stand beside them."""
+    for file in files:
+        shutil.copy(ROOT / file, place)
+    for folder in FOLDERS:
+        ignored = shutil.ignore_patterns("__pycache__")
+        shutil.copytree(ROOT / folder, place / folder, symlinks=True, ignore=ignored)
+    return place
