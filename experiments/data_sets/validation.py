@@ -252,10 +252,10 @@ def _events(journal: Path, recording: Recording) -> Iterator[Defect]:
     file = journal.with_name(f"{journal.stem}_events.tsv")
     name = f"journals/{file.name}"
     if not os.path.lexists(file):
-        if recording.told:
+        if recording.event_rows:
             yield Defect(name, None, f"found no such file, expected the events of the journal; {REBUILD}")
         return
-    expected = events_tsv(recording.told, columns_in(COLUMNS, recording.format))
+    expected = events_tsv(recording.event_rows, columns_in(COLUMNS, recording.format))
     differs = disagreement(read_file(file, "an events file"), expected)
     if differs is not None:
         yield Defect(name, *differs)

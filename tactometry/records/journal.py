@@ -9,79 +9,105 @@ flushed and fsynced before `append` returns; an unfinished last line is what a c
 """
 
 import zlib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Final, NamedTuple, TypeVar
 
 import msgspec
 
 from ..errors import DeviceFailed, InvalidFile
 from ..files.durable import read_file
 from ..session.answer import Done
+from ..session.answer_rules import flaw
 from ..session.event import Event, decode_event
 from ..session.replay import Replay
-from ..session.request import Fact, Record, Request
+from ..session.request import REQUESTS, Fact, Record, Request
 from ..trials.trial import Trial
 from .formats import FORMAT, as_kept
 from .head import Head, head_of
-from .lines import Entry, decode_entry, kind_of_line
+
+T = TypeVar("T")
+_KEYS: Final = {
+    "request": {"request", "asked", "answer"},
+    "event": {"event", "at_s", "timestamp_utc", "facts"},
+    "sitting": {"sitting"},
+    "end": {"end"},
+}
+_MAY: Final[Mapping[str, set[str]]] = {"event": {"duration_s"}}
+"""Keys that a line may have, too."""
+
+
+class Entry(NamedTuple):
+    """A request with its answer."""
+
+    request: Request[Any]
+    answer: Any
+
+
+Line = Head | Entry | Event
 
 
 @dataclass(frozen=True)
 class Recording:
-    """A journal as it was read: `entries` up to the last whole line; `n_torn_bytes` of an unfinished last line.
+    """A journal as it was read up to its last whole line, with `n_torn_bytes` of an unfinished one behind it.
 
-    `lines` are the numbers of the entries' lines, `events` what happened unasked, `event_lines` their lines; `head` is
-    that of the first sitting, `resumed` those of later ones, `resumed_lines` their lines.
+    `lines` are what its lines hold, in their order, the first of them the head of the first sitting; `complete`: the
+    line behind them ends the session.
     """
 
-    head: Head | None
-    entries: tuple[Entry, ...]
+    lines: tuple[Line, ...]
     complete: bool
     n_torn_bytes: int = 0
-    lines: tuple[int, ...] = ()
-    events: tuple[Event, ...] = ()
-    event_lines: tuple[int, ...] = ()
-    resumed: tuple[Head, ...] = ()
-    resumed_lines: tuple[int, ...] = ()
 
     @property
     def sittings(self) -> tuple[Head, ...]:
         """The heads of all sittings, in order."""
-        return () if self.head is None else (self.head, *self.resumed)
+        return tuple(line for line in self.lines if isinstance(line, Head))
+
+    @property
+    def head(self) -> Head | None:
+        """That of the first sitting."""
+        return next(iter(self.sittings), None)
 
     @property
     def format(self) -> int:
         return FORMAT if self.head is None else self.head.format
 
     @property
-    def told(self) -> tuple[Event, ...]:
+    def entries(self) -> tuple[Entry, ...]:
+        return tuple(line for line in self.lines if isinstance(line, Entry))
+
+    @property
+    def events(self) -> tuple[Event, ...]:
+        """What happened unasked."""
+        return tuple(line for line in self.lines if isinstance(line, Event))
+
+    @property
+    def event_rows(self) -> tuple[Event, ...]:
         """What the table of events holds: the events, and what was aborted with a trial, in their order."""
-        aborts = [
-            (line, abortion(request, answer))
-            for line, (request, answer) in zip(self.lines, self.entries, strict=True)
-            if isinstance(request, Record) and request.aborted is not None
-        ]
-        numbered = [*zip(self.event_lines, self.events, strict=True), *aborts]
-        return tuple(event for _, event in sorted(numbered, key=lambda pair: pair[0]))
+        rows = (line if isinstance(line, Event) else abortion(line) for line in self.lines)
+        return tuple(event for event in rows if event is not None)
 
     def replay(self, where: str) -> Replay:
         """The rig that answers as recorded; `where` names the journal."""
         lasted_s = max((event.at_s for event in self.events), default=0.0)
-        return Replay(self.entries, where, self.lines, partial(as_kept, journal_format=self.format), lasted_s)
+        numbers = [number for number, line in enumerate(self.lines, 1) if isinstance(line, Entry)]
+        return Replay(self.entries, where, numbers, partial(as_kept, journal_format=self.format), lasted_s)
 
     @property
     def trials(self) -> tuple[Trial, ...]:
-        return tuple(request.trial for request, _ in self.entries if isinstance(request, Record))
+        return tuple(entry.request.trial for entry in self.entries if isinstance(entry.request, Record))
 
 
-def abortion(request: Record, answer: Done) -> Event:
-    """What is told of a row with which something ends unfinished."""
-    trial = request.trial
-    facts: dict[str, Fact] = {"block": trial.block, "trial": trial.trial, "attempt": trial.attempt}
-    return Event("abort", answer.at_s, trial.timestamp_utc, {**facts, "text": request.aborted})
+def abortion(line: Line) -> Event | None:
+    """What is told of a row with which something ends unfinished; None of any other line."""
+    match line:
+        case Entry(Record(trial, aborted), Done(at_s)) if aborted is not None:
+            facts: dict[str, Fact] = {"block": trial.block, "trial": trial.trial, "attempt": trial.attempt}
+            return Event("abort", at_s, trial.timestamp_utc, {**facts, "text": aborted})
+    return None
 
 
 def encode(value: dict[str, object], before: int = 0) -> bytes:
@@ -111,19 +137,16 @@ def encode_entry(request: Request[Any], answer: object, before: int = 0) -> byte
     return line
 
 
-def encode_event(event: Event, before: int = 0) -> bytes:
-    """One line of an event."""
-    what: dict[str, object] = {"event": event.kind, "at_s": event.at_s, "timestamp_utc": event.timestamp_utc}
-    lasting = {} if event.duration_s is None else {"duration_s": event.duration_s}
-    return encode({**what, **lasting, "facts": event.facts}, before)
+def encode_line(line: Event | Head, before: int = 0) -> bytes:
+    """One line of an event, or of the head of a later sitting."""
+    if isinstance(line, Head):
+        return encode({"sitting": asdict(line)}, before)
+    what: dict[str, object] = {"event": line.kind, "at_s": line.at_s, "timestamp_utc": line.timestamp_utc}
+    lasting = {} if line.duration_s is None else {"duration_s": line.duration_s}
+    return encode({**what, **lasting, "facts": line.facts}, before)
 
 
-def encode_sitting(head: Head, before: int = 0) -> bytes:
-    """One line of the head of a later sitting."""
-    return encode({"sitting": asdict(head)}, before)
-
-
-def _decode(line: bytes, before: int, where: str) -> dict[str, Any]:
+def _table(line: bytes, before: int, where: str) -> dict[str, Any]:
     # as text, from behind: the checksum is that of the bytes before it, whatever they hold
     body, mark, tail = line.rpartition(b',"crc32":"')
     if not mark or tail != b'%08x"}' % zlib.crc32(body, before):
@@ -163,48 +186,80 @@ def read(path: Path) -> Recording:
 def decode_journal(content: bytes, path: Path) -> Recording:
     """As `read`, of the bytes of a journal."""
     *whole, torn = content.split(b"\n")
-    head: Head | None = None
-    entries: dict[int, Entry] = {}
-    events: dict[int, Event] = {}
-    resumed: dict[int, Head] = {}
+    lines: list[Line] = []
     complete = False
-    for number, value in _lines(whole, path):
+    for number, table in _tables(whole, path):
         where = f"{path}, line {number}"
         if complete:
             raise InvalidFile(f"{where}: found a line behind the end of the session, expected none; remove it")
         try:
-            if number == 1:
-                head = head_of(value)
-                continue
-            match kind_of_line(value):
-                case "end":
-                    complete = True
-                case "sitting":
-                    resumed[number] = head_of(value["sitting"], head)
-                case "event":
-                    events[number] = decode_event(value)
-                case _:
-                    entries[number] = decode_entry(value)
+            line = _decode_line(table, lines[0] if lines else None)
         except msgspec.ValidationError as error:
             raise InvalidFile(
                 f"{where}: found {error}, expected {'the head' if number == 1 else 'a request or event'} of a journal "
                 f"of format {FORMAT}; read it with the version that wrote it"
             ) from None
-    return Recording(
-        head,
-        tuple(entries.values()),
-        complete,
-        len(torn),
-        tuple(entries),
-        tuple(events.values()),
-        tuple(events),
-        tuple(resumed.values()),
-        tuple(resumed),
-    )
+        if line is None:
+            complete = True
+        else:
+            lines.append(line)
+    return Recording(tuple(lines), complete, len(torn))
 
 
-def _lines(whole: list[bytes], path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
+def _tables(whole: Sequence[bytes], path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
     before = 0
     for number, line in enumerate(whole, 1):
-        yield number, _decode(line, before, f"{path}, line {number}")
+        yield number, _table(line, before, f"{path}, line {number}")
         before = checksum(line)
+
+
+def _decode_line(table: dict[str, Any], head: Line | None) -> Line | None:
+    """What a line holds, behind the `head` if it is not the first; None: the end. Raises `msgspec.ValidationError`."""
+    if not isinstance(head, Head):
+        return head_of(table)
+    kind = next((kind for kind in _KEYS if kind in table), "")
+    keys = table.keys() - _MAY.get(kind, set())
+    if not kind or keys != _KEYS[kind] or table.get("end", "complete") != "complete":
+        raise msgspec.ValidationError(f"a line of {', '.join(map(repr, table)) or 'nothing'}")
+    match kind:
+        case "sitting":
+            return head_of(table["sitting"], head)
+        case "event":
+            return decode_event(table)
+        case "request":
+            return decode_entry(table)
+    return None
+
+
+def decode_entry(value: dict[str, Any]) -> Entry:
+    """A request and its answer, from their line.
+
+    Raises
+    ------
+    msgspec.ValidationError
+        If they are none, or the answer is none to that request.
+    """
+    kind = REQUESTS.get(str(value.get("request")))
+    if kind is None:
+        raise msgspec.ValidationError(f"the request {value.get('request')!r}")
+    request = _strictly(value.get("asked"), kind)
+    answer: Any = _strictly(value.get("answer"), kind.answer_type)
+    wrong = flaw(request, answer)
+    if wrong is not None:
+        raise msgspec.ValidationError(wrong)
+    return Entry(request, answer)
+
+
+def _strictly(value: Any, kind: type[T]) -> T:
+    """A value as a class; a key that the class does not know is refused, also in the trial of a `Record`."""
+    built = msgspec.convert(value, kind)
+    _refuse_unknown(value, built)  # msgspec lets a key pass that a dataclass does not know
+    if isinstance(built, Record):
+        _refuse_unknown(value["trial"], built.trial)
+    return built
+
+
+def _refuse_unknown(table: Mapping[str, object], built: Any) -> None:
+    known = built.__dataclass_fields__.keys()
+    if not table.keys() <= known:
+        raise msgspec.ValidationError(f"the key {min(table.keys() - known)!r}")

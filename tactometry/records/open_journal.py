@@ -1,6 +1,5 @@
 """A journal that is open for writing: appended to, and repaired where an interruption left it."""
 
-import math
 import os
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -16,15 +15,7 @@ from ..session.event import Event
 from ..session.replay import Replay
 from ..session.request import Record, Request
 from .head import Head
-from .journal import (
-    Recording,
-    checksum,
-    decode_journal,
-    encode,
-    encode_entry,
-    encode_event,
-    encode_sitting,
-)
+from .journal import Entry, Line, Recording, checksum, decode_journal, encode, encode_entry, encode_line
 
 
 class Journal:
@@ -54,17 +45,17 @@ class Journal:
     def _repair(self) -> tuple[Recording, bytes]:
         content = read_file(self.path, "a journal")
         recording = decode_journal(content, self.path)
-        kept = recording if recording.complete else _until_last_trial(recording)
-        kept_lines = content.split(b"\n")[: _n_lines(kept)]
+        lines = recording.lines if recording.complete else _until_last_trial(recording.lines)
+        kept_lines = content.split(b"\n")[: len(lines) + recording.complete]
         n_bytes = sum(len(line) + 1 for line in kept_lines)
         self._before = checksum(content[: n_bytes - 1].rpartition(b"\n")[2]) if n_bytes else 0
-        cut = content[n_bytes:]
+        kept, cut = Recording(lines, recording.complete), content[n_bytes:]
         if cut:
             self.keep(after_trials=len(kept.trials), cut=cut.decode("utf-8", "backslashreplace"))
             # what was not asked happened all the same: it stays, behind what is kept
-            behind = _not_asked(recording)[len(kept.events) + len(kept.resumed) :]
+            behind = tuple(line for line in recording.lines[len(lines) :] if not isinstance(line, Entry))
             self._exchange(content[:n_bytes], behind)
-            kept = _with_behind(kept, behind)
+            kept = Recording((*lines, *behind), recording.complete)
         os.lseek(self._file, 0, os.SEEK_END)
         return kept, cut
 
@@ -80,11 +71,8 @@ class Journal:
     def _exchange(self, kept: bytes, behind: Sequence[Event | Head]) -> None:
         """Put what is kept, and lines of what stood behind it, in the place of the journal; it stays locked."""
         lines = []
-        for value in behind:
-            if isinstance(value, Event):
-                lines.append(encode_event(value, self._before))
-            else:
-                lines.append(encode_sitting(value, self._before))
+        for line in behind:
+            lines.append(encode_line(line, self._before))
             self._before = checksum(lines[-1])
         with draft(self.path, kept + b"".join(lines)) as (file, beside):
             _lock(file, self.path)  # before it has the name: no other process gets in between
@@ -104,13 +92,13 @@ class Journal:
             sync_folder(self.path.parent)
             self.head = head
         elif head != replace(last[0], begun_s=head.begun_s):
-            self._write(encode_sitting(head, self._before), durable=True)
+            self._write(encode_line(head, self._before), durable=True)
 
     def append(self, request: Request[Any], answer: object) -> None:
         self._write(encode_entry(request, answer, self._before), durable=isinstance(request, Record))
 
     def note(self, event: Event) -> None:
-        self._write(encode_event(event, self._before), durable=False)
+        self._write(encode_line(event, self._before), durable=False)
 
     def finish(self) -> None:
         """Write the last line, once."""
@@ -129,47 +117,11 @@ class Journal:
         self._before, self._unsynced = checksum(line), not durable
 
 
-def _until_last_trial(recording: Recording) -> Recording:
-    """Up to the last trial, with the events that follow it before anything else is asked."""
-    n_kept = max((n for n, (request, _) in enumerate(recording.entries, 1) if isinstance(request, Record)), default=0)
-    end = recording.lines[n_kept] if n_kept < len(recording.lines) else math.inf
-    n_events = sum(line < end for line in recording.event_lines)
-    n_resumed = sum(line < end for line in recording.resumed_lines)
-    return Recording(
-        recording.head,
-        recording.entries[:n_kept],
-        complete=False,
-        lines=recording.lines[:n_kept],
-        events=recording.events[:n_events],
-        event_lines=recording.event_lines[:n_events],
-        resumed=recording.resumed[:n_resumed],
-        resumed_lines=recording.resumed_lines[:n_resumed],
-    )
-
-
-def _not_asked(recording: Recording) -> list[Event | Head]:
-    """Every line that answers no request: events and heads of later sittings, in their order."""
-    by_line: dict[int, Event | Head] = dict(zip(recording.event_lines, recording.events, strict=True))
-    by_line |= dict(zip(recording.resumed_lines, recording.resumed, strict=True))
-    return [by_line[line] for line in sorted(by_line)]
-
-
-def _with_behind(kept: Recording, behind: Sequence[Event | Head]) -> Recording:
-    """A recording with more lines that answer no request."""
-    numbered = list(enumerate(behind, _n_lines(kept) + 1))
-    events = {n: value for n, value in numbered if isinstance(value, Event)}
-    heads = {n: value for n, value in numbered if isinstance(value, Head)}
-    return replace(
-        kept,
-        events=(*kept.events, *events.values()),
-        event_lines=(*kept.event_lines, *events),
-        resumed=(*kept.resumed, *heads.values()),
-        resumed_lines=(*kept.resumed_lines, *heads),
-    )
-
-
-def _n_lines(recording: Recording) -> int:
-    return len(recording.sittings) + len(recording.entries) + len(recording.events) + recording.complete
+def _until_last_trial(lines: Sequence[Line]) -> tuple[Line, ...]:
+    """Up to the last trial, with what follows it before anything else is asked."""
+    asked = [(n, isinstance(line.request, Record)) for n, line in enumerate(lines) if isinstance(line, Entry)]
+    last = max((n for n, is_trial in asked if is_trial), default=-1)
+    return tuple(lines[: next((n for n, _ in asked if n > last), len(lines))])
 
 
 def _open_locked(path: Path) -> int:

@@ -12,7 +12,6 @@ from ..errors import InvalidFile, InvalidParameter, counted
 from ..files.durable import drafts, read_file, replaced, write_whole
 from ..provenance import sha256
 from ..safety.limits import Exposure
-from ..session.answer import Done
 from ..session.event import COLUMNS, Event, events_tsv
 from ..session.replay import Replay
 from ..session.request import Record, Request
@@ -32,7 +31,7 @@ from .description import (
 from .formats import FORMAT, as_kept, columns_in
 from .head import Head
 from .history import exposure_before
-from .journal import abortion
+from .journal import Entry, abortion
 from .open_journal import Journal
 from .sittings import heads
 
@@ -165,8 +164,9 @@ class OpenSession:
             line = csv_bytes([row(request.trial, self._session, self._rig, self._columns)])
             write_whole(self._file, line, self._trials, durable=False)
             self.tally = self.tally.after(request.trial)
-            if request.aborted is not None and isinstance(answer, Done):
-                self._tell(abortion(request, answer))
+            aborted = abortion(Entry(request, answer))
+            if aborted is not None:
+                self._tell(aborted)
 
     def finish(self) -> None:
         self.journal.finish()
@@ -189,11 +189,11 @@ class OpenSession:
         content = trials_csv(recording.trials, self._session, self._rig, self._columns)
         for path in (self._trials, *drafts(self._trials.parent, self._trials.name)):
             self._keep_surplus(path, content)
-        self._keep_surplus(self._session.events(self._root), events_tsv(recording.told, self._events_columns))
+        self._keep_surplus(self._session.events(self._root), events_tsv(recording.event_rows, self._events_columns))
         describe_columns(self._session.sidecar(self._root), self._columns)
         self._file = replaced(self._trials, content)
-        if recording.told:
-            self._events_file = self._new_events(recording.told)
+        if recording.event_rows:
+            self._events_file = self._new_events(recording.event_rows)
         for folder in (self._trials.parent, self.journal.path.parent):
             for draft in drafts(folder, f"{self._session.stem}*"):
                 draft.unlink()

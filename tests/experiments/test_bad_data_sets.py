@@ -113,14 +113,13 @@ def test_replay_of_a_damaged_journal_is_bad_input(copied, capsys):
 def test_a_session_with_another_seed_is_refused_at_the_first_row_that_differs(copied):
     from tactometry.errors import Diverged
     from tactometry.records.journal import read
-    from tactometry.session.replay import Replay
     from tactometry.session.run import replay
 
     study, _ = load("tutorial")
     experiment = wire(study, "tutorial")
     recording = read(next((copied / "journals").glob("*P01*")))
     with pytest.raises(Diverged, match=r"line \d+: .*the recording holds .*, the protocol asks for"):
-        replay(experiment.course("P01", 1, 1, 4), Replay(recording.entries, "journal", recording.lines))
+        replay(experiment.course("P01", 1, 1, 4), recording.replay("journal"))
 
 
 def test_resuming_with_another_seed_is_refused(copied, capsys):

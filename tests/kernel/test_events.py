@@ -13,7 +13,8 @@ from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.sessions.recording import RigKind, record, simulated
-from tactometry.records.journal import read
+from tactometry.records.head import Head
+from tactometry.records.journal import Entry, read
 from tactometry.session.event import COLUMNS, FACTS, KINDS, Event, events_tsv
 from tactometry.session.request import Record
 
@@ -58,8 +59,7 @@ def test_events_stand_between_the_requests_and_replay_skips_them(noted):
     recording = read(journal_of(noted))
     assert recording.complete
     assert [event.at_s for event in recording.events] == [float(n + 1) for n in range(len(recording.entries))]
-    assert recording.event_lines == tuple(range(2, 2 + 2 * len(recording.entries), 2))
-    assert recording.lines == tuple(range(3, 3 + 2 * len(recording.entries), 2))
+    assert [type(line) for line in recording.lines] == [Head, *[Event, Entry] * len(recording.entries)]
     assert replay_data_set(noted)[0].n_trials == len(recording.trials)
     assert validate(noted).defects == ()
 
@@ -95,12 +95,9 @@ def test_events_right_behind_the_last_trial_are_not_cut_off(tmp_path):
     before = read(journal_of(tmp_path))
     record(EXPERIMENT, TOML, tmp_path, WHO, noting(), resume=True)
     after = read(journal_of(tmp_path))
-    last = max(
-        line for line, (request, _) in zip(before.lines, before.entries, strict=True) if isinstance(request, Record)
-    )
-    kept = sum(line < last for line in before.event_lines)
-    assert after.events[:kept] == before.events[:kept]
-    assert after.event_lines[:kept] == before.event_lines[:kept]
+    rows = [n for n, line in enumerate(before.lines) if isinstance(line, Entry) and isinstance(line.request, Record)]
+    assert after.lines[: rows[-1] + 2] == before.lines[: rows[-1] + 2]
+    assert isinstance(before.lines[rows[-1] + 1], Event)
 
 
 def test_a_session_without_events_has_no_table_of_them(lived):

@@ -11,7 +11,7 @@ from tutorial_session import journal_of
 
 from tactometry.errors import DeviceFailed, SessionInUse
 from tactometry.files.durable import drafts
-from tactometry.records.journal import encode_event, read
+from tactometry.records.journal import encode_line, read
 from tactometry.records.open_journal import Journal
 from tactometry.session.answer import Done
 from tactometry.session.event import Event
@@ -149,4 +149,4 @@ def test_what_was_cut_off_is_kept_beside(cut_off):
     journal.close()
     (line,) = journal.interruptions.read_text().splitlines()
     assert json.loads(line)["cut"].endswith('{"request":"Slide","as')
-    assert encode_event(TOLD[0])[:40].decode() in json.loads(line)["cut"]
+    assert encode_line(TOLD[0])[:40].decode() in json.loads(line)["cut"]
