@@ -52,7 +52,7 @@ class Gated:
 
     def _arm(self):
         from tactometry.gates.force import ForceGate
-        from tactometry.rigs.touch.applied_force import AppliedForce
+        from tactometry.rigs.touch.gated_samples import AppliedForce
         from tactometry.rigs.touch.trigger import Trigger
 
         self.grip = AppliedForce(ForceGate(1.0, 0.2, HOLD_S))

@@ -120,7 +120,7 @@ def compliance(
     Compliance(mean_n=1.5, sd_n=0.5, in_band=0.5)
     """
     positive("compliance", target_n=target_n, tolerance=tolerance, window_s=window_s)
-    times, forces = _trace(times_s, forces_n)
+    times, forces = stamped_samples("compliance", times_s, forces_n, "forces_n", rising=False)
     off_target_n = np.abs(_running_mean(times, forces, window_s) - target_n)
     in_band = off_target_n <= tolerance * target_n
     return Compliance(float(forces.mean()), float(forces.std()), float(in_band.mean()))
@@ -136,23 +136,31 @@ def _running_mean(times_s: NDArray[np.float64], forces_n: NDArray[np.float64], w
     return np.asarray(sums / (behind - first), dtype=np.float64)
 
 
-def _trace(times_s: ArrayLike, forces_n: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    times, forces = np.asarray(times_s, dtype=np.float64), np.asarray(forces_n, dtype=np.float64)
-    if times.ndim != 1 or times.shape != forces.shape or times.size == 0:
-        raise InvalidParameter(
-            f"compliance: found {times.shape} stamps and {forces.shape} forces, expected as many of both, at least one"
-        )
-    for name, values in (("times_s", times), ("forces_n", forces)):
-        _all_finite(name, values)
-    if np.any(np.diff(times) < 0):
-        k = int(np.argmax(np.diff(times) < 0)) + 1
-        raise InvalidParameter(f"compliance.times_s[{k}]: found {times[k]} after {times[k - 1]}, expected no step back")
-    return times, forces
+def stamped_samples(
+    owner: str, times_s: ArrayLike, values: ArrayLike, name: str, *, rising: bool
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Finite values with their stamps (s): at least two that rise, or at least one with none that goes back.
 
-
-def _all_finite(name: str, values: NDArray[np.float64]) -> None:
-    if not np.isfinite(values).all():
-        k = int(np.argmin(np.isfinite(values)))
+    Raises
+    ------
+    InvalidParameter
+        If they are none; `owner` opens the sentence, which calls the values by their `name`.
+    """
+    times, samples = np.asarray(times_s, dtype=np.float64), np.asarray(values, dtype=np.float64)
+    if times.ndim != 1 or times.shape != samples.shape or times.size < 1 + rising:
         raise InvalidParameter(
-            f"compliance.{name}[{k}]: found {values[k]}, expected a finite number; leave lost samples out"
+            f"{owner}: found {times.shape} stamps and {samples.shape} {name}, expected as many of both, at least "
+            f"{'two' if rising else 'one'}"
         )
+    for which, found in (("times_s", times), (name, samples)):
+        if not np.isfinite(found).all():
+            k = int(np.argmin(np.isfinite(found)))
+            raise InvalidParameter(
+                f"{owner}.{which}[{k}]: found {found[k]}, expected a finite number; leave lost samples out"
+            )
+    wrong = np.diff(times) <= 0 if rising else np.diff(times) < 0
+    if wrong.any():
+        k = int(np.argmax(wrong)) + 1
+        expected = "a later stamp" if rising else "no step back"
+        raise InvalidParameter(f"{owner}.times_s[{k}]: found {times[k]} after {times[k - 1]}, expected {expected}")
+    return times, samples

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..arguments.require import not_negative, positive
-from ..errors import InvalidParameter
+from .force import stamped_samples
 
 WINDOW_S = 0.05
 """A speed is the way between the ends of a window of this length over its duration (unverified default)."""
@@ -143,7 +143,7 @@ def motion(
     0.5
     """
     gate = SpeedGate(target_m_per_s, tolerance, window_s=window_s)
-    times, positions = _path(times_s, positions_m)
+    times, positions = stamped_samples("motion", times_s, positions_m, "positions_m", rising=True)
     half_s = window_s / 2 * (1 + 1e-9)  # a sample at the very end of a window stays in it whatever rounding does
     first = np.searchsorted(times, times - half_s, side="left")
     last = np.searchsorted(times, times + half_s, side="right") - 1
@@ -155,20 +155,6 @@ def motion(
     mean_m_per_s = float(np.abs(np.diff(positions)).sum() / (times[-1] - times[0]))
     in_band = np.abs(speeds - gate.target_m_per_s) <= tolerance * gate.target_m_per_s * (1 + 1e-12)
     return SpeedCompliance(mean_m_per_s, float(in_band.mean()))
-
-
-def _path(times_s: ArrayLike, positions_m: ArrayLike) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    times, positions = np.asarray(times_s, dtype=np.float64), np.asarray(positions_m, dtype=np.float64)
-    if times.ndim != 1 or times.shape != positions.shape or times.size < 2:
-        raise InvalidParameter(
-            f"motion: found {times.shape} stamps and {positions.shape} places, expected as many of both, at least two"
-        )
-    if not (np.isfinite(times).all() and np.isfinite(positions).all()):
-        raise InvalidParameter("motion: found a stamp or a place that is not finite; leave lost samples out")
-    if np.any(np.diff(times) <= 0):
-        k = int(np.argmax(np.diff(times) <= 0)) + 1
-        raise InvalidParameter(f"motion.times_s[{k}]: found {times[k]} after {times[k - 1]}, expected a later stamp")
-    return times, positions
 
 
 def triangle(path_m: ArrayLike, length_m: float) -> NDArray[np.float64]:

@@ -3,16 +3,19 @@
 import os
 import threading
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from datetime import datetime
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
+
+import msgspec
 
 from ..errors import InvalidFile, InvalidParameter, counted
 from ..files.durable import drafts, read_file, replaced, write_whole
 from ..provenance import sha256
 from ..safety.limits import Exposure
-from ..session.event import COLUMNS, Event, events_tsv
+from ..session.event import COLUMNS, Event, decode_event, events_tsv
 from ..session.replay import Replay
 from ..session.request import Record, Request
 from ..trials.cells import csv_bytes
@@ -30,10 +33,11 @@ from .description import (
 )
 from .formats import FORMAT, as_kept, columns_in
 from .head import Head
-from .history import exposure_before
 from .journal import Entry, abortion
 from .open_journal import Journal
 from .sittings import heads
+
+_STIMULUS: Final = b'{"event":"stimulus"'
 
 
 def refuse_mixing(root: Path, rig: str) -> None:
@@ -56,6 +60,47 @@ def refuse_mixing(root: Path, rig: str) -> None:
                 f"{root}: found sessions of {whom}, expected none beside those of the rig {rig!r}, as real and "
                 "simulated data never share a folder; give another --out"
             )
+
+
+def stimuli(journal: Path) -> Iterator[Event]:
+    """The stimuli of a journal, by a quick look: a damaged line is none."""
+    for line in read_file(journal, "a journal").split(b"\n"):
+        if line.startswith(_STIMULUS):
+            try:
+                yield decode_event(msgspec.json.decode(line))
+            except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
+                continue
+
+
+def exposure_before(own: Path, others: list[Path], elapsed_s: float, window_s: float) -> Exposure:
+    """What counts when a session goes on, or another of the same participant begins, on `time.perf_counter`.
+
+    Stimuli of the last `window_s` of all journals; the time (`elapsed_s`) and the charge of the session's `own`. A
+    stimulus that was stopped counts as long as it was to be. One that is yet to come by the wall clock, which was set
+    back, has just begun.
+    """
+    # the wall clock is what sittings share: `perf_counter` begins somewhere else in each
+    now_s, now_utc_s = time.perf_counter(), time.time()
+    of_session = list(stimuli(own))
+    of_others = [event for journal in others for event in stimuli(journal)]
+    intervals_s = []
+    for event in (*of_session, *of_others):
+        utc_s = _utc_s(event)
+        if utc_s is None or event.duration_s is None:
+            continue
+        since_s = min(utc_s - now_utc_s, 0.0)
+        if since_s > -window_s - event.duration_s:
+            begin_s = now_s + since_s
+            intervals_s.append((begin_s, begin_s + event.duration_s))
+    charges_c = [charge for event in of_session if isinstance(charge := event.facts.get("charge_c"), float)]
+    return Exposure(now_s - elapsed_s, tuple(sorted(intervals_s)), sum(charges_c))
+
+
+def _utc_s(event: Event) -> float | None:
+    try:
+        return None if event.timestamp_utc is None else datetime.fromisoformat(event.timestamp_utc).timestamp()
+    except (ValueError, OverflowError):
+        return None
 
 
 class OpenSession:

@@ -37,10 +37,9 @@ from .pages import entry, form, layout
 from .pages.page import Answer, Display, Page
 from .pages.presenter import Dress, as_it_is
 from .texts import Texts
-from .touch.playing import play_to_end
 from .touch.touch import TouchCourse, moving_cue
 from .touch.trace import Trace
-from .touch.watchdog import watchdog
+from .touch.watchdog import play_to_end, watchdog
 
 S = TypeVar("S")
 

@@ -18,9 +18,9 @@ from .experimenter.supervisor import utc_text
 from .experimenter.terminal import ExperimenterTerminal
 from .pages import layout
 from .texts import Texts
-from .touch.playing import play_to_end
 from .touch.touch import TouchCourse
 from .touch.trace import Trace
+from .touch.watchdog import play_to_end
 
 T = TypeVar("T")
 

@@ -11,23 +11,23 @@ STANDING_PART: Final = 0.1
 """Below this part of the target speed a finger has stopped (unverified default)."""
 
 
-def broken(request: Press | Slide, force: Compliance, speed: SpeedCompliance | None) -> Reason | None:
+def broken_condition(request: Press | Slide, force: Compliance, speed: SpeedCompliance | None) -> Reason | None:
     """Which condition of a touch was not kept for long enough, the force's first; `speed` None: it is not gated.
 
-    >>> broken(Press("tone", 5.0, 0.3, 1.0, 0.2, 0.1, 5.0), Compliance(0.7, 0.1, in_band=0.5), None)
+    >>> broken_condition(Press("tone", 5.0, 0.3, 1.0, 0.2, 0.1, 5.0), Compliance(0.7, 0.1, in_band=0.5), None)
     'too_light'
     """
     if force.in_band < VALID_PART:
         return "too_light" if force.mean_n < request.target_n else "too_heavy"
     if speed is None or speed.in_band >= VALID_PART or isinstance(request, Press):
         return None
-    return side_of(speed.mean_m_per_s, request.speed_m_per_s)
+    return fault_of_speed(speed.mean_m_per_s, request.speed_m_per_s)
 
 
-def side_of(speed_m_per_s: float, target_m_per_s: float) -> Reason:
+def fault_of_speed(speed_m_per_s: float, target_m_per_s: float) -> Reason:
     """What is wrong with a speed that is out of its band.
 
-    >>> side_of(0.001, 0.05), side_of(0.03, 0.05), side_of(0.08, 0.05)
+    >>> fault_of_speed(0.001, 0.05), fault_of_speed(0.03, 0.05), fault_of_speed(0.08, 0.05)
     ('stopped', 'too_slow', 'too_fast')
     """
     if speed_m_per_s < STANDING_PART * target_m_per_s:

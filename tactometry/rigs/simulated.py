@@ -33,7 +33,7 @@ from ..session.request import (
 )
 from ..signal import Signal, Stimulus
 from ..trials.trial import Trial
-from .judgement import broken
+from .judgement import broken_condition
 from .live_rig import LiveRig
 from .rendering import render
 
@@ -142,7 +142,7 @@ class SimulatedRig(LiveRig):
         grip = self._finger.hold(request, self._rng)
         force = compliance(grip.times_s, grip.forces_n, request.target_n, request.tolerance)
         speed = _moved(request, grip)
-        reason = broken(request, force, speed)
+        reason = broken_condition(request, force, speed)
         self._feel(request.stimulus, signal, Contact(force.mean_n, grip.speed_m_per_s))
         self._pass(request.hold_s)
         return Touched(

@@ -9,8 +9,8 @@ import ctypes
 import time
 import warnings
 from collections import Counter, deque
-from collections.abc import Callable, Iterable
-from contextlib import ExitStack
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager
 from importlib.metadata import version
 from pathlib import Path
 from types import SimpleNamespace
@@ -53,6 +53,23 @@ def _psychopy() -> SimpleNamespace:
     )
 
 
+@contextmanager
+def failing_as(what: str, cure: str) -> Iterator[None]:
+    """Whatever PsychoPy raises in the body as one sentence, with its cause between `what` and `cure`.
+
+    Raises
+    ------
+    DeviceFailed
+        If the body fails, or ends the program without a signal.
+    """
+    try:
+        yield
+    except (Exception, SystemExit) as error:
+        if ended_by_signal(error) or isinstance(error, DeviceFailed):
+            raise
+        raise DeviceFailed(f"{what} ({type(error).__name__}: {error}){cure}") from error
+
+
 def load_psychopy() -> SimpleNamespace:
     """PsychoPy, or one sentence that says what to install.
 
@@ -61,25 +78,20 @@ def load_psychopy() -> SimpleNamespace:
     DeviceFailed
         If it is not installed, a library of the system is missing, or there is no display.
     """
-    try:
-        return _psychopy()
-    except ModuleNotFoundError as error:
-        raise DeviceFailed(
-            f"window: found no module {error.name!r}, expected PsychoPy; install it with "
-            "pip install 'tactometry[window]' on Python 3.11 or 3.12"
-        ) from error
-    except ImportError as error:
-        raise DeviceFailed(
-            f"window: a library of the system is missing ({error}); on Debian: "
-            "apt-get install libgl1 libglu1-mesa libfontconfig1 libportaudio2"
-        ) from error
-    except (Exception, SystemExit) as error:
-        if ended_by_signal(error):
-            raise
-        raise DeviceFailed(
-            f"window: found no display ({type(error).__name__}: {error}), expected a screen; start it "
-            "from a desktop session, or set DISPLAY"
-        ) from error
+    no_display = "window: found no display", ", expected a screen; start it from a desktop session, or set DISPLAY"
+    with failing_as(*no_display):
+        try:
+            return _psychopy()
+        except ModuleNotFoundError as error:
+            raise DeviceFailed(
+                f"window: found no module {error.name!r}, expected PsychoPy; install it with "
+                "pip install 'tactometry[window]' on Python 3.11 or 3.12"
+            ) from error
+        except ImportError as error:
+            raise DeviceFailed(
+                f"window: a library of the system is missing ({error}); on Debian: "
+                "apt-get install libgl1 libglu1-mesa libfontconfig1 libportaudio2"
+            ) from error
 
 
 class Window:
@@ -289,7 +301,8 @@ def _mode_of(screen: Any) -> Any:
 def _open_window(psychopy: SimpleNamespace, *, fullscreen: bool, size: tuple[int, int] | None) -> Any:
     monitor = psychopy.monitors.Monitor("tactometry", width=UNSTATED_WIDTH_CM, distance=VIEWING_DISTANCE_CM)
     monitor.setSizePix(size or (1280, 800))
-    try:
+    cure = "; check that DISPLAY names a screen with 24-bit colour and OpenGL"
+    with failing_as("window: PsychoPy could not open one", cure):
         return psychopy.visual.Window(
             size=size or (1280, 800),
             fullscr=fullscreen,
@@ -301,27 +314,14 @@ def _open_window(psychopy: SimpleNamespace, *, fullscreen: bool, size: tuple[int
             gammaErrorPolicy="ignore",
             autoLog=False,
         )
-    except (Exception, SystemExit) as error:
-        if ended_by_signal(error):
-            raise
-        raise DeviceFailed(
-            f"window: PsychoPy could not open one ({type(error).__name__}: {error}); check that DISPLAY "
-            "names a screen with 24-bit colour and OpenGL"
-        ) from error
 
 
 def _open_keyboard(psychopy: SimpleNamespace) -> Any:
-    try:
+    cure = "; on macOS allow the terminal 'Input Monitoring' in the privacy settings"
+    with failing_as("keyboard: PsychoPy could not open one", cure):
         keyboard = psychopy.keyboard.Keyboard(backend="ptb", bufferSize=2 * N_WAITING_PRESSES)
         keyboard.start()
         keyboard.clearEvents()
-    except (Exception, SystemExit) as error:
-        if ended_by_signal(error):
-            raise
-        raise DeviceFailed(
-            f"keyboard: PsychoPy could not open one ({type(error).__name__}: {error}); on macOS allow the "
-            "terminal 'Input Monitoring' in the privacy settings"
-        ) from error
     if keyboard.getBackend() != "ptb":
         raise DeviceFailed(
             f"keyboard: found PsychoPy's back end {keyboard.getBackend()!r}, which loses answers, expected "

@@ -1,10 +1,10 @@
 """What may reach a finger, checked on the final samples by every rig and every output."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from ..arguments.require import positive
+from ..arguments.require import given, positive
 from ..errors import InvalidParameter, LimitExceeded
 from ..signal import Signal
 from .load import Load
@@ -19,15 +19,6 @@ FORCE_PEAK_N = 10.0
 """Of a finger where nobody stated another limit: what the touches of the literature ask for several times over, and
 below what small force sensors and thin glass bear (unverified default)."""
 
-OPTIONAL = (
-    "duration_s",
-    "current_peak_a",
-    "charge_peak_c",
-    "displacement_peak_m",
-    "duty",
-    "session_s",
-    "charge_session_c",
-)
 NEEDED = {
     "electrode": ("duration_s", "duty", "session_s"),
     "piezo": ("duration_s", "displacement_peak_m", "duty", "session_s"),
@@ -77,8 +68,8 @@ class Limits:
     charge_session_c: float | None = None
 
     def __post_init__(self) -> None:
-        stated = {name: value for name, value in vars(self).items() if value is not None or name not in OPTIONAL}
-        positive("Limits", **stated)
+        always = {"voltage_peak_v": self.voltage_peak_v, "duty_window_s": self.duty_window_s}
+        positive("Limits", **given(vars(self)) | always | {"force_peak_n": self.force_peak_n})
         if self.duty is not None and self.duty > 1:
             raise InvalidParameter(f"Limits.duty: found {self.duty}, expected at most 1")
 
@@ -255,16 +246,7 @@ class Exposure:
         return replace(self, intervals_s=tuple((a, min(b, at_s)) for a, b in self.intervals_s if a < at_s))
 
 
-_COMPARABLE = (
-    "voltage_peak_v",
-    "duration_s",
-    "current_peak_a",
-    "charge_peak_c",
-    "displacement_peak_m",
-    "session_s",
-    "force_peak_n",
-    "charge_session_c",
-)
+_COMPARABLE = [field.name for field in fields(Limits) if field.name not in ("duty", "duty_window_s")]
 
 
 def _smaller(one: float | None, other: float | None) -> float | None:

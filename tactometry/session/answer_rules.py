@@ -1,7 +1,6 @@
 """Whether an answer is one that its request can have: one of the options, on the scale, within the bounds."""
 
 from collections.abc import Sequence
-from functools import singledispatch
 
 from ..trials.cell_rules import LARGEST_ANSWER
 from .answer import Adjusted, Chosen, Filled, Rated
@@ -11,44 +10,26 @@ SLACK = 1e-9
 """Steps from within may miss a bound by a rounding, in parts of the bounds."""
 
 
-@singledispatch
 def flaw(request: object, answer: object) -> str | None:
     """What is wrong with an answer, in words; None where nothing is.
 
     >>> flaw(Choose("felt", (0, 1), ("no", "yes")), Chosen(2, 0.0, 1.0))
     'the option 2, expected one of 0, 1'
     """
-    del request, answer
+    match request, answer:
+        case Choose(options=options), Chosen(option) if option not in options:
+            return f"the option {option}, expected one of {', '.join(map(str, options))}"
+        case Enter(low=low, high=high), Rated(value):
+            return _beside((value,), low, LARGEST_ANSWER if high is None else high)
+        case Rate(low=low, high=high), Rated(value):
+            return _beside((value,), low, high, SLACK)
+        case Fill(questions=questions), Filled(values) if len(values) != len(questions):
+            return f"{len(values)} values, expected one for each of {len(questions)} questions"
+        case Fill(low=low, high=high), Filled(values):
+            return _beside(values, low, high, SLACK)
+        case Adjust(low=low, high=high), Adjusted(level):
+            return _beside((level,), low, high, SLACK)
     return None
-
-
-@flaw.register
-def _(request: Choose, answer: Chosen) -> str | None:
-    if answer.option in request.options:
-        return None
-    return f"the option {answer.option}, expected one of {', '.join(map(str, request.options))}"
-
-
-@flaw.register
-def _(request: Enter, answer: Rated) -> str | None:
-    return _beside((answer.value,), request.low, LARGEST_ANSWER if request.high is None else request.high)
-
-
-@flaw.register
-def _(request: Rate, answer: Rated) -> str | None:
-    return _beside((answer.value,), request.low, request.high, SLACK)
-
-
-@flaw.register
-def _(request: Fill, answer: Filled) -> str | None:
-    if len(answer.values) != len(request.questions):
-        return f"{len(answer.values)} values, expected one for each of {len(request.questions)} questions"
-    return _beside(answer.values, request.low, request.high, SLACK)
-
-
-@flaw.register
-def _(request: Adjust, answer: Adjusted) -> str | None:
-    return _beside((answer.level,), request.low, request.high, SLACK)
 
 
 def _beside(values: Sequence[float | None], low: float, high: float, slack: float = 0.0) -> str | None:

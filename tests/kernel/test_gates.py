@@ -188,7 +188,11 @@ def test_a_constant_speed_is_in_band_if_and_only_if_it_is_near_its_target(speed,
     [
         ([0.0], [0.0], "at least two"),
         ([0.0, 0.0], [0.0, 1.0], r"times_s\[1\]: found 0.0 after 0.0, expected a later stamp"),
-        ([0.0, 1.0], [0.0, math.nan], "not finite; leave lost samples out"),
+        (
+            [0.0, 1.0],
+            [0.0, math.nan],
+            r"positions_m\[\d\]: found nan, expected a finite number; leave lost samples out",
+        ),
         ([0.0, 1.0], [0.0], "as many of both"),
     ],
 )

@@ -14,8 +14,7 @@ from patience import LONGEST_WAIT_S
 from tactometry.devices.sensors.reader import Reader
 from tactometry.errors import DeviceFailed
 from tactometry.rigs.emitter import Emitter
-from tactometry.rigs.touch.applied_force import SILENT_S
-from tactometry.rigs.touch.finger_motion import MOVING_S
+from tactometry.rigs.touch.gated_samples import MOVING_S, SILENT_S
 from tactometry.rigs.touch.touch import Held
 from tactometry.rigs.touch.trace import DEAF_S, Trace
 from tactometry.rigs.touch.trigger import TURN_S, Trigger, hearing, quick_turns
@@ -68,7 +67,7 @@ def test_a_press_begins_only_where_its_own_force_was_held_for_its_own_time(runs,
     for n in in_turns(held.applied_force.hear, stamps_s(len(trace)), trace):
         true = spans(n_last(trace[: n + 1], lambda force: abs(force - 1.0) <= 0.2), hold_s)
         assert true or not held.open
-        assert held.applied_force._gate.open == true
+        assert held.applied_force.gate.open == true
         assert math.isnan(trace[n]) == (held.applied_force.force_n is None)
 
 

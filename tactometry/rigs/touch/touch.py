@@ -14,12 +14,11 @@ from ...session.answer import Touched
 from ...session.request import Press, Slide
 from ...signal import Signal
 from ...trials.trial import Reason
-from ..judgement import broken
+from ..judgement import broken_condition
 from ..pages import layout
 from ..pages.page import Page
 from ..pages.presenter import Dress, as_it_is
-from .applied_force import AppliedForce
-from .finger_motion import MOVING_S, FingerMotion
+from .gated_samples import MOVING_S, AppliedForce, FingerMotion
 from .release import Release
 from .setup import TouchSetup
 from .trace import Trace, speed_m_per_s
@@ -250,7 +249,7 @@ class TouchCourse:
         reason = cut_by or ("output_gap" if n_gaps else None)
         speed_is_lost = held.finger_motion is not None and speed is None
         if reason is None:
-            reason = "sensor_lost" if force is None or speed_is_lost else broken(self.request, force, speed)
+            reason = "sensor_lost" if force is None or speed_is_lost else broken_condition(self.request, force, speed)
         kept = {
             "force_mean_n": None if force is None else force.mean_n,
             "force_sd_n": None if force is None else force.sd_n,

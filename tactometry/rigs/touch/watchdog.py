@@ -7,7 +7,11 @@ import numpy as np
 
 from ...devices.sensors.force_sensor import ForceSensor
 from ...devices.sensors.reader import FloatArray
-from .applied_force import SILENT_S
+from ...session.answer import Played
+from ...session.request import Play
+from ...signal import Signal
+from ..pages.page import Page
+from .gated_samples import SILENT_S
 from .setup import TouchSetup
 from .trace import Trace
 from .trigger import hearing
@@ -58,3 +62,19 @@ def watchdog(setup: TouchSetup) -> Iterator[Callable[[], None]]:
 
     with hearing(sensor, hear, consider):
         yield look
+
+
+def play_to_end(setup: TouchSetup, request: Play, page: Page, signal: Signal | None) -> Played:
+    """The answer (its onset on `time.perf_counter`): it plays under a watchdog, and begins anew after a pause."""
+    presenter, emitter = setup.presenter, setup.emitter
+    begin_s = presenter.present(page)
+    with watchdog(setup) as look:
+        while True:
+            onset_s = emitter.emit(signal)
+            presenter.hold(onset_s + request.duration_s, page, each_frame=look)
+            look()  # what happened since the last frame counts too
+            if presenter.paused_until_s < begin_s:  # no pause since it began
+                break
+            begin_s = presenter.present(page)
+    digest = emitter.digest(signal) or ""
+    return Played(onset_s, emitter.delivered(request.level), digest, emitter.n_gaps(signal))

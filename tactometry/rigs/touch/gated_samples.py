@@ -1,0 +1,128 @@
+"""What the finger does during one touch: the samples of its force and of its way, collected, gated, and judged."""
+
+import math
+from abc import ABC, abstractmethod
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from ...devices.sensors.reader import FloatArray
+from ...gates.force import Compliance, ForceGate, compliance
+from ...gates.speed import SpeedCompliance, SpeedGate, motion
+from ...safety.limits import FORCE_PEAK_N
+from ...trials.trial import Reason
+from ..judgement import fault_of_speed
+from .trace import Since, Trace
+
+G = TypeVar("G", ForceGate, SpeedGate)
+
+SILENT_S = 0.1
+"""A sensor that says nothing for longer is lost."""
+AWAY_PART = 0.1
+"""Below this part of the target the finger has left (unverified default)."""
+MOVING_S = 0.1
+"""So long must a speed be kept before a stimulus begins: a turn of a fast finger is shorter (unverified default)."""
+HALT_S = 0.15
+"""A finger that is out of its band of speed for longer has stopped; a turn is shorter (unverified default)."""
+
+
+class GatedSamples(ABC, Generic[G]):
+    """Hears the samples of one touch, each through a gate; `opened_s` is the stamp of the one that opened it."""
+
+    def __init__(self, gate: G) -> None:
+        self.gate: G = gate
+        """The gate after the last sample."""
+        self.opened_s: float | None = None
+        self._trace, self._since = Trace(), Since()
+        self._good_s: float | None = None
+
+    @property
+    def open(self) -> bool:
+        """Whether it was held long enough, by the sensor's stamps and by our clock."""
+        return self.gate.open and self._since.lasts(self.gate.hold_s)
+
+    @abstractmethod
+    def _is_good(self, value: float) -> bool:
+        """Whether what plays may go on after this sample."""
+
+    def hear(self, times_s: FloatArray, values: FloatArray) -> None:
+        self._trace.hear(times_s, values)
+        along = values if values.ndim == 1 else values[:, 0]  # of positions the first axis
+        for time_s, value in zip(times_s.tolist(), along.tolist(), strict=True):
+            was_open = self.gate.open
+            self.gate = self.gate.after(time_s, value)
+            self._since.hear(self.gate.since_s)
+            if self.gate.open and not was_open:
+                self.opened_s = time_s
+            if self._is_good(value) or self._good_s is None:
+                self._good_s = time_s  # of a first sample that is not good too: from there on the time counts
+
+    def _is_bad_for(self, longest_s: float) -> bool:
+        """Whether no sample was good for longer."""
+        last_s, good_s = self._trace.last_s, self._good_s
+        return last_s is not None and good_s is not None and last_s - good_s > longest_s
+
+
+class AppliedForce(GatedSamples[ForceGate]):
+    """The finger's force: one above `force_peak_n` stops what plays."""
+
+    def __init__(self, gate: ForceGate, force_peak_n: float = FORCE_PEAK_N) -> None:
+        super().__init__(gate)
+        self._force_peak_n = force_peak_n
+        self.force_n: float | None = None
+        """The last force, N; None before the first sample and after a lost one."""
+
+    @property
+    def open(self) -> bool:
+        """Whether the force was held long enough, by the sensor's stamps and by our clock, and is known of now."""
+        return super().open and self._trace.age_s <= SILENT_S
+
+    def _is_good(self, value: float) -> bool:
+        self.force_n = value if math.isfinite(value) else None
+        return self.force_n is not None
+
+    @property
+    def silent(self) -> bool:
+        """Whether the sensor says nothing, or nothing but lost samples."""
+        return self._is_bad_for(SILENT_S) or self._trace.quiet(SILENT_S)
+
+    @property
+    def loss(self) -> Reason | None:
+        """Why nothing may play any more: the sensor is silent, the finger has left, or it presses too much."""
+        force_n = self.force_n
+        if self.silent:
+            return "sensor_lost"
+        if force_n is None:
+            return None
+        if force_n > self._force_peak_n:
+            return "too_heavy"
+        return "lifted" if force_n < AWAY_PART * self.gate.target_n else None
+
+    def compliance(self, begin_s: float, end_s: float) -> Compliance | None:
+        """How the force was kept from `begin_s` to `end_s`; None without samples or if stamps go back."""
+        times_s, forces_n = self._trace.between(begin_s, end_s)
+        return compliance(times_s, forces_n, self.gate.target_n, self.gate.tolerance) if times_s.size else None
+
+
+class FingerMotion(GatedSamples[SpeedGate]):
+    """The finger's way; its path lies along the sensor's first axis."""
+
+    def _is_good(self, value: float) -> bool:
+        return self.gate.moving
+
+    @property
+    def loss(self) -> Reason | None:
+        """Why nothing may play any more: the finger has left its band of speed, or the sensor is silent."""
+        if self._trace.quiet(HALT_S):
+            return "sensor_lost"
+        if not self._is_bad_for(HALT_S):
+            return None
+        speed_m_per_s = self.gate.speed_m_per_s
+        return "sensor_lost" if speed_m_per_s is None else fault_of_speed(speed_m_per_s, self.gate.target_m_per_s)
+
+    def motion(self, begin_s: float, end_s: float) -> SpeedCompliance | None:
+        """How the speed was kept; None where it was not measured."""
+        times_s, positions_m = self._trace.between(begin_s, end_s)
+        if times_s.size < 2 or np.any(np.diff(times_s) == 0):  # two places at one time have no speed
+            return None
+        return motion(times_s, positions_m[:, 0], self.gate.target_m_per_s, self.gate.tolerance)

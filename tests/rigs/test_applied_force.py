@@ -1,0 +1,62 @@
+"""A force is known of now: a sensor is silent by its last stamp, and nothing begins on what waited to be read."""
+
+import time
+
+import numpy as np
+import pytest
+
+from tactometry.gates.force import ForceGate
+from tactometry.rigs.touch.gated_samples import SILENT_S, AppliedForce
+
+NOTHING = np.empty(0)
+
+
+@pytest.fixture
+def force():
+    return AppliedForce(ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.2))
+
+
+def hold_that_ended(force, ago_s):
+    times_s = time.perf_counter() - ago_s - np.arange(300)[::-1] / 1000
+    force.hear(times_s, np.ones(300))
+
+
+def opens_now(force):
+    """A hold that is heard of for as long as it lasts."""
+    begin_s = last_s = time.perf_counter()
+    hold_that_ended(force, 0.0)
+    while time.perf_counter() < begin_s + 20.0:
+        last_s, since_s = time.perf_counter(), last_s
+        times_s = np.arange(since_s, last_s, 1e-3)
+        force.hear(times_s, np.ones(len(times_s)))
+        if force.open:
+            return last_s >= begin_s + 0.2
+        time.sleep(5e-3)
+    return False
+
+
+def test_a_hold_that_is_known_of_now_is_open(force):
+    assert opens_now(force)
+
+
+def test_a_hold_that_waited_to_be_read_is_not_open_until_the_samples_of_now_came(force):
+    hold_that_ended(force, SILENT_S + 1e-3)
+    assert not force.open
+    assert not force.silent
+    assert opens_now(force)
+
+
+def test_silence_is_told_by_the_last_stamp_when_nothing_waits_to_be_read(force):
+    """Samples that came now but were taken 101 ms ago: the first look that finds nothing more says so."""
+    hold_that_ended(force, SILENT_S + 1e-3)
+    assert not force.silent
+    force.hear(NOTHING, NOTHING)
+    assert force.silent
+
+
+def test_stamps_of_the_future_hide_no_silence(force):
+    hold_that_ended(force, -5.0)
+    time.sleep(SILENT_S + 1e-3)
+    force.hear(NOTHING, NOTHING)
+    assert force.silent
+    assert not force.open
