@@ -285,7 +285,7 @@ class Answers(io.StringIO):
         return False
 
 
-RIGS = {"simulated": simulated, "console": console}
+RIG_MAKERS = {"simulated": simulated, "console": console}
 
 OUTPUTS = {
     "null": {"kind": "null"},

@@ -1,7 +1,6 @@
 """The rigs of `tactometry run`, made from a study and a bench file."""
 
 import sys
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 import click
@@ -14,6 +13,12 @@ if TYPE_CHECKING:
     from ..bench.bench_file import BenchFile
     from ..study.experiment import Experiment
     from .recording import RigKind, Who
+
+
+def rig_kind(name: str, experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "RigKind":
+    """How the rig of this name, one of `tactometry.trials.columns.RIGS`, is made: by the function of its name here."""
+    kind: RigKind = globals()[name](experiment, who, bench_file)
+    return kind
 
 
 def _equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog") -> "Equipment":
@@ -46,7 +51,7 @@ def _equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog") ->
     )
 
 
-def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
+def bench(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "RigKind":
     from tactometry.rigs.bench import Bench
     from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
     from tactometry.rigs.texts import texts_in
@@ -55,12 +60,12 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
     from .recording import RigKind
 
     del who
-    screen = bench.screen
+    screen = bench_file.screen
     texts = texts_in(screen.language, experiment.study.texts)
 
     def make(seed: int, log: "EventLog") -> Bench:
         del seed
-        equipment = _equipment(experiment, bench, log)
+        equipment = _equipment(experiment, bench_file, log)
         terminal = ExperimenterTerminal(sys.stdin, sys.stderr)
         window = Window(fullscreen=screen.fullscreen, size=(screen.width_px, screen.height_px))
         if window.caution is not None:
@@ -70,7 +75,7 @@ def _bench(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind
     return RigKind("bench", make)
 
 
-def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
+def console(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "RigKind":
     from tactometry.devices.outputs.output import NullSettings
     from tactometry.errors import InvalidParameter
     from tactometry.rigs.console import Console
@@ -80,8 +85,8 @@ def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKi
     from .recording import RigKind
 
     del who
-    texts = texts_in(bench.screen.language, experiment.study.texts)
-    if TASKS[experiment.table.kind].sets_level and not isinstance(bench.output.settings, NullSettings):
+    texts = texts_in(bench_file.screen.language, experiment.study.texts)
+    if TASKS[experiment.table.kind].sets_level and not isinstance(bench_file.output.settings, NullSettings):
         raise InvalidParameter(
             "--rig: found console, where no level plays while it is set, expected bench for the adjustments of this "
             "study; or leave [output] out of the bench file"
@@ -89,20 +94,13 @@ def _console(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKi
 
     def make(seed: int, log: "EventLog") -> Console:
         del seed
-        return Console(_equipment(experiment, bench, log), texts, log=log)
+        return Console(_equipment(experiment, bench_file, log), texts, log=log)
 
     return RigKind("console", make)
 
 
-def _simulated(experiment: "Experiment", who: "Who", bench: "BenchFile") -> "RigKind":
-    from .recording import simulated
+def simulated(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "RigKind":
+    from . import recording
 
-    del bench
-    return simulated(experiment, who)
-
-
-RIGS: "dict[str, Callable[[Experiment, Who, BenchFile], RigKind]]" = {
-    "bench": _bench,
-    "console": _console,
-    "simulated": _simulated,
-}
+    del bench_file
+    return recording.simulated(experiment, who)

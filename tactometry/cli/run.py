@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ..errors import InvalidParameter, counted
+from ..trials.columns import RIGS
 from .output import bench_option, json_option, path_option, say
 
 if TYPE_CHECKING:
@@ -19,7 +20,7 @@ if TYPE_CHECKING:
 @click.argument("study")
 @click.option("--participant", required=True, help="A code of letters and digits, such as P01: no names.")
 @click.option("--session", "n_session", type=int, default=1, show_default=True, help="The participant's session.")
-@click.option("--rig", type=click.Choice(["bench", "console", "simulated"]), default="bench", show_default=True)
+@click.option("--rig", type=click.Choice(list(RIGS)), default="bench", show_default=True)
 @click.option("--number", type=int, help="Number for counterbalancing; default: the last digits of the code.")
 @click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Default: a new one, which the journal keeps.")
 @bench_option
@@ -46,7 +47,7 @@ def command(
     """
     from tactometry.experiments.bench.bench_file import load_bench
     from tactometry.experiments.sessions.recording import Who, record
-    from tactometry.experiments.sessions.rig_kinds import RIGS
+    from tactometry.experiments.sessions.rig_kinds import rig_kind
     from tactometry.experiments.study.experiment import wire
     from tactometry.experiments.study.rehearsal import rehearse, rehearse_forms
     from tactometry.experiments.study.study_file import load
@@ -65,7 +66,7 @@ def command(
         _print_plan(experiment, who)
         return 0
     root = out or Path(f"{numbers.name}-{'simulated' if rig == 'simulated' else 'data'}")
-    kind = RIGS[rig](experiment, who, bench)
+    kind = rig_kind(rig, experiment, who, bench)
     recorded = record(experiment, content, root, who, kind, resume=resume, tell=_tell)
     return _report(root, recorded)
 

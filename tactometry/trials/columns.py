@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 from .tasks import TASKS
 from .trial import REASONS
@@ -16,6 +17,13 @@ class Column:
     unit: str = ""
 
 
+RIGS: Final = {
+    "bench": "window",
+    "console": "terminal",
+    "simulated": "no person took part",
+}
+"""Every rig by its name, with what answers there; a file of its name in `tactometry/rigs` is it, and a function of its
+name in `experiments/sessions/rig_kinds.py` makes it."""
 FIRST = (
     Column("participant", "Code of the participant"),
     Column("session", "Number of the session of this participant, from 1"),
@@ -60,12 +68,11 @@ OPTIONAL = (
     Column("standard_level", "Level of the standard, in level_unit"),
     Column("item_b", "Second item of a pair"),
     Column("practice", "1: practice, 0: not"),
-    Column("rig", "What answered: bench (window), console (terminal), simulated (no person took part)"),
+    Column("rig", f"What answered: {', '.join(f'{name} ({what})' for name, what in RIGS.items())}"),
     Column("speed_in_band", "Part (0 to 1) of the stimulus in which the speed was in the target band"),
     Column("invalid_reason", f"Why the trial is not valid: one of {', '.join(REASONS)}; empty: it is"),
     Column("n_gaps", "Gaps of the output during the stimuli of the trial; empty where the output cannot tell"),
 )
-RIGS = ("bench", "console", "simulated")
 _DERIVED = (
     "source row yes is_catch x status threshold interval_low interval_high pse jnd width width_low width_high "
     "guess_rate lapse_rate n_yes n_trials n_levels n_catch n_false_alarms false_alarm_rate deviance method shape "

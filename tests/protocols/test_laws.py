@@ -29,7 +29,7 @@ per_procedure = pytest.mark.parametrize("procedure", catalogue.PROCEDURES.values
 per_scene = pytest.mark.parametrize("scene", catalogue.SCENES.values(), ids=catalogue.SCENES)
 per_protocol = pytest.mark.parametrize("protocol", catalogue.PROTOCOLS.values(), ids=catalogue.PROTOCOLS)
 per_observer = pytest.mark.parametrize("observer", catalogue.OBSERVERS.values(), ids=catalogue.OBSERVERS)
-per_rig = pytest.mark.parametrize("rig", catalogue.RIGS.values(), ids=catalogue.RIGS)
+per_rig = pytest.mark.parametrize("rig", catalogue.RIG_MAKERS.values(), ids=catalogue.RIG_MAKERS)
 
 
 @per_stimulus

@@ -4,11 +4,14 @@ from typing import get_type_hints
 
 import pytest
 
+from tactometry.experiments.bench import bench_file
+from tactometry.experiments.sessions import recording, rig_kinds
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.console import Console
 from tactometry.rigs.live_rig import LiveRig
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.session.request import REQUESTS
+from tactometry.trials.columns import RIGS
 
 METHODS = {name: f"_{name.lower()}" for name in REQUESTS}
 
@@ -22,3 +25,8 @@ def test_the_method_of_a_request_takes_it_and_gives_its_answer(rig, name):
 
 def test_a_live_rig_has_a_method_for_each_request_and_no_other():
     assert LiveRig.__abstractmethods__ == set(METHODS.values())
+
+
+@pytest.mark.parametrize("name", RIGS)
+def test_each_rig_of_the_table_is_made_by_the_function_of_its_name(name):
+    assert get_type_hints(getattr(rig_kinds, name), vars(recording) | vars(bench_file))["return"] is recording.RigKind

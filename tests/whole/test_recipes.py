@@ -12,11 +12,51 @@ from places import ROOT
 from source_tree import copy_tree
 
 NEW_FILES = ROOT / "tests" / "recipes"
+HURRIED = """
+def hurried(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "RigKind":
+    from tactometry.rigs.hurried import Hurried
+
+    from .recording import RigKind
+
+    return RigKind("hurried", lambda seed, log: Hurried())
+
+
+"""
 LINES = (
     (
         "tactometry/trials/tasks.py",
         '    "oddity": TaskRows(INTERVAL, ("target", "standard_level"), "curve"),\n',
         '    "magnitude": TaskRows(',
+    ),
+    (
+        "tactometry/rigs/messages_en.toml",
+        'instructions_oddity = """\nWhich is the odd one?\n\nThree touches, one unlike the others."""\n',
+        "instructions_yes_no = ",
+    ),
+    (
+        "tactometry/rigs/messages_en.toml",
+        'which_odd = "Which one was the odd one?"\n',
+        "which_interval = ",
+    ),
+    (
+        "tactometry/rigs/messages_fr.toml",
+        'instructions_oddity = """\nLequel diffère ?\n\nTrois touchers, un seul diffère."""\n',
+        "instructions_yes_no = ",
+    ),
+    (
+        "tactometry/rigs/messages_fr.toml",
+        'which_odd = "Lequel était différent ?"\n',
+        "which_interval = ",
+    ),
+    (
+        "tactometry/trials/columns.py",
+        '    "hurried": "a hand in a hurry",\n',
+        '    "simulated": ',
+    ),
+    (
+        "experiments/sessions/rig_kinds.py",
+        HURRIED,
+        "def simulated(",
     ),
     (
         "tactometry/observers/kinds.py",
@@ -118,6 +158,11 @@ COMMANDS = (
     "replay odd",
     "analyse odd --report odd.html",
     "simulate guessed.toml --participants 1 --seed 1 --out guessed",
+    "run odd_once.toml --participant P01 --rig console --out asked",
+    "validate asked",
+    "run odd_once.toml --participant P01 --rig hurried --out hurried",
+    "validate hurried",
+    "replay hurried",
     "run pressed.toml --participant P01 --rig console --bench bench.toml --out pressed",
     "validate pressed",
 )
@@ -140,11 +185,17 @@ for command in sys.argv[2:]:
 def folder(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Where a user has gone the whole way with all that was added."""
     place = tmp_path_factory.mktemp("user")
-    files = {"odd": ODD_STUDY, "guessed": GUESSED_STUDY, "pressed": PRESSED_STUDY, "bench": BENCH}
+    files = {
+        "odd": ODD_STUDY,
+        "odd_once": ODD_LEVELS,
+        "guessed": GUESSED_STUDY,
+        "pressed": PRESSED_STUDY,
+        "bench": BENCH,
+    }
     for name, text in files.items():
         (place / f"{name}.toml").write_text(text, encoding="utf-8")
     command = [sys.executable, "-W", "error", "-c", PROGRAM, str(tree), *COMMANDS]
-    done = subprocess.run(command, cwd=place, capture_output=True, text=True, input="\n1" * 40, check=False)
+    done = subprocess.run(command, cwd=place, capture_output=True, text=True, input="\n1" * 80, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
     return place
 
@@ -173,6 +224,18 @@ def test_a_task_is_two_files_and_a_line(folder: Path) -> None:
     fitted = table_of(folder / "odd_tables" / "thresholds.csv")
     assert {row["task"] for row in fitted} == {"oddity"}
     assert {row["guess_rate"][:6] for row in fitted} == {"0.3333"}
+
+
+def test_people_are_asked_in_a_new_task_when_each_language_has_its_words(folder: Path) -> None:
+    rows = rows_of(folder / "asked")
+    assert len(rows) == 4 * 4
+    assert {(row["task"], row["rig"], row["response"]) for row in rows} == {("oddity", "console", "1")}
+
+
+def test_a_rig_is_a_file_a_function_and_a_line(folder: Path) -> None:
+    rows = rows_of(folder / "hurried")
+    assert {(row["rig"], row["response"], row["latency_s"]) for row in rows} == {("hurried", "1", "0")}
+    assert any("a hand in a hurry" in file.read_text("utf-8") for file in (folder / "hurried").glob("data/*.json"))
 
 
 def test_an_observer_is_a_file_and_a_line(folder: Path) -> None:
