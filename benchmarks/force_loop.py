@@ -48,7 +48,7 @@ class Gated:
         self.late_s, self.counters, self.decisions_s, self.n_early = [], [], [], 0
         self._taken_s = self._since_s = 0.0
         self._arm()
-        reader.tell(self._hear)
+        reader.subscribe(self._hear)
 
     def _arm(self):
         from tactometry.gates.force import ForceGate

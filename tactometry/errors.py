@@ -2,7 +2,8 @@
 
 import difflib
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from typing import Final
 
 LONGEST_WORD: Final = 300
@@ -65,6 +66,28 @@ class Stopped(TactometryError):  # noqa: N818
     """The participant or the experimenter ended the session; what was recorded is safe."""
 
     exit_status = 1
+
+
+@contextmanager
+def needed(refusal: str) -> Iterator[None]:
+    """The import of a library of an extra: `refusal`, with the reason for ``{error}``, where it cannot be loaded.
+
+    Raises
+    ------
+    DeviceFailed
+        If there is none, or a library of the system is missing.
+
+    Examples
+    --------
+    >>> with needed("lamp: found no lamps ({error}); pip install 'tactometry[lamp]'"):
+    ...     import lamps
+    Traceback (most recent call last):
+    tactometry.errors.DeviceFailed: lamp: found no lamps (No module named 'lamps'); pip install 'tactometry[lamp]'
+    """
+    try:
+        yield
+    except (ImportError, OSError, RuntimeError) as error:
+        raise DeviceFailed(refusal.format(error=error)) from None
 
 
 def nearest(found: str, names: Iterable[str]) -> str:

@@ -175,7 +175,7 @@ class LoggedDriver:
     """A driver of an output that is connected to a list."""
 
     name, n_channels, rate_hz, full_scale_v = "list", 1, 20_000.0, 50.0
-    connected = one_bit = False
+    connected, one_bit, emits = False, False, True
 
     def __init__(self, log):
         self._log = log

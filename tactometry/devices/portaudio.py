@@ -4,7 +4,7 @@ import atexit
 from types import ModuleType
 from typing import Any, Final
 
-from ..errors import DeviceFailed, InvalidParameter
+from ..errors import DeviceFailed, InvalidParameter, needed
 from .deadline import CLOSE_WITHIN_S, within
 
 FULL_SCALE = {"int16": 2**15 - 1, "int32": 2**31 - 1, "float32": 1}
@@ -39,12 +39,10 @@ def refuse_default(owner: str, device: str) -> None:
 
 def library() -> ModuleType:
     """PortAudio, imported when a card is opened. Raises `DeviceFailed`."""
-    try:
+    with needed(
+        "audio: cannot load PortAudio ({error}); pip install 'tactometry[audio]', and on Debian apt-get install "
+        "libportaudio2; nothing was played"
+    ):
         import sounddevice
-    except (ImportError, OSError) as error:
-        raise DeviceFailed(
-            f"audio: cannot load PortAudio ({error}); pip install 'tactometry[audio]', and on Debian apt-get "
-            "install libportaudio2; nothing was played"
-        ) from None
     module: ModuleType = sounddevice
     return module

@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable
 
-from ..devices.outputs.gaps import LONGEST_WORD_S
+from ..devices.outputs.output import LONGEST_WORD_S
 from ..session.request import Adjust
 from ..signal import Signal
 from .emitter import Emitter

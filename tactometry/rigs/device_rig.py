@@ -8,8 +8,7 @@ from typing import TypeVar
 
 from ..devices.outputs.guarded import Guarded
 from ..devices.outputs.output import RAMP_S
-from ..devices.sensors.force_sensor import ForceSensor
-from ..devices.sensors.position_sensor import PositionSensor
+from ..devices.sensors.streamed import StreamedSensor
 from ..safety.limits import FORCE_PEAK_N, Limits
 from ..session.answer import Done, Played, Touched
 from ..session.event import EventLog
@@ -42,9 +41,9 @@ class Equipment:
         The stimuli by the names that requests use.
     limits : Limits or None
         What the study allows, checked beside the limits of the output.
-    sensor : ForceSensor, optional
+    sensor : StreamedSensor, optional
         Without one, the force is not measured: its fields are None and every touch is valid.
-    position : PositionSensor, optional
+    position : StreamedSensor, optional
         Without one, the finger's speed is not measured.
     ramp_s : float
         Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
@@ -57,8 +56,8 @@ class Equipment:
     output: Guarded
     bank: Mapping[str, Stimulus]
     limits: Limits | None = None
-    sensor: ForceSensor | None = None
-    position: PositionSensor | None = None
+    sensor: StreamedSensor | None = None
+    position: StreamedSensor | None = None
     ramp_s: float = RAMP_S
     release: bool = True
     facts: Callable[[], Facts] = dict
@@ -86,7 +85,7 @@ class DeviceRig(LiveRig):
         self._emitter = Emitter(equipment.bank, output, limits, equipment.ramp_s)
         pause_page = layout.message_page(texts.message("pause"), "", screen.aspect)
         self._supervisor = Supervisor(screen, terminal, log, self._emitter.mute, pause_page)
-        output.tell(self._supervisor.note_stimulus)
+        output.subscribe(self._supervisor.note_stimulus)
         self._presenter = Presenter(screen, self._supervisor.attend)
         self._setup = TouchSetup(
             presenter=self._presenter,
@@ -109,7 +108,7 @@ class DeviceRig(LiveRig):
             if device is not None:
                 device.open()
         if self._equipment.sensor is not None:
-            self._equipment.sensor.listen(self._setup.release.hear)
+            self._equipment.sensor.subscribe(self._setup.release.hear)
 
     def close(self) -> None:
         if self.closed:

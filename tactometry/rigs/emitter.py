@@ -6,9 +6,8 @@ import time
 from collections.abc import Mapping
 
 from ..devices.deadline import BEGIN_WITHIN_S
-from ..devices.outputs.gaps import LONGEST_WORD_S
 from ..devices.outputs.guarded import Guarded
-from ..devices.outputs.output import RAMP_S
+from ..devices.outputs.output import LONGEST_WORD_S, RAMP_S
 from ..errors import DeviceFailed, InvalidParameter
 from ..safety.limits import Limits
 from ..signal import Signal, Stimulus

@@ -190,7 +190,7 @@ def test_what_is_not_believed_is_not_told_and_what_follows_is():
     source, n_silent = Told([0.0, 0.0, 5.0, 6.0, 0.0, math.nan, 0.0]), []
     reader = Reader(source)
     listener = reader.listen()
-    reader.tell(lambda block: n_silent.append(block.times_s.size == 0))
+    reader.subscribe(lambda block: n_silent.append(block.times_s.size == 0))
     reader.open()
     while len(n_silent) < 10:
         time.sleep(1e-3)

@@ -70,8 +70,8 @@ class Loop:
     def __init__(self, device, screen, output):
         self.device, self.output = device, Noting(output)
         self.everything = []
-        device.reader.tell(self.everything.append)
-        device.reader.tell(self.output.hear)
+        device.reader.subscribe(self.everything.append)
+        device.reader.subscribe(self.output.hear)
         sensor = streamed_force(device.reader, 2, ForceCalibration(newtons_per_count=0.01))
         position = streamed_position(device.reader, (0,), metres_per_count=5e-5)
         texts = texts_in("en", {})

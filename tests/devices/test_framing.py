@@ -13,7 +13,7 @@ from tactometry.devices.clock_map import ClockMap
 from tactometry.devices.sensors.counted_samples import SLEW, STEP_S, CountedSamples
 from tactometry.devices.sensors.force_calibration import ForceCalibration
 from tactometry.devices.sensors.framing import Frame, Framing, encode_frame, frame_bytes
-from tactometry.devices.sensors.position_sensor import mean_speed_m_per_s
+from tactometry.devices.sensors.streamed import mean_speed_m_per_s
 from tactometry.devices.sensors.udp import RECORD, records
 from tactometry.errors import InvalidParameter
 

@@ -5,8 +5,7 @@ import inspect
 import threading
 from dataclasses import dataclass, replace
 from datetime import date
-from typing import ClassVar
-from unittest.mock import create_autospec
+from unittest.mock import call, create_autospec
 
 import numpy as np
 import pytest
@@ -19,7 +18,8 @@ from tactometry.devices.measured import Measured
 from tactometry.devices.outputs.file import FileSettings, read_signal
 from tactometry.devices.outputs.gain import Gain
 from tactometry.devices.outputs.guarded import Guarded
-from tactometry.devices.outputs.ni import NiSettings, start_task, task_of
+from tactometry.devices.outputs.ni import NiSettings, connector_v, start_task
+from tactometry.devices.outputs.output import Driver
 from tactometry.devices.outputs.packed import PackedSettings
 from tactometry.errors import DeviceFailed, InvalidParameter, LimitExceeded
 from tactometry.safety.limits import Limits
@@ -35,16 +35,12 @@ gains = st.builds(Gain, st.floats(0.01, 20), st.floats(0.1, 200))
 
 
 @dataclass
-class SixteenBits:
+class SixteenBits(Driver):
     """A driver that emits into a list, in 16-bit steps, what its gain makes of them."""
 
     gain: Gain = ONE
     connected: bool = True
-    one_bit: bool = False
     name: str = "sixteen bits"
-    n_channels: ClassVar[None] = None
-    rate_hz: ClassVar[None] = None
-    limits: ClassVar[None] = None
 
     def __post_init__(self):
         self.emitted = []
@@ -52,9 +48,6 @@ class SixteenBits:
     @property
     def full_scale_v(self):
         return self.gain.load_volts_per_unit
-
-    def facts(self):
-        return {}
 
     def open(self):
         self.emitted.append("open")
@@ -312,16 +305,16 @@ NI = NiSettings(("Dev1/ao0", "Dev1/ao1"), RATE_HZ, range_v=10.0, idle_at_zero=Tr
 
 @given(arrays(np.float64, (2, 30), elements=st.floats(-200, 200)))
 def test_a_task_is_finite_ends_at_zero_and_stays_in_the_range(values):
-    task = task_of(NI, Gain(10.0, 20.0), volts(values))
-    assert (task.channels, task.n_samples, task.rate_hz) == ("Dev1/ao0,Dev1/ao1", 31, RATE_HZ)
-    assert not np.any(task.volts[:, -1])
-    assert np.allclose(task.volts[:, :-1] * 20.0, values, rtol=1e-12)
-    assert np.all((task.voltage_low_v <= task.volts) & (task.volts <= task.voltage_high_v))
+    played_v = connector_v(NI, Gain(10.0, 20.0), volts(values))
+    assert played_v.shape == (2, 31)
+    assert not np.any(played_v[:, -1])
+    assert np.allclose(played_v[:, :-1] * 20.0, values, rtol=1e-12)
+    assert np.all(np.abs(played_v) <= NI.range_v)
 
 
 def test_a_voltage_beyond_the_range_is_refused():
     with pytest.raises(DeviceFailed, match="found 9 V at the connector, expected at most the range of 5 V"):
-        task_of(NiSettings(("a",), 1e3, range_v=5.0), Gain(10.0, 20.0), volts([[180.0]]))
+        connector_v(NiSettings(("a",), 1e3, range_v=5.0), Gain(10.0, 20.0), volts([[180.0]]))
 
 
 needs_nidaqmx = pytest.mark.skipif(importlib.util.find_spec("nidaqmx") is None, reason="no nidaqmx: extra ni")
@@ -383,11 +376,13 @@ def test_the_calls_fit_the_signatures_of_the_library(task):
     import nidaqmx
     from nidaqmx.constants import AcquisitionType, AOIdleOutputBehavior
 
-    start_task(task_of(NI, Gain(10.0, 20.0), volts([[1.0, 2.0], [3.0, 4.0]])), NI)
+    start_task(connector_v(NI, Gain(10.0, 20.0), volts([[1.0, 2.0], [3.0, 4.0]])), NI)
     timing = task.timing.cfg_samp_clk_timing.call_args.kwargs
-    assert (timing["sample_mode"], timing["samps_per_chan"]) == (AcquisitionType.FINITE, 3)
+    assert timing == {"rate": RATE_HZ, "sample_mode": AcquisitionType.FINITE, "samps_per_chan": 3}
     assert inspect.signature(nidaqmx.task.Timing.cfg_samp_clk_timing).parameters.keys() >= timing.keys()
-    channel = task.ao_channels.add_ao_voltage_chan.return_value
+    added = task.ao_channels.add_ao_voltage_chan
+    assert added.call_args == call("Dev1/ao0,Dev1/ao1", min_val=-10.0, max_val=10.0)
+    channel = added.return_value
     assert channel.ao_idle_output_behavior == AOIdleOutputBehavior.ZERO_VOLTS
     assert channel.ao_use_only_on_brd_mem is True
     assert not np.any(task.write.call_args.args[0][:, -1])

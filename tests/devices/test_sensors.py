@@ -54,7 +54,7 @@ class Listening:
         self._emulators = {kind: Emulator(kind, folders(kind)) for kind in KINDS if available(kind)}
         self._heard = {kind: [] for kind in self._emulators}
         for kind, each in self._emulators.items():
-            each.reader.tell(partial(self._hear, kind))
+            each.reader.subscribe(partial(self._hear, kind))
         for each in self._emulators.values():
             each.reader.open()
 

@@ -164,7 +164,7 @@ def test_net_charges_add_up_over_a_session_whatever_their_sign(tmp_path):
 def test_what_is_emitted_is_told_and_nothing_of_a_null_output(tmp_path):
     told = []
     for output in (guard(tmp_path, Clock()), Guarded(NullOutput(), Limits(100.0))):
-        output.tell(told.append)
+        output.subscribe(told.append)
         output.open()
         output.play(volts(0.5))
     [emission] = told

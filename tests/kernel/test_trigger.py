@@ -335,7 +335,7 @@ class Teller:
 
     hear = None
 
-    def listen(self, hear):
+    def subscribe(self, hear):
         self.hear = hear
         return lambda: setattr(self, "hear", None)
 
@@ -425,7 +425,7 @@ class Gone:
 )
 def test_while_a_sensor_is_away_its_listeners_are_told_that_nothing_came(error, failure):
     reader, told = Reader(Gone(error)), queue.Queue()
-    reader.tell(told.put)
+    reader.subscribe(told.put)
     reader.open()
     while reader.source.n_opened < 3:
         assert told.get(timeout=LONGEST_WAIT_S).values.shape == (0, 1)

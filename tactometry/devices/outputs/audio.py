@@ -1,5 +1,8 @@
 """A sound card as an output, through PortAudio (extra: audio)."""
 
+import contextlib
+import json
+import subprocess
 import time
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final, Literal
@@ -12,10 +15,9 @@ from ...errors import DeviceFailed, InvalidParameter
 from ...signal import Signal
 from ..clock_map import ClockMap
 from ..portaudio import FULL_SCALE, end_stream, library, refuse_default
-from .frame_feed import FrameFeed
+from .frame_feed import DryRuns, FrameFeed
 from .gain import Gain, SignalChain, required_gain
-from .gaps import LONGEST_WORD_S, DryRuns
-from .volume import system_volume
+from .output import LONGEST_WORD_S, Driver
 
 FADE_S = 1e-3
 """A stop falls to zero within this time, or within a block where that is shorter (unverified default)."""
@@ -24,6 +26,9 @@ WORD_S = 1e-3
 SHARED: Final = ("pulse", "pipewire", "jack", "dmix")
 SHARED_INTERFACES: Final = ("MME", "Windows DirectSound", "Windows WASAPI", "Core Audio", "JACK", "PulseAudio")
 """PortAudio's devices and interfaces that mix in what other programs play."""
+SERVERS: Final = ("pulse", "pipewire")
+"""Devices of PortAudio on Linux that lead to a sound server, by the server's default sink."""
+ASKED_WITHIN_S: Final = 2.0
 
 
 @dataclass(frozen=True)
@@ -60,11 +65,10 @@ class AudioSettings:
         return SignalChain(f"audio {self.device}, {self.sample_format}", system_volume(self.device))
 
 
-class AudioOutput:
+class AudioOutput(Driver):
     """An output stream that runs as long as the output is open: zeros, and the frames of one signal at a time."""
 
     connected = True
-    one_bit = False
 
     def __init__(self, settings: AudioSettings, gain: Gain) -> None:
         self.name = f"audio {settings.device}"
@@ -246,3 +250,37 @@ def _why(sounddevice: Any, settings: AudioSettings, error: Exception) -> str:
         f"output audio: cannot open {settings.device} with {wanted} "
         f"({' '.join(str(error).split())}); {devices}; nothing was played"
     )
+
+
+def system_volume(device: str) -> float | None:
+    """The volume of the sink that a device leads to, 1 for 100 % and 0 where it is muted.
+
+    None where no sound server is between, or where its volume cannot be read: a card's own mixer, macOS and Windows
+    are not read. Of several channels the loudest counts.
+    """
+    if device not in SERVERS:
+        return None
+    with contextlib.suppress(OSError, subprocess.SubprocessError, ValueError, KeyError, IndexError):
+        default = _pactl("info")["default_sink_name"]
+        # none or several of the name: a ValueError, and the volume is not known
+        [sink] = [sink for sink in _pactl("list", "sinks") if sink["name"] == default]
+        return _volume_of(sink)
+    return None
+
+
+def _volume_of(sink: Any) -> float:
+    """The volume of a sink as ``pactl`` describes it.
+
+    >>> _volume_of({"mute": False, "volume": {"left": {"value": 65536}, "right": {"value": 32768}}})
+    1.0
+    >>> _volume_of({"mute": True, "volume": {"mono": {"value": 65536}}})
+    0.0
+    """
+    loudest = max(channel["value"] for channel in sink["volume"].values())
+    return 0.0 if sink["mute"] else float(loudest) / 65_536
+
+
+def _pactl(*arguments: str) -> Any:
+    command = ["pactl", "--format=json", *arguments]
+    answer = subprocess.run(command, capture_output=True, text=True, timeout=ASKED_WITHIN_S, check=True)
+    return json.loads(answer.stdout)

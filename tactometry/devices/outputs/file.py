@@ -1,6 +1,5 @@
 """An output to files: exactly what would be played, one file per signal."""
 
-import math
 import time
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,7 +12,7 @@ from ...files.durable import read_file
 from ...files.samples import Npz, wav_of
 from ...signal import Signal
 from .gain import Gain, SignalChain
-from .gaps import LONGEST_WORD_S
+from .output import Driver
 
 
 @dataclass(frozen=True)
@@ -37,12 +36,10 @@ class FileSettings:
         return SignalChain(f"file {self.folder}")
 
 
-class FileOutput:
+class FileOutput(Driver):
     """Writes each signal to a file of its own and never over another."""
 
     connected = False
-    one_bit = False
-    full_scale_v = math.inf
 
     def __init__(self, settings: FileSettings) -> None:
         self.name = f"file {settings.folder}"
@@ -81,10 +78,6 @@ class FileOutput:
         self._n_written += 1
         return onset_s
 
-    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> None:
-        """A file does not tell."""
-        del longest_wait_s
-
     def stop(self) -> None:
         pass
 
@@ -114,13 +107,7 @@ def read_signal(path: Path) -> Signal:
 
 
 def _write_npz(file: IO[bytes], signal: Signal) -> None:
-    np.savez(
-        file,
-        samples=signal.samples,
-        rate_hz=signal.rate_hz,
-        unit=signal.unit,
-        digest=signal.digest(),
-    )
+    np.savez(file, samples=signal.samples, rate_hz=signal.rate_hz, unit=signal.unit, digest=signal.digest())
 
 
 def _write_wav(file: IO[bytes], signal: Signal) -> None:

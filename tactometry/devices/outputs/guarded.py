@@ -9,8 +9,7 @@ from ...errors import LimitExceeded
 from ...safety.limits import Exposure, Limits
 from ...safety.load import Load
 from ...signal import Signal
-from .gaps import LONGEST_WORD_S
-from .output import Driver, NullOutput, check_format
+from .output import LONGEST_WORD_S, Driver, check_format
 
 
 @dataclass(frozen=True)
@@ -43,20 +42,12 @@ class Guarded:
         load: Load | None = None,
         clock: Callable[[], float] = time.perf_counter,
     ) -> None:
-        self.driver, self._limits, self._load, self.clock = driver, limits, load, clock
+        self.driver, self.limits, self.load, self.clock = driver, limits, load, clock
         self._exposure = Exposure(self.clock())
         self._before: Exposure | None = None
-        self._tell: Callable[[GuardedSignal], None] = lambda emission: None
+        self._on_signal: Callable[[GuardedSignal], None] = lambda signal: None
         self._counting = threading.Lock()
         self._checked: tuple[Signal, Signal] | None = None
-
-    @property
-    def limits(self) -> Limits | None:
-        return self._limits
-
-    @property
-    def load(self) -> Load | None:
-        return self._load
 
     @property
     def name(self) -> str:
@@ -80,15 +71,15 @@ class Guarded:
     @property
     def emits(self) -> bool:
         """Whether anything comes of what is played: nothing does of a null output."""
-        return not isinstance(self.driver, NullOutput)
+        return self.driver.emits
 
     def count_on(self, before: Exposure) -> None:
         """Count on from what was emitted before: `before` is on the clock of this guard."""
         self._before = before
 
-    def tell(self, hear: Callable[["GuardedSignal"], None]) -> None:
-        """Call `hear` with whatever is emitted from now on, as it begins, in the thread that plays."""
-        self._tell = hear
+    def subscribe(self, on_signal: Callable[[GuardedSignal], None]) -> None:
+        """Call `on_signal` with whatever is emitted from now on, as it begins, in the thread that plays."""
+        self._on_signal = on_signal
 
     def open(self) -> None:
         """Claim the device, if its limits are stated.
@@ -119,7 +110,7 @@ class Guarded:
             # the clock anew: a driver may let the signal before fall to zero first
             self._exposure = self._exposure.after(self.clock(), final.duration_s, limits.duty_window_s, charge_c)
         if self.emits:
-            self._tell(GuardedSignal(onset_s, final.duration_s, charge_c))
+            self._on_signal(GuardedSignal(onset_s, final.duration_s, charge_c))
         return onset_s
 
     def check(self, signal: Signal) -> tuple[Limits, Signal]:

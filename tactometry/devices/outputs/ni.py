@@ -16,11 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arguments.require import positive
-from ...errors import DeviceFailed, InvalidParameter
+from ...errors import DeviceFailed, InvalidParameter, needed
 from ...signal import Signal
 from ..deadline import CLOSE_WITHIN_S, within
 from .gain import Gain, SignalChain, required_gain
-from .gaps import LONGEST_WORD_S
+from .output import Driver
 
 FloatArray = NDArray[np.float64]
 
@@ -52,34 +52,8 @@ class NiSettings:
         return SignalChain(f"ni {first}{more}, {self.range_v:g} V")
 
 
-@dataclass(frozen=True, eq=False)
-class NiTask:
-    """What a task is told for one signal.
-
-    Parameters
-    ----------
-    channels : str
-        Physical channels, joined by commas.
-    voltage_low_v, voltage_high_v : float
-        The device's range.
-    rate_hz : float
-    volts : (n_channels, n_samples) array
-        At the connector, V; the last sample of each channel is 0.
-    """
-
-    channels: str
-    voltage_low_v: float
-    voltage_high_v: float
-    rate_hz: float
-    volts: FloatArray
-
-    @property
-    def n_samples(self) -> int:
-        return int(self.volts.shape[1])
-
-
-def task_of(settings: NiSettings, gain: Gain, signal: Signal) -> NiTask:
-    """The task that plays a signal once and ends at zero.
+def connector_v(settings: NiSettings, gain: Gain, signal: Signal) -> FloatArray:
+    """What a signal puts on each connector, V, (n_channels, n_samples + 1): it ends at zero.
 
     Raises
     ------
@@ -88,9 +62,9 @@ def task_of(settings: NiSettings, gain: Gain, signal: Signal) -> NiTask:
 
     Examples
     --------
-    >>> task = task_of(NiSettings(("Dev1/ao0",), 1e3), Gain(10.0, 20.0), Signal(np.array([[100.0, -200.0]]), 1e3, "V"))
-    >>> task.volts.tolist(), task.n_samples, task.channels
-    ([[5.0, -10.0, 0.0]], 3, 'Dev1/ao0')
+    >>> signal = Signal(np.array([[100.0, -200.0]]), 1e3, "V")
+    >>> connector_v(NiSettings(("Dev1/ao0",), 1e3), Gain(10.0, 20.0), signal).tolist()
+    [[5.0, -10.0, 0.0]]
     """
     volts = gain.to_units(signal) * gain.volts_per_unit
     peak_v = np.max(np.abs(volts), initial=0.0)
@@ -100,15 +74,13 @@ def task_of(settings: NiSettings, gain: Gain, signal: Signal) -> NiTask:
             f"{settings.range_v:g} V; nothing was played"
         )
     # the connector keeps the last value of a generation
-    ended = np.pad(volts, ((0, 0), (0, 1)))
-    return NiTask(",".join(settings.channels), -settings.range_v, settings.range_v, settings.rate_hz, ended)
+    return np.pad(volts, ((0, 0), (0, 1)))
 
 
-class NiOutput:
+class NiOutput(Driver):
     """One finite, self-ending task per signal."""
 
     connected = True
-    one_bit = False
 
     def __init__(self, settings: NiSettings, gain: Gain) -> None:
         self.name = f"ni {','.join(settings.channels)}"
@@ -119,31 +91,24 @@ class NiOutput:
         self._task: Any = None
         self._is_open = False
 
-    def facts(self) -> dict[str, str | int | float | None]:
-        return {}
-
     def open(self) -> None:
         self._zero()
         self._is_open = True
 
     def final(self, signal: Signal) -> Signal:
-        task = task_of(self._settings, self._gain, signal)
-        return Signal(task.volts * self._gain.amplifier_gain, signal.rate_hz, "V")
+        volts = connector_v(self._settings, self._gain, signal)
+        return Signal(volts * self._gain.amplifier_gain, signal.rate_hz, "V")
 
     def play(self, signal: Signal) -> float:
         if not self._is_open:
             raise DeviceFailed(f"output {self.name!r}: it is closed, nothing was played; open it first")
         self._end_task()
-        task = task_of(self._settings, self._gain, signal)
+        volts = connector_v(self._settings, self._gain, signal)
         try:
-            self._task = start_task(task, self._settings)
+            self._task = start_task(volts, self._settings)
         except Exception as error:
             raise _refusal(self.name, error) from None
         return time.perf_counter()
-
-    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> None:
-        """A device does not tell."""
-        del longest_wait_s
 
     def stop(self) -> None:
         within(CLOSE_WITHIN_S, self.name, self._silence)
@@ -166,7 +131,7 @@ class NiOutput:
         """Zero on every channel at once, without a clock."""
         try:
             with _library().Task() as task:
-                _add_channels(task, ",".join(self._settings.channels), self._settings)
+                _add_channels(task, self._settings)
                 # nidaqmx takes a number for one channel, a list for several
                 zeros: Any = [0.0] * self.n_channels if self.n_channels > 1 else 0.0
                 task.write(zeros, auto_start=True)
@@ -176,28 +141,29 @@ class NiOutput:
             raise _refusal(self.name, error) from None
 
 
-def start_task(task: NiTask, settings: NiSettings) -> Any:
-    """A task of the driver that has begun to play."""
+def start_task(volts: FloatArray, settings: NiSettings) -> Any:
+    """A task of the driver that has begun to play (n_channels, n_samples) volts once."""
     from nidaqmx.constants import AcquisitionType
 
-    running = _library().Task()
+    task = _library().Task()
     try:
-        _add_channels(running, task.channels, settings)
-        running.timing.cfg_samp_clk_timing(
-            rate=task.rate_hz, sample_mode=AcquisitionType.FINITE, samps_per_chan=task.n_samples
+        _add_channels(task, settings)
+        task.timing.cfg_samp_clk_timing(
+            rate=settings.rate_hz, sample_mode=AcquisitionType.FINITE, samps_per_chan=volts.shape[1]
         )
-        running.write(task.volts if len(task.volts) > 1 else task.volts[0], auto_start=False)
-        running.start()
+        task.write(volts if len(volts) > 1 else volts[0], auto_start=False)
+        task.start()
     except BaseException:  # Ctrl-C too: a task that is left open keeps its channels reserved
-        running.close()
+        task.close()
         raise
-    return running
+    return task
 
 
-def _add_channels(task: Any, channels: str, settings: NiSettings) -> None:
+def _add_channels(task: Any, settings: NiSettings) -> None:
     from nidaqmx.constants import AOIdleOutputBehavior
 
-    added = task.ao_channels.add_ao_voltage_chan(channels, min_val=-settings.range_v, max_val=settings.range_v)
+    names, range_v = ",".join(settings.channels), settings.range_v
+    added = task.ao_channels.add_ao_voltage_chan(names, min_val=-range_v, max_val=range_v)
     if settings.idle_at_zero:
         added.ao_idle_output_behavior = AOIdleOutputBehavior.ZERO_VOLTS
     if settings.onboard_memory:
@@ -205,12 +171,10 @@ def _add_channels(task: Any, channels: str, settings: NiSettings) -> None:
 
 
 def _library() -> Any:
-    try:
+    with needed(
+        "output ni: found no nidaqmx; pip install 'tactometry[ni]', and NI-DAQmx from its maker; nothing was played"
+    ):
         import nidaqmx
-    except ImportError:
-        raise DeviceFailed(
-            "output ni: found no nidaqmx; pip install 'tactometry[ni]', and NI-DAQmx from its maker; nothing was played"
-        ) from None
     return nidaqmx
 
 

@@ -2,8 +2,9 @@
 
 import math
 import time
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import ClassVar, Protocol
+from typing import ClassVar
 
 import numpy as np
 
@@ -11,7 +12,6 @@ from ...arguments.require import not_negative
 from ...errors import DeviceFailed
 from ...signal import Signal
 from .gain import Gain, SignalChain
-from .gaps import LONGEST_WORD_S
 
 RAMP_S = 0.005
 """Ramps of a signal that does not begin and end at rest by itself (unverified default)."""
@@ -19,44 +19,52 @@ AT_REST_PART = 0.01
 """A signal that begins and ends below this part of its peak needs no ramp."""
 
 
-class Driver(Protocol):
+LONGEST_WORD_S = 0.1
+"""A device that asks for no samples for so long plays none (unverified default)."""
+
+
+class Driver(ABC):
     """A driver of one output. It emits nothing but what `play` was given, and zero otherwise.
 
-    `n_channels` and `rate_hz` are None for a driver that takes any; `connected` if what it emits leaves the computer.
+    Parameters
+    ----------
+    name : str
+    connected : bool
+        Whether what it emits leaves the computer.
+    one_bit : bool
+        Whether it emits nothing but plus or minus one voltage, without ramps.
+    emits : bool
+        Whether anything comes of what is played.
+    full_scale_v : float
+        The largest voltage that it can put on the load.
+    n_channels, rate_hz : int, float, optional
+        None for a driver that takes any.
     """
 
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def connected(self) -> bool: ...
-
-    @property
-    def one_bit(self) -> bool:
-        """Whether it emits nothing but plus or minus one voltage, without ramps."""
-
-    @property
-    def full_scale_v(self) -> float:
-        """The largest voltage that it can put on the load."""
-
-    @property
-    def n_channels(self) -> int | None: ...
-
-    @property
-    def rate_hz(self) -> float | None: ...
+    name: str
+    connected: bool
+    one_bit: bool = False
+    emits: bool = True
+    full_scale_v: float = math.inf
+    n_channels: int | None = None
+    rate_hz: float | None = None
 
     def facts(self) -> dict[str, str | int | float | None]:
         """What the journal says of the device after it was opened, and of what went wrong since."""
+        return {}
 
+    @abstractmethod
     def open(self) -> None:
         """Claim the device, at zero. Raises `DeviceFailed`."""
 
+    @abstractmethod
     def final(self, signal: Signal) -> Signal:
         """What `play` would emit, in volts at the load, sample by sample: rounded, clipped, on every channel.
 
         Raises `DeviceFailed` where the driver cannot emit the signal.
         """
 
+    @abstractmethod
     def play(self, signal: Signal) -> float:
         """Begin to emit and return at once: the time of the first sample on `time.perf_counter`, s.
 
@@ -68,27 +76,26 @@ class Driver(Protocol):
 
         It waits until the device has said whether there was one just now, `longest_wait_s` at most.
         """
+        del longest_wait_s
+        return None
 
+    @abstractmethod
     def stop(self) -> None:
         """Zero now; not an error when nothing plays or the device is closed."""
 
+    @abstractmethod
     def close(self) -> None:
         """Zero, and let go of the device; may be called more than once."""
 
 
-@dataclass(frozen=True)
-class NullOutput:
+class NullOutput(Driver):
     """A driver to which nothing is connected: any channels, any rate."""
 
-    name: str = "null"
-    n_channels: int | None = None
-    rate_hz: float | None = None
-    connected: bool = False
-    one_bit: bool = False
-    full_scale_v: float = math.inf
+    name = "null"
+    connected = emits = False
 
-    def facts(self) -> dict[str, str | int | float | None]:
-        return {}
+    def __init__(self, n_channels: int | None = None, rate_hz: float | None = None) -> None:
+        self.n_channels, self.rate_hz = n_channels, rate_hz
 
     def open(self) -> None:
         pass
@@ -99,9 +106,6 @@ class NullOutput:
     def play(self, signal: Signal) -> float:
         del signal
         return time.perf_counter()
-
-    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> None:
-        del longest_wait_s
 
     def stop(self) -> None:
         pass

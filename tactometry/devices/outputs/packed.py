@@ -14,7 +14,7 @@ from ...signal import Signal
 from .bit_stream import decode, encode, stop_stream
 from .board_line import BoardLine, Sending, open_line
 from .gain import Gain, SignalChain, required_gain
-from .gaps import LONGEST_WORD_S
+from .output import Driver
 
 OPEN_WITHIN_S: Final = 5.0
 """A board that does not read yet is waited for."""
@@ -48,7 +48,7 @@ class PackedSettings:
         return SignalChain(f"packed {self.path}")
 
 
-class PackedOutput:
+class PackedOutput(Driver):
     """Writes one stream per signal, and a stream of no samples to stop; the form is that of `devices.packed`.
 
     Streams are sent in a thread of their own, and nothing waits for a board that hangs: a stop ends what is being sent,
@@ -131,10 +131,6 @@ class PackedOutput:
             self._let_go()
         if sending.failure is not None:
             raise sending.failure
-
-    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> None:
-        """A board does not tell."""
-        del longest_wait_s
 
     def stop(self) -> None:
         """Zero now, within twice `STOP_WITHIN_S`.

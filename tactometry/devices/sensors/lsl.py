@@ -10,8 +10,8 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...arguments.require import positive
-from ...errors import DeviceFailed
-from .reader import SAY_S, SampleBlock, now_s
+from ...errors import DeviceFailed, needed
+from .reader import POLL_S, SampleBlock, now_s
 
 LONGEST_SEARCH_S = 5.0
 OTHERS_WITHIN_S = 0.5
@@ -69,7 +69,7 @@ class LslSource:
         inlet, pylsl = self._inlet, _library()
         if inlet is not None:
             with contextlib.suppress(pylsl.util.LostError, pylsl.util.TimeoutError, pylsl.util.InternalError):
-                self._correction_s = inlet.time_correction(timeout=SAY_S)
+                self._correction_s = inlet.time_correction(timeout=POLL_S)
 
     def open(self) -> None:
         pylsl = _library()
@@ -116,7 +116,7 @@ class LslSource:
     def receive(self) -> SampleBlock | None:
         pylsl = _library()
         try:
-            samples, stamps_s = self._inlet.pull_chunk(timeout=SAY_S, max_samples=MOST_SAMPLES, min_samples=1)
+            samples, stamps_s = self._inlet.pull_chunk(timeout=POLL_S, max_samples=MOST_SAMPLES, min_samples=1)
         except pylsl.util.LostError:
             raise DeviceFailed(f"{self.name}: the outlet is gone") from None
         if not stamps_s:
@@ -140,10 +140,8 @@ def _offset_s(pylsl: Any) -> float:
 
 @functools.cache
 def _library() -> Any:
-    try:
+    with needed("lsl: cannot load liblsl ({error}); pip install 'tactometry[lsl]'"):
         import pylsl
-    except (ImportError, RuntimeError) as error:
-        raise DeviceFailed(f"lsl: cannot load liblsl ({error}); pip install 'tactometry[lsl]'") from None
     if not _has_settings_of_its_own():
         with contextlib.suppress(NotImplementedError):
             pylsl.set_config_content(WARNINGS_ONLY)

@@ -19,7 +19,7 @@ FloatArray = NDArray[np.float64]
 
 RETRY_S = 0.2
 """A device that went away is looked for this often."""
-SAY_S = 0.01
+POLL_S = 0.01
 """That nothing came is said this often."""
 KEPT_S = 60.0
 """A listener that does not read loses what is older."""
@@ -31,20 +31,6 @@ class SampleBlock:
 
     times_s: FloatArray
     values: FloatArray
-
-
-Hear = Callable[[FloatArray, FloatArray], None]
-"""What is told samples: their times (n_samples,) in s on `time.perf_counter`, and their values."""
-
-
-class Told(Protocol):
-    """What tells samples as they come."""
-
-    def listen(self, hear: Hear) -> Callable[[], None]:
-        """Call `hear` with all samples from now on, in the thread that collects them, until the result is called.
-
-        A device that says nothing is told about every `SAY_S`, with empty arrays.
-        """
 
 
 class Source(Protocol):
@@ -64,7 +50,7 @@ class Source(Protocol):
         """Raises `DeviceFailed` if the device is not there."""
 
     def receive(self) -> SampleBlock | None:
-        """The next samples; waits for about `SAY_S`, then None. Raises `DeviceFailed` if the device went away."""
+        """The next samples; waits for about `POLL_S`, then None. Raises `DeviceFailed` if the device went away."""
 
     def close(self) -> None:
         """May be called more than once."""
@@ -105,7 +91,7 @@ class Reader:
 
     def __init__(self, source: Source, delay_s: float = 0.0) -> None:
         self.source, self._delay_s = source, delay_s
-        self._hearers: tuple[Callable[[SampleBlock], None], ...] = ()
+        self._subscribers: tuple[Callable[[SampleBlock], None], ...] = ()
         self._n_open = 0
         self._ending = threading.Event()
         self._thread: threading.Thread | None = None
@@ -127,20 +113,20 @@ class Reader:
     def listen(self) -> Listener:
         """Another listener; it hears what comes from now on."""
         listener = Listener()
-        self.tell(listener.put)
+        self.subscribe(listener.put)
         return listener
 
-    def tell(self, hear: Callable[[SampleBlock], None]) -> Callable[[], None]:
-        """Call `hear` in the reader's thread with each block from now on, an empty one where nothing came.
+    def subscribe(self, on_block: Callable[[SampleBlock], None]) -> Callable[[], None]:
+        """Call `on_block` in the reader's thread with each block from now on, an empty one where nothing came.
 
         It ends when the function that is returned is called.
         """
         # a new tuple, never a list that grows: the reader's thread goes through the old one undisturbed
-        self._hearers = (*self._hearers, hear)
-        return lambda: self._forget(hear)
+        self._subscribers = (*self._subscribers, on_block)
+        return lambda: self._unsubscribe(on_block)
 
-    def _forget(self, hear: Callable[[SampleBlock], None]) -> None:
-        self._hearers = tuple(other for other in self._hearers if other is not hear)
+    def _unsubscribe(self, on_block: Callable[[SampleBlock], None]) -> None:
+        self._subscribers = tuple(other for other in self._subscribers if other is not on_block)
 
     def open(self) -> None:
         """Begin to read; the second of two that share a reader changes nothing.
@@ -193,28 +179,28 @@ class Reader:
 
     def _take(self, block: SampleBlock | None) -> None:
         if block is None or block.times_s.size == 0:
-            self._say(None)
+            self._publish(None)
             return
         self._arrivals = self._arrivals.after(block.times_s, now_s())
         if self._arrivals.fault is not None:
             self._n_outages += self._failure is None
             self._failure = f"{self.source.name}: {self._arrivals.fault}"
-            self._say(None)
+            self._publish(None)
             return
         self._n_samples += block.times_s.size
         self._failure = None
         # a copy only where stamps move: listeners share the block
-        self._say(SampleBlock(block.times_s - self._delay_s, block.values) if self._delay_s else block)
+        self._publish(SampleBlock(block.times_s - self._delay_s, block.values) if self._delay_s else block)
 
-    def _say(self, block: SampleBlock | None) -> None:
+    def _publish(self, block: SampleBlock | None) -> None:
         nothing = SampleBlock(np.empty(0), np.empty((0, self.source.n_channels)))
-        for hear in self._hearers:
-            hear(nothing if block is None else block)
+        for on_block in self._subscribers:
+            on_block(nothing if block is None else block)
 
     def _find_again(self) -> None:
         next_s = now_s() + RETRY_S
-        while not self._ending.wait(SAY_S):
-            self._say(None)
+        while not self._ending.wait(POLL_S):
+            self._publish(None)
             if now_s() < next_s:
                 continue
             next_s = now_s() + RETRY_S

@@ -6,10 +6,10 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from ...arguments.require import positive
-from ...errors import DeviceFailed
+from ...errors import DeviceFailed, needed
 from .counted_samples import CountedSamples
 from .framing import Framing
-from .reader import SAY_S, SampleBlock, now_s
+from .reader import POLL_S, SampleBlock, now_s
 
 LARGEST_READ = 65_536
 
@@ -54,7 +54,7 @@ class SerialSource:
         serial = _library()
         try:
             line = serial.Serial()
-            line.port, line.baudrate, line.timeout = self._settings.port, self._settings.baud, SAY_S
+            line.port, line.baudrate, line.timeout = self._settings.port, self._settings.baud, POLL_S
             line.exclusive = True
             line.open()
             line.reset_input_buffer()
@@ -82,10 +82,10 @@ class SerialSource:
 
 
 def _available(line: Any, n_missing: int) -> bytes:
-    """What has come, after `SAY_S` at most, in as few calls as possible: each may wait for a thread that computes."""
+    """What has come, after `POLL_S` at most, in as few calls as possible: each may wait for a thread that computes."""
     if os.name != "posix":
         return bytes(line.read(max(n_missing, line.in_waiting)))
-    ready, _, _ = select.select([line.fd], [], [], SAY_S)
+    ready, _, _ = select.select([line.fd], [], [], POLL_S)
     data = os.read(line.fd, LARGEST_READ) if ready else b""
     if ready and not data:
         raise OSError("the device hung up")
@@ -99,8 +99,6 @@ def _reason(error: Exception) -> str:
 
 
 def _library() -> Any:
-    try:
+    with needed("serial line: found no pyserial; pip install 'tactometry[serial]'"):
         import serial
-    except ImportError:
-        raise DeviceFailed("serial line: found no pyserial; pip install 'tactometry[serial]'") from None
     return serial

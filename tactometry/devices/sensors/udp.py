@@ -15,7 +15,7 @@ from typing import ClassVar, Final, NamedTuple
 from ...arguments.require import positive
 from ...errors import DeviceFailed, InvalidParameter
 from .counted_samples import CountedSamples
-from .reader import SAY_S, SampleBlock, now_s
+from .reader import POLL_S, SampleBlock, now_s
 
 BEGIN: Final = struct.pack(">HHI", 0x1234, 2, 0)
 END: Final = struct.pack(">HHI", 0x1234, 0, 0)
@@ -92,7 +92,7 @@ class UdpSource:
         try:
             self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED_BYTES)
-            self._socket.settimeout(SAY_S)
+            self._socket.settimeout(POLL_S)
             self._socket.connect((self._settings.address, self._settings.port))
             self._heard_s = now_s() - SILENT_S  # so that the first `receive` asks at once
         except OSError as error:

@@ -3,8 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ...devices.sensors.force_sensor import ForceSensor
-from ...devices.sensors.position_sensor import PositionSensor
+from ...devices.sensors.streamed import StreamedSensor
 from ...safety.limits import FORCE_PEAK_N
 from ..emitter import Emitter
 from ..pages.presenter import Presenter
@@ -20,8 +19,8 @@ class TouchSetup:
 
     presenter: Presenter
     emitter: Emitter
-    sensor: ForceSensor | None
-    position: PositionSensor | None
+    sensor: StreamedSensor | None
+    position: StreamedSensor | None
     release: Release
     pause: Pause
     say: Callable[[str], None]

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 
-from ...devices.sensors.force_sensor import ForceSensor
+from ...devices.sensors.streamed import StreamedSensor
 from ...gates.force import ForceGate
 from ...gates.speed import SpeedGate
 from ...safety.limits import FORCE_PEAK_N
@@ -161,7 +161,7 @@ class TouchCourse:
             **{name: _round(value) for name, value in kept.items()},
         )
 
-    def _held(self, signal: Signal | None, sensor: ForceSensor) -> TouchResult:
+    def _held(self, signal: Signal | None, sensor: StreamedSensor) -> TouchResult:
         """Play once the force is held in motion, and stop when the finger stops or leaves, or a sensor is lost.
 
         The threads of the sensors decide; here it is shown what they hear.
@@ -193,7 +193,7 @@ class TouchCourse:
         self.setup.say(f"played, {mean}")
         return TouchResult(touched, held.delay_s(decided_s))
 
-    def _begun(self, held: Held, trigger: Trigger, sensor: ForceSensor) -> tuple[float, float] | None:
+    def _begun(self, held: Held, trigger: Trigger, sensor: StreamedSensor) -> tuple[float, float] | None:
         """Show the force until the stimulus begins: when that was decided, and the onset; None if it came too late.
 
         A silent sensor pauses the session; no time counts in a pause.

@@ -4,8 +4,8 @@ import time
 
 import numpy as np
 
-from ...devices.sensors.position_sensor import mean_speed_m_per_s
 from ...devices.sensors.reader import FloatArray
+from ...devices.sensors.streamed import mean_speed_m_per_s
 
 DEAF_S = 0.5
 """A sensor's thread that tells nothing for longer, not even that nothing came, is held up (unverified default)."""

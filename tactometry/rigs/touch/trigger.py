@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from ...devices.deadline import BEGIN_WITHIN_S
-from ...devices.sensors.reader import FloatArray, Hear, Told
+from ...devices.sensors.streamed import FloatArray, OnSamples, StreamedSensor
 
 TURN_S = 0.002
 """While a decision is awaited, a thread that computes lets others in after this time; Python's own is 5 ms."""
@@ -100,7 +100,7 @@ def quick_turns() -> Iterator[None]:
 
 
 @contextmanager
-def hearing(sensor: Told | None, hear: Hear, then: Callable[[], None] = lambda: None) -> Iterator[None]:
+def hearing(sensor: StreamedSensor | None, hear: OnSamples, then: Callable[[], None] = lambda: None) -> Iterator[None]:
     """Samples go to `hear` in the sensor's thread, each time followed by `then`, until the block ends."""
     if sensor is None:
         yield
@@ -110,7 +110,7 @@ def hearing(sensor: Told | None, hear: Hear, then: Callable[[], None] = lambda: 
         hear(times_s, values)
         then()
 
-    end = sensor.listen(heard)
+    end = sensor.subscribe(heard)
     try:
         yield
     finally:

@@ -5,8 +5,8 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from ...devices.sensors.force_sensor import ForceSensor
 from ...devices.sensors.reader import FloatArray
+from ...devices.sensors.streamed import StreamedSensor
 from ...session.answer import Played
 from ...session.request import Play
 from ...signal import Signal
@@ -19,7 +19,7 @@ from .trigger import hearing
 SILENT = "the force sensor is silent"
 
 
-def silence(sensor: ForceSensor | None) -> str:
+def silence(sensor: StreamedSensor | None) -> str:
     """Why a session pauses whose force sensor says nothing, with what is known of it."""
     failure = None if sensor is None else sensor.failure
     return SILENT if failure is None else f"{SILENT} ({failure})"
