@@ -5,10 +5,12 @@ A stage is sized by what is asked of all, and an effect is asked for stages: the
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, ClassVar, Protocol, TypeVar
+from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 from tactometry.errors import InvalidParameter
 from tactometry.target import resolve
+
+from .content import PlateContent, VoltageContent
 
 Answer = TypeVar("Answer")
 
@@ -127,7 +129,11 @@ class Surroundings(Protocol):
     """What of a scene an effect may look at."""
 
     @property
-    def surface(self) -> "Surface": ...
+    def surface(self) -> Any:
+        """The `Surface`; an effect knows the fields of that to which it belongs."""
+
+    @property
+    def effects(self) -> "tuple[Effect, ...]": ...
 
     @property
     def contacts(self) -> tuple[FingerContact, ...]: ...
@@ -140,12 +146,26 @@ class Surroundings(Protocol):
 
 
 class Effect:
-    """An effect of a scene; it imports no physics, its stages name it by target strings.
+    """An effect of a scene: a value that computes, with its fields as settings.
 
-    `kind` is its name in a scene file. `slot` is its place in the order in which effects act; two effects in one slot
-    are refused. `requires` names what must be in the scene beside it: a slot, ``contact``, ``sliding contact`` or
-    ``resting contact``. `excludes` names kinds that contradict it, with the reason and the cure. `assumes` says what it
-    takes for granted, in words.
+    `kind` is its name in a scene file. Two effects in one `slot` are refused. `requires` names what must be in the
+    scene beside it: a slot, ``contact``, ``sliding contact`` or ``resting contact``. `excludes` names kinds that
+    contradict it, with the reason and the cure. `assumes` says what it takes for granted, in words. `cures` says of
+    quantities that nothing gives how to add this effect. The quantities `reads` go to the value, which makes `gives`
+    of them. A module that holds an effect imports no physics that the effect alone needs: that is imported in the run.
+
+    Where it acts is the place of its line in `tactometry.stimuli.scenes.effects`.
+
+    >>> from dataclasses import dataclass
+    >>> @dataclass(frozen=True)
+    ... class Halving(Effect):
+    ...     kind, slot, reads, gives = "halving", "halving", ("peak_m",), "peak_m"
+    ...     share: float = 0.5
+    ...
+    ...     def __call__(self, peak_m: float) -> float:
+    ...         return self.share * peak_m
+    >>> Halving().stage().settings, Halving()(3.0)
+    ({'share': 0.5}, 1.5)
     """
 
     kind: ClassVar[str]
@@ -153,28 +173,61 @@ class Effect:
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
     assumes: ClassVar[tuple[str, ...]] = ()
+    cures: ClassVar[Mapping[str, str]] = {}
+    reads: ClassVar[tuple[str, ...]] = ()
+    gives: ClassVar[str]
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """What the effect needs and gives, and no more.
+        """What the effect needs and gives, and no more: the value itself, unless it says otherwise.
 
         What its stages compute, refuse or predict stands in their `size`, which is asked for if an output needs them.
         """
-        raise NotImplementedError
+        del scene
+        return (self.stage(),)
+
+    def stage(self, name: str = "") -> Stage:
+        """The stage that calls this value; it is named by the kind of the effect, if it has no name of its own."""
+        target = f"{type(self).__module__}:{type(self).__qualname__}"
+        return Stage(name or self.kind, self.reads, self.gives, target, dict(vars(self)), size=self.size)
+
+    def size(self, demand: "Demand") -> Size:
+        """How finely the value works; it refuses what no output can be had with."""
+        del demand
+        return Size()
+
+    def in_voltage(self, scene: Surroundings) -> VoltageContent:
+        """What it brings into the voltage and the force of an electrovibration scene."""
+        del scene
+        return VoltageContent()
+
+    def in_plate(self, scene: Surroundings) -> PlateContent:
+        """What it brings into the motion of a plate."""
+        del scene
+        return PlateContent()
+
+    def wavenumber_rad_per_m(self, plate: Any, frequency_hz: float) -> float | None:
+        """Of the waves in a plate, by an effect that changes them; None leaves them as they are."""
+        del plate, frequency_hz
+        return None
+
+
+class Quantity(Effect):
+    """An effect that is itself the quantity that it gives, such as a law."""
+
+    def __call__(self) -> Self:
+        return self
 
 
 class Surface:
     """What is touched: it brings the stages that hold without any effect.
 
-    `order` names the slots of all effects in the order in which they act, `effects` their kinds. `given` names the
-    quantities that each run is given. `cures` says for a quantity which effect brings it. `assumes` says, by slot, what
-    holds as long as no effect fills the slot.
+    `effects` holds the kinds that it knows, in the order in which they act, and where their classes are. `given` names
+    the quantities that each run is given. `assumes` says, by slot, what holds as long as no effect fills the slot.
     """
 
     kind: ClassVar[str]
-    order: ClassVar[tuple[str, ...]]
-    effects: ClassVar[tuple[str, ...]]
+    effects: ClassVar[Mapping[str, str]]
     given: ClassVar[tuple[str, ...]]
-    cures: ClassVar[Mapping[str, str]]
     assumes: ClassVar[Mapping[str, str]]
 
     def stages(self, scene: "Demand") -> tuple[Stage, ...]:
@@ -183,6 +236,11 @@ class Surface:
     def stages_of(self, effect: Effect, scene: "Demand") -> tuple[Stage, ...]:
         """The stages of an effect on this surface: as it brings them, in its name."""
         return tuple(replace(stage, effect=effect.kind) for stage in effect.stages(scene))
+
+    def cure(self, quantity: str) -> str:
+        """Which effect brings a quantity, in words; empty if none does. It asks all effects, so all are imported."""
+        cures = (resolve(target).cures for target in self.effects.values())
+        return next((of_effect[quantity] for of_effect in cures if quantity in of_effect), "")
 
 
 @dataclass(frozen=True)
@@ -194,6 +252,7 @@ class Demand:
     Parameters
     ----------
     surface : Surface
+        An effect knows the fields of that to which it belongs.
     effects : tuple of Effect
         In their order, those alone that an output needs.
     outputs : tuple of str
@@ -202,7 +261,7 @@ class Demand:
         The relative error that a stage may add.
     """
 
-    surface: Surface
+    surface: Any
     effects: tuple[Effect, ...]
     outputs: tuple[str, ...]
     contacts: tuple[FingerContact, ...]

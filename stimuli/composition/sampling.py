@@ -20,24 +20,12 @@ between the events, which are exact.
 from collections.abc import Callable
 from math import ceil, hypot, pi, sqrt
 
+from .content import VoltageContent
 from .effect import Demand, Size, Surroundings
 
 FEWEST, MOST = 16, 4_000_000
 """Samples of a record; the most take about 2 GB."""
 VACUUM_F_PER_M = 8.8541878128e-12
-
-
-def voltage_hz(scene: Surroundings) -> float:
-    """The highest frequency in the voltage of an electrovibration scene."""
-    tone_hz: float = scene.surface.frequency_hz  # type: ignore[attr-defined]
-    if scene.surface.ramp_s:  # type: ignore[attr-defined]
-        tone_hz += 1 / (2 * scene.surface.ramp_s)  # type: ignore[attr-defined]
-    carrier, texture = scene.find("carrier"), scene.find("texture")
-    if carrier is not None:
-        tone_hz += carrier.carrier_hz  # type: ignore[attr-defined]
-    if texture is not None:
-        tone_hz += texture.frequency_hz(scene) / 2  # type: ignore[attr-defined]
-    return tone_hz
 
 
 def force_rad_per_s(scene: Surroundings) -> float:
@@ -49,15 +37,17 @@ def force_rad_per_s(scene: Surroundings) -> float:
     >>> round(force_rad_per_s(scene) / (4 * pi), 9)
     70.0
     """
-    return 4 * pi * voltage_hz(scene)
+    surface = scene.surface
+    ramps_hz = 1 / (2 * surface.ramp_s) if surface.ramp_s else 0.0
+    return float(4 * pi * (surface.frequency_hz + ramps_hz + content_of(scene).added_hz))
 
 
 def n_samples(scene: Surroundings, error: float) -> int:
     """Samples of a record for an error of straight lines between them, or as many as are to be had."""
-    duration_s: float = scene.surface.duration_s  # type: ignore[attr-defined]
     square, linear = _terms(scene)
     # the root of square step^2 + linear step = error, without a difference of near equals
     step_s = 2 * error / (linear + sqrt(linear**2 + 4 * square * error))
+    duration_s: float = scene.surface.duration_s
     return min(max(FEWEST, ceil(duration_s / step_s) + 1), MOST)
 
 
@@ -79,81 +69,42 @@ def record(demand: Demand) -> Size:
 
 def chord_error(scene: Surroundings, n: int) -> float:
     """The bound for a number of samples."""
-    duration_s: float = scene.surface.duration_s  # type: ignore[attr-defined]
     square, linear = _terms(scene)
-    step_s = duration_s / (n - 1)
+    step_s: float = scene.surface.duration_s / (n - 1)
     return square * step_s**2 + linear * step_s
+
+
+def content_of(scene: Surroundings) -> VoltageContent:
+    """What all effects bring."""
+    return sum((effect.in_voltage(scene) for effect in scene.effects), start=VoltageContent())
 
 
 def _terms(scene: Surroundings) -> tuple[float, float]:
     """Factors of the step squared (curvature) and of the step (kinks, of which only a lossy skin shows any)."""
-    leak, kinks = _leak_per_s(scene), _kinks_rad_per_s(scene)
-    bandwidth = max(force_rad_per_s(scene), _swing_rad_per_s(scene))
+    content = content_of(scene)
+    leak = _leak_per_s(scene, content)
+    carried = 2 * pi * (content.carrier_hz or scene.surface.frequency_hz)
+    kinks = content.envelope_rad_per_s + content.kinks_rad_per_s
+    bandwidth = max(force_rad_per_s(scene), content.swing_rad_per_s)
     if kinks:
         bandwidth = max(bandwidth, 2 * leak)
-    in_body = 1.0 if scene.find("body") is not None else 0.0
-    beside = _share_beside_constant(scene) * _envelope_rad_per_s(scene)
-    square = (bandwidth**2 + _ramp_end_per_s2(scene)) / 8
-    return square, 2 * kinks * (leak / _carried_rad_per_s(scene) + in_body) + beside
+    # what of the kinks of an envelope its product with a constant shows, in the force over its peak
+    beside_constant = content.constant / (1 + content.constant) ** 2 * content.envelope_rad_per_s
+    curvature = _ramp_end_per_s2(scene.surface.ramp_s, leak, leak / carried, content.constant)
+    square = (bandwidth**2 + curvature) / 8
+    return square, 2 * kinks * (leak / carried + content.bare_kinks) + beside_constant
 
 
-def _ramp_end_per_s2(scene: Surroundings) -> float:
+def _ramp_end_per_s2(ramp_s: float, leak_per_s: float, leak_of_tone: float, constant: float) -> float:
     """Curvature of the force over its peak behind a ramp, 0 without ramps or losses."""
-    ramp_s: float = scene.surface.ramp_s  # type: ignore[attr-defined]
-    leak = _leak_per_s(scene)
-    if not (ramp_s and leak):
+    if not (ramp_s and leak_per_s):
         return 0.0
-    constant = _constant(scene)
-    return (pi / ramp_s) ** 2 / 2 * (hypot(1.0, leak / _carried_rad_per_s(scene)) * (1 + 2 * constant) + 1)
+    return (pi / ramp_s) ** 2 / 2 * (hypot(1.0, leak_of_tone) * (1 + 2 * constant) + 1)
 
 
-def _carried_rad_per_s(scene: Surroundings) -> float:
-    """Angular frequency of the tone or of its carrier."""
-    carrier = scene.find("carrier")
-    tone_hz: float = scene.surface.frequency_hz  # type: ignore[attr-defined]
-    return 2 * pi * (tone_hz if carrier is None else carrier.carrier_hz)  # type: ignore[attr-defined]
-
-
-def _kinks_rad_per_s(scene: Surroundings) -> float:
-    """How fast an envelope goes through its zeros, where it has a kink."""
-    texture, rad_per_s = scene.find("texture"), _envelope_rad_per_s(scene)
-    if texture is not None:
-        rad_per_s += pi * texture.frequency_hz(scene)  # type: ignore[attr-defined]
-    return rad_per_s
-
-
-def _envelope_rad_per_s(scene: Surroundings) -> float:
-    carrier = scene.find("carrier")
-    if carrier is None or carrier.modulation != "square_root":  # type: ignore[attr-defined]
-        return 0.0
-    return pi * scene.surface.frequency_hz  # type: ignore[attr-defined, no-any-return]
-
-
-def _constant(scene: Surroundings) -> float:
-    """The voltage beside the tone, over its peak."""
-    offset = scene.find("offset")
-    return 0.0 if offset is None else abs(offset.ratio)  # type: ignore[attr-defined]
-
-
-def _share_beside_constant(scene: Surroundings) -> float:
-    """What of the kinks of an envelope its product with a constant shows, in the force over its peak."""
-    constant = _constant(scene)
-    return constant / (1 + constant) ** 2
-
-
-def _swing_rad_per_s(scene: Surroundings) -> float:
-    """How fast a finger pad swings freely, 0 of one without dynamics."""
-    dynamics = scene.find("dynamics")
-    return getattr(dynamics, "natural_rad_per_s", 0.0)
-
-
-def _leak_per_s(scene: Surroundings) -> float:
+def _leak_per_s(scene: Surroundings, content: VoltageContent) -> float:
     """``1/tau`` of a leaky corneum, 0 of one without losses."""
-    leakage, gap, skin = scene.find("leakage"), scene.find("gap"), scene.surface
-    if leakage is None:
-        return 0.0
-    insulator_m: float = skin.insulator_thickness_m / skin.insulator_permittivity  # type: ignore[attr-defined]
-    if gap is not None:
-        insulator_m += gap.gap_m  # type: ignore[attr-defined]
-    permittivity: float = skin.corneum_permittivity + skin.corneum_thickness_m / insulator_m  # type: ignore[attr-defined]
-    return 1 / (VACUUM_F_PER_M * leakage.corneum_resistivity_ohm_m * permittivity)  # type: ignore[attr-defined, no-any-return]
+    skin = scene.surface
+    insulator_m = skin.insulator_thickness_m / skin.insulator_permittivity + content.gap_m
+    permittivity = skin.corneum_permittivity + skin.corneum_thickness_m / insulator_m
+    return float(1 / (VACUUM_F_PER_M * content.resistivity_ohm_m * permittivity))

@@ -1,21 +1,24 @@
 """From what is asked for back to what is given: the stages that are needed, in the order in which they run."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 
 from tactometry.errors import InvalidParameter, nearest
 
 from ..composition.effect import Stage
 from .result import unit_of
 
+Cure = Callable[[str], str]
+"""What would bring a quantity, in words; empty if nothing would."""
+
 
 def needed(
-    outputs: Sequence[str], stages: Sequence[Stage], given: Collection[str], cures: Mapping[str, str] | None = None
+    outputs: Sequence[str], stages: Sequence[Stage], given: Collection[str], cure: Cure = lambda quantity: ""
 ) -> tuple[Stage, ...]:
     """The stages without which `outputs` cannot be had, each behind those that it needs.
 
     `stages` stand in the order in which they act. Of those that give one quantity, the last that makes it anew counts,
-    and those behind it that change it; whoever else needs the quantity reads its last value. `cures`
-    says for a quantity what would bring it.
+    and those behind it that change it; whoever else needs the quantity reads its last value. `cure` is asked
+    about a quantity that nothing gives.
 
     Raises
     ------
@@ -38,7 +41,7 @@ def needed(
             return
         if quantity in path:
             raise InvalidParameter(f"scene: found that {' needs '.join((*path, quantity))}, expected no circle")
-        for stage in _chain(quantity, stages, path, cures or {}):
+        for stage in _chain(quantity, stages, path, cure):
             for need in stage.needs:
                 if need != quantity:
                     visit(need, (*path, quantity))
@@ -50,14 +53,15 @@ def needed(
     return tuple(ordered)
 
 
-def _chain(quantity: str, stages: Sequence[Stage], path: tuple[str, ...], cures: Mapping[str, str]) -> Sequence[Stage]:
+def _chain(quantity: str, stages: Sequence[Stage], path: tuple[str, ...], cure: Cure) -> Sequence[Stage]:
     giving = [stage for stage in stages if stage.gives == quantity]
     makers = [n for n, stage in enumerate(giving) if not stage.changes]
     if not makers:
         known = sorted({stage.gives for stage in stages if path or unit_of(stage.gives)})
         where, wanted = ("scene", f", which {path[-1]!r} needs") if path else ("outputs", "")
-        cure = f"; {cures[quantity]}" if quantity in cures else nearest(quantity, known)
+        bringing = cure(quantity)
+        mend = f"; {bringing}" if bringing else nearest(quantity, known)
         raise InvalidParameter(
-            f"{where}: found nothing that gives {quantity!r}{wanted}, expected one of {', '.join(known)}{cure}"
+            f"{where}: found nothing that gives {quantity!r}{wanted}, expected one of {', '.join(known)}{mend}"
         )
     return giving[makers[-1] :]

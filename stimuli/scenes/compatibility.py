@@ -27,10 +27,10 @@ def check_effects(effects: Sequence[Effect], scene: Surroundings) -> None:
 
 
 def _check_place(effect: Effect, scene: Surroundings, where: str) -> None:
-    if effect.slot not in scene.surface.order:
+    if effect.kind not in scene.surface.effects:
         raise InvalidParameter(
             f"{where}: found {effect.kind!r}, which {scene.surface.kind!r} does not know, expected an effect of "
-            f"{', '.join(scene.surface.order)}; remove it"
+            f"{', '.join(scene.surface.effects)}; remove it"
         )
 
 

@@ -111,17 +111,22 @@ class Scene:
 
     def _unsized(self) -> tuple[Stage, ...]:
         """The stages that the outputs need, before any of them is asked for its settings."""
-        ordered = tuple(sorted(self.effects, key=lambda effect: self.surface.order.index(effect.slot)))
-        demand = self._demand(ordered, self.accuracy)
+        demand = self._demand(self._ordered, self.accuracy)
         stages = [*self.surface.stages(demand)]
-        for effect in ordered:
+        for effect in self._ordered:
             stages += self.surface.stages_of(effect, demand)
-        return needed(self.outputs, stages, self.surface.given, self.surface.cures)
+        return needed(self.outputs, stages, self.surface.given, self.surface.cure)
+
+    @property
+    def _ordered(self) -> tuple[Effect, ...]:
+        """The effects in the order in which they act."""
+        places = list(self.surface.effects)
+        return tuple(sorted(self.effects, key=lambda effect: places.index(effect.kind)))
 
     def _called_for(self, stages: Sequence[Stage]) -> tuple[Effect, ...]:
         """The effects that have a stage among these."""
         on = {stage.effect for stage in stages}
-        return tuple(effect for effect in self.effects if effect.kind in on)
+        return tuple(effect for effect in self._ordered if effect.kind in on)
 
     def _demand(self, effects: tuple[Effect, ...], error: float) -> Demand:
         return Demand(self.surface, effects, self.outputs, self.contacts, error)

@@ -1,17 +1,20 @@
-"""Effects, one file each, by the name that a scene file gives them."""
+"""Effects: the kind that a scene file names, and where its class is, which is imported when a scene names it.
+
+A line is all that an effect is registered by; its place among those of its surface is where the effect acts.
+"""
 
 from collections.abc import Mapping
 
-EFFECTS: Mapping[str, str] = {
+OF_ELECTROVIBRATION: Mapping[str, str] = {
     "carrier": "tactometry.stimuli.scenes.effects.carrier:Carrier",
     "dc_offset": "tactometry.stimuli.scenes.effects.dc_offset:DcOffset",
     "texture": "tactometry.stimuli.scenes.effects.texture:Texture",
-    "polarity": "tactometry.stimuli.scenes.effects.polarity:Polarity",
     "body_resistance": "tactometry.stimuli.scenes.effects.body_resistance:BodyResistance",
     "skin_leakage": "tactometry.stimuli.scenes.effects.skin_leakage:SkinLeakage",
     "air_gap": "tactometry.stimuli.scenes.effects.air_gap:AirGap",
     "contact_area": "tactometry.stimuli.scenes.effects.contact_area:ContactArea",
     "force_law": "tactometry.stimuli.scenes.effects.force_law:ForceLaw",
+    "polarity": "tactometry.stimuli.scenes.effects.polarity:Polarity",
     "friction": "tactometry.stimuli.scenes.effects.friction:Friction",
     "dry_friction": "tactometry.stimuli.scenes.effects.dry_friction:DryFriction",
     "friction_lag": "tactometry.stimuli.scenes.effects.friction_lag:FrictionLag",
@@ -20,6 +23,8 @@ EFFECTS: Mapping[str, str] = {
     "receptors": "tactometry.stimuli.scenes.effects.receptors:Receptors",
     "summation": "tactometry.stimuli.scenes.effects.summation:Summation",
     "masking": "tactometry.stimuli.scenes.effects.masking:Masking",
+}
+OF_TIME_REVERSAL: Mapping[str, str] = {
     "edges": "tactometry.stimuli.scenes.effects.edges:Edges",
     "shear": "tactometry.stimuli.scenes.effects.shear:Shear",
     "attenuation": "tactometry.stimuli.scenes.effects.attenuation:Attenuation",
@@ -32,10 +37,10 @@ EFFECTS: Mapping[str, str] = {
     "sigma_delta": "tactometry.stimuli.scenes.effects.sigma_delta:SigmaDelta",
     "pulse_width": "tactometry.stimuli.scenes.effects.pulse_width:PulseWidth",
     "repetition": "tactometry.stimuli.scenes.effects.repetition:Repetition",
-    "movie": "tactometry.stimuli.scenes.effects.movie:Movie",
     "finger_load": "tactometry.stimuli.scenes.effects.finger_load:FingerLoad",
+    "movie": "tactometry.stimuli.scenes.effects.movie:Movie",
     "airborne_sound": "tactometry.stimuli.scenes.effects.airborne_sound:AirborneSound",
     "drive_energy": "tactometry.stimuli.scenes.effects.drive_energy:DriveEnergy",
     "focus_detection": "tactometry.stimuli.scenes.effects.focus_detection:FocusDetection",
 }
-"""The kind of each effect, and where its class is; it is imported when a scene names it."""
+EFFECTS: Mapping[str, str] = {**OF_ELECTROVIBRATION, **OF_TIME_REVERSAL}

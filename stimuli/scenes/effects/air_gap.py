@@ -1,12 +1,12 @@
 """Air between the insulator and the skin."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.content import VoltageContent
+from ...composition.effect import Effect, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.skin.skin import Skin
@@ -22,6 +22,7 @@ class AirGap(Effect):
 
     kind = "air_gap"
     slot = "gap"
+    reads, gives = ("skin",), "skin"
     assumes = ("the gap is even under the whole contact",)
 
     gap_m: float
@@ -29,11 +30,9 @@ class AirGap(Effect):
     def __post_init__(self) -> None:
         require.positive("AirGap", gap_m=self.gap_m)
 
-    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+    def __call__(self, skin: "Skin") -> "Skin":
+        return replace(skin, gap_m=self.gap_m)
+
+    def in_voltage(self, scene: Surroundings) -> VoltageContent:
         del scene
-        return (Stage("air_gap", ("skin",), "skin", f"{__name__}:parted", {"gap_m": self.gap_m}),)
-
-
-def parted(gap_m: float) -> "Callable[[Skin], Skin]":
-    """The skin behind a gap."""
-    return lambda skin: replace(skin, gap_m=gap_m)
+        return VoltageContent(gap_m=self.gap_m)

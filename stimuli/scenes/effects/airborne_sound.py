@@ -1,9 +1,9 @@
 """What is heard of an emission."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import inf, log10
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 
@@ -28,6 +28,7 @@ class AirborneSound(Effect):
 
     kind = "airborne_sound"
     slot = "sound"
+    cures: ClassVar[Mapping[str, str]] = {"sound_level_dba": "add the effect airborne_sound"}
     requires = ("attenuation",)
     assumes = ("below coincidence a fixed share of 1 % is radiated: levels are for ranking",)
 
@@ -45,7 +46,7 @@ class AirborneSound(Effect):
         )
 
     def _size(self, demand: Demand) -> Size:
-        surface: Any = demand.surface
+        surface = demand.surface
         lost = remainder(demand) ** 2 * surface.band_max_hz / AUDIBLE_MAX_HZ
         ratio = max(FEWEST_MORE, (1.01 * lost / demand.error) ** (1 / 3))
         modes_to_hz = ratio * AUDIBLE_MAX_HZ

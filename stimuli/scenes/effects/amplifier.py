@@ -32,7 +32,7 @@ class Amplifier(Effect):
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
-        settings = {"cutoff_hz": self.cutoff_hz, "order": self.order}
+        settings = dict(vars(self))
         return (
             Stage("amplifier_in", ("learnt",), "learnt", f"{__name__}:heard_through", settings),
             Stage("amplifier_out", ("in_band",), "in_band", f"{__name__}:sent_through", settings),

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
+from ...composition.content import PlateContent
 from ...composition.effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
@@ -35,6 +36,9 @@ class Attenuation(Effect):
         del scene
         settings = {"tau_s": self.tau_s, "exponent": self.exponent, "reference_hz": self.reference_hz}
         return (Stage("attenuation", ("screen",), "screen", f"{__name__}:damped", settings),)
+
+    def in_plate(self, scene: Surroundings) -> PlateContent:
+        return PlateContent(tau_s=self.tau_at_s(scene.surface.band_max_hz), ringing_s=3 * self.tau_s)
 
     def tau_at_s(self, frequency_hz: float) -> float:
         """The time constant at a frequency."""

@@ -1,13 +1,13 @@
 """The audible-band filter: what is learnt keeps what lies above it."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.content import PlateContent
+from ...composition.effect import Effect, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.responses.responses import Responses
@@ -23,6 +23,7 @@ class AudibleFilter(Effect):
 
     kind = "audible_filter"
     slot = "filter"
+    reads, gives = ("learnt",), "learnt"
 
     cutoff_hz: float = 20e3
     flank_hz: float = 2e3
@@ -30,27 +31,17 @@ class AudibleFilter(Effect):
     def __post_init__(self) -> None:
         require.positive("AudibleFilter", cutoff_hz=self.cutoff_hz, flank_hz=self.flank_hz)
 
-    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        del scene
-        settings = {"cutoff_hz": self.cutoff_hz, "flank_hz": self.flank_hz}
-        return (Stage("audible_filter", ("learnt",), "learnt", f"{__name__}:silenced", settings),)
+    def __call__(self, learnt: "Responses") -> "Responses":
+        from ...time_reversal.responses.responses import inaudible
 
-    def weakening(self, scene: Surroundings) -> float:
+        return inaudible(learnt, self.cutoff_hz, self.flank_hz)
+
+    def in_plate(self, scene: Surroundings) -> PlateContent:
         """Less of the band adds up."""
-        self._check_flanks(scene.surface)
-        band_max_hz: float = scene.surface.band_max_hz  # type: ignore[attr-defined]
-        return band_max_hz / (band_max_hz - self.cutoff_hz)
-
-    def _check_flanks(self, surface: Any) -> None:
+        surface = scene.surface
         if self.cutoff_hz + self.flank_hz >= surface.band_max_hz - surface.flank_hz:
             raise InvalidParameter(
                 f"audible_filter: found a flank that ends at {self.cutoff_hz + self.flank_hz} Hz, expected it below "
                 f"that of the band, {surface.band_max_hz - surface.flank_hz} Hz; lower cutoff_hz or raise band_max_hz"
             )
-
-
-def silenced(cutoff_hz: float, flank_hz: float) -> "Callable[[Responses], Responses]":
-    """Responses without their audible part."""
-    from ...time_reversal.responses.responses import inaudible
-
-    return lambda learnt: inaudible(learnt, cutoff_hz, flank_hz)
+        return PlateContent(weakening=surface.band_max_hz / (surface.band_max_hz - self.cutoff_hz))

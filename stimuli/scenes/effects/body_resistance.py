@@ -1,11 +1,11 @@
 """Resistance of body and source in series with the skin."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
+from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings
 from ..stages.circuit import circuit_stage
 
@@ -23,6 +23,7 @@ class BodyResistance(Effect):
 
     kind = "body_resistance"
     slot = "body"
+    reads, gives = ("skin",), "skin"
 
     resistance_ohm: float
 
@@ -31,12 +32,11 @@ class BodyResistance(Effect):
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
-        body = Stage(
-            "body_resistance", ("skin",), "skin", f"{__name__}:in_series", {"resistance_ohm": self.resistance_ohm}
-        )
-        return body, circuit_stage(self.kind)
+        return self.stage(), circuit_stage(self.kind)
 
+    def __call__(self, skin: "Skin") -> "Skin":
+        return replace(skin, body_resistance_ohm=self.resistance_ohm)
 
-def in_series(resistance_ohm: float) -> "Callable[[Skin], Skin]":
-    """The skin in series with a resistance."""
-    return lambda skin: replace(skin, body_resistance_ohm=resistance_ohm)
+    def in_voltage(self, scene: Surroundings) -> VoltageContent:
+        del scene
+        return VoltageContent(bare_kinks=1.0)

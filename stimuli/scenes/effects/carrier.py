@@ -1,13 +1,14 @@
 """An amplitude-modulated carrier: the force vibrates at the programmed frequency whatever the skin leaks."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
+from math import pi
 from typing import TYPE_CHECKING, Literal, get_args
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.content import VoltageContent
+from ...composition.effect import Effect, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.waveforms.waveform import Waveform
@@ -25,6 +26,7 @@ class Carrier(Effect):
 
     kind = "carrier"
     slot = "carrier"
+    reads, gives = ("waveform",), "waveform"
 
     carrier_hz: float = 2_000.0
     modulation: Modulation = "square_root"
@@ -33,28 +35,24 @@ class Carrier(Effect):
         require.positive("Carrier", carrier_hz=self.carrier_hz)
         require.one_of("Carrier.modulation", self.modulation, get_args(Modulation))
 
-    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        del scene
-        settings = {"carrier_hz": self.carrier_hz, "modulation": self.modulation}
-        return (Stage("carrier", ("waveform",), "waveform", f"{__name__}:carried", settings),)
+    def __call__(self, tone: "Waveform") -> "Waveform":
+        """A tone as the envelope of a carrier."""
+        from ...electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
+        from ...electrovibration.waveforms.sine import Sine
 
-
-def carried(carrier_hz: float, modulation: Modulation) -> "Callable[[Waveform], Waveform]":
-    """A tone as the envelope of a carrier."""
-    from ...electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
-    from ...electrovibration.waveforms.sine import Sine
-
-    def modulated(tone: "Waveform") -> "Waveform":
         if not isinstance(tone, Sine):
             raise InvalidParameter(f"carrier: found a {type(tone).__name__} to carry, expected a sine")
         return AmplitudeModulated(
             tone.frequency_hz,
-            carrier_hz,
+            self.carrier_hz,
             tone.duration_s,
             tone.ramp_s,
-            max(tone.rate_hz, 2.5 * (carrier_hz + tone.frequency_hz)),
-            modulation,
+            max(tone.rate_hz, 2.5 * (self.carrier_hz + tone.frequency_hz)),
+            self.modulation,
             tone.level_unit,
         )
 
-    return modulated
+    def in_voltage(self, scene: Surroundings) -> VoltageContent:
+        has_kinks = self.modulation == "square_root"
+        envelope_rad_per_s = pi * scene.surface.frequency_hz if has_kinks else 0.0
+        return VoltageContent(self.carrier_hz, self.carrier_hz, envelope_rad_per_s)

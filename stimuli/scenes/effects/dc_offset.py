@@ -1,13 +1,13 @@
 """A constant added to the voltage, the peak kept."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite
 from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
 
-from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
+from ...composition.content import VoltageContent
+from ...composition.effect import Demand, Effect, Size, Surroundings
 
 if TYPE_CHECKING:
     from ...electrovibration.attraction.offset import WithOffset
@@ -24,6 +24,7 @@ class DcOffset(Effect):
 
     kind = "dc_offset"
     slot = "offset"
+    reads, gives = ("waveform",), "waveform"
 
     ratio: float
 
@@ -34,22 +35,19 @@ class DcOffset(Effect):
                 "the effect out"
             )
 
-    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        del scene
-        target = f"{__name__}:shifted"
-        return (Stage("dc_offset", ("waveform",), "waveform", target, size=self._size),)
+    def __call__(self, waveform: "Waveform") -> "WithOffset":
+        from ...electrovibration.attraction.offset import WithOffset
 
-    def _size(self, demand: Demand) -> Size:
-        if not demand.surface.ramp_s:  # type: ignore[attr-defined]
+        return WithOffset(waveform, self.ratio)
+
+    def size(self, demand: Demand) -> Size:
+        if not demand.surface.ramp_s:
             raise InvalidParameter(
                 "dc_offset: found a constant that is switched on at once (ramp_s = 0), expected ramps; give the "
                 "surface a ramp_s above 0"
             )
-        return Size({"ratio": self.ratio})
+        return Size()
 
-
-def shifted(ratio: float) -> "Callable[[Waveform], WithOffset]":
-    """A waveform with a constant."""
-    from ...electrovibration.attraction.offset import WithOffset
-
-    return lambda waveform: WithOffset(waveform, ratio)
+    def in_voltage(self, scene: Surroundings) -> VoltageContent:
+        del scene
+        return VoltageContent(constant=abs(self.ratio))

@@ -1,8 +1,8 @@
 """Energy: what the plate holds at the focus instant, and what the transducers draw."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
@@ -27,6 +27,7 @@ class DriveEnergy(Effect):
 
     kind = "drive_energy"
     slot = "energy"
+    cures: ClassVar[Mapping[str, str]] = dict.fromkeys(("energy_j", "power_w"), "add the effect drive_energy")
 
     capacitance_f: float = 5.31e-9
 
@@ -35,18 +36,16 @@ class DriveEnergy(Effect):
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
-        switching = {"capacitance_f": self.capacitance_f}
-        strained, drawn = f"{__name__}:strained", f"{__name__}:drawn"
         return (
-            Stage("strain_energy", ("motion",), "energy_at_1v_j", strained, size=_strain_size),
+            Stage("strain_energy", ("motion",), "energy_at_1v_j", f"{__name__}:strained", size=_strain_size),
             _squared("energy", "energy_at_1v_j", "energy_j"),
-            Stage("switching", ("emission",), "power_at_1v_w", drawn, switching),
+            Stage("switching", ("emission",), "power_at_1v_w", f"{__name__}:drawn", dict(vars(self))),
             _squared("power", "power_at_1v_w", "power_w"),
         )
 
 
 def _strain_size(demand: Demand) -> Size:
-    surface: Any = demand.surface
+    surface = demand.surface
     lost = 4 * remainder(demand) ** 2
     ratio = max(4.0, 1.01 * lost / demand.error)
     static_to_hz = ratio * surface.band_max_hz

@@ -5,20 +5,21 @@ model of learning are the same, so that of the phase that this turns in the reve
 are fitted to Ritz modes of 25 to 40 more degrees, with a margin, and kept by tests.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import pi
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
 
-from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
+from ...composition.content import PlateContent
+from ...composition.effect import Demand, Effect, Size, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.plate.plate import Plate
 
 OF_SINGULAR_CORNER, OF_OTHER_CORNERS = 10.0, 0.05
 """Relative error of the frequencies times the fourth power of the degree."""
+MOST_RITZ_MODES = 6000
 SEEN = 0.05
 """Part of the turned phase that is seen in an output."""
 
@@ -33,6 +34,7 @@ class Edges(Effect):
 
     kind = "edges"
     slot = "edges"
+    reads, gives = ("plate",), "plate"
 
     boundary: str
 
@@ -47,11 +49,10 @@ class Edges(Effect):
                 "the effect out"
             )
 
-    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        del scene
-        return (Stage("edges", ("plate",), "plate", f"{__name__}:held", size=self._size),)
+    def __call__(self, plate: "Plate") -> "Plate":
+        return replace(plate, boundary=self.boundary)
 
-    def _size(self, demand: Demand) -> Size:
+    def size(self, demand: Demand) -> Size:
         error = self.error(demand)
         if error > demand.error:
             raise InvalidParameter(
@@ -59,7 +60,11 @@ class Edges(Effect):
                 f"expected at least {error:.2g}, which their polynomials have; loosen the accuracy, shorten "
                 "reversal_s, or remove 'edges'"
             )
-        return Size({"boundary": self.boundary}, error)
+        return Size(error=error)
+
+    def in_plate(self, scene: Surroundings) -> PlateContent:
+        del scene
+        return PlateContent(most_ritz_modes=MOST_RITZ_MODES)
 
     @property
     def singular(self) -> bool:
@@ -76,12 +81,7 @@ class Edges(Effect):
         """What the polynomials add: the error of the frequencies, and the part of the phase that is seen."""
         from ...time_reversal.plate.plate import degrees
 
-        surface: Any = scene.surface
+        surface = scene.surface
         degree = min(degrees(surface.plate, surface.band_max_hz))
         missed = (OF_SINGULAR_CORNER if self.singular else OF_OTHER_CORNERS) / degree**4
         return float(missed * (3 + SEEN * 2 * pi * surface.band_max_hz * surface.reversal_s))
-
-
-def held(boundary: str) -> "Callable[[Plate], Plate]":
-    """The plate with these edges."""
-    return lambda plate: replace(plate, boundary=boundary)

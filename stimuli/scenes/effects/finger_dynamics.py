@@ -1,10 +1,12 @@
 """The finger pad as mass, spring and damper, which grow with the speed: exact motion, event-exact stick and slip."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import sqrt
-from typing import TYPE_CHECKING
+from operator import attrgetter
+from typing import TYPE_CHECKING, ClassVar
 
+from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings
 from ...composition.sampling import per_sample
 
@@ -31,6 +33,10 @@ class FingerDynamics(Effect):
     kind = "finger_dynamics"
     slot = "dynamics"
     requires = ("friction", "sliding contact")
+    cures: ClassVar[Mapping[str, str]] = {
+        "skin_displacement_m": "add the effects friction (or dry_friction) and finger_dynamics",
+        "slip_events_s": "add the effects dry_friction and finger_dynamics",
+    }
     assumes = ("the pad is one mass, spring and damper; its damping (0.04 of the critical) is unverified",)
 
     @property
@@ -43,6 +49,10 @@ class FingerDynamics(Effect):
         from ...electrovibration.motion.pad import MASS_KG_PER_M_PER_S, STIFFNESS_N_S_PER_M2
 
         return sqrt(STIFFNESS_N_S_PER_M2 / MASS_KG_PER_M_PER_S)
+
+    def in_voltage(self, scene: Surroundings) -> VoltageContent:
+        del scene
+        return VoltageContent(swing_rad_per_s=self.natural_rad_per_s)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         friction, touch = scene.find("friction"), scene.contacts[0]
@@ -67,8 +77,7 @@ def _outputs(sticks: bool) -> tuple[tuple[str, str], ...]:
 
 
 def _read(name: str, quantity: str) -> Stage:
-    settings = {"name": name}
-    return Stage(quantity, ("motion",), quantity, f"{__name__}:read", settings)
+    return Stage(quantity, ("motion",), quantity, f"{__name__}:read", {"name": name})
 
 
 def slipping(
@@ -98,9 +107,4 @@ def sticking(
 
 def read(name: str) -> "Callable[[Motion | StickSlip], FloatArray]":
     """One course of a motion."""
-
-    def course(motion: "Motion | StickSlip") -> "FloatArray":
-        values: FloatArray = getattr(motion, name)
-        return values
-
-    return course
+    return attrgetter(name)

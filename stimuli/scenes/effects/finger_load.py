@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.arguments import require
 
+from ...composition.content import PlateContent
 from ...composition.effect import Demand, Effect, Setting, Size, Stage, Surroundings
 from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes
@@ -31,6 +32,9 @@ class FingerLoad(Effect):
 
     kind = "finger_load"
     slot = "load"
+    cures: ClassVar[Mapping[str, str]] = dict.fromkeys(
+        ("contact_force_n", "contact_displacement_m"), "add the effect finger_load and a contact at rest"
+    )
     requires = ("resting contact",)
     excludes: ClassVar[Mapping[str, str]] = {
         "shear": "a force at a point sinks into a plate with shear without limit; remove 'shear' or 'finger_load'"
@@ -69,7 +73,7 @@ class FingerLoad(Effect):
 
     def places_m(self, scene: Surroundings) -> list[tuple[float, float]]:
         """Where they rest."""
-        surface: Any = scene.surface
+        surface = scene.surface
         return [
             (
                 surface.focus_x_m if touch.x_m is None else touch.x_m,
@@ -80,23 +84,20 @@ class FingerLoad(Effect):
 
     def impedance_ratio(self, scene: Surroundings) -> float:
         """Of all fingers at the top of the band, over that of the infinite plate."""
-        surface: Any = scene.surface
+        surface = scene.surface
         omega = 2 * pi * surface.band_max_hz
         one = self.resistance_n_s_per_m + self.mass_kg * omega + self.stiffness_n_per_m / omega
         grown = sum((touch.force_n / REFERENCE_FORCE_N) ** self.exponent for touch in self.at_rest(scene))
         return float(one * grown / surface.plate.point_impedance_n_s_per_m)
 
-    def weakening(self, scene: Surroundings) -> float:
-        """The plate moves less."""
-        return 1 + self.impedance_ratio(scene)
-
-    def reading(self, scene: Surroundings) -> float:
-        """It moves less still far from the focus; a force has more of the top of the band."""
-        surface: Any = scene.surface
+    def in_plate(self, scene: Surroundings) -> PlateContent:
+        """The plate moves less, and still less far from the focus; a force has more of the top of the band."""
+        surface, ratio = scene.surface, self.impedance_ratio(scene)
         away = any(touch.x_m is not None for touch in self.at_rest(scene))
         read = any(name.startswith("contact_") for name in scene.outputs)
         far = (surface.plate.modal_density_s * surface.band_max_hz) ** 0.5 if away and read else 1.0
-        return float(far * (2.0 if "contact_force_n" in scene.outputs else 1.0))
+        reading = far * (2.0 if "contact_force_n" in scene.outputs else 1.0)
+        return PlateContent(1 + ratio, load=ratio, reading=reading, places_m=tuple(self.places_m(scene)))
 
     def _size(self, demand: Demand) -> Size:
         found = demand.once(cut_of)

@@ -1,16 +1,17 @@
 """Several foci at the same instant."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import sqrt
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.errors import InvalidParameter
 
+from ...composition.content import PlateContent
 from ...composition.effect import Effect, Stage, Surroundings
+from ..stages.scaling import at_voltage
 
 if TYPE_CHECKING:
-    from ...arrays import FloatArray
     from ..stages.emission import Points
 
 
@@ -24,6 +25,7 @@ class Foci(Effect):
 
     kind = "foci"
     slot = "foci"
+    cures: ClassVar[Mapping[str, str]] = {"peaks_m": "add the effect foci"}
 
     x_m: tuple[float, ...]
     y_m: tuple[float, ...]
@@ -40,25 +42,20 @@ class Foci(Effect):
         return len(self.x_m) + 1
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        surface: Any = scene.surface
+        surface = scene.surface
         settings = {"x_m": (surface.focus_x_m, *self.x_m), "y_m": (surface.focus_y_m, *self.y_m)}
         return (
             Stage("foci", (), "foci_m", f"{__name__}:several", settings),
-            Stage("peaks", ("per_volt_peaks", "voltage_v"), "peaks_m", f"{__name__}:each"),
+            at_voltage("peaks", "per_volt_peaks", "peaks_m"),
         )
 
-    def weakening(self, scene: Surroundings) -> float:
+    def in_plate(self, scene: Surroundings) -> PlateContent:
         """Each focus keeps one over the root of their number."""
         del scene
-        return sqrt(self.n)
+        return PlateContent(weakening=sqrt(self.n), places_m=tuple(zip(self.x_m, self.y_m, strict=True)))
 
 
 def several(x_m: tuple[float, ...], y_m: tuple[float, ...]) -> "Callable[[], Points]":
     """Places to focus on."""
     places = tuple(zip(x_m, y_m, strict=True))
     return lambda: places
-
-
-def each() -> "Callable[[FloatArray, float], FloatArray]":
-    """The displacement of every focus at a voltage."""
-    return lambda values, voltage_v: values * voltage_v

@@ -1,9 +1,9 @@
 """What a finger feels of foci: the level of the strongest above the threshold of a single one."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import inf, log10
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 
@@ -26,6 +26,8 @@ class FocusDetection(Effect):
 
     kind = "focus_detection"
     slot = "detection"
+    reads, gives = ("felt_at_1v_m", "voltage_v"), "sensation_db"
+    cures: ClassVar[Mapping[str, str]] = {"sensation_db": "add the effect focus_detection"}
     assumes = ("every focus is felt as one event of displacement, whatever its course",)
 
     reference_m: float = 10e-6
@@ -37,11 +39,12 @@ class FocusDetection(Effect):
         loaded = scene.find("load") is not None
         needs = ("t_s", "per_volt_contacts" if loaded else "per_volt_course")
         target = f"{__name__}:{'under_finger' if loaded else 'felt'}"
-        settings = {"reference_m": self.reference_m}
-        return (
-            Stage("events", needs, "felt_at_1v_m", target),
-            Stage("focus_detection", ("felt_at_1v_m", "voltage_v"), "sensation_db", f"{__name__}:level", settings),
-        )
+        return Stage("events", needs, "felt_at_1v_m", target), self.stage()
+
+    def __call__(self, felt_at_1v_m: float, voltage_v: float) -> float:
+        """Level above threshold at a voltage; ``-inf`` for silence."""
+        ratio = felt_at_1v_m * abs(voltage_v) / self.reference_m
+        return 20 * log10(ratio) if ratio else -inf
 
 
 def felt() -> "Callable[[FloatArray, FloatArray], float]":
@@ -55,13 +58,3 @@ def under_finger() -> "Callable[[FloatArray, FloatArray], float]":
     """The same, of the first of some courses."""
     feel = felt()
     return lambda t_s, courses: feel(t_s, courses[0])
-
-
-def level(reference_m: float) -> Callable[[float, float], float]:
-    """Level above threshold at a voltage; ``-inf`` for silence."""
-
-    def above(felt_at_1v_m: float, voltage_v: float) -> float:
-        ratio = felt_at_1v_m * abs(voltage_v) / reference_m
-        return 20 * log10(ratio) if ratio else -inf
-
-    return above

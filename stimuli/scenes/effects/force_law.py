@@ -1,8 +1,8 @@
 """Which of the four laws of the literature gives the electrostatic force; they differ by a factor near 1000."""
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import TYPE_CHECKING, ClassVar, Literal, get_args
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
@@ -28,6 +28,10 @@ class ForceLaw(Effect):
 
     kind = "force_law"
     slot = "law"
+    reads, gives = ("skin", "area_m2"), "form"
+    cures: ClassVar[Mapping[str, str]] = {
+        "form": "add the effect force_law and name one of the four laws; their forces differ by a factor near 1000"
+    }
     assumes = ("one force law of four, which differ by a factor near 1000",)
 
     law: Law
@@ -37,8 +41,12 @@ class ForceLaw(Effect):
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         self._check_terms(scene)
-        needs, target = ("skin", "area_m2"), f"{__name__}:form"
-        return (Stage("force_law", needs, "form", target, {"law": self.law}),)
+        return super().stages(scene)
+
+    def __call__(self, skin: "Skin", area_m2: float) -> "ForceForm":
+        from ...electrovibration.attraction.force import force_form
+
+        return force_form(self.law, skin, area_m2)
 
     def _check_terms(self, scene: Surroundings) -> None:
         found = [effect.kind for slot in BARRED if (effect := scene.find(slot)) is not None]
@@ -47,10 +55,3 @@ class ForceLaw(Effect):
                 f"force_law: found {self.law!r} beside {found[0]!r}, for which that law has no term, expected the law "
                 f"interface or sc_layer; or remove {found[0]!r}"
             )
-
-
-def form(law: Law) -> "Callable[[Skin, float], ForceForm]":
-    """The law on a skin and an area."""
-    from ...electrovibration.attraction.force import force_form
-
-    return lambda skin, area_m2: force_form(law, skin, area_m2)

@@ -1,8 +1,8 @@
 """Coulomb friction of a finger that slides all the time."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 
@@ -24,6 +24,9 @@ class Friction(Effect):
     kind = "friction"
     slot = "friction"
     requires = ("sliding contact",)
+    cures: ClassVar[Mapping[str, str]] = {
+        "friction_force_n": "add the effect friction, or dry_friction with finger_dynamics, and a sliding contact"
+    }
     assumes = ("the finger slides all the time; its coefficient knows no speed",)
 
     coefficient: float = 0.5

@@ -1,8 +1,8 @@
 """The field around the focus instant, frame by frame."""
 
-from collections.abc import Callable
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
@@ -11,8 +11,7 @@ from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
 from ..stages.scaling import at_voltage
 
 if TYPE_CHECKING:
-    from ...arrays import FloatArray
-    from ..stages.motion import PlateMotion
+    pass
 
 MOST_NUMBERS = 5e7
 
@@ -27,6 +26,7 @@ class Movie(Effect):
 
     kind = "movie"
     slot = "movie"
+    cures: ClassVar[Mapping[str, str]] = dict.fromkeys(("movie_m", "frames_s"), "add the effect movie")
 
     n_frames: int = 61
     span_s: float = 0.5e-3
@@ -44,7 +44,7 @@ class Movie(Effect):
                 "movie",
                 ("motion", "frames_s", "x_m", "y_m"),
                 "per_volt_movie",
-                f"{__name__}:drawn",
+                "tactometry.stimuli.scenes.stages.map:movie",
                 size=self._movie_size,
             ),
             at_voltage(
@@ -60,11 +60,11 @@ class Movie(Effect):
         return Size({"n_frames": self.n_frames, "span_s": self.span_s})
 
     def _movie_size(self, demand: Demand) -> Size:
-        surface: Any = demand.surface
+        surface = demand.surface
         return Size(error=surface.grid_error(demand), n_operations=100.0 * self._n_numbers(demand))
 
     def _n_numbers(self, demand: Demand) -> int:
-        surface: Any = demand.surface
+        surface = demand.surface
         n_x, n_y = demand.once(surface.grid)
         n_numbers: int = self.n_frames * n_x * n_y
         if n_numbers > MOST_NUMBERS:
@@ -81,10 +81,3 @@ class Movie(Effect):
                 f"movie: found a span of {self.span_s} s, expected at most {longest_s}, twice the shorter of "
                 "reversal_s and after_s; shorten it or raise those"
             )
-
-
-def drawn() -> "Callable[[PlateMotion, FloatArray, FloatArray, FloatArray], FloatArray]":
-    """The frames (m/V)."""
-    from ..stages.map import movie
-
-    return movie()

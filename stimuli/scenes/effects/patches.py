@@ -2,11 +2,12 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
+from ...composition.content import PlateContent
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
 
 if TYPE_CHECKING:
@@ -37,19 +38,17 @@ class Patches(Effect):
         return (Stage("patches", ("plate",), "sources", f"{__name__}:bonded", size=self._size),)
 
     def _size(self, demand: Demand) -> Size:
-        surface: Any = demand.surface
+        surface = demand.surface
         if self.side_m > 2 * surface.inset_m:
             raise InvalidParameter(
                 f"patches: found a side of {self.side_m} m beside TimeReversal.inset_m = {surface.inset_m}, expected "
                 f"room up to the edge; raise inset_m to {self.side_m / 2} or lower side_m"
             )
-        settings = {
-            "n_transducers": surface.n_transducers,
-            "inset_m": surface.inset_m,
-            "side_m": self.side_m,
-            "moment_n_per_v": self.moment_n_per_v,
-        }
-        return Size(settings)
+        return Size({"n_transducers": surface.n_transducers, "inset_m": surface.inset_m, **vars(self)})
+
+    def in_plate(self, scene: Surroundings) -> PlateContent:
+        del scene
+        return PlateContent(reach_m=self.side_m / 2)
 
 
 def bonded(

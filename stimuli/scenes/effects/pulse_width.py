@@ -31,7 +31,7 @@ class PulseWidth(Effect):
         require.positive("PulseWidth", carrier_hz=self.carrier_hz, scale=self.scale)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        rate_hz: float = scene.surface.rate_hz  # type: ignore[attr-defined]
+        rate_hz: float = scene.surface.rate_hz
         if 4 * self.carrier_hz > rate_hz:
             raise InvalidParameter(
                 f"pulse_width: found a carrier of {self.carrier_hz} Hz, expected at most a quarter of rate_hz, "

@@ -1,12 +1,13 @@
 """Receptor channels in place of one threshold: the channel furthest above its own mediates detection."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 
-from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
+from ...composition.content import VoltageContent
+from ...composition.effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
@@ -29,6 +30,8 @@ class Receptors(Effect):
     kind = "receptors"
     slot = "receptors"
     requires = ("friction",)
+    reads, gives = ("components",), "channels_db"
+    cures: ClassVar[Mapping[str, str]] = {"channels_db": "add the effects friction and receptors"}
     assumes = ("thresholds are those of force, without the mobility of the skin; nothing sums over time",)
 
     reference_force_n: float = 6.7e-6
@@ -38,27 +41,18 @@ class Receptors(Effect):
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
-        settings = {"reference_force_n": self.reference_force_n}
-        needs, target = ("t_s", "friction_force_n"), "tactometry.stimuli.scenes.stages.spectrum:components_of"
-        return (
-            Stage("spectrum", needs, "components", target, size=fine_spectrum),
-            Stage("receptors", ("components",), "channels_db", f"{__name__}:levels", settings),
-            Stage("strongest", ("channels_db",), "sensation_db", f"{__name__}:strongest"),
-        )
+        strongest = Stage("strongest", ("channels_db",), "sensation_db", f"{__name__}:strongest")
+        return self.stage(), strongest
 
+    def __call__(self, components: "Components") -> "FloatArray":
+        """(3,): the level of each channel."""
+        from ...perception.channels import channel_levels_db
 
-def fine_spectrum(demand: Demand) -> Size:
-    """Components as finely as the steepest channel asks for."""
-    from ..stages.spectrum import size
+        return channel_levels_db(components, self.reference_force_n)
 
-    return size(demand, STEEPEST_DB_PER_HZ)
-
-
-def levels(reference_force_n: float) -> "Callable[[Components], FloatArray]":
-    """(3,): the level of each channel."""
-    from ...perception.channels import channel_levels_db
-
-    return lambda components: channel_levels_db(components, reference_force_n)
+    def in_voltage(self, scene: Surroundings) -> VoltageContent:
+        del scene
+        return VoltageContent(steepest_db_per_hz=STEEPEST_DB_PER_HZ)
 
 
 def strongest() -> "Callable[[FloatArray], float]":

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 from tactometry.arguments import require
 
+from ...composition.content import PlateContent
 from ...composition.effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
@@ -41,8 +42,7 @@ class Repetition(Effect):
         return max(round(self.duration_s * self.repetition_hz), 1)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        surface: Any = scene.surface
-        settings = {"repetition_hz": self.repetition_hz, "duration_s": self.duration_s, "envelope": self.envelope}
+        surface = scene.surface
         n_operations = 20.0 * self.n * surface.n_transducers * surface.rate_hz * surface.reversal_s
         return (
             Stage(
@@ -50,15 +50,15 @@ class Repetition(Effect):
                 ("learnt", "quantiser"),
                 "emission",
                 f"{__name__}:repeated",
-                settings,
+                dict(vars(self)),
                 n_operations=n_operations,
             ),
         )
 
-    def weakening(self, scene: Surroundings) -> float:
+    def in_plate(self, scene: Surroundings) -> PlateContent:
         """Emissions that overlap share the voltage."""
-        reversal_s: float = scene.surface.reversal_s  # type: ignore[attr-defined]
-        return max(1.0, min(reversal_s, self.duration_s) * self.repetition_hz)
+        overlap = min(scene.surface.reversal_s, self.duration_s) * self.repetition_hz
+        return PlateContent(weakening=max(1.0, overlap), train_s=self.duration_s)
 
 
 def repeated(

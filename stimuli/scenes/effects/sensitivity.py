@@ -1,15 +1,19 @@
 """Sensation by the component furthest above the spectral threshold of touch."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 
-from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
+from ...composition.content import VoltageContent
+from ...composition.effect import Effect, Surroundings
 
 if TYPE_CHECKING:
     from ...perception.detection import Components
+
+STEEPEST_DB_PER_HZ = 0.69
+"""Of `tactometry.stimuli.perception.sensitivity_db`, at 0 Hz: an upper bound."""
 
 
 @dataclass(frozen=True)
@@ -25,6 +29,8 @@ class Sensitivity(Effect):
     kind = "sensitivity"
     slot = "sensitivity"
     requires = ("friction",)
+    reads, gives = ("components",), "sensation_db"
+    cures: ClassVar[Mapping[str, str]] = {"sensation_db": "add the effects friction and sensitivity, or receptors"}
     excludes: ClassVar[Mapping[str, str]] = {
         "receptors": "both are thresholds by frequency; remove 'sensitivity' or 'receptors'"
     }
@@ -35,24 +41,12 @@ class Sensitivity(Effect):
     def __post_init__(self) -> None:
         require.positive("Sensitivity", reference_force_n=self.reference_force_n)
 
-    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+    def __call__(self, components: "Components") -> float:
+        """Level above threshold."""
+        from ...perception.detection import sensation_level_db
+
+        return sensation_level_db(components, self.reference_force_n)
+
+    def in_voltage(self, scene: Surroundings) -> VoltageContent:
         del scene
-        needs, target = ("t_s", "friction_force_n"), "tactometry.stimuli.scenes.stages.spectrum:components_of"
-        spectrum = Stage("spectrum", needs, "components", target, size=fine_spectrum)
-        settings = {"reference_force_n": self.reference_force_n}
-        level = Stage("sensitivity", ("components",), "sensation_db", f"{__name__}:level", settings)
-        return spectrum, level
-
-
-def fine_spectrum(demand: Demand) -> Size:
-    """Components as finely as the threshold asks for."""
-    from ..stages.spectrum import size
-
-    return size(demand)
-
-
-def level(reference_force_n: float) -> "Callable[[Components], float]":
-    """Level above threshold."""
-    from ...perception.detection import sensation_level_db
-
-    return lambda components: sensation_level_db(components, reference_force_n)
+        return VoltageContent(steepest_db_per_hz=STEEPEST_DB_PER_HZ)

@@ -1,12 +1,11 @@
 """Shear and rotary inertia: Mindlin's plate in place of the thin one."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect
 
 if TYPE_CHECKING:
     from ...time_reversal.plate.plate import Plate
@@ -23,24 +22,18 @@ class Shear(Effect):
 
     kind = "shear"
     slot = "shear"
+    reads, gives = ("screen",), "screen"
 
     factor: float = 5 / 6
 
     def __post_init__(self) -> None:
         require.positive("Shear", factor=self.factor)
 
-    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        del scene
-        settings = {"factor": self.factor}
-        return (Stage("shear", ("screen",), "screen", f"{__name__}:sheared", settings),)
+    def __call__(self, screen: "Screen") -> "Screen":
+        return replace(screen, shear_factor=self.factor)
 
     def wavenumber_rad_per_m(self, plate: "Plate", frequency_hz: float) -> float:
         """Of the waves at a frequency."""
         from ...time_reversal.plate.dispersion import mindlin_wavenumber_rad_per_m
 
         return float(mindlin_wavenumber_rad_per_m(plate, frequency_hz, self.factor))
-
-
-def sheared(factor: float) -> "Callable[[Screen], Screen]":
-    """The screen on a Mindlin plate."""
-    return lambda screen: replace(screen, shear_factor=factor)

@@ -1,11 +1,11 @@
 """The stratum corneum leaks: its voltage is the applied one through a high-pass, exactly."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
+from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings
 from ..stages.circuit import circuit_stage
 
@@ -23,6 +23,7 @@ class SkinLeakage(Effect):
 
     kind = "skin_leakage"
     slot = "leakage"
+    reads, gives = ("skin",), "skin"
     assumes = ("the corneum is the same at all frequencies",)
 
     corneum_resistivity_ohm_m: float = 2.0e4
@@ -32,16 +33,11 @@ class SkinLeakage(Effect):
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
-        leaking = Stage(
-            "skin_leakage",
-            ("skin",),
-            "skin",
-            f"{__name__}:leaking",
-            {"corneum_resistivity_ohm_m": self.corneum_resistivity_ohm_m},
-        )
-        return leaking, circuit_stage(self.kind)
+        return self.stage(), circuit_stage(self.kind)
 
+    def __call__(self, skin: "Skin") -> "Skin":
+        return replace(skin, corneum_resistivity_ohm_m=self.corneum_resistivity_ohm_m)
 
-def leaking(corneum_resistivity_ohm_m: float) -> "Callable[[Skin], Skin]":
-    """The skin with a corneum that conducts."""
-    return lambda skin: replace(skin, corneum_resistivity_ohm_m=corneum_resistivity_ohm_m)
+    def in_voltage(self, scene: Surroundings) -> VoltageContent:
+        del scene
+        return VoltageContent(resistivity_ohm_m=self.corneum_resistivity_ohm_m)

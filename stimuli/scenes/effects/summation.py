@@ -1,12 +1,11 @@
 """Spatial summation: the Pacinian channel adds up what a larger contact feels."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
-from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
@@ -23,23 +22,17 @@ class Summation(Effect):
     kind = "summation"
     slot = "summation"
     requires = ("receptors",)
+    reads, gives = ("channels_db", "area_m2"), "channels_db"
 
     reference_m2: float = 2.9e-4
 
     def __post_init__(self) -> None:
         require.positive("Summation", reference_m2=self.reference_m2)
 
-    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        del scene
-        needs, settings = ("channels_db", "area_m2"), {"reference_m2": self.reference_m2}
-        return (Stage("summation", needs, "channels_db", f"{__name__}:summed", settings),)
+    def __call__(self, channels_db: "FloatArray", area_m2: float) -> "FloatArray":
+        """The levels of the channels, P raised by the area."""
+        import numpy as np
 
+        from ...perception.channels import P, summation_db
 
-def summed(reference_m2: float) -> "Callable[[FloatArray, float], FloatArray]":
-    """The levels of the channels, P raised by the area."""
-    import numpy as np
-
-    from ...perception.channels import P, summation_db
-
-    pacini = np.eye(3)[P]
-    return lambda channels_db, area_m2: channels_db + pacini * summation_db(area_m2, reference_m2)
+        return np.asarray(channels_db + np.eye(3)[P] * summation_db(area_m2, self.reference_m2))

@@ -3,11 +3,12 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite, pi
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from tactometry.arguments.require import within
 from tactometry.errors import InvalidParameter
 
+from ...composition.content import PlateContent
 from ...composition.effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
@@ -46,16 +47,15 @@ class TemperatureDrift(Effect):
         within("TemperatureDrift", -MOST_SHIFT, MOST_SHIFT, shift_of_frequencies=self.kelvin * self.shift_per_k)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        surface: Any = scene.surface
-        learning = {name: getattr(surface, name) for name in ("rate_hz", "reversal_s", "band_max_hz", "flank_hz")}
-        settings = {"kelvin": self.kelvin, "shift_per_k": self.shift_per_k, **learning}
+        learning = {name: getattr(scene.surface, name) for name in ("rate_hz", "reversal_s", "band_max_hz", "flank_hz")}
+        settings = {**vars(self), **learning}
         return (Stage("drift", ("screen", "foci_m"), "learnt", f"{__name__}:learnt_cold", settings),)
 
-    def weakening(self, scene: Surroundings) -> float:
+    def in_plate(self, scene: Surroundings) -> PlateContent:
         """Modes out of tune add up to less."""
-        surface: Any = scene.surface
+        surface = scene.surface
         turned = 2 * pi * surface.band_max_hz * self.kelvin * self.shift_per_k * surface.reversal_s / 2
-        return float(1 + turned**2)
+        return PlateContent(weakening=float(1 + turned**2))
 
 
 def learnt_cold(

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
+from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
@@ -31,6 +32,10 @@ class Texture(Effect):
 
     def __post_init__(self) -> None:
         require.positive("Texture", period_m=self.period_m)
+
+    def in_voltage(self, scene: Surroundings) -> VoltageContent:
+        frequency_hz = self.frequency_hz(scene)
+        return VoltageContent(frequency_hz / 2, kinks_rad_per_s=pi * frequency_hz)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         settings = {"frequency_hz": self.frequency_hz(scene)}
@@ -65,8 +70,3 @@ def met(frequency_hz: float) -> "Callable[[Pieces], Pieces]":
         )
 
     return modulated
-
-
-def envelope_rad_per_s(frequency_hz: float) -> float:
-    """Angular frequency that the envelope adds to the voltage."""
-    return pi * frequency_hz

@@ -33,7 +33,7 @@ def circuit_stage(effect: str) -> Stage:
 
 def check_ramp(demand: Demand, effect: str) -> None:
     """Refuse a tone without a ramp: what then relaxes is faster than the tone that the sampling is chosen for."""
-    if not demand.surface.ramp_s:  # type: ignore[attr-defined]
+    if not demand.surface.ramp_s:
         raise InvalidParameter(
             f"{effect}: found a tone that sets in at once (ramp_s = 0), expected a ramp; give the surface a "
             "ramp_s above 0"

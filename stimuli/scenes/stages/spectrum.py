@@ -10,7 +10,7 @@ from math import log, pi, sin
 from typing import TYPE_CHECKING
 
 from ...composition.effect import Demand, Size
-from ...composition.sampling import samples
+from ...composition.sampling import content_of, samples
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
@@ -21,15 +21,13 @@ WINDOW = (0.35875, 0.48829, 0.14128, 0.01168)
 PADDINGS = (1, 2, 4, 8, 16, 32, 64)
 MOST_LINES = 3e7
 FAINT = 1e-9
-STEEPEST_DB_PER_HZ = 0.69
-"""Of `tactometry.stimuli.perception.sensitivity_db`, at 0 Hz: an upper bound."""
 N_OFFSETS = 21
 
 
-def peak_error(padding: int, duration_s: float, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ) -> float:
+def peak_error(padding: int, duration_s: float, steepest_db_per_hz: float) -> float:
     """Largest relative error of a component above threshold by lines ``1/padding`` apart.
 
-    >>> peak_error(1, duration_s=1.0) < 0.03, peak_error(8, duration_s=1.0) < 1e-4
+    >>> peak_error(1, 1.0, steepest_db_per_hz=0.69) < 0.03, peak_error(8, 1.0, 0.69) < 1e-4
     (True, True)
     """
     offsets = [k / (2 * (N_OFFSETS - 1)) for k in range(N_OFFSETS)]
@@ -38,20 +36,20 @@ def peak_error(padding: int, duration_s: float, steepest_db_per_hz: float = STEE
     return max(abs(height - 1) + per_line * abs(away) / padding for height, away in readings)
 
 
-def padding_for(error: float, duration_s: float, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ, n: int = 1) -> int:
+def padding_for(error: float, duration_s: float, steepest_db_per_hz: float, n: int = 1) -> int:
     """The smallest padding of `n` samples whose error is at most `error`, or the largest that fits.
 
-    >>> padding_for(1e-4, duration_s=1.0) <= 8, padding_for(1e-9, duration_s=1.0)
+    >>> padding_for(1e-4, 1.0, steepest_db_per_hz=0.69) <= 8, padding_for(1e-9, 1.0, 0.69)
     (True, 64)
     """
     fits = [padding for padding in PADDINGS if padding * n <= MOST_LINES] or PADDINGS[:1]
     return next((padding for padding in fits if peak_error(padding, duration_s, steepest_db_per_hz) <= error), fits[-1])
 
 
-def size(demand: Demand, steepest_db_per_hz: float = STEEPEST_DB_PER_HZ) -> Size:
-    """How finely the components of friction are read off, for a threshold of that slope."""
-    duration_s: float = demand.surface.duration_s  # type: ignore[attr-defined]
-    n = demand.once(samples)
+def size(demand: Demand) -> Size:
+    """How finely the components of friction are read off."""
+    duration_s: float = demand.surface.duration_s
+    n, steepest_db_per_hz = demand.once(samples), content_of(demand).steepest_db_per_hz
     padding = padding_for(demand.error, duration_s, steepest_db_per_hz, n)
     error = peak_error(padding, duration_s, steepest_db_per_hz)
     return Size({"padding": padding}, error, n_operations=300.0 * padding * n)

@@ -14,10 +14,10 @@ moves.
 
 from dataclasses import dataclass
 from math import exp, hypot, inf, pi, sqrt
-from typing import Any
 
 from tactometry.errors import InvalidParameter
 
+from ...composition.content import PlateContent
 from ...composition.effect import Demand, Surroundings
 
 MOVING, STILL, TURNING = 2.0, 8.0, 2.0
@@ -34,7 +34,6 @@ MOST_NUMBERS = 4.5e7
 """Modes that move times frequencies: 34 bytes each at the peak of a run with fingers, measured; 1.5 GB."""
 MOST_FOLLOWING = 3e7
 """Modes that follow times transducers."""
-MOST_RITZ_MODES = 6000
 MOST_MODES = 9e5
 MAPS = frozenset(("field_m", "movie_m"))
 
@@ -65,9 +64,14 @@ class Tail:
 
 def remainder(scene: Surroundings) -> float:
     """Root of the energy of the modes above the band over that of a response in it, at the focus."""
-    surface: Any = scene.surface
-    tau_s = _effective_tau_s(scene)
-    return _weakening(scene) * sqrt(2 / (pi * 2 * pi * surface.band_max_hz * tau_s))
+    content = content_of(scene)
+    tau_s = _effective_tau_s(scene.surface.reversal_s, content.tau_s)
+    return content.weakening * sqrt(2 / (pi * 2 * pi * scene.surface.band_max_hz * tau_s))
+
+
+def content_of(scene: Surroundings) -> PlateContent:
+    """What all effects bring."""
+    return sum((effect.in_plate(scene) for effect in scene.effects), start=PlateContent())
 
 
 def cut_of(demand: Demand) -> Cut:
@@ -83,11 +87,11 @@ def cut(scene: Surroundings, error: float) -> Cut:
     InvalidParameter
         If they are more than one run can hold.
     """
-    surface: Any = scene.surface
+    surface, content = scene.surface, content_of(scene)
     # half for the modes that move, half for those that follow, and a little for the rounding of their sum
     half = error / (2 + ROUNDING)
     one = remainder(scene) / min(surface.n_transducers, MOST_COUNTED)
-    moves = MOVING * one * _reading(scene) + _load(scene)
+    moves = MOVING * one * content.reading + OF_LOAD * content.load
     ratio = max(1.0, (moves / half) ** (1 / 5))
     tails = _tails(scene, one)
     follow = max(ratio, *(tail.end(half) for tail in tails))
@@ -100,12 +104,12 @@ def cut(scene: Surroundings, error: float) -> Cut:
 
 def _tails(scene: Surroundings, one: float) -> list[Tail]:
     """Where it is read, and on a map."""
-    places = Tail(STILL * one * _reading(scene), _turning(scene))
+    places = Tail(STILL * one * content_of(scene).reading, _turning(scene))
     return [places] if MAPS.isdisjoint(scene.outputs) else [places, Tail(STILL * one, inf)]
 
 
 def _turning(scene: Surroundings) -> float:
-    surface: Any = scene.surface
+    surface = scene.surface
     wavenumber_rad_per_m = sqrt(4 * pi * n_modes(scene, surface.band_max_hz) / surface.plate.area_m2)
     distance_m = _distance_m(scene)
     return TURNING / (wavenumber_rad_per_m * distance_m) if distance_m else inf
@@ -115,24 +119,14 @@ def _distance_m(scene: Surroundings) -> float:
     """The least distance of what is read from the outline of a transducer, 0 on one."""
     from ...time_reversal.screen.transducer import border
 
-    surface: Any = scene.surface
-    patches: Any = scene.find("patches")
-    reach_m = 0.0 if patches is None else patches.side_m / 2  # an outline is a square, or a point
+    surface, content = scene.surface, content_of(scene)
+    reach_m = content.reach_m  # an outline is a square, or a point
     centres = border(surface.plate, surface.n_transducers, surface.inset_m, surface.inset_m)
     return min(
         hypot(max(abs(x_m - centre.x_m) - reach_m, 0.0), max(abs(y_m - centre.y_m) - reach_m, 0.0))
         for centre in centres
-        for x_m, y_m in _places(scene)
+        for x_m, y_m in ((surface.focus_x_m, surface.focus_y_m), *content.places_m)
     )
-
-
-def _places(scene: Surroundings) -> list[tuple[float, float]]:
-    """The foci, and the fingers that rest elsewhere."""
-    surface: Any = scene.surface
-    foci: Any = scene.find("foci")
-    load: Any = scene.find("load")
-    further = [] if foci is None else list(zip(foci.x_m, foci.y_m, strict=True))
-    return [(surface.focus_x_m, surface.focus_y_m), *further, *([] if load is None else load.places_m(scene))]
 
 
 def _heard(error: float) -> float:
@@ -141,40 +135,37 @@ def _heard(error: float) -> float:
 
 def n_modes(scene: Surroundings, frequency_hz: float) -> float:
     """About how many modes there are below a frequency."""
-    surface: Any = scene.surface
-    shear: Any = scene.find("shear")
-    if shear is None:
-        return float(surface.plate.modal_density_s * frequency_hz)
-    return float(surface.plate.area_m2 * shear.wavenumber_rad_per_m(surface.plate, frequency_hz) ** 2 / (4 * pi))
+    plate = scene.surface.plate
+    wavenumber_rad_per_m = changed_wavenumber_rad_per_m(scene, frequency_hz)
+    if wavenumber_rad_per_m is None:
+        return float(plate.modal_density_s * frequency_hz)
+    return float(plate.area_m2 * wavenumber_rad_per_m**2 / (4 * pi))
+
+
+def changed_wavenumber_rad_per_m(scene: Surroundings, frequency_hz: float) -> float | None:
+    """Of waves that an effect changes, None of those of a thin plate."""
+    changed = (effect.wavenumber_rad_per_m(scene.surface.plate, frequency_hz) for effect in scene.effects)
+    return next((wavenumber for wavenumber in changed if wavenumber is not None), None)
 
 
 def n_frequencies(scene: Surroundings, ends: Cut) -> int:
     """Complex frequencies of a run."""
-    surface: Any = scene.surface
-    watched_s = surface.reversal_s + _train_s(scene) + surface.after_s + 2 * surface.margin_s
+    surface = scene.surface
+    watched_s = surface.reversal_s + content_of(scene).train_s + surface.after_s + 2 * surface.margin_s
     return int(2.1 * ends.heard_to_hz * watched_s)
 
 
 def n_frequencies_of_sound(scene: Surroundings) -> float:
     """Frequencies that `tactometry.stimuli.time_reversal.field.sound.noise` takes."""
-    surface, attenuation = _of(scene)
-    return float(surface.rate_hz * (surface.reversal_s + _train_s(scene) + 3 * attenuation.tau_s))
-
-
-def _of(scene: Surroundings) -> tuple[Any, Any]:
-    return scene.surface, scene.find("attenuation")
-
-
-def _train_s(scene: Surroundings) -> float:
-    repetition: Any = scene.find("repetition")
-    return 0.0 if repetition is None else float(repetition.duration_s)
+    surface, content = scene.surface, content_of(scene)
+    return float(surface.rate_hz * (surface.reversal_s + content.train_s + content.ringing_s))
 
 
 def _check_size(scene: Surroundings, ends: Cut, error: float) -> None:
     moving = n_modes(scene, ends.modes_to_hz) * n_frequencies(scene, ends)
-    following = n_modes(scene, ends.static_to_hz) * scene.surface.n_transducers  # type: ignore[attr-defined]
-    ritz = n_modes(scene, ends.static_to_hz)
-    sizes = (moving, MOST_NUMBERS), (following, MOST_FOLLOWING), (ritz, MOST_MODES)
+    n_static = n_modes(scene, ends.static_to_hz)
+    following = n_static * scene.surface.n_transducers
+    sizes = (moving, MOST_NUMBERS), (following, MOST_FOLLOWING), (n_static, MOST_MODES)
     numbers, most = max(sizes, key=lambda size: size[0] / size[1])
     if numbers > most:
         raise InvalidParameter(
@@ -182,40 +173,16 @@ def _check_size(scene: Surroundings, ends: Cut, error: float) -> None:
             f"expected at most {most:.2g}; loosen the accuracy, lower band_max_hz or reversal_s, or use a "
             "thicker plate"
         )
-    if scene.find("edges") is not None and ritz > MOST_RITZ_MODES:
-        raise InvalidParameter(
-            f"accuracy: found an error of {error:.2g} left for the modes, which takes {ritz:.0f} of a plate "
-            f"whose edges are not simply supported, expected at most {MOST_RITZ_MODES}; loosen the accuracy, lower "
-            "band_max_hz, or remove 'edges'"
-        )
+    for effect in scene.effects:
+        most = effect.in_plate(scene).most_ritz_modes
+        if n_static > most:
+            raise InvalidParameter(
+                f"accuracy: found an error of {error:.2g} left for the modes, which takes {n_static:.0f} of a plate "
+                f"whose edges are not simply supported, expected at most {most:.0f}; loosen the accuracy, lower "
+                f"band_max_hz, or remove {effect.kind!r}"
+            )
 
 
-def _effective_tau_s(scene: Surroundings) -> float:
+def _effective_tau_s(reversal_s: float, tau_s: float) -> float:
     """How long a response lasts within the reversal time, at the top of the band."""
-    surface, attenuation = _of(scene)
-    tau_s = inf if attenuation is None else attenuation.tau_at_s(surface.band_max_hz)
-    if tau_s == inf:
-        return float(surface.reversal_s)
-    return float(tau_s * (1 - exp(-2 * surface.reversal_s / tau_s)) / 2)
-
-
-def _load(scene: Surroundings) -> float:
-    """The share that the finger's own spot adds."""
-    load: Any = scene.find("load")
-    return 0.0 if load is None else float(OF_LOAD * load.impedance_ratio(scene))
-
-
-def _reading(scene: Surroundings) -> float:
-    """How much more of the remainder a finger feels than the focus shows."""
-    load: Any = scene.find("load")
-    return 1.0 if load is None else float(load.reading(scene))
-
-
-def _weakening(scene: Surroundings) -> float:
-    """How much smaller than the plainest focus the reading is that errors are relative to."""
-    effects: list[Any] = [scene.find(slot) for slot in ("drift", "foci", "filter", "repetition", "load")]
-    factor = 1.0
-    for effect in effects:
-        if effect is not None:
-            factor *= effect.weakening(scene)
-    return factor
+    return reversal_s if tau_s == inf else float(tau_s * (1 - exp(-2 * reversal_s / tau_s)) / 2)

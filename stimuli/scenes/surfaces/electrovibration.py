@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.arguments import require
 
-from ...composition.effect import Stage, Surface
+from ...composition.effect import Size, Stage, Surface
 from ...composition.sampling import per_sample, record
+from ..effects import OF_ELECTROVIBRATION
 from ..stages.circuit import divider_stage
 from ..stages.scaling import MULTIPLIED
 
@@ -18,6 +19,8 @@ if TYPE_CHECKING:
     from ...electrovibration.skin.skin import Skin
     from ...electrovibration.waveforms.pieces import Pieces
     from ...electrovibration.waveforms.waveform import Waveform
+
+COMPONENTS = "tactometry.stimuli.scenes.stages.spectrum:components_of"
 
 
 @dataclass(frozen=True)
@@ -43,24 +46,8 @@ class Electrovibration(Surface):
     """
 
     kind = "electrovibration"
-    order = (
-        "carrier", "offset", "texture", "body", "leakage", "gap", "area", "law", "polarity", "friction", "dynamics",
-        "sensitivity", "receptors", "summation", "masking",
-    )  # fmt: skip
-    effects = (
-        "carrier", "dc_offset", "texture", "body_resistance", "skin_leakage", "air_gap", "contact_area", "force_law",
-        "polarity", "friction", "dry_friction", "friction_lag", "finger_dynamics", "sensitivity", "receptors",
-        "summation", "masking",
-    )  # fmt: skip
+    effects = OF_ELECTROVIBRATION
     given = ("level_db_re_1v",)
-    cures: ClassVar[Mapping[str, str]] = {
-        "form": "add the effect force_law and name one of the four laws; their forces differ by a factor near 1000",
-        "friction_force_n": "add the effect friction, or dry_friction with finger_dynamics, and a sliding contact",
-        "skin_displacement_m": "add the effects friction (or dry_friction) and finger_dynamics",
-        "slip_events_s": "add the effects dry_friction and finger_dynamics",
-        "channels_db": "add the effects friction and receptors",
-        "sensation_db": "add the effects friction and sensitivity, or receptors",
-    }
     assumes: ClassVar[Mapping[str, str]] = {
         "body": "no resistance of body and source",
         "leakage": "a corneum without losses",
@@ -109,6 +96,7 @@ class Electrovibration(Surface):
                 f"{__name__}:attraction",
                 size=per_sample(3.0),
             ),
+            Stage("spectrum", ("t_s", "friction_force_n"), "components", COMPONENTS, size=fine_spectrum),
             Stage("peak", ("electrostatic_force_n",), "peak_force_n", f"{__name__}:highest", size=per_sample(1.0)),
         )
 
@@ -175,6 +163,13 @@ def lossless(
 def constant(value: float) -> Callable[[], float]:
     """A number that nothing changes."""
     return lambda: value
+
+
+def fine_spectrum(demand: "Demand") -> Size:
+    """Components as finely as a threshold asks for; without one they are not imported."""
+    from ..stages.spectrum import size
+
+    return size(demand)
 
 
 def attraction() -> "Callable[[FloatArray, ForceForm], FloatArray]":

@@ -35,14 +35,8 @@ class Hybrid(Surface):
     """
 
     kind = "hybrid"
-    order = (*TimeReversal.order, *Electrovibration.order)
-    effects = (*TimeReversal.effects, *Electrovibration.effects)
+    effects: ClassVar[Mapping[str, str]] = {**TimeReversal.effects, **Electrovibration.effects}
     given = (*TimeReversal.given, *Electrovibration.given)
-    cures: ClassVar[Mapping[str, str]] = {
-        **Electrovibration.cures,
-        **TimeReversal.cures,
-        "sliding_sensation_db": "add the effects friction and sensitivity, or receptors",
-    }
     assumes: ClassVar[Mapping[str, str]] = {
         **TimeReversal.assumes,
         **Electrovibration.assumes,
@@ -59,9 +53,14 @@ class Hybrid(Surface):
 
     def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:
         """The stages of an effect, on the side where it acts."""
-        if effect.slot in TimeReversal.order:
+        if effect.kind in TimeReversal.effects:
             return self._on(super().stages_of(effect, self._resting(scene)), self._resting)
         return tuple(map(_renamed, self._on(super().stages_of(effect, self._sliding(scene)), self._sliding)))
+
+    def cure(self, quantity: str) -> str:
+        """As on the side that has the quantity."""
+        of_panel = quantity.removeprefix(SLIDING)
+        return super().cure(quantity) if of_panel == quantity else self.electrovibration.cure(of_panel)
 
     def _on(self, stages: tuple[Stage, ...], side: Callable[[Demand], Demand]) -> tuple[Stage, ...]:
         """Stages that are sized by what one side asks for."""

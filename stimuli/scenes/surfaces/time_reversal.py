@@ -9,8 +9,9 @@ from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Size, Stage, Surface, Surroundings
+from ..effects import OF_TIME_REVERSAL
 from ..stages.scaling import at_voltage
-from ..stages.truncation import cut_of, n_frequencies, n_modes
+from ..stages.truncation import changed_wavenumber_rad_per_m, cut_of, n_frequencies, n_modes
 
 if TYPE_CHECKING:
     from ...time_reversal.plate.plate import Plate
@@ -61,27 +62,8 @@ class TimeReversal(Surface):
     """
 
     kind = "time_reversal"
-    order = (
-        "edges", "shear", "attenuation", "patches", "foci", "drift", "amplifier", "filter", "quantiser",
-        "repetition", "load", "movie", "sound", "energy", "detection",
-    )  # fmt: skip
-    effects = (
-        "edges", "shear", "attenuation", "patches", "foci", "temperature_drift", "amplifier", "audible_filter",
-        "one_bit", "sigma_delta", "pulse_width", "repetition", "finger_load", "movie", "airborne_sound", "drive_energy",
-        "focus_detection",
-    )  # fmt: skip
+    effects = OF_TIME_REVERSAL
     given = ("voltage_v",)
-    cures: ClassVar[Mapping[str, str]] = {
-        "contact_force_n": "add the effect finger_load and a contact at rest",
-        "contact_displacement_m": "add the effect finger_load and a contact at rest",
-        "movie_m": "add the effect movie",
-        "frames_s": "add the effect movie",
-        "sound_level_dba": "add the effect airborne_sound",
-        "energy_j": "add the effect drive_energy",
-        "power_w": "add the effect drive_energy",
-        "sensation_db": "add the effect focus_detection",
-        "peaks_m": "add the effect foci",
-    }
     assumes: ClassVar[Mapping[str, str]] = {
         "edges": "edges simply supported all around",
         "shear": "a thin plate, without shear and rotary inertia",
@@ -234,10 +216,8 @@ class TimeReversal(Surface):
 
     def _wavenumber_rad_per_m(self, scene: Surroundings) -> float:
         """Of the shortest wave in the band."""
-        shear: Any = scene.find("shear")
-        if shear is not None:
-            return float(shear.wavenumber_rad_per_m(self.plate, self.band_max_hz))
-        return sqrt(2 * pi * self.band_max_hz / self.plate.wave_constant_m2_per_s)
+        changed = changed_wavenumber_rad_per_m(scene, self.band_max_hz)
+        return sqrt(2 * pi * self.band_max_hz / self.plate.wave_constant_m2_per_s) if changed is None else changed
 
 
 def _moved(demand: Demand) -> float:
@@ -248,7 +228,7 @@ def _moved(demand: Demand) -> float:
 
 def _oversampling(demand: Demand) -> int:
     """How many times finer than the clock straight lines between samples must be."""
-    step_rad: float = demand.surface.step_rad  # type: ignore[attr-defined]
+    step_rad: float = demand.surface.step_rad
     return ceil(step_rad / sqrt(8 * demand.error))
 
 
