@@ -46,7 +46,7 @@ STIMULI: Mapping[str, StimulusKind] = {
     "pattern": FOCUSING,
     "measured_focus": StimulusKind(
         FOCUSING.stimulus,
-        "tactometry.stimuli.time_reversal.stimulus.vibrometer:FocusReading",
+        "tactometry.stimuli.time_reversal.stimulus.sensation:FocusReading",
         FOCUSING.shared,
         stands=True,
     ),

@@ -47,13 +47,13 @@ if TYPE_CHECKING:
     from .plate.glass import A4_SCREEN as A4_SCREEN, GLASSES as GLASSES, Glass as Glass
     from .plate.plate import Plate as Plate
     from .plate.statics import bending_stress_pa as bending_stress_pa, deflection_m as deflection_m
-    from .responses.decay import tau_estimate as tau_estimate
     from .responses.load import PlateLoad as PlateLoad, loaded_responses as loaded_responses
-    from .responses.material_constants import (
+    from .responses.measured import aligned as aligned, inspect as inspect, read as read
+    from .responses.plate_constants import (
         alpha_from_resolutions as alpha_from_resolutions,
         rigidity_ratio_from_modes as rigidity_ratio_from_modes,
+        tau_estimate as tau_estimate,
     )
-    from .responses.measured import aligned as aligned, inspect as inspect, read as read
     from .responses.responses import (
         Responses as Responses,
         band_limited as band_limited,

@@ -126,7 +126,7 @@ def _record(sheet: "Sheet") -> dict[str, object]:
     guide, design = sheet.guide, sheet.guide.design
     return {
         "reversal_s": design.reversal_s,
-        "repetition_s": guide.repetition_s,
+        "repetition_s": design.repetition_s,
         "n_transducers": design.transducers.n,
         "f_min_hz": design.band.f_min_hz,
         "f_max_hz": design.band.f_max_hz,

@@ -60,8 +60,8 @@ from tactometry.stimuli.time_reversal.design.guide import Transducers
 from tactometry.stimuli.time_reversal.filters import Butterworth, Hold, MeasuredGain
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
 from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
-from tactometry.stimuli.time_reversal.responses.decay import TauEstimate
-from tactometry.stimuli.time_reversal.stimulus.vibrometer import FocusReading
+from tactometry.stimuli.time_reversal.responses.plate_constants import MeasuredConstant
+from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
 
 
 def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
@@ -123,7 +123,11 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "Contactor.loads": {"self": Contactor("rigid"), "plate": PLATE, "at_m": (0.1, 0.1), "force_n": 2.0},
             "hertz_stiffness_n_per_m": {"force_n": 1.0, "radius_m": 1e-3, "modulus_pa": 1e9},
         },
-        "responses.decay": {
+        "responses.plate_constants": {
+            "rigidity_ratio_from_dispersion": {"frequency_hz": [1e3, 2e3], "wavenumber_rad_per_m": [60.0, 85.0]},
+            "rigidity_ratio_from_modes": {"measured_hz": [93.0, 186.0], "guess": PLATE},
+            "alpha_from_resolutions": {"resolution_m": [1e-2, 2e-2], "f_mean_hz": [2e4, 5e3], "plate": PLATE},
+            "youngs_modulus_pa": {"rigidity_ratio": MeasuredConstant(3.0, 2.9, 3.1), "plate": PLATE},
             "schroeder_db": {"response": CLICK},
             "tau_s": {"response": DECAYING[0, 0], "rate_hz": 2e3},
             "tau_estimate": {"responses": RESPONSES},
@@ -131,7 +135,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "mean_estimate": {"values": LINE, "confidence": 0.95},
         },
         "design.guide": {
-            "one_bit_amplitude_m": {"design": DESIGN},
             "recommend": {
                 "plate": PLATE, "transducers": Transducers(8), "band": DESIGN.band, "tau_s": 3e-3,
                 "target": Target(1e-2, 5.0, 1e-6, 200.0),
@@ -154,12 +157,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "mindlin_group_velocity_m_per_s": {**on_plate, "shear_factor": 0.8},
             "shear_stiffness_n_per_m": {"plate": PLATE, "shear_factor": 0.8},
         },
-        "responses.material_constants": {
-            "rigidity_ratio_from_dispersion": {"frequency_hz": [1e3, 2e3], "wavenumber_rad_per_m": [60.0, 85.0]},
-            "rigidity_ratio_from_modes": {"measured_hz": [93.0, 186.0], "guess": PLATE},
-            "alpha_from_resolutions": {"resolution_m": [1e-2, 2e-2], "f_mean_hz": [2e4, 5e3], "plate": PLATE},
-            "youngs_modulus_pa": {"rigidity_ratio": TauEstimate(3.0, 2.9, 3.1), "plate": PLATE},
-        },
+
         "field.field": {
             "modal_amplitudes": {**driven, "sample": 7, "quantity": "velocity"},
             "grid": {"screen": SCREEN, "n_x": 3, "n_y": 4},
@@ -314,10 +312,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             },
             "normalised": {"waveform": FIELD, "per_channel": True},
         },
-        "stimulus.vibrometer": {
-            "FocusReading.sensation_db": {"self": FocusReading(SETUP), "signal": AT_SETUP, "contact": Contact(2.0)},
-            "displacement_at_focus_m": {"setup": SETUP, "signal": AT_SETUP, "loads": [PlateLoad(0.1, 0.1, 9.0)]},
-        },
+
         "responses.responses": {
             "through": {**heard, "gain": Hold(2e3)},
             "band_limited": {**heard, "band": BAND},
@@ -338,6 +333,8 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "warmed": {"screen": SCREEN, "kelvin": 5.0, "shift_per_k": -5e-5},
         },
         "stimulus.sensation": {
+            "FocusReading.sensation_db": {"self": FocusReading(SETUP), "signal": AT_SETUP, "contact": Contact(2.0)},
+            "displacement_at_focus_m": {"setup": SETUP, "signal": AT_SETUP, "loads": [PlateLoad(0.1, 0.1, 9.0)]},
             **{
                 f"TimeReversalSensation.{name}": {
                     "self": TimeReversalSensation(SETUP), "signal": AT_SETUP, "contact": Contact(2.0),

@@ -87,14 +87,7 @@ class Reverberation:
     kurtosis: float = CHAOTIC_KURTOSIS
 
     def __post_init__(self) -> None:
-        positive(
-            "Reverberation",
-            n_channels=self.n_channels,
-            bandwidth_hz=self.bandwidth_hz,
-            tau_s=self.tau_s,
-            reversal_s=self.reversal_s,
-            modal_density_s=self.modal_density_s,
-        )
+        positive("Reverberation", **{name: value for name, value in vars(self).items() if name != "kurtosis"})
         not_negative("Reverberation", kurtosis=self.kurtosis)
 
     @property
@@ -186,8 +179,6 @@ def focus_profile(plate: Plate, band: Band, radius_m: ArrayLike) -> FloatArray:
 
     Written as the weighted mean of the Airy functions 2 J1(x) / x of both ends, which is regular at r = 0.
     """
-    from ..plate.dispersion import wavenumber_rad_per_m
-
     r = np.asarray(radius_m, float)
     k1, k2 = wavenumber_rad_per_m(plate, [band.f_min_hz, band.f_max_hz])
     return np.asarray((k2**2 * _airy(k2 * r) - k1**2 * _airy(k1 * r)) / (k2**2 - k1**2))
@@ -241,10 +232,12 @@ def _airy(x: FloatArray) -> FloatArray:
 
 @checked
 def passed(plate: Plate, side_m: float, band: Band) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Frequencies over the band, and W^2 and W^4 there, each averaged over directions.
+    """Frequencies over the band, and W^2 and W^4 there, each averaged over directions: how a patch weights the modes.
 
-    A patch as long as the wave passes some directions and not others, and all patches pass the same: the square of the
-    mean of W^2 in place of the mean of W^4 would count the modes of those others.
+    A patch with a moment along its outline moves a mode by the mean of its curvature over the patch: a wave along the
+    angle theta by W = sinc(k s cos(theta) / 2) sinc(k s sin(theta) / 2), s the side. Derived. A patch as long as the
+    wave passes some directions and not others, and all patches pass the same: the square of the mean of W^2 in place of
+    the mean of W^4 would count the modes of those others.
     """
     positive("passed", side_m=side_m)
     f = np.linspace(max(band.f_min_hz, 1.0), band.f_max_hz, 200)

@@ -69,9 +69,7 @@ class Transducers:
     voltage_v: float = 30.0
 
     def __post_init__(self) -> None:
-        positive(
-            "Transducers", n=self.n, side_m=self.side_m, moment_n_per_v=self.moment_n_per_v, voltage_v=self.voltage_v
-        )
+        positive("Transducers", **vars(self))
 
 
 @checked
@@ -168,33 +166,27 @@ class Design:
 
     @property
     def amplitude_m(self) -> float:
-        return one_bit_amplitude_m(self)
+        """Expected focus amplitude of the 1-bit drive, in a diffuse field of equally weighted modes.
+
+        A = V Q sqrt(2/pi) tau (1 - exp(-T/tau)) sigma with sigma^2 = n_f / 2 (m A_p / (M c))^2 times the integral of
+        W^2 over the band; W is the low-pass of the patch, averaged over directions. Derived; see `OFF`. Drives that
+        overlap, T above T_r, take `closed_forms.repetition_amplitude_ratio` of it.
+        """
+        plate, patches = self.plate, self.transducers
+        push = patches.moment_n_per_v * patches.side_m**2 / (plate.mass_kg * plate.wave_constant_m2_per_s)
+        sigma = push * math.sqrt(plate.modal_density_s / 2 * passed_hz(*self._weighting))
+        ring_s = self.tau_s * float(one_bit_amplitude_ratio(self.reversal_s, self.tau_s))
+        return patches.voltage_v * patches.n * math.sqrt(2 / math.pi) * ring_s * sigma * self.overlap_ratio
 
 
 @checked
 @dataclass(frozen=True)
 class Guide:
-    """The answer: a design, its repetition time (None: single foci) and the wishes that it cannot meet, with why."""
+    """The answer: a design, and the wishes that it cannot meet, with why."""
 
     design: Design
-    repetition_s: float | None
     unreachable: tuple[str, ...]
     notes: tuple[str, ...]
-
-
-@checked
-def one_bit_amplitude_m(design: Design) -> float:
-    """Expected focus amplitude of the 1-bit drive, in a diffuse field of equally weighted modes.
-
-    A = V Q sqrt(2/pi) tau (1 - exp(-T/tau)) sigma with sigma^2 = n_f / 2 (m A_p / (M c))^2 times the integral of W^2
-    over the band; W is the low-pass of the patch, averaged over directions. Derived; see `OFF`. Drives
-    that overlap, T above T_r, take `closed_forms.repetition_amplitude_ratio` of it.
-    """
-    plate, patches = design.plate, design.transducers
-    push = patches.moment_n_per_v * patches.side_m**2 / (plate.mass_kg * plate.wave_constant_m2_per_s)
-    sigma = push * math.sqrt(plate.modal_density_s / 2 * passed_hz(plate, patches.side_m, design.band))
-    ring_s = design.tau_s * float(one_bit_amplitude_ratio(design.reversal_s, design.tau_s))
-    return patches.voltage_v * patches.n * math.sqrt(2 / math.pi) * ring_s * sigma * design.overlap_ratio
 
 
 @checked
@@ -225,9 +217,8 @@ def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: float, 
     sharp, unsharp, notes = _for_resolution(start, target.resolution_m)
     clear, unclear = _for_contrast(sharp, target.contrast)
     strong, weak = _for_amplitude(clear, target.amplitude_m)
-    unreachable = (*unsharp, *unclear, *weak, *_too_fast(strong, repetition_s))
-    told = (*notes, *_about_time(strong, repetition_s), *_about_stress(plate), *_about_laws(strong))
-    return Guide(strong, repetition_s, unreachable, told)
+    unreachable = (*unsharp, *unclear, *weak, *_too_fast(strong))
+    return Guide(strong, unreachable, (*notes, _about_time(strong), _about_stress(plate), *_about_laws(strong)))
 
 
 @checked
@@ -318,25 +309,29 @@ def _for_contrast(design: Design, wanted: float | None) -> tuple[Design, tuple[s
             f"{needed_hz / 1e3:.3g} kHz or take smaller patches or a larger or thinner plate",
         )
     needed = math.ceil((room.kurtosis + room.absorption) / ((limit / wanted) ** 2 - 1))
-    most = _most(design)
-    if needed > most:
-        return design, (
-            f"contrast: {wanted:.3g} needs {needed} transducers, more than {most} in a row along the edges; "
-            "widen the band, or raise tau and T",
-        )
-    return replace(design, transducers=replace(design.transducers, n=needed)), ()
+    refusal = (
+        f"contrast: {wanted:.3g} needs {needed} transducers, more than {_most(design)} in a row along the edges; "
+        "widen the band, or raise tau and T"
+    )
+    return _with_transducers(design, needed, refusal)
 
 
 def _for_amplitude(design: Design, wanted_m: float | None) -> tuple[Design, tuple[str, ...]]:
     if wanted_m is None or design.amplitude_m >= wanted_m:
         return design, ()
     needed = math.ceil(design.transducers.n * wanted_m / design.amplitude_m)
+    volts = design.transducers.voltage_v * wanted_m / design.amplitude_m
+    refusal = (
+        f"amplitude: {wanted_m * 1e6:.3g} um needs {needed} transducers, more than the plate's edges hold; "
+        f"{design.transducers.n} of them reach it at {volts:.3g} V"
+    )
+    return _with_transducers(design, needed, refusal)
+
+
+def _with_transducers(design: Design, needed: int, refusal: str) -> tuple[Design, tuple[str, ...]]:
+    """The design with as many transducers as are needed if the edges hold them, else as it is, with why not."""
     if needed > _most(design):
-        volts = design.transducers.voltage_v * wanted_m / design.amplitude_m
-        return design, (
-            f"amplitude: {wanted_m * 1e6:.3g} um needs {needed} transducers, more than the plate's edges hold; "
-            f"{design.transducers.n} of them reach it at {volts:.3g} V",
-        )
+        return design, (refusal,)
     return replace(design, transducers=replace(design.transducers, n=needed)), ()
 
 
@@ -344,8 +339,8 @@ def _most(design: Design) -> int:
     return min(MAX_TRANSDUCERS, n_held(design.plate, design.transducers.side_m))
 
 
-def _too_fast(design: Design, repetition_s: float | None) -> tuple[str, ...]:
-    shortest_s = 2 / design.band.width_hz
+def _too_fast(design: Design) -> tuple[str, ...]:
+    repetition_s, shortest_s = design.repetition_s, 2 / design.band.width_hz
     if repetition_s is None or repetition_s >= shortest_s:
         return ()
     return (
@@ -354,21 +349,20 @@ def _too_fast(design: Design, repetition_s: float | None) -> tuple[str, ...]:
     )
 
 
-def _about_time(design: Design, repetition_s: float | None) -> tuple[str, ...]:
+def _about_time(design: Design) -> str:
     share = float(one_bit_amplitude_ratio(design.reversal_s, design.tau_s))
     said = f"time: T = {design.reversal_s * 1e3:.3g} ms uses {share:.0%} of the amplitude of an endless reversal"
-    if repetition_s is None:
-        return (said,)
-    noise = float(repetition_noise_ratio(repetition_s, design.tau_s))
-    return (f"{said}; repetition multiplies the residual noise power by {noise:.2g}",)
+    if design.repetition_s is None:
+        return said
+    return f"{said}; repetition multiplies the residual noise power by {design.noise_ratio:.2g}"
 
 
-def _about_stress(plate: Plate) -> tuple[str, ...]:
+def _about_stress(plate: Plate) -> str:
     stress_pa = bending_stress_pa(plate, FINGER_FORCE_N, FINGER_DIAMETER_M)
     verdict = "more than" if stress_pa > STRESS_MAX_PA else "within"
     return (
         f"stress: {FINGER_FORCE_N:.0f} N bend the plate (edges supported) with {stress_pa / 1e6:.2g} MPa, "
-        f"{verdict} the {STRESS_MAX_PA / 1e6:.0f} MPa that glass bears for long",
+        f"{verdict} the {STRESS_MAX_PA / 1e6:.0f} MPa that glass bears for long"
     )
 
 

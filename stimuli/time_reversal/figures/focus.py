@@ -1,20 +1,18 @@
 """Figures of a focus: map, cross-section, scans per band, spectrum, time signal, the four driving signals."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from tactometry.signal import Signal
-
 from ...arrays import FloatArray
-from ..field.field import field, grid
+from ..field.field import Grid, field, grid
 from ..field.merit import width_m
 from ..filters import Band
 from ..focusing.focusing import Emission, drive, emitted, focus_amplitude
-from ..responses.decay import schroeder_db, tau_s
+from ..responses.plate_constants import schroeder_db, tau_s
 from ..responses.responses import Point, Responses
 from ..screen.screen import Screen
 from .style import BLUE, DIVERGING, ORANGE, colours, label, sheet
@@ -24,19 +22,15 @@ N_X, N_Y = 301, 213
 
 def displacement_map(screen: Screen, focus: Point, emission: Emission) -> Figure:
     """The plate at the focus instant, and the cross-section through the focus (thesis 3.8)."""
-    signal = _drive(screen, focus, emission)
-    (x, y), u = _field(screen, signal, emission)
     figure, (left, right) = sheet(1, 2, width_in=9.6, height_in=3.4)
-    _map(figure, left, x, y, u, "Focus instant")
-    line = field(screen, signal, signal.samples.shape[1] - 1, (x, np.array([focus[1]])), emission.f_max_hz)[:, 0]
+    x, y = grid(screen, N_X, N_Y)
+    at_focus = _focus_instant(screen, focus, emission)
+    _map(figure, left, (x, y), at_focus, "Focus instant")
+    line = at_focus((x, np.array([focus[1]])))[:, 0]
     right.plot(x * 1e3, line * 1e6, color=BLUE)
     near = np.abs(x - focus[0]) < 0.25 * screen.plate.length_m
-    label(
-        right,
-        "x (mm)",
-        "Displacement (µm)",
-        f"y = {focus[1] * 1e3:g} mm, width {width_m(x[near], line[near]) * 1e3:.1f} mm",
-    )
+    title = f"y = {focus[1] * 1e3:g} mm, width {width_m(x[near], line[near]) * 1e3:.1f} mm"
+    label(right, "x (mm)", "Displacement (µm)", title)
     return figure
 
 
@@ -45,8 +39,8 @@ def scans_per_band(screen: Screen, focus: Point, bands: Sequence[Band], emission
     figure, axes = sheet(1, len(bands), width_in=3.4 * len(bands), height_in=2.8)
     for one, band in zip(axes, bands, strict=True):
         within = replace(emission, band=band)
-        (x, y), u = _field(screen, _drive(screen, focus, within), within)
-        _map(figure, one, x, y, u, f"{band.f_min_hz / 1e3:g}–{band.f_max_hz / 1e3:g} kHz")
+        title = f"{band.f_min_hz / 1e3:g}–{band.f_max_hz / 1e3:g} kHz"
+        _map(figure, one, grid(screen, N_X, N_Y), _focus_instant(screen, focus, within), title)
     return figure
 
 
@@ -95,15 +89,12 @@ def noise_window(
     screen: Screen, focus: Point, emission: Emission, window_s: tuple[float, float] = (1e-3, 4e-3)
 ) -> Figure:
     """Time signal at the focus with its amplitude and the window of the noise (thesis 4.13)."""
-    responses = emission.responses(screen, [focus])
-    signal = emission.drive(responses)
-    u = emitted(signal, responses)[0] * 1e6
-    last = signal.samples.shape[1] - 1
-    time_ms = (np.arange(len(u)) - last) / emission.rate_hz * 1e3
+    time_ms, u = _course(screen, focus, emission)
     figure, (axes,) = sheet(width_in=7.2, height_in=3.2)
     axes.plot(time_ms, u, color=BLUE, linewidth=0.6)
     axes.axvspan(window_s[0] * 1e3, window_s[1] * 1e3, color=ORANGE, alpha=0.25, label="noise window")
-    axes.annotate(f"A = {u[last]:.2f} µm", (0.0, u[last]), xytext=(6, -4), textcoords="offset points")
+    peak = u[np.argmin(np.abs(time_ms))]
+    axes.annotate(f"A = {peak:.2f} µm", (0.0, peak), xytext=(6, -4), textcoords="offset points")
     label(axes, "Time from the focus (ms)", "Displacement (µm)", loc="lower right")
     return figure
 
@@ -121,31 +112,32 @@ def four_signals(screen: Screen, focus: Point, emissions: Mapping[str, Emission]
 
 
 def _focus_in_time(axes: Axes, screen: Screen, focus: Point, emission: Emission, name: str) -> None:
-    responses = emission.responses(screen, [focus])
-    signal = emission.drive(responses)
-    u = emitted(signal, responses)[0] * 1e6
-    time_ms = (np.arange(len(u)) - signal.samples.shape[1] + 1) / emission.rate_hz * 1e3
+    time_ms, u = _course(screen, focus, emission)
     shown = np.abs(time_ms) < 0.5
     axes.plot(time_ms[shown], u[shown], color=BLUE, linewidth=0.9)
     label(axes, "Time (ms)", "Displacement (µm)", name)
 
 
 def _focus_in_space(axes: Axes, screen: Screen, focus: Point, emission: Emission) -> None:
-    signal = _drive(screen, focus, emission)
     x = np.linspace(max(focus[0] - 0.05, 0), min(focus[0] + 0.05, screen.plate.length_m), 301)
-    at = (x, np.array([focus[1]]))
-    u = field(screen, signal, signal.samples.shape[1] - 1, at, emission.f_max_hz)[:, 0] * 1e6
+    u = _focus_instant(screen, focus, emission)((x, np.array([focus[1]])))[:, 0] * 1e6
     axes.plot((x - focus[0]) * 1e3, u, color=ORANGE, linewidth=0.9)
     label(axes, "x from the focus (mm)", "Displacement (µm)", f"width {width_m(x, u) * 1e3:.1f} mm")
 
 
-def _drive(screen: Screen, focus: Point, emission: Emission) -> Signal:
-    return emission.drive(emission.responses(screen, [focus]))
+def _course(screen: Screen, focus: Point, emission: Emission) -> tuple[FloatArray, FloatArray]:
+    """Times from the focus instant (ms), and the displacement of the focus (um)."""
+    responses = emission.responses(screen, [focus])
+    signal = emission.drive(responses)
+    u = emitted(signal, responses)[0] * 1e6
+    return (np.arange(len(u)) - signal.samples.shape[1] + 1) / emission.rate_hz * 1e3, u
 
 
-def _field(screen: Screen, signal: Signal, emission: Emission) -> tuple[tuple[FloatArray, FloatArray], FloatArray]:
-    at = grid(screen, N_X, N_Y)
-    return at, field(screen, signal, signal.samples.shape[1] - 1, at, emission.f_max_hz)
+def _focus_instant(screen: Screen, focus: Point, emission: Emission) -> Callable[[Grid], FloatArray]:
+    """The displacement on a grid when the drive ends."""
+    signal = emission.drive(emission.responses(screen, [focus]))
+    last = signal.samples.shape[1] - 1
+    return lambda at_m: field(screen, signal, last, at_m, emission.f_max_hz)
 
 
 def _amplitude(screen: Screen, focus: Point, emission: Emission) -> float:
@@ -153,7 +145,8 @@ def _amplitude(screen: Screen, focus: Point, emission: Emission) -> float:
     return focus_amplitude(emission.drive(responses), responses)
 
 
-def _map(figure: Figure, axes: Axes, x: FloatArray, y: FloatArray, u: FloatArray, title: str) -> None:
+def _map(figure: Figure, axes: Axes, at_m: Grid, displacement: Callable[[Grid], FloatArray], title: str) -> None:
+    (x, y), u = at_m, displacement(at_m)
     largest = float(np.abs(u).max()) * 1e6
     extent = (0, x[-1] * 1e3, 0, y[-1] * 1e3)
     image = axes.imshow(u.T * 1e6, origin="lower", extent=extent, cmap=DIVERGING, vmin=-largest, vmax=largest)

@@ -1,9 +1,11 @@
 """Figures of chapter 3 that closed forms draw: resolution, stress, amplitude and contrast."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Final
+from dataclasses import replace
+from typing import Any, Final
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ...arrays import FloatArray
@@ -33,8 +35,7 @@ def resolution_over_bandwidth(plates: Mapping[str, Plate], measured: Mapping[str
     for (name, plate), colour in zip(plates.items(), colours(), strict=False):
         widths = [resolution_m(plate, Band(0.0, float(f))) for f in f_max]
         axes.plot(f_max / 1e3, np.multiply(widths, 1e3), color=colour, label=f"{name}, diffuse-field model")
-        for bandwidth, width in (measured or {}).get(name, ()):
-            axes.plot(bandwidth / 1e3, width * 1e3, "o", color=colour)
+        _points(axes, (measured or {}).get(name, ()), (1e-3, 1e3), color=colour)
     label(axes, "Bandwidth from 0 (kHz)", "Resolution at −6 dB (mm)", from_zero=True)
     return figure
 
@@ -46,8 +47,7 @@ def resolution_over_mean_frequency(plate: Plate, measured: Measured = ()) -> Fig
     axes.plot(f / 1e3, half_wavelength_m(plate, f) * 1e3, color=BLUE, label="half a wavelength")
     widths = [resolution_m(plate, Band(0.0, 2 * float(x))) for x in f[::10]]
     axes.plot(f[::10] / 1e3, np.multiply(widths, 1e3), ".", color=BLACK, label="flat band from 0")
-    for number, (f_mean, width) in enumerate(measured):
-        axes.plot(f_mean / 1e3, width * 1e3, "s", color=ORANGE, label="measured" if number == 0 else None)
+    _points(axes, measured, (1e-3, 1e3), marker="s", color=ORANGE, label="measured")
     label(axes, "Mean frequency (kHz)", "Resolution at −6 dB (mm)", from_zero=True)
     return figure
 
@@ -55,7 +55,7 @@ def resolution_over_mean_frequency(plate: Plate, measured: Measured = ()) -> Fig
 def stress_and_deflection_over_thickness(plate: Plate, force_n: float = 2.0, contact_m: float = 10e-3) -> Figure:
     """Bending stress and deflection under a force at the centre, against thickness (thesis 3.15), supported edges."""
     thickness = np.linspace(0.4e-3, 3e-3, 40)
-    plates = [Plate(**{**vars(plate), "thickness_m": float(h), "boundary": "SSSS"}) for h in thickness]
+    plates = [replace(plate, thickness_m=float(h), boundary="SSSS") for h in thickness]
     middle = (plate.length_m / 2, plate.width_m / 2)
     stress = [bending_stress_pa(one, force_n, contact_m) for one in plates]
     deflection = [deflection_m(one, force_n, middle, *middle)[0] for one in plates]
@@ -75,8 +75,7 @@ def amplitude_over_reversal(tau_s: float, reversal_s: FloatArray, measured: Meas
     axes.plot(
         t, analogue_amplitude_ratio(reversal_s, tau_s) * 100, "--", color=ORANGE, label="analogue, 1 − exp(−2T/τ)"
     )
-    for number, (at, share) in enumerate(measured):
-        axes.plot(at * 1e3, share * 100, "o", color=BLACK, label="measured" if number == 0 else None)
+    _points(axes, measured, (1e3, 100), color=BLACK, label="measured")
     axes.axvline(2 * tau_s * 1e3, color=BLACK, linewidth=0.8, linestyle=":")
     axes.annotate(" T = 2τ", (2 * tau_s * 1e3, 5))
     title = f"τ = {tau_s * 1e3:g} ms"
@@ -95,13 +94,18 @@ def contrast_over_transducers(
     """
     figure, (axes,) = sheet()
     for q, colour in zip(n_channels, colours(), strict=False):
-        rooms = [Reverberation(**{**vars(room), "n_channels": q, "reversal_s": float(t)}) for t in reversal_s]
+        rooms = [replace(room, n_channels=q, reversal_s=float(t)) for t in reversal_s]
         axes.plot(reversal_s * 1e3, [contrast_whole(one) for one in rooms], color=colour, label=f"Q = {q}")
-        for at, contrast in (measured or {}).get(q, ()):
-            axes.plot(at * 1e3, contrast, "o", color=colour)
+        _points(axes, (measured or {}).get(q, ()), (1e3, 1), color=colour)
     axes.axhline(contrast_limit(room), color=BLACK, linestyle=":", label="√N, all modes")
     label(axes, "Reversal time T (ms)", "Contrast, A / rms of the plate", from_zero=True, ncols=2)
     return figure
+
+
+def _points(axes: Axes, measured: Measured, scale: tuple[float, float], **look: Any) -> None:
+    """Measured points, if there are any, in the units of the axes."""
+    if measured:
+        axes.plot(*(np.transpose(measured) * np.reshape(scale, (2, 1))), **{"marker": "o", "linestyle": "", **look})
 
 
 def trade_offs(guide: Guide) -> Figure:

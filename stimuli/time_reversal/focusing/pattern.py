@@ -8,7 +8,7 @@ exponential and sinc, 50 ms are documented choices (unverified defaults).
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, Protocol, runtime_checkable
+from typing import Final, Literal, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -97,6 +97,16 @@ class Table:
 
     def at(self, position: FloatArray) -> FloatArray:
         return np.interp(position, np.linspace(0, 1, len(self.values)), self.values)
+
+
+EnvelopeName = Literal["rectangular", "raised_cosine", "exponential", "sinc"]
+ENVELOPES: Final[Mapping[str, Envelope]] = {
+    "rectangular": Rectangular(),
+    "raised_cosine": RaisedCosine(),
+    "exponential": Exponential(),
+    "sinc": Sinc(),
+}
+"""By the name that study and scene files use."""
 
 
 @checked

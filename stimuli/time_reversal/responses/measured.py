@@ -29,7 +29,7 @@ from tactometry.files.hdf5 import as_npz
 from tactometry.files.samples import Npz, table_of_numbers, wav_of
 
 from ...arrays import FloatArray, IntArray
-from .decay import LEAST_FALL_DB, N_BLOCKS, decay_of
+from .plate_constants import LEAST_FALL_DB, N_BLOCKS, decay_of
 from .responses import Responses
 
 CLIPPED_RUN: Final = 3

@@ -10,35 +10,19 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from ..filters import Band
-from ..focusing.pattern import (
-    PATTERNS,
-    Envelope,
-    Exponential,
-    Pattern,
-    RaisedCosine,
-    Rectangular,
-    Sinc,
-    Table,
-)
+from ..focusing.pattern import ENVELOPES, PATTERNS, Envelope, EnvelopeName, Pattern, Table
 from ..focusing.quantiser import Analogue, OneBit, Quantiser, SigmaDelta
 from ..responses.responses import Responses, band_limited, samples_in
 from .family import TimeReversalStimulus
 from .setup import Setup
 
 Drive = Literal["one_bit", "analogue", "sigma_delta_1", "sigma_delta_2"]
-EnvelopeName = Literal["rectangular", "raised_cosine", "exponential", "sinc"]
 
 DRIVES: Final[dict[str, Quantiser]] = {
     "one_bit": OneBit(),
     "analogue": Analogue(),
     "sigma_delta_1": SigmaDelta(order=1),
     "sigma_delta_2": SigmaDelta(order=2),
-}
-ENVELOPES: Final[dict[str, Envelope]] = {
-    "rectangular": Rectangular(),
-    "raised_cosine": RaisedCosine(),
-    "exponential": Exponential(),
-    "sinc": Sinc(),
 }
 
 

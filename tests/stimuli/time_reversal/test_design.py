@@ -148,9 +148,9 @@ def test_more_patches_than_the_edges_hold_are_not_promised():
 def test_time_constants():
     alone = recommend(A4_SCREEN, Transducers(), BAND, TAU_S, Target())
     assert alone.design.reversal_s == 2 * TAU_S
-    assert alone.repetition_s is None
+    assert alone.design.repetition_s is None
     fast = recommend(A4_SCREEN, Transducers(), BAND, TAU_S, Target(repetition_hz=400.0))
-    assert fast.design.reversal_s == fast.repetition_s == 2.5e-3
+    assert fast.design.reversal_s == fast.design.repetition_s == 2.5e-3
     assert "51%" in fast.notes[-2]
 
 
@@ -168,7 +168,7 @@ def test_every_wish_is_met_or_named_as_unreachable(resolution, contrast, amplitu
     assert design.resolution_m <= resolution * (1 + 1e-6) or "resolution" in names
     assert design.contrast >= contrast * (1 - 1e-9) or "contrast" in names
     assert design.amplitude_m >= amplitude * (1 - 1e-9) or "amplitude" in names
-    assert guide.repetition_s >= 2 / design.band.width_hz or "repetition" in names
+    assert design.repetition_s >= 2 / design.band.width_hz or "repetition" in names
 
 
 def test_contrast_beyond_the_modes_is_refused_with_the_reason():

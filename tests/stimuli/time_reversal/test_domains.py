@@ -43,8 +43,8 @@ from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, Patte
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, PulseWidth, SigmaDelta
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.statics import bending_stress_pa, deflection_m
-from tactometry.stimuli.time_reversal.responses.material_constants import rigidity_ratio_from_modes
 from tactometry.stimuli.time_reversal.responses.measured import read
+from tactometry.stimuli.time_reversal.responses.plate_constants import rigidity_ratio_from_modes
 from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen

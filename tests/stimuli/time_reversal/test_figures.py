@@ -128,8 +128,8 @@ def test_sound_figure_names_the_level():
 
 def test_measured_points_are_drawn():
     figure = theory.resolution_over_mean_frequency(A4_SCREEN, [(12.5e3, 15e-3), (20e3, 12e-3)])
-    drawn = [line for line in figure.axes[0].lines if line.get_marker() == "s"]
-    assert [float(line.get_ydata()[0]) for line in drawn] == [15.0, 12.0]
+    (drawn,) = [line for line in figure.axes[0].lines if line.get_marker() == "s"]
+    assert drawn.get_xydata().tolist() == [[12.5, 15.0], [20.0, 12.0]]
 
 
 def test_measured_losses_and_contrasts_are_drawn_beside_their_model():

@@ -18,9 +18,12 @@ from tactometry.stimuli.time_reversal.finger import Contactor, Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import emitted
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
-from tactometry.stimuli.time_reversal.stimulus.sensation import loaded_displacement
+from tactometry.stimuli.time_reversal.stimulus.sensation import (
+    FocusReading,
+    displacement_at_focus_m,
+    loaded_displacement,
+)
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
-from tactometry.stimuli.time_reversal.stimulus.vibrometer import FocusReading, displacement_at_focus_m
 
 SMALL = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
 TOUCH = Pressing(duration_s=0.5, force_n=2.0, hold_s=0.5, timeout_s=10.0)

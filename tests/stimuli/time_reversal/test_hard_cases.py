@@ -28,8 +28,8 @@ from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.plate.modes import RitzModes, modes_of, values
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz
 from tactometry.stimuli.time_reversal.rectangle.ritz import ellipse, pairs, pencil
-from tactometry.stimuli.time_reversal.responses.decay import tau_estimate
 from tactometry.stimuli.time_reversal.responses.measured import inspect
+from tactometry.stimuli.time_reversal.responses.plate_constants import tau_estimate
 from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen

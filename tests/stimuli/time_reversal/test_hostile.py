@@ -55,9 +55,9 @@ from tactometry.stimuli.time_reversal.field.sound import NoiseSpectrum
 from tactometry.stimuli.time_reversal.filters import Butterworth, Hold, MeasuredGain
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
 from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
-from tactometry.stimuli.time_reversal.responses.decay import TauEstimate
 from tactometry.stimuli.time_reversal.responses.learning import Excitation
-from tactometry.stimuli.time_reversal.stimulus.vibrometer import FocusReading
+from tactometry.stimuli.time_reversal.responses.plate_constants import MeasuredConstant
+from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
 
 HOSTILE: Mapping[str, Any] = {
     "None": None,
@@ -105,7 +105,7 @@ def constructors() -> Iterator[tuple[str, object]]:
     yield from {
         "screen.attenuation": Attenuation(3e-3, 0.1), "responses.bonded_patches": (Stiffener(0.1, 0.1, 1.0), Ceramic()),
         "design.closed_forms": ROOM, "finger": (Contactor("soft"), Fingertip(10.0)),
-        "responses.decay": TauEstimate(1.0, 0.5, 2.0),
+        "responses.plate_constants": MeasuredConstant(1.0, 0.5, 2.0),
         "design.guide": (Transducers(8), Target(contrast=3.0), DESIGN),
         "focusing.focusing": EMISSION,
         "stimulus.focus_train": TRAIN, "plate.glass": Glass("x", 64e9, 0.2, 2230.0, "here"),
@@ -114,8 +114,8 @@ def constructors() -> Iterator[tuple[str, object]]:
             Rectangular(), RaisedCosine(), Exponential(), Sinc(), Table((0.0, 1.0)), Pattern(200.0, 0.05),
         ),
         "plate.plate": PLATE, "focusing.quantiser": (Analogue(), OneBit(), SigmaDelta(), PulseWidth(200.0)),
-        "stimulus.vibrometer": FocusReading(SETUP), "responses.responses": RESPONSES, "screen.screen": SCREEN,
-        "stimulus.sensation": TimeReversalSensation(SETUP), "stimulus.setup": SETUP,
+        "responses.responses": RESPONSES, "screen.screen": SCREEN,
+        "stimulus.sensation": (TimeReversalSensation(SETUP), FocusReading(SETUP)), "stimulus.setup": SETUP,
         "field.sound": NoiseSpectrum(np.array([10.0, 20.0]), np.array([1e-9, 1e-9])),
         "filters": (BAND, Butterworth(500.0), MeasuredGain((1.0, 2.0), (1.0, 1j)), Hold(1e3)),
         "stimulus.family": TimeReversalStimulus(FOCUS, reversal_s=0.1, heard=FOCUS, path=[0], tau_s=0.1),
@@ -178,13 +178,13 @@ INFINITE = (
     "field.sound.NoiseSpectrum",
     "field.sound.noise",
     "finger.absorbing_tau_s",
-    "responses.decay.mean_estimate",
+    "responses.plate_constants.mean_estimate",
 )
 """What their docstrings let be infinite: silence, no weight, no loss, an unknown interval."""
 
 RESULTS = frozenset(
     {
-        "focusing.closed_reversal.ClosedReversal", "responses.decay.Decay", "design.guide.Guide",
+        "focusing.closed_reversal.ClosedReversal", "responses.plate_constants.Decay", "design.guide.Guide",
         "finger.LossRow",
         "responses.load.Receptances",
         "responses.measured.Findings", "plate.modes.RitzModes", "plate.modes.SeparableModes",

@@ -20,20 +20,23 @@ from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_fil
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, normalised
 from tactometry.stimuli.time_reversal.plate.dispersion import wavenumber_rad_per_m
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.responses.decay import mean_estimate, schroeder_db, tau_estimate, tau_s
 from tactometry.stimuli.time_reversal.responses.learning import write_learnt
-from tactometry.stimuli.time_reversal.responses.material_constants import (
-    alpha_from_resolutions,
-    rigidity_ratio_from_dispersion,
-    rigidity_ratio_from_modes,
-    youngs_modulus_pa,
-)
 from tactometry.stimuli.time_reversal.responses.measured import (
     aligned,
     inspect,
     read,
     reciprocity_error,
     trimmed,
+)
+from tactometry.stimuli.time_reversal.responses.plate_constants import (
+    alpha_from_resolutions,
+    mean_estimate,
+    rigidity_ratio_from_dispersion,
+    rigidity_ratio_from_modes,
+    schroeder_db,
+    tau_estimate,
+    tau_s,
+    youngs_modulus_pa,
 )
 from tactometry.stimuli.time_reversal.responses.responses import Responses, band_limited, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation

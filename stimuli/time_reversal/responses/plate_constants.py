@@ -1,5 +1,6 @@
-"""The attenuation constant from impulse responses: a decay above a floor, fitted to the log energy of blocks.
+"""Constants of a plate from what was measured on it (thesis 3.4.2), each with a 95 % interval.
 
+The attenuation constant comes from impulse responses: a decay above a floor, fitted to the log energy of blocks.
 The backward integral of Schroeder bends down at the end of a record and flattens on its noise, which biases a slope
 read from it; the model E(t) = A (exp(-2 t / tau) + N) holds in a cut record and above a floor.
 """
@@ -9,13 +10,15 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from tactometry.arguments.annotations import Unbounded, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import between, positive
+from tactometry.arguments.require import between, positive, positive_array
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray, IndexArray
+from ..plate.plate import Plate
 from .responses import Responses
 
 N_BLOCKS: Final = 32
@@ -32,8 +35,8 @@ CONFIDENCE: Final = 0.95
 
 @checked
 @dataclass(frozen=True)
-class TauEstimate:
-    """A value with the ends of its 95 % interval."""
+class MeasuredConstant:
+    """A constant with the ends of its 95 % interval."""
 
     value: float
     low: Unbounded
@@ -84,7 +87,7 @@ def tau_s(response: Vector, rate_hz: float) -> float:
 
 
 @checked
-def tau_estimate(responses: Responses) -> TauEstimate:
+def tau_estimate(responses: Responses) -> MeasuredConstant:
     """tau from the energy of all pairs of point and channel, with its interval.
 
     The interval is Student's t on ln(tau), its variance the sum of two jackknives: over groups of channels and over
@@ -103,7 +106,7 @@ def tau_estimate(responses: Responses) -> TauEstimate:
     n_taus = _clear_decay(channels.sum(axis=0)).n_taus
     half = float(t.ppf((1 + CONFIDENCE) / 2, N_LEFT_OUT - 1)) * math.sqrt(_variance(channels))
     tau = length_s / n_taus
-    return TauEstimate(tau, tau * math.exp(-half), tau * math.exp(half))
+    return MeasuredConstant(tau, tau * math.exp(-half), tau * math.exp(half))
 
 
 @checked
@@ -191,13 +194,103 @@ def _jackknife(n_taus: list[float]) -> float:
 
 
 @checked
-def mean_estimate(values: Vector, confidence: float = CONFIDENCE) -> TauEstimate:
+def mean_estimate(values: Vector, confidence: float = CONFIDENCE) -> MeasuredConstant:
     """The mean with its interval from Student's t; infinite with fewer than two values."""
     from scipy.stats import t
 
     between("mean_estimate", 0, 1, confidence=confidence)
     mean = float(np.mean(values))
     if len(values) < 2:
-        return TauEstimate(mean, -np.inf, np.inf)
+        return MeasuredConstant(mean, -np.inf, np.inf)
     half = float(t.ppf((1 + confidence) / 2, len(values) - 1) * np.std(values, ddof=1) / np.sqrt(len(values)))
-    return TauEstimate(mean, mean - half, mean + half)
+    return MeasuredConstant(mean, mean - half, mean + half)
+
+
+@checked
+def rigidity_ratio_from_dispersion(frequency_hz: ArrayLike, wavenumber_rad_per_m: ArrayLike) -> MeasuredConstant:
+    """D / rho_s (m^4/s^2) from wavenumbers at frequencies: omega^2 / k^4 of each, averaged in logarithm.
+
+    >>> k = np.array([50.0, 100.0, 200.0])
+    >>> round(rigidity_ratio_from_dispersion(1.7 * k**2 / (2 * np.pi), k).value, 9)
+    2.89
+    """
+    f, k = _pairs("frequency_hz", frequency_hz, wavenumber_rad_per_m)
+    return _geometric(np.log((2 * np.pi * f) ** 2 / k**4))
+
+
+@checked
+def rigidity_ratio_from_modes(measured_hz: ArrayLike, guess: Plate) -> MeasuredConstant:
+    """D / rho_s from measured modal frequencies, assigned to the modes of a plate that is known but for its glass.
+
+    Each measured frequency, in ascending order, goes to the nearest mode of `guess` on a logarithmic scale, times
+    the common factor of those before it; the first goes to the first mode. Frequencies depend on D / rho_s by
+    its square root, and through the edges weakly on Poisson's ratio, which is taken from `guess`.
+
+    Parameters
+    ----------
+    measured_hz : sequence of float
+        Ascending, above 0, from the first elastic mode on; later modes may be missing.
+    guess : Plate
+        Size, edges and Poisson's ratio as measured; modulus and density of the right order.
+    """
+    measured = np.asarray(measured_hz, float)
+    positive_array("rigidity_ratio_from_modes.measured_hz", measured)
+    if measured.ndim != 1 or len(measured) == 0 or not (np.diff(measured) >= 0).all():
+        raise InvalidParameter(f"measured_hz: found {measured.tolist()}, expected ascending frequencies above 0")
+    factor = measured[0] / _elastic(guess, 4.0)[0]
+    model = _elastic(guess, 1.2 * measured[-1] / factor)
+    if len(model) < len(measured):
+        raise InvalidParameter(
+            f"measured_hz: found {len(measured)} modes up to {measured[-1]} Hz, the plate has {len(model)} there"
+        )
+    return _geometric(2 * np.log(guess.wave_constant_m2_per_s * measured / _nearest(measured, model)))
+
+
+@checked
+def alpha_from_resolutions(resolution_m: ArrayLike, f_mean_hz: ArrayLike, plate: Plate) -> MeasuredConstant:
+    """The factor of R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean) from measured resolutions, averaged in logarithm.
+
+    Theory of a diffuse field gives sqrt(pi / 2) = 1.2533 for the full width at half amplitude.
+    """
+    width, f = _pairs("resolution_m", resolution_m, f_mean_hz)
+    return _geometric(np.log(width * np.sqrt(f) / np.sqrt(plate.wave_constant_m2_per_s)))
+
+
+@checked
+def youngs_modulus_pa(rigidity_ratio: MeasuredConstant, plate: Plate) -> MeasuredConstant:
+    """Y = 12 (1 - nu^2) rho_s (D / rho_s) / h^3 with the density, thickness and Poisson's ratio of
+    `plate`.
+    """
+    factor = 12 * (1 - plate.poisson_ratio**2) * plate.area_density_kg_per_m2 / plate.thickness_m**3
+    ratios = rigidity_ratio.value, rigidity_ratio.low, rigidity_ratio.high
+    return MeasuredConstant(*(factor * ratio for ratio in ratios))
+
+
+def _elastic(plate: Plate, f_max_hz: float) -> FloatArray:
+    """Frequencies above 0, at least one: the range doubles until it holds a mode."""
+    frequencies = plate.frequencies_hz(f_max_hz)
+    elastic = frequencies[frequencies > 0]
+    return elastic if len(elastic) else _elastic(plate, 2 * f_max_hz)
+
+
+def _nearest(measured: FloatArray, model: FloatArray) -> FloatArray:
+    """(n_measured,): the mode that each belongs to, by the mean factor of those before it."""
+    # in logarithms a wrong rigidity shifts all modes alike
+    heard, modes = np.log(measured), np.log(model)
+    paired = modes[:1]
+    for i in range(1, len(heard)):
+        expected = modes + np.mean(heard[:i] - paired)
+        paired = np.append(paired, modes[np.argmin(np.abs(heard[i] - expected))])
+    return np.asarray(np.exp(paired))
+
+
+def _geometric(logarithms: FloatArray) -> MeasuredConstant:
+    inside = mean_estimate(logarithms)
+    return MeasuredConstant(*(float(np.exp(logarithm)) for logarithm in (inside.value, inside.low, inside.high)))
+
+
+def _pairs(name: str, first: ArrayLike, second: ArrayLike) -> tuple[FloatArray, FloatArray]:
+    a, b = np.asarray(first, float), np.asarray(second, float)
+    if a.shape != b.shape or a.ndim != 1 or len(a) == 0 or not ((a > 0).all() and (b > 0).all()):
+        raise InvalidParameter(f"{name}: found shapes {a.shape} and {b.shape}, expected two lists of numbers above 0")
+    return a, b
