@@ -65,6 +65,11 @@ LINES = (
     ),
     (
         "tactometry/devices/kinds.py",
+        '    "ledger": "tactometry.devices.outputs.ledger:LedgerSettings",\n',
+        '    "ni": ',
+    ),
+    (
+        "tactometry/devices/kinds.py",
         '    "spring": "tactometry.devices.sensors.spring:SpringSettings",\n',
         '    "recorded": ',
     ),
@@ -139,8 +144,8 @@ voltage_peak_v = 100.0
 """
 BENCH = """
 [output]
-kind = "file"
-folder = "played"
+kind = "ledger"
+path = "played.txt"
 
 [sensors.hand]
 kind = "spring"
@@ -253,6 +258,16 @@ def test_a_questionnaire_is_a_file(folder: Path) -> None:
 
 def test_a_sensor_is_a_file_and_a_line(folder: Path) -> None:
     assert {row["force_mean_n"] for row in rows_of(folder / "pressed")} == {"1"}
+
+
+def test_an_output_is_a_file_and_a_line(folder: Path) -> None:
+    played = (folder / "played.txt").read_text(encoding="utf-8").splitlines()
+    assert len(played) == 2
+    for signal in played:
+        peak_v, duration = signal.split(" V, ")
+        assert duration == "0.10 s"
+        assert 18.0 < float(peak_v) <= 10 ** (26 / 20)
+    assert {(row["valid"], row["delivered"]) for row in rows_of(folder / "pressed")} == {("1", "1")}
 
 
 def test_a_kind_of_result_is_a_file_and_a_line(folder: Path) -> None:
