@@ -37,7 +37,7 @@ if TYPE_CHECKING:
         independent_sensitivity as independent_sensitivity,
     )
     from .tasks.signal_detection import (
-        Sensitivity as Sensitivity,
+        SensitivityIndex as SensitivityIndex,
         forced_choice_chance as forced_choice_chance,
         forced_choice_sensitivity as forced_choice_sensitivity,
         two_interval_sensitivity as two_interval_sensitivity,

@@ -14,11 +14,12 @@ def parts(table: pd.DataFrame, keys: Sequence[str]) -> Iterable[tuple[tuple[Any,
 def by_condition(
     table: pd.DataFrame, keys: Sequence[str], row_of: Callable[[pd.DataFrame], Mapping[str, object]]
 ) -> pd.DataFrame:
-    """A row for each combination: its values, and what `row_of` makes of its rows.
+    """A row for each combination: its values, and what `row_of` makes of its rows. Empty of an empty table, which may
+    lack the columns.
 
     >>> table = pd.DataFrame({"force_n": [3.0, 0.5, 3.0], "y": [1, 2, 3]})
     >>> by_condition(table, ["force_n"], lambda part: {"sum": part["y"].sum()}).values.tolist()
     [[0.5, 2.0], [3.0, 4.0]]
     """
-    rows = [dict(zip(keys, key, strict=True)) | dict(row_of(part)) for key, part in parts(table, keys)]
-    return pd.DataFrame(rows)
+    groups = parts(table, keys) if len(table) else ()
+    return pd.DataFrame([dict(zip(keys, key, strict=True)) | dict(row_of(rows)) for key, rows in groups])

@@ -29,8 +29,7 @@ from .tasks.cells import counted_answers, judgements
 from .tasks.goodness import SEED, goodness_columns, goodness_table
 from .tasks.kinds import ANALYSES, CURVES, RESULTS
 from .tasks.rates import detection_rates, mean_rates
-from .tasks.rule_estimate import Replay, rule_columns
-from .tasks.tracks import tracks
+from .tasks.rule_estimate import Replay, rule_columns, tracks
 
 
 def analyse(
@@ -151,8 +150,13 @@ NOTHING = (
 def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
     """What is read off the answers of a task without a curve: the tables of each task that has used rows."""
     rows_of = dict(iter(used.groupby("task")))
-    made = (results.tables(rows_of[task], factors) for task, results in RESULTS.items() if task in rows_of)
-    return {name: table for of_task in made for name, table in of_task.items() if len(table)}
+    tables = {
+        name: table_of(rows_of[task], factors)
+        for task, results in RESULTS.items()
+        if task in rows_of
+        for name, table_of in results.tables.items()
+    }
+    return {name: table for name, table in tables.items() if len(table)}
 
 
 def _outcomes(
@@ -202,13 +206,13 @@ def _force_tables(forces: pd.DataFrame | None, factors: Sequence[str]) -> dict[s
     return {} if forces is None else {"force_participants": forces, "force": force_table(forces, factors)}
 
 
-def _compared_tables(found: Analysis) -> dict[str, pd.DataFrame]:
+def _compared_tables(analysis: Analysis) -> dict[str, pd.DataFrame]:
     """Of outcomes, hierarchical fits and questionnaires."""
     tables: dict[str, pd.DataFrame] = {}
-    for each in found.outcomes:
-        tables |= each.tables(found.stem(each))
-    for fit in found.hierarchical:
+    for each in analysis.outcomes:
+        tables |= each.tables(analysis.stem(each))
+    for fit in analysis.hierarchical:
         tables |= fit.tables(fit.task)
-    for form in found.forms:
+    for form in analysis.forms:
         tables |= form.tables()
     return tables

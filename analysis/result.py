@@ -40,10 +40,15 @@ class Analysis:
     tables_folder: Path | None = None
     figures_folder: Path | None = None
 
+    @property
+    def factors(self) -> tuple[str, ...]:
+        """The names of the conditions."""
+        return self.trials.factors
+
     def stem(self, outcome: Outcome) -> str:
         """What the files of an outcome are called: by its dependent value, and by the task too where several have
         any."""
-        several = len({each.task for each in self.outcomes}) > 1
+        several = len({other.task for other in self.outcomes}) > 1
         return f"{outcome.task}_{outcome.dependent}" if several else outcome.dependent
 
     def table(self, name: str) -> pd.DataFrame:

@@ -1,14 +1,16 @@
 """What the figures share: which factor runs along x, which make series, and where values lie."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import NDArray
 
-from ..wording.labels import condition_name, title_of
-from .style import Drawing, drawn, house_style, new_figure
+from ..arrays import Array
+from ..wording.labels import condition_name, title_of, with_unit
+from .style import Drawing, drawn, house_style, new_figure, shades
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,6 +33,25 @@ class FactorAxis:
         along = max(numeric or list(factors), key=lambda name: table[name].nunique(), default=None)
         return cls(along, tuple(name for name in factors if name != along))
 
+    def place(self, axes: "Axes", table: pd.DataFrame) -> dict[object, float]:
+        """Where the values of the factor along x lie, on an axis made for them; without one, all at one place."""
+        return place(axes, ["all"] if self.along is None else table[self.along], self.along)
+
+    def x(self, rows: pd.DataFrame, where: Mapping[object, float]) -> Array:
+        """Where these rows lie."""
+        values = ["all"] * len(rows) if self.along is None else rows[self.along]
+        return np.array([where[value] for value in values])
+
+    def lines(self, table: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame, tuple[float, float, float, float]]]:
+        """A part of the table for each value of the factor along x, with its name and colour."""
+        parts = series(table, [self.along] if self.along else [])
+        return ((name, part, colour) for (name, part), colour in zip(parts, shades(len(parts)), strict=True))
+
+
+def level_label(unit: str) -> str:
+    """Of an axis of levels."""
+    return with_unit("Level", unit)
+
 
 def series(table: pd.DataFrame, names: Sequence[str]) -> list[tuple[str, pd.DataFrame]]:
     if not names:
@@ -41,6 +62,8 @@ def series(table: pd.DataFrame, names: Sequence[str]) -> list[tuple[str, pd.Data
 
 def place(axes: "Axes", values: Any, name: str | None) -> dict[object, float]:
     """Put the factor's values on the x axis (logarithmic where they span much) and say where each lies."""
+    from matplotlib.ticker import NullLocator
+
     levels = sorted(set(values))
     axes.set_xlabel("" if name is None else title_of(name))
     numeric = all(isinstance(v, int | float | np.number) for v in levels)
@@ -49,36 +72,30 @@ def place(axes: "Axes", values: Any, name: str | None) -> dict[object, float]:
         return {v: float(i) for i, v in enumerate(levels)}
     if levels[0] > 0 and levels[-1] / levels[0] > LOG_RANGE:
         axes.set_xscale("log")
-        axes.xaxis.set_minor_locator(_no_ticks())
+        axes.xaxis.set_minor_locator(NullLocator())
     axes.set_xticks([float(v) for v in levels], [f"{v:g}" for v in levels])
     return {v: float(v) for v in levels}
 
 
-def means_with_intervals(axes: "Axes", x: "np.ndarray[Any, Any]", part: pd.DataFrame, **style: Any) -> None:
+def means_with_intervals(axes: "Axes", x: NDArray[Any], part: pd.DataFrame, **style: Any) -> None:
     """Means with their intervals: within participants where the table has such (`within_low`, `within_high`), and then
     the one between them (`mean_low`, `mean_high`) as a thin line behind it; `style` is that of `errorbar`."""
     mean = part["mean"].astype(float).to_numpy()
-    told, between = np.isfinite(mean), _ends(part, "mean")
+    known, between = np.isfinite(mean), _ends(part, "mean")
     within = _ends(part, "within") if "within_low" in part.columns else np.full_like(between, np.nan)
     is_within = np.isfinite(within).all(axis=0)
-    bars = np.nan_to_num(np.where(is_within, within, between)[:, told], nan=0.0)
-    drawn_bars = axes.errorbar(x[told], mean[told], yerr=bars, **({"capsize": 2.5, "elinewidth": 1.2} | style))
-    behind = told & is_within & np.isfinite(between).all(axis=0)
+    bars = np.nan_to_num(np.where(is_within, within, between)[:, known], nan=0.0)
+    drawn_bars = axes.errorbar(x[known], mean[known], yerr=bars, **({"capsize": 2.5, "elinewidth": 1.2} | style))
+    behind = known & is_within & np.isfinite(between).all(axis=0)
     low, high = mean - between[0], mean + between[1]
     colour = drawn_bars.lines[0].get_color()
     axes.vlines(x[behind], low[behind], high[behind], color=colour, linewidth=0.6, alpha=0.7)
 
 
-def _ends(part: pd.DataFrame, name: str) -> "np.ndarray[tuple[int, int], np.dtype[np.float64]]":
+def _ends(part: pd.DataFrame, name: str) -> Array:
     """How far the interval reaches below and above the mean, shape (2, condition)."""
     mean, low, high = (part[column].astype(float).to_numpy() for column in ("mean", f"{name}_low", f"{name}_high"))
     return np.stack([mean - low, high - mean])
-
-
-def _no_ticks() -> Any:
-    from matplotlib.ticker import NullLocator
-
-    return NullLocator()
 
 
 def shift(place: float, n: int, where: dict[object, float], *, log: bool) -> dict[object, float]:

@@ -1,6 +1,6 @@
-"""Figures of a group: thresholds, and rates against level."""
+"""Figures of a group: means by condition, rates and numbers against the level, losses."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -8,8 +8,8 @@ import pandas as pd
 
 from ..anova.group_means import HIGH, LOW
 from ..tasks.kinds import CURVES
-from .axes import FactorAxis, means_with_intervals, panels, place, series, shift
-from .style import Drawing, drawn, house_style, look, new_figure, shades
+from .axes import FactorAxis, level_label, means_with_intervals, panels, series, shift
+from .style import Drawing, drawn, house_style, look, new_figure
 
 BESIDE = 0.4
 """Of the step from one series to the next: where the dots of participants lie, so that no bar hides them."""
@@ -41,10 +41,11 @@ def threshold_figure(
     with house_style():
         figure = new_figure(6.6, 3.6)
         axes = figure.add_subplot()
-        where = place(axes, group[axis.along] if axis.along else ["all"], axis.along)
+        where = axis.place(axes, group)
         parts, log = series(group, axis.series), axes.get_xscale() == "log"
         for n, (name, part) in enumerate(parts):
-            _draw_means(axes, part, axis, shift(n, len(parts), where, log=log), name, n)
+            x = axis.x(part, shift(n, len(parts), where, log=log))
+            means_with_intervals(axes, x, part, label=name, **look(n))
         for n, (_, part) in enumerate(series(individuals, axis.series)):
             beside = shift(n + BESIDE, len(parts), where, log=log)
             _draw_individuals(axes, part, axis, beside, dependent, look(n)["color"])
@@ -66,16 +67,8 @@ def _legend(axes: "Axes", n: int, *, beside: bool = False) -> None:
         axes.legend(loc="best")
 
 
-def _draw_means(
-    axes: "Axes", part: pd.DataFrame, axis: FactorAxis, where: dict[object, float], name: str, n_series: int
-) -> None:
-    style = look(n_series)
-    x = np.array([where[v] for v in (part[axis.along] if axis.along else ["all"] * len(part))])
-    means_with_intervals(axes, x, part, label=name, **style)
-
-
 def _draw_individuals(
-    axes: "Axes", part: pd.DataFrame, axis: FactorAxis, where: dict[object, float], dependent: str, colour: str
+    axes: "Axes", part: pd.DataFrame, axis: FactorAxis, where: Mapping[object, float], dependent: str, colour: str
 ) -> None:
     """Values as dots, bounds as open triangles."""
     kinds: tuple[tuple[str, dict[str, Any]], ...] = (
@@ -86,23 +79,52 @@ def _draw_individuals(
     for column, style in kinds:
         if column in part.columns:
             held = part[part[column].notna()]
-            x = [where[v] for v in (held[axis.along] if axis.along else ["all"] * len(held))]
-            axes.plot(x, held[column].astype(float), linestyle="", color=colour, markersize=4, zorder=1, **style)
+            x, y = axis.x(held, where), held[column].astype(float)
+            axes.plot(x, y, linestyle="", color=colour, markersize=4, zorder=1, **style)
 
 
 def rate_figure(rates: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
     """Detection rate against level, one panel per series (force), one line per value of the main factor
     (frequency)."""
-    axis = FactorAxis.of(rates, factors)
 
-    def draw(axes: "Axes", panel: pd.DataFrame) -> None:
-        lines = series(panel, [axis.along] if axis.along else [])
-        for (line, part), colour in zip(lines, shades(len(lines)), strict=True):
-            axes.plot(part["level"], part["rate"], "-", color=colour, label=line, marker="o", markersize=3)
+    def scale(axes: "Axes") -> None:
         axes.set_ylim(-0.03, 1.03)
 
-    labels = f"Level ({unit})" if unit else "Level", CURVES[str(rates["task"].iloc[0])].rate_label
-    return panels(rates, axis, draw, labels=labels, height_in=2.5, share_x=True)
+    label = CURVES[str(rates["task"].iloc[0])].rate_label
+    return _level_figure(rates, factors, "rate", (level_label(unit), label), scale, height_in=2.5)
+
+
+def growth_figure(growth: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
+    """Of magnitude estimates, geometric means against the level: a panel per series, a line per value of the main
+    factor; the numbers on a logarithmic axis, and the levels unless they are in decibels."""
+
+    def scale(axes: "Axes") -> None:
+        axes.set_yscale("log")
+        if not unit.startswith("dB"):
+            axes.set_xscale("log")
+
+    labels = level_label(unit), "Magnitude (geometric mean)"
+    return _level_figure(growth, factors, "geometric_mean", labels, scale, height_in=2.7)
+
+
+def _level_figure(
+    table: pd.DataFrame,
+    factors: Sequence[str],
+    column: str,
+    labels: tuple[str, str],
+    scale: "Callable[[Axes], None]",
+    *,
+    height_in: float,
+) -> Drawing:
+    """A column against the level; `scale` says how far its axes reach."""
+    axis = FactorAxis.of(table, factors)
+
+    def draw(axes: "Axes", panel: pd.DataFrame) -> None:
+        for name, line, colour in axis.lines(panel):
+            axes.plot(line["level"], line[column], "o-", color=colour, label=name, markersize=3)
+        scale(axes)
+
+    return panels(table, axis, draw, labels=labels, height_in=height_in, share_x=True)
 
 
 def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> Drawing:
@@ -111,11 +133,38 @@ def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> Drawing:
     with house_style():
         figure = new_figure(6.6, 3.0)
         axes = figure.add_subplot()
-        where = place(axes, rates[axis.along] if axis.along else ["all"], axis.along)
-        for n, (name, part) in enumerate(series(rates, axis.series)):
-            x = [where[v] for v in (part[axis.along] if axis.along else ["all"])]
-            axes.plot(x, part["rate"], label=name, **look(n))
+        where, parts = axis.place(axes, rates), series(rates, axis.series)
+        for n, (name, part) in enumerate(parts):
+            axes.plot(axis.x(part, where), part["rate"], label=name, **look(n))
         axes.set_ylabel(CURVES[str(rates["task"].iloc[0])].rate_label + ", all levels")
         axes.set_ylim(-0.03, 1.03)
-        _legend(axes, len(series(rates, axis.series)) if axis.series else 0)
+        _legend(axes, len(parts) if axis.series else 0)
         return drawn(figure)
+
+
+def loss_figure(group: pd.DataFrame, factors: Sequence[str]) -> Drawing:
+    """Mean loss (%) with its interval against the main factor (force): a panel per level of the factor with the fewest
+    (place), a line per condition of the others (contactor)."""
+    axis = FactorAxis.of(group, factors)
+    panel_by = min(axis.series, key=lambda name: group[name].nunique()) if len(axis.series) > 1 else None
+    places = series(group, [panel_by] if panel_by else [])
+    lines = [name for name in axis.series if name != panel_by]
+    with house_style():
+        figure = new_figure(2.9 * len(places) + 1.6, 3.2)
+        grid = figure.subplots(1, len(places), squeeze=False, sharey=True)[0]
+        for axes, (name, panel) in zip(grid, places, strict=True):
+            _draw_losses(axes, panel, axis, lines)
+            axes.set_title("" if panel_by is None else f"{panel_by} {name}")
+        grid[0].set_ylim(min(0.0, grid[0].get_ylim()[0]), None)
+        grid[0].set_ylabel("Amplitude loss (%)")
+        if lines:
+            figure.legend(*grid[0].get_legend_handles_labels(), loc="outside right center")
+        return drawn(figure)
+
+
+def _draw_losses(axes: "Axes", panel: pd.DataFrame, axis: FactorAxis, lines: Sequence[str]) -> None:
+    where = axis.place(axes, panel)
+    for n, (name, part) in enumerate(series(panel, lines)):
+        mean, low, high = (100 * part[column].astype(float).to_numpy() for column in ("mean", "mean_low", "mean_high"))
+        ends = np.nan_to_num(np.stack([mean - low, high - mean]), nan=0.0)
+        axes.errorbar(axis.x(part, where), mean, yerr=ends, label=name, capsize=2.5, elinewidth=1.0, **look(n))

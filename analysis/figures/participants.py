@@ -12,8 +12,8 @@ from ..tasks.cells import Estimate
 from ..tasks.kinds import CURVES
 from ..threshold.status import Status
 from ..wording.labels import condition_name
-from .axes import FactorAxis, panels, series
-from .style import Drawing, drawn, house_style, look, new_figure, shades
+from .axes import FactorAxis, level_label, panels
+from .style import Drawing, drawn, house_style, look, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,10 +22,10 @@ MAX_PANELS = 36
 """A participant's figure shows no more conditions than this."""
 
 
-def curve_figure(found: Sequence[Estimate], factors: Sequence[str], *, unit: str) -> Drawing:
+def curve_figure(estimates: Sequence[Estimate], factors: Sequence[str], *, unit: str) -> Drawing:
     """One participant: in each condition the rate at each level with Wilson's 95 % interval, the fitted
     curve, and the threshold with its interval as a bar at the bottom."""
-    shown = list(found)[:MAX_PANELS]
+    shown = list(estimates)[:MAX_PANELS]
     columns = min(7, len(shown)) if len(shown) > 8 else min(4, len(shown))
     rows = -(-len(shown) // columns)
     levels = [x for estimate in shown for x in estimate.cell.levels] or [0.0, 1.0]
@@ -40,7 +40,7 @@ def curve_figure(found: Sequence[Estimate], factors: Sequence[str], *, unit: str
                 labelsize=6.5, length=2, labelleft=place % columns == 0, labelbottom=place >= len(shown) - columns
             )
         task = shown[0].cell.task
-        figure.supxlabel(f"Level ({unit})" if unit else "Level", fontsize=8)
+        figure.supxlabel(level_label(unit), fontsize=8)
         figure.supylabel(CURVES[task].rate_label, fontsize=8, x=0.08 / figure.get_size_inches()[0])
         return drawn(figure)
 
@@ -86,15 +86,14 @@ def track_figure(rows: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Dr
     main factor (frequency); filled where the answer was yes or correct, open where not, catch trials left
     out."""
     axis = FactorAxis.of(rows, factors)
-    labels = "Trial of the track", f"Level ({unit})" if unit else "Level"
+    labels = "Trial of the track", level_label(unit)
     return panels(rows, axis, partial(_draw_tracks, axis=axis), labels=labels, height_in=2.1, share_x=False)
 
 
 def _draw_tracks(axes: "Axes", panel: pd.DataFrame, axis: FactorAxis) -> None:
     tracks = [name for name in (axis.along, "track", "session") if name and name in panel.columns]
-    parts = series(panel, [axis.along] if axis.along else [])
-    for (name, part), colour in zip(parts, shades(len(parts)), strict=True):
-        for place, (_, track) in enumerate(part.groupby(tracks) if tracks else [("", part)]):
+    for name, line, colour in axis.lines(panel):
+        for place, (_, track) in enumerate(line.groupby(tracks) if tracks else [("", line)]):
             x = np.arange(1, len(track) + 1)
             up = track["yes"].to_numpy() == 1
             level = track["level"].to_numpy()

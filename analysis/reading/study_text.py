@@ -15,6 +15,7 @@ from tactometry.trials.tasks import TASKS
 
 from ..wording.labels import in_words, level_of, split_unit
 from ..wording.numbers import percent_text
+from ..wording.procedures import procedure_phrase
 
 Table = Mapping[str, Any]
 STIMULI = {
@@ -26,15 +27,6 @@ STIMULI = {
     "measured_focus": "a time-reversal focus, read by a vibrometer",
 }
 TOUCHES = {"slide": "slides over the surface", "press": "presses at rest"}
-PROCEDURES = {
-    "constant_stimuli": "the method of constant stimuli",
-    "staircase": "a staircase",
-    "weighted_staircase": "a weighted staircase",
-    "method_of_limits": "the method of limits",
-    "quest": "QUEST",
-    "quest_plus": "QUEST+",
-    "psi": "the psi method",
-}
 WORDS = {
     "catch_rate": "share of catch trials",
     "form": "questionnaire",
@@ -210,11 +202,11 @@ def _touch(kind: str) -> str:
 
 
 def _procedure(kind: str) -> str:
-    return f"Levels were chosen by {PROCEDURES.get(kind, kind.replace('_', ' '))}"
+    return f"Levels were chosen by {procedure_phrase(kind)}"
 
 
 def _start(kind: str) -> str:
-    return f"The levels at which adjustments began were chosen by {PROCEDURES.get(kind, kind.replace('_', ' '))}"
+    return f"The levels at which adjustments began were chosen by {procedure_phrase(kind)}"
 
 
 def _details(table: Table, unit: str) -> str:

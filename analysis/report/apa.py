@@ -1,13 +1,14 @@
 """Results as sentences in the form of the American Psychological Association, made from the numbers."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd
 
 from ..anova.post_hoc import evidence
 from ..mixed_models.linear import MixedModel
-from ..wording.labels import level_of, value_of
+from ..wording.labels import in_unit, level_of, value_of
 from ..wording.numbers import interval_texts, number_text, p_text, percent_text, share_text
 
 INTERVAL_OF_ETA = "90 %"
@@ -21,7 +22,7 @@ def _with_interval(value: float, low: float, high: float, unit: str, level: str 
     ('-4.81 dB, 95 % CI [-5.21, -4.41]', '0.020, 95 % CI [-0.300, 0.350]')
     """
     texts = interval_texts(value, low, high)
-    return f"{texts[0]}{' ' + unit if unit else ''}, {level} CI [{texts[1]}, {texts[2]}]"
+    return f"{in_unit(texts[0], unit)}, {level} CI [{texts[1]}, {texts[2]}]"
 
 
 def bayes_text(bf10: float) -> str:
@@ -56,7 +57,7 @@ def _anova_sentence(row: "pd.Series[Any]") -> str:
     return f"{row['Source']}: {_f_text(row)}, {p_text(row['p_CM_corr'])}, {size}{how}"
 
 
-def simple_sentences(found: pd.DataFrame, by: str) -> list[str]:
+def simple_sentences(effects: pd.DataFrame, by: str) -> list[str]:
     """One for each value of `by`, of `simple_effects`.
 
     >>> row = {"hz": 60, "Source": "force", "ddof1": 2, "ddof2": 14, "F": 8.1, "eps_CM": 1.0, "p_corr": 0.009}
@@ -70,7 +71,7 @@ def simple_sentences(found: pd.DataFrame, by: str) -> list[str]:
             if pd.notna(row["F"])
             else f"not tested, {row['note'] or 'the error is 0'}"
         )
-        for _, row in found.iterrows()
+        for _, row in effects.iterrows()
     ]
 
 
@@ -101,9 +102,21 @@ def permutation_sentences(tested: pd.DataFrame) -> list[str]:
     ]
 
 
-def pair_sentences(
-    compared: pd.DataFrame, unit: str = "", correction: str = "Holm", by: str = "", factor: str = ""
-) -> list[str]:
+@dataclass(frozen=True)
+class PairTest:
+    """How a comparison of two conditions is told: its statistic, the column of its size, and of which values it is
+    said that they do not vary."""
+
+    statistic: str
+    size: str
+    without_error: str
+
+
+PAIRED = PairTest("t", "dz", " in every participant")
+WELCH = PairTest("Welch's t", "g", ", alike in all participants of a group")
+
+
+def pair_sentences(compared: pd.DataFrame, unit: str = "", by: str = "", factor: str = "") -> list[str]:
     """One for each paired comparison of `pairs`; `by` is a factor at each of whose values they were compared,
     `factor` the one that was compared: its name says the unit.
 
@@ -113,47 +126,10 @@ def pair_sentences(
     120 Hz less 60 Hz: -4.81 dB, 95 % CI [-5.21, -4.41], t(7) = -28.53, p < .001, dz = -10.09, BF10 > 10 000,
     extreme evidence for a difference
     """
-    n = int(compared["p_unc"].notna().sum())
-    names = [_compared_name(row, by, factor) for _, row in compared.iterrows()]
-    rows = zip(names, compared.iterrows(), strict=True)
-    return [_pair_sentence(row, unit, correction, n, name) for name, (_, row) in rows]
+    return _comparisons(compared, PAIRED, unit, by, factor)
 
 
-def _pair_sentence(row: "pd.Series[Any]", unit: str, correction: str, n: int, name: str) -> str:
-    if row["status"] != "ok":
-        told = f"{number_text(row['difference'])}{' ' + unit if unit else ''}"
-        return f"{name}: {told} in every participant: no test, as there is no error"
-    return f"{name}: {_compared(row, unit, n, correction)}, dz = {row['dz']:.2f}{_evidence(row)}"
-
-
-def _compared_name(row: "pd.Series[Any]", by: str, factor: str) -> str:
-    """Which values of a factor are compared, and at which value of another."""
-    place = f"{value_of(by, row[by])}: " if by else ""
-    return f"{place}{level_of(factor, row['b'])} less {level_of(factor, row['a'])}"
-
-
-def _compared(row: "pd.Series[Any]", unit: str, n: int, correction: str, statistic: str = "t") -> str:
-    """Difference, interval, t and p of one of `n` comparisons; of several the interval and the p of all together."""
-    kind, how = (" simultaneous", f" ({correction})") if n > 1 else ("", "")
-    told = _with_interval(row["difference"], row["simultaneous_low"], row["simultaneous_high"], unit, f"95 %{kind}")
-    return f"{told}, {statistic}({_df(row['df'])}) = {row['t']:.2f}, {p_text(row['p_corr'])}{how}"
-
-
-def _df(df: float) -> str:
-    """
-    >>> _df(9.0), _df(8.43)
-    ('9', '8.4')
-    """
-    return f"{df:.0f}" if abs(df - round(df)) < 1e-6 else f"{df:.1f}"
-
-
-def _evidence(row: "pd.Series[Any]") -> str:
-    return f", {bayes_text(row['bf10'])}, {evidence(row['bf10'])}" if pd.notna(row["bf10"]) else ""
-
-
-def group_sentences(
-    compared: pd.DataFrame, unit: str = "", correction: str = "Holm", by: str = "", factor: str = ""
-) -> list[str]:
+def group_sentences(compared: pd.DataFrame, unit: str = "", by: str = "", factor: str = "") -> list[str]:
     """One for each pair of `group_pairs`.
 
     >>> row = {"a": "left", "b": "right", "difference": 3.0, "simultaneous_low": 0.73, "simultaneous_high": 5.27}
@@ -162,18 +138,41 @@ def group_sentences(
     right less left: 3.00 dB, 95 % CI [0.73, 5.27], Welch's t(4) = 3.67, p = .021, g = 2.40, BF10 = 3.6,
     moderate evidence for a difference
     """
-    n = int(compared["p_unc"].notna().sum())
+    return _comparisons(compared, WELCH, unit, by, factor)
+
+
+def _comparisons(compared: pd.DataFrame, test: PairTest, unit: str, by: str, factor: str) -> list[str]:
+    n_tested = int(compared["p_unc"].notna().sum())
     return [
-        _group_sentence(row, unit, correction, n, _compared_name(row, by, factor)) for _, row in compared.iterrows()
+        f"{_compared_name(row, by, factor)}: {_comparison(row, test, unit, n_tested)}" for _, row in compared.iterrows()
     ]
 
 
-def _group_sentence(row: "pd.Series[Any]", unit: str, correction: str, n: int, name: str) -> str:
+def _compared_name(row: "pd.Series[Any]", by: str, factor: str) -> str:
+    """Which values of a factor are compared, and at which value of another."""
+    place = f"{value_of(by, row[by])}: " if by else ""
+    return f"{place}{level_of(factor, row['b'])} less {level_of(factor, row['a'])}"
+
+
+def _comparison(row: "pd.Series[Any]", test: PairTest, unit: str, n_tested: int) -> str:
+    """Difference, interval, t, p, size and Bayes factor; of several comparisons the interval and the p of all
+    together."""
     if row["status"] != "ok":
-        told = f"{number_text(row['difference'])}{' ' + unit if unit else ''}"
-        return f"{name}: {told}, alike in all participants of a group: no test, as there is no error"
-    compared = _compared(row, unit, n, correction, "Welch's t")
-    return f"{name}: {compared}, g = {row['g']:.2f}{_evidence(row)}"
+        difference = in_unit(number_text(row["difference"]), unit)
+        return f"{difference}{test.without_error}: no test, as there is no error"
+    level, correction = ("95 % simultaneous", " (Holm)") if n_tested > 1 else ("95 %", "")
+    difference = _with_interval(row["difference"], row["simultaneous_low"], row["simultaneous_high"], unit, level)
+    t = f"{test.statistic}({_df(row['df'])}) = {row['t']:.2f}, {p_text(row['p_corr'])}{correction}"
+    bayes = f", {bayes_text(row['bf10'])}, {evidence(row['bf10'])}" if pd.notna(row["bf10"]) else ""
+    return f"{difference}, {t}, {test.size} = {row[test.size]:.2f}{bayes}"
+
+
+def _df(df: float) -> str:
+    """
+    >>> _df(9.0), _df(8.43)
+    ('9', '8.4')
+    """
+    return f"{df:.0f}" if abs(df - round(df)) < 1e-6 else f"{df:.1f}"
 
 
 def equivalence_sentences(tested: pd.DataFrame, unit: str = "", factor: str = "") -> list[str]:
@@ -186,38 +185,20 @@ def equivalence_sentences(tested: pd.DataFrame, unit: str = "", factor: str = ""
     1 N and 0.5 N are equivalent within +-1 dB: difference 0.020 dB, 90 % CI [-0.300, 0.350], TOST p = .001
     """
     level = percent_text(1 - 2 * tested.attrs["alpha"])
-    bound = f"+-{tested.attrs['bound']:g}{' ' + unit if unit else ''}"
-    each = [
+    bound = in_unit(f"+-{tested.attrs['bound']:g}", unit)
+    of_pairs = [
         f"{level_of(factor, row['b'])} and {level_of(factor, row['a'])} "
         f"{'are' if row['equivalent'] else 'were not shown to be'} equivalent within {bound}: difference "
         f"{_with_interval(row['difference'], row['low'], row['high'], unit, level)}, TOST {p_text(row['p'])}"
         for _, row in tested.iterrows()
     ]
-    if len(each) == 1:
-        return each
+    if len(of_pairs) == 1:
+        return of_pairs
     verdict = "are" if tested.attrs["p_all"] < tested.attrs["alpha"] else "were not all shown to be"
     all_of_them = f"all {len(tested)} pairs" if verdict == "are" else f"the {len(tested)} pairs"
-    return [*each, f"{all_of_them} {verdict} equivalent within {bound}, largest TOST {p_text(tested.attrs['p_all'])}"]
-
-
-def friedman_sentence(tested: pd.DataFrame) -> str:
-    """
-    >>> friedman_sentence(pd.DataFrame([{"Source": "force", "W": 0.95, "ddof1": 2, "Q": 7.6, "p_unc": 0.022, "n": 4}]))
-    "force: Friedman chi2(2, n = 4) = 7.60, p = .022, Kendall's W = .950"
-    """
-    row = tested.iloc[0]
-    return (
-        f"{row['Source']}: Friedman chi2({row['ddof1']}, n = {row['n']}) = {row['Q']:.2f}, {p_text(row['p_unc'])}, "
-        f"Kendall's W = {share_text(row['W'])}"
-    )
-
-
-def rank_sentences(tested: pd.DataFrame) -> list[str]:
-    """One for each effect of `aligned_rank_transform`."""
     return [
-        f"{row['Source']}: aligned rank transform, F({row['ddof1'] * row['eps']:.2f}, {row['ddof2'] * row['eps']:.2f}) "
-        f"= {row['F']:.2f}, {p_text(row['p_GG_corr'])}"
-        for _, row in tested.iterrows()
+        *of_pairs,
+        f"{all_of_them} {verdict} equivalent within {bound}, largest TOST {p_text(tested.attrs['p_all'])}",
     ]
 
 
@@ -245,10 +226,10 @@ def _censored(n: int) -> str:
     return f"; {n} of them {bounds}, by maximum likelihood" if n else ""
 
 
-def alpha_sentences(found: pd.DataFrame, factors: Sequence[str]) -> list[str]:
+def alpha_sentences(consistency: pd.DataFrame, factors: Sequence[str]) -> list[str]:
     """Cronbach's alpha of each row of `consistency`."""
     sentences = []
-    for _, row in found.iterrows():
+    for _, row in consistency.iterrows():
         place = "".join(f"{row[name]} " for name in factors) + str(row["dimension"])
         if pd.isna(row["alpha"]):
             sentences.append(f"{place}: no Cronbach's alpha ({row['note']})")

@@ -34,92 +34,70 @@ STATUS_WORDS = {
 }
 
 
-def warnings_of(found: Analysis) -> tuple[str, ...]:
+def warnings_of(analysis: Analysis) -> tuple[str, ...]:
     """All of them, in the order in which a report says them."""
+    trials, estimates = analysis.trials, analysis.tables.get("thresholds")
     return (
-        *found.origin.warnings,
-        *found.trials.notes,
-        *(_exclusion_warnings(found.tables["excluded"]) if "excluded" in found.tables else ()),
-        *_missing_values(found),
-        *(_curve_warnings(found) if "thresholds" in found.tables else ()),
-        *_other_tasks(found.trials),
-        *_unanswered(found.trials),
-        *_quality_warnings(found.tables["quality"]),
-        *(goodness_warnings(found.tables["thresholds"], found.trials.factors) if "thresholds" in found.tables else ()),
+        *analysis.origin.warnings,
+        *trials.notes,
+        *_exclusion_warnings(analysis.tables.get("excluded")),
+        *_missing_values(analysis),
+        *(() if estimates is None else _curve_warnings(analysis, estimates)),
+        *_other_tasks(trials),
+        *_unanswered(trials),
+        *_quality_warnings(analysis.tables["quality"]),
+        *(() if estimates is None else goodness_warnings(estimates, trials.factors)),
     )
 
 
-def _missing_values(found: Analysis) -> Iterator[str]:
-    """Of tasks whose values are read off the answers."""
-    for outcome in found.outcomes:
-        if outcome.task in found.tables:
-            yield from missing_cells(found.tables[outcome.task], found.trials.factors)
-
-
-def _curve_warnings(found: Analysis) -> list[str]:
-    """Of the fits of curves to the answers."""
-    table, factors = found.tables["thresholds"], found.trials.factors
-    told = [*missing_cells(table, factors), *_status_warnings(table, factors), *_few_trials(table, factors)]
-    return told + _answer_warnings(found.trials, table, found.n_choices)
-
-
-def _exclusion_warnings(excluded: pd.DataFrame) -> list[str]:
+def _exclusion_warnings(excluded: pd.DataFrame | None) -> Iterator[str]:
     """One for each rule that left something out."""
-    return [
-        f"left out by the rule {rule} = {part['bound'].iloc[0]:g}, numbers of trials: "
-        + ", ".join(f"{code} {n}" for code, n in zip(part["participant"], part["n_trials"], strict=True))
-        for rule, part in excluded.groupby("rule", sort=False)
-    ]
+    if excluded is not None:
+        for rule, lost in excluded.groupby("rule", sort=False):
+            numbers = ", ".join(f"{row.participant} {row.n_trials}" for row in lost.itertuples(index=False))
+            yield f"left out by the rule {rule} = {lost['bound'].iloc[0]:g}, numbers of trials: {numbers}"
 
 
-def missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
+def _missing_values(analysis: Analysis) -> Iterator[str]:
+    """Of tasks whose values are read off the answers."""
+    for outcome in analysis.outcomes:
+        if outcome.task in analysis.tables:
+            yield from _missing_cells(analysis.tables[outcome.task], analysis.factors)
+
+
+def _curve_warnings(analysis: Analysis, estimates: pd.DataFrame) -> Iterator[str]:
+    """Of the fits of curves to the answers."""
+    factors = analysis.factors
+    yield from _missing_cells(estimates, factors)
+    few = f"with fewer than {FEW_TRIALS} trials: such intervals rest on the priors"
+    kinds = [(text, estimates["status"] == status.value) for status, text in STATUS_WORDS.items()]
+    for text, concerned in (*kinds, (few, estimates["n_trials"] < FEW_TRIALS)):
+        if concerned.any():
+            cells = estimates[concerned]
+            yield f"{len(cells)} of {len(estimates)} cells {text} ({named_cells(cells, factors)})"
+    yield from _answer_warnings(analysis.trials, estimates, analysis.n_choices)
+
+
+def _missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]:
     """Conditions that others have and a participant has not; a factor that varies between participants alone is none of
     theirs."""
-    found = []
-    for task, part in table.groupby("task", sort=False):
-        inside = [name for name in factors if part.groupby("participant")[name].nunique().max() > 1]
-        conditions = part[inside].drop_duplicates()
-        whole = part[["participant"]].drop_duplicates().merge(conditions, how="cross")
-        held = whole.merge(part[["participant", *inside]].drop_duplicates(), how="left", indicator=True)
-        lost = held[held["_merge"] == "left_only"].sort_values(["participant", *inside])
+    for task, of_task in table.groupby("task", sort=False):
+        inside = [name for name in factors if of_task.groupby("participant")[name].nunique().max() > 1]
+        keys = ["participant", *inside]
+        whole = of_task[["participant"]].drop_duplicates().merge(of_task[inside].drop_duplicates(), how="cross")
+        held = whole.merge(of_task[keys].drop_duplicates(), how="left", indicator=True)
+        lost = held[held["_merge"] == "left_only"].sort_values(keys)
         if len(lost):
-            found.append(
-                f"{len(lost)} of {len(held)} cells of {task} without a valid trial ({named_cells(lost, inside)})"
-            )
-    return found
+            yield f"{len(lost)} of {len(held)} cells of {task} without a valid trial ({named_cells(lost, inside)})"
 
 
-def _status_warnings(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
-    found = []
-    for status, text in STATUS_WORDS.items():
-        part = table[table["status"] == status.value]
-        if len(part):
-            found.append(f"{len(part)} of {len(table)} cells {text} ({named_cells(part, factors)})")
-    return found
-
-
-def _few_trials(table: pd.DataFrame, factors: Sequence[str]) -> list[str]:
-    part = table[table["n_trials"] < FEW_TRIALS]
-    if not len(part):
-        return []
-    return [
-        f"{len(part)} of {len(table)} cells with fewer than {FEW_TRIALS} trials: such intervals rest on the priors "
-        f"({named_cells(part, factors)})"
-    ]
-
-
-def _answer_warnings(trials: Trials, table: pd.DataFrame, n_choices: int) -> list[str]:
-    found = []
+def _answer_warnings(trials: Trials, estimates: pd.DataFrame, n_choices: int) -> Iterator[str]:
     for task in (task for task, curve in CURVES.items() if curve.counts_catch):
-        part = table[table["task"] == task]
-        if len(part) and not part["n_catch"].sum():
-            found.append(f"no catch trials where the task is {task}: the guess rate rests on its prior alone")
-    choice = trials.rows["task"].isin(CHOICES)
-    if choice.any() and "target" not in trials.rows.columns:
-        found.append(
-            f"no column 'target' in a forced choice: {n_choices} alternatives were taken from the answers given"
-        )
-    return found
+        n_catch = estimates.loc[estimates["task"] == task, "n_catch"]
+        if len(n_catch) and not n_catch.sum():
+            yield f"no catch trials where the task is {task}: the guess rate rests on its prior alone"
+    if trials.rows["task"].isin(CHOICES).any() and "target" not in trials.rows.columns:
+        yield f"no column 'target' in a forced choice: {n_choices} alternatives were taken from the answers given"
 
 
 def _other_tasks(trials: Trials) -> list[str]:
@@ -142,27 +120,22 @@ def _unanswered(trials: Trials) -> list[str]:
     ]
 
 
-def _frame_warnings(quality: pd.DataFrame) -> list[str]:
-    due = quality["n_frames"] + quality["n_dropped_frames"]
-    lost = quality.assign(n_due=due)[quality["n_dropped_frames"] > MANY_DROPPED * due]
-    if not len(lost):
-        return []
-    names = [f"{row.participant} {row.n_dropped_frames} of {row.n_due}" for row in lost.itertuples(index=False)]
-    return [f"more than {percent_text(MANY_DROPPED)} of the screen's frames dropped: {', '.join(names)}"]
-
-
-def _quality_warnings(quality: pd.DataFrame) -> list[str]:
-    found = []
+def _quality_warnings(quality: pd.DataFrame) -> Iterator[str]:
     many = quality[quality["false_alarm_rate"] > MANY_FALSE_ALARMS]
     if len(many):
-        names = ", ".join(
-            f"{code} {percent_text(rate)}"
-            for code, rate in zip(many["participant"], many["false_alarm_rate"], strict=True)
-        )
-        found.append(f"more than {percent_text(MANY_FALSE_ALARMS)} false alarms in catch trials: {names}")
+        of_participants = zip(many["participant"], many["false_alarm_rate"], strict=True)
+        rates = [f"{code} {percent_text(rate)}" for code, rate in of_participants]
+        yield f"more than {percent_text(MANY_FALSE_ALARMS)} false alarms in catch trials: {', '.join(rates)}"
     if "n_dropped_frames" in quality.columns:
-        found += _frame_warnings(quality)
+        yield from _frame_warnings(quality)
     invalid = quality[quality["n_invalid"] > MANY_INVALID * quality["n_rows"]]
     if len(invalid):
-        found.append(f"more than {percent_text(MANY_INVALID)} invalid trials: {', '.join(invalid['participant'])}")
-    return found
+        yield f"more than {percent_text(MANY_INVALID)} invalid trials: {', '.join(invalid['participant'])}"
+
+
+def _frame_warnings(quality: pd.DataFrame) -> Iterator[str]:
+    frames = quality.assign(n_due=quality["n_frames"] + quality["n_dropped_frames"])
+    lost = frames[frames["n_dropped_frames"] > MANY_DROPPED * frames["n_due"]]
+    if len(lost):
+        numbers = [f"{row.participant} {row.n_dropped_frames} of {row.n_due}" for row in lost.itertuples(index=False)]
+        yield f"more than {percent_text(MANY_DROPPED)} of the screen's frames dropped: {', '.join(numbers)}"

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
-import numpy as np
 import pandas as pd
 
 from ..wording.labels import header_of
-from ..wording.numbers import cell_text
+from ..wording.numbers import cell_text, plain_text
 
 
 @dataclass(frozen=True)
@@ -40,6 +40,5 @@ def grid(table: pd.DataFrame, factors: Sequence[str]) -> TextGrid:
     return TextGrid(heads, tuple(zip(*columns, strict=True)) if columns else ())
 
 
-def _text(value: object, *, is_level: bool) -> str:
-    is_number = isinstance(value, int | float | np.number) and bool(np.isfinite(value))
-    return f"{value:g}" if is_level and is_number else cell_text(value)
+def _text(value: Any, *, is_level: bool) -> str:
+    return plain_text(value) if is_level and pd.notna(value) else cell_text(value)

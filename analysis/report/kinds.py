@@ -1,6 +1,6 @@
 """Every kind of result, in the order of the page: a new one is a file in `sections` and a line here."""
 
-from .section import Kind
+from .section import ResultKind
 from .sections.force import FORCE
 from .sections.hierarchical import HIERARCHICAL
 from .sections.loss import LOSS
@@ -11,7 +11,7 @@ from .sections.questionnaires import QUESTIONNAIRES
 from .sections.rates import RATES
 from .sections.task_tables import TASK_TABLES
 
-KINDS: tuple[Kind, ...] = (
+KINDS: tuple[ResultKind, ...] = (
     OUTCOMES,
     HIERARCHICAL,
     QUESTIONNAIRES,

@@ -1,14 +1,17 @@
 """The methods paragraph, and the works that it names."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from importlib.metadata import version
 
 import pandas as pd
 
+from ..outcomes.findings import Outcome
+from ..outcomes.primary import RULE, Primary
+from ..outcomes.ratings import Ratings
 from ..plan import AnalysisPlan
 from ..result import Analysis
 from ..tasks.kinds import CURVES, RESULTS
-from .group_methods import group_methods
+from ..wording.procedures import PROCEDURES
 
 PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "matplotlib")
 SHAPES = {
@@ -25,6 +28,42 @@ GOODNESS = (
     "their dispersion over stretches of ten trials (Wichmann & Hill 2001), each against up to 999 sets of answers "
     "drawn from the fitted function at the levels as presented and fitted anew."
 )
+BETWEEN = "Means over participants are given with t-intervals between participants."
+WITHIN = (
+    "Intervals within participants are Cousineau's with Morey's correction (Morey 2008), from values less the "
+    "participant's own mean."
+)
+PERMUTATION = "Permutation tests change the signs of participants' contrasts."
+MODEL = (
+    "Linear mixed models with the measured force have a random intercept per participant (restricted maximum "
+    "likelihood)."
+)
+CENSORED_MODEL = (
+    "In mixed models with bounds, which count as values below or above them, the random intercept is "
+    "integrated by adaptive Gauss-Hermite quadrature (maximum likelihood)."
+)
+CORRECTED = (
+    "Degrees of freedom of F are corrected by Chi and Muller's epsilon (Chi, Gribbin, Lamers, Gregory & Muller 2012), "
+    "at least Greenhouse and Geisser's."
+)
+SIZES = (
+    "Partial and generalised eta squared (Bakeman 2005) have 90 % intervals of the noncentral F distribution (Steiger "
+    "2004)."
+)
+CENSORED = (
+    "Where values are bounds or missing, the same normal model (one variance per stratum) was fitted to all that is "
+    "known of all participants by maximum likelihood (Tobin 1958), variances multiplied by n / (n - groups): a bound "
+    "counts as a value below or above it, a missing value as missing at random; degrees of freedom are those of the "
+    "design less what is not known (Satterthwaite)."
+)
+SIMPLE = (
+    "Where an interaction is below p = .05, the effect of each factor at each value of the other (simple effects) was "
+    "tested by an analysis of the values there alone, with Holm's correction over those values, and pairs were "
+    "compared there."
+)
+PAIRS = "paired t-tests with an error of each pair's own"
+GROUPS = "Welch's t-tests between groups"
+CENSORED_PAIRS = "contrasts of this model with an error of each pair's own"
 REFERENCES = (
     "Moscatelli, A., Mezzetti, M., & Lacquaniti, F. (2012). Modeling psychophysical data at the "
     "population-level: The generalized linear mixed model. Journal of Vision, 12(11), 26.",
@@ -50,18 +89,18 @@ REFERENCES = (
 )
 
 
-def methods(found: Analysis) -> str:
+def methods(analysis: Analysis) -> str:
     """A paragraph for the methods section: what ran, with versions."""
-    table, rows = found.table("thresholds"), found.trials.rows
+    table, rows = analysis.table("thresholds"), analysis.trials.rows
     procedures = set(rows["procedure"]) if "procedure" in rows.columns else set()
-    parts = [*_fit_methods(table, found.n_choices), *_rule_methods(table, procedures)]
-    parts += [HIERARCHICAL] if any(each.fit for each in found.hierarchical) else []
-    parts += [results.methods for task, results in RESULTS.items() if task in found.tables and results.methods]
-    parts += _plan_methods(found.plan, {name for each in found.outcomes for name in each.equivalence})
-    parts += group_methods(found.outcomes, found.forms, found.plan.primary)
-    parts += [f"{form.form.title} ({form.form.reference}) was scored per participant." for form in found.forms]
+    parts = [*_fit_methods(table, analysis.n_choices), *_rule_methods(table, procedures)]
+    parts += [HIERARCHICAL] if any(outcome.fit for outcome in analysis.hierarchical) else []
+    parts += [results.methods for task, results in RESULTS.items() if task in analysis.tables and results.methods]
+    parts += _plan_methods(analysis.plan, {name for outcome in analysis.outcomes for name in outcome.equivalence})
+    parts += group_methods(analysis.outcomes, analysis.forms, analysis.plan.primary)
+    parts += [f"{form.form.title} ({form.form.reference}) was scored per participant." for form in analysis.forms]
     parts.append("Software: " + ", ".join(f"{name} {version(name)}" for name in PACKAGES) + ".")
-    return found.origin.method + " ".join(parts)
+    return analysis.origin.method + " ".join(parts)
 
 
 def references(methods: str) -> list[str]:
@@ -84,19 +123,12 @@ def _plan_methods(plan: AnalysisPlan, tested: Collection[str]) -> list[str]:
     ]
 
 
-REVERSALS, POSTERIOR_MEAN = "mean of the reversals without the first two or three, in even number", "posterior mean"
-RULE_ESTIMATES = {
-    "staircase": REVERSALS, "weighted_staircase": REVERSALS, "method_of_limits": "mean of the transitions",
-    "quest": POSTERIOR_MEAN, "quest_plus": POSTERIOR_MEAN, "psi": POSTERIOR_MEAN,
-}  # fmt: skip
-
-
 def _rule_methods(table: pd.DataFrame, procedures: Collection[str]) -> list[str]:
     if "rule_estimate" not in table.columns or table["rule_estimate"].isna().all():
         return []
-    kinds = dict.fromkeys(RULE_ESTIMATES[name] for name in RULE_ESTIMATES if name in procedures)
-    told = f" ({' or '.join(kinds)})" if kinds else ""
-    return [f"The estimate of the rule that chose the levels{told} stands beside the fit and enters no analysis."]
+    kinds = dict.fromkeys(words.estimate for name, words in PROCEDURES.items() if name in procedures and words.estimate)
+    which = f" ({' or '.join(kinds)})" if kinds else ""
+    return [f"The estimate of the rule that chose the levels{which} stands beside the fit and enters no analysis."]
 
 
 def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:
@@ -118,3 +150,55 @@ def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:
         )
     parts += [curve.methods.format(n_choices=n_choices) for curve in fitted if curve.methods]
     return [*parts, *([GOODNESS] if table["deviance_p"].notna().any() else [])]
+
+
+def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: str | None) -> list[str]:
+    """What was done with a group, and nothing else; `named` is the primary analysis that the plan names."""
+    every = [*outcomes, *(outcome for form in forms for outcome in form.outcomes.values())]
+    means = [*(outcome.group for outcome in outcomes), *(form.summary for form in forms)]
+    ran = {name for outcome in every for name in outcome.analyses()}
+    tested = [outcome for outcome in every if outcome.analyses().keys() & {Primary.ANOVA, Primary.CENSORED}]
+    has_effects = any(form.tests_effects for form in forms)
+    models = [outcome.model for outcome in every if outcome.model is not None]
+    applies = {
+        BETWEEN: any(table["mean_low"].notna().any() for table in means),
+        WITHIN: any(table["within_low"].notna().any() for table in means),
+        _primary(every, named): True,
+        CORRECTED: has_effects or any(outcome.within for outcome in tested),
+        SIZES: has_effects or bool(tested),
+        CENSORED: any(outcome.censored is not None for outcome in every),
+        PERMUTATION: Primary.PERMUTATION in ran,
+        _pairs(every, has_reference=any(form.against is not None for form in forms)): True,
+        SIMPLE: any(outcome.simple or outcome.simple_pairs for outcome in every),
+        MODEL: any(not model.n_censored for model in models),
+        CENSORED_MODEL: any(model.n_censored for model in models),
+    }
+    return [sentence for sentence, holds in applies.items() if sentence and holds]
+
+
+def _primary(outcomes: Sequence[Outcome], named: str | None) -> str:
+    """Which analysis answers, and by what rule it was chosen."""
+    titles = [outcome.title(outcome.primary) for outcome in outcomes if outcome.primary is not None]
+    if not titles:
+        return ""
+    rule = "named by the plan of analysis" if named else f"chosen by a rule stated before the data ({RULE})"
+    has_checks = any(len(outcome.analyses()) > 1 for outcome in outcomes)
+    checks = " Other analyses are checks of its assumptions, no further answers." if has_checks else ""
+    return f"The primary analysis, {rule}, is the {'; the '.join(dict.fromkeys(titles))}.{checks}"
+
+
+def _pairs(outcomes: Sequence[Outcome], *, has_reference: bool) -> str:
+    """How conditions were compared; `has_reference`: patterns with the reference too."""
+    censored = [outcome for outcome in outcomes if outcome.primary is Primary.CENSORED]
+    others = [outcome for outcome in outcomes if outcome.primary is not Primary.CENSORED]
+    kinds = [PAIRS] * (has_reference or any(outcome.pairs for outcome in others))
+    kinds += [GROUPS] * any(outcome.group_pairs for outcome in others)
+    has_bayes = bool(kinds)
+    kinds += [CENSORED_PAIRS] * any(outcome.pairs or outcome.group_pairs for outcome in censored)
+    if not kinds:
+        return ""
+    bayes = " and Bayes factors (Rouder et al. 2009; by pingouin, Vallat 2018)" if has_bayes else ""
+    return (
+        f"Conditions were compared by {', '.join(kinds)}, with Holm's correction and simultaneous 95 % intervals "
+        f"(Bonferroni's, which may hold 0 where Holm's stepwise p is below .05){bayes}."
+    )

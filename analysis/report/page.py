@@ -17,7 +17,7 @@ from .section import Figure, Section
 from .table_files import write_tables
 
 
-def write_report(found: Analysis, path: Path, *, pdf: bool = False) -> Analysis:
+def write_report(analysis: Analysis, path: Path, *, pdf: bool = False) -> Analysis:
     """Write the report to `path`, its tables to the folder ``<stem>_tables``, and a PDF if asked for.
 
     Raises
@@ -31,14 +31,14 @@ def write_report(found: Analysis, path: Path, *, pdf: bool = False) -> Analysis:
     folder = path.with_name(f"{path.stem}_tables")
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        page = render(found)
-        write_tables(found.tables, folder)
+        page = render(analysis)
+        write_tables(analysis.tables, folder)
         path.write_text(page, encoding="utf-8")
     except OSError as failure:
         raise DeviceFailed(f"{failure.filename or path}: cannot be written ({failure.strerror})") from None
     if pdf:
         print_pdf(path)
-    return replace(found, report=path, tables_folder=folder)
+    return replace(analysis, report=path, tables_folder=folder)
 
 
 def check_report(path: Path) -> None:
@@ -53,7 +53,7 @@ def check_report(path: Path) -> None:
         raise InvalidParameter(f"--report: found {path.name!r}, expected a file name that ends in .html")
 
 
-def write_figures(found: Analysis, folder: Path) -> Analysis:
+def write_figures(analysis: Analysis, folder: Path) -> Analysis:
     """Write every figure as SVG and PNG (300 dots per inch) and, beside them, the table that holds its numbers.
 
     Raises
@@ -63,56 +63,56 @@ def write_figures(found: Analysis, folder: Path) -> Analysis:
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)
-        for figure in figures_of(found):
+        for figure in figures_of(analysis):
             stem = file_text(figure.name)
             (folder / f"{stem}.svg").write_text(figure.drawing.svg, encoding="utf-8")
             (folder / f"{stem}.png").write_bytes(figure.drawing.png())
-            write_tables({figure.name: figure.rows(found.tables[figure.table])}, folder)
+            write_tables({figure.name: figure.rows(analysis.tables[figure.table])}, folder)
     except OSError as failure:
         raise DeviceFailed(f"{failure.filename or folder}: cannot be written ({failure.strerror})") from None
-    return replace(found, figures_folder=folder)
+    return replace(analysis, figures_folder=folder)
 
 
-def render(found: Analysis) -> str:
+def render(analysis: Analysis) -> str:
     """The whole page; the same data give the same text."""
     from jinja2 import Environment, StrictUndefined
 
-    factors = found.trials.factors
+    factors = analysis.factors
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {"words": lambda text: in_words(text, factors), "unbroken": unbroken}
     template = environment.from_string((files(__package__) / "page.html").read_text("utf-8"))
-    sections = sections_of(found)
+    sections = sections_of(analysis)
     drawn = [figure for section in sections for figure in section.figures()]
     return template.render(
-        analysis=found,
-        title=title_of(found),
+        analysis=analysis,
+        title=title_of(analysis),
         svgs={figure.name: _numbered(figure, n) for n, figure in enumerate(drawn)},
-        data=data_line(found),
-        warnings=[text for text in found.warnings if f"{text}." != found.origin.line] + _notes(found),
+        data=data_line(analysis),
+        warnings=[text for text in analysis.warnings if f"{text}." != analysis.origin.line] + _notes(analysis),
         sections=sections,
-        references=references(found.methods),
+        references=references(analysis.methods),
     )
 
 
-def sections_of(found: Analysis) -> list[Section]:
+def sections_of(analysis: Analysis) -> list[Section]:
     """All sections between warnings and methods, with their figures drawn."""
-    return [section for kind in KINDS for section in kind.sections(found)]
+    return [section for kind in KINDS for section in kind.sections(analysis)]
 
 
-def figures_of(found: Analysis) -> list[Figure]:
+def figures_of(analysis: Analysis) -> list[Figure]:
     """Every figure of the report, in order."""
-    return [figure for section in sections_of(found) for figure in section.figures()]
+    return [figure for section in sections_of(analysis) for figure in section.figures()]
 
 
-def data_line(found: Analysis) -> str:
+def data_line(analysis: Analysis) -> str:
     """What was read: rows, participants and files, factors and the unit of the levels."""
-    rows, words_of = found.trials.rows, [split_unit(name)[0] for name in found.trials.factors]
-    n_participants = len(found.tables["quality"])
+    rows, words_of = analysis.trials.rows, [split_unit(name)[0] for name in analysis.factors]
+    n_participants = len(analysis.tables["quality"])
     names = ", ".join(sorted(set(rows["study"]) - {""})) if "study" in rows.columns else ""
     parts = [f"{'study ' + names + ': ' if names else ''}{counted(n_participants, 'participant')}"]
-    parts.append(f"{counted(len(rows), 'row')} in {counted(found.trials.n_files, 'file')}")
+    parts.append(f"{counted(len(rows), 'row')} in {counted(analysis.trials.n_files, 'file')}")
     told = [", ".join(parts), f"factors: {', '.join(words_of) or 'none'}"]
-    told += [f"levels in {found.unit}"] if found.unit else []
+    told += [f"levels in {analysis.unit}"] if analysis.unit else []
     line = "; ".join(told)
     return f"{line[0].upper()}{line[1:]}."
 
@@ -133,10 +133,10 @@ def _joined(text: str) -> str:
     return text.replace(" ", "\u00a0")
 
 
-def _notes(found: Analysis) -> list[str]:
+def _notes(analysis: Analysis) -> list[str]:
     """What a reader must know of the outcomes and questionnaires, each once."""
-    notes = [note for outcome in found.outcomes for note in outcome.notes]
-    return list(dict.fromkeys([*notes, *(note for form in found.forms for note in form.notes)]))
+    notes = [note for outcome in analysis.outcomes for note in outcome.notes]
+    return list(dict.fromkeys([*notes, *(note for form in analysis.forms for note in form.notes)]))
 
 
 def _numbered(figure: Figure, n: int) -> str:
@@ -144,9 +144,9 @@ def _numbered(figure: Figure, n: int) -> str:
     return re.sub(r'(\bid="|href="#|url\(#)', rf"\1f{n}-", figure.drawing.svg)
 
 
-def title_of(found: Analysis) -> str:
+def title_of(analysis: Analysis) -> str:
     """The title of the study, else its name, else that of the file."""
-    rows = found.trials.rows
+    rows = analysis.trials.rows
     studies = sorted(set(rows["study"])) if "study" in rows.columns else []
-    title = found.study.title or ", ".join(study for study in studies if study) or found.trials.path.stem
-    return f"{title} (simulated)" if found.origin.is_simulated else title
+    title = analysis.study.title or ", ".join(study for study in studies if study) or analysis.trials.path.stem
+    return f"{title} (simulated)" if analysis.origin.is_simulated else title

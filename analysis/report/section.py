@@ -9,7 +9,7 @@ import pandas as pd
 
 from ..figures.style import Drawing
 from ..result import Analysis
-from .grid import TextGrid
+from .grid import TextGrid, grid
 
 
 @dataclass(frozen=True)
@@ -32,6 +32,11 @@ class Heading:
 class TableBlock:
     kind: ClassVar = "table"
     grid: TextGrid
+
+    @classmethod
+    def of(cls, table: pd.DataFrame, analysis: Analysis) -> "TableBlock":
+        """Its rows as they stand."""
+        return cls(grid(table, analysis.factors))
 
 
 @dataclass(frozen=True)
@@ -71,11 +76,11 @@ class Details:
 
     kind: ClassVar = "details"
     title: str
-    blocks: "tuple[Block, ...]"
+    blocks: "tuple[PageBlock, ...]"
     is_open: bool = False
 
 
-Block = Lead | Heading | TableBlock | Sentences | FoldedSentences | Figure | Details
+PageBlock = Lead | Heading | TableBlock | Sentences | FoldedSentences | Figure | Details
 
 
 @dataclass(frozen=True)
@@ -83,7 +88,7 @@ class Section:
     """A part of the page; without a title it goes on with the one before."""
 
     title: str
-    blocks: tuple[Block, ...]
+    blocks: tuple[PageBlock, ...]
 
     def figures(self) -> list[Figure]:
         """Those in its blocks and in what these unfold."""
@@ -100,13 +105,13 @@ class TextTable:
     sentences: Sequence[str] = ()
 
 
-def _nothing(found: Analysis) -> tuple[()]:
-    del found
+def _nothing(analysis: Analysis) -> tuple[()]:
+    del analysis
     return ()
 
 
 @dataclass(frozen=True)
-class Kind:
+class ResultKind:
     """A kind of result: its sections of the page, its tables of the terminal, and its values in JSON, where an analysis
     holds it. Sections alone draw figures."""
 
@@ -117,7 +122,7 @@ class Kind:
 
 def rows_of(*names: str) -> Callable[[Analysis], Iterable[tuple[str, object]]]:
     """The rows of these tables as values in JSON, by the names of the tables; of a table that there is not none."""
-    return lambda found: [(name, plain_rows(found.table(name))) for name in names]
+    return lambda analysis: [(name, plain_rows(analysis.table(name))) for name in names]
 
 
 def plain_rows(table: pd.DataFrame) -> list[dict[str, object]]:

@@ -12,24 +12,24 @@ ORDER = (
 """As earlier versions wrote them; what is new comes after them."""
 
 
-def summary(found: Analysis) -> dict[str, object]:
+def summary(analysis: Analysis) -> dict[str, object]:
     """The result as plain values for JSON."""
-    of_kinds = {name: value for kind in KINDS for name, value in kind.values(found)}
+    of_kinds = {name: value for kind in KINDS for name, value in kind.values(analysis)}
     return {
-        "path": str(found.trials.path),
-        "n_trials": len(found.trials.rows),
-        "n_participants": int(found.trials.rows["participant"].nunique()),
-        "factors": list(found.trials.factors),
-        "level_unit": found.unit,
-        "simulated": found.origin.is_simulated,
-        "seeds": list(found.origin.seeds),
-        "warnings": list(found.warnings),
+        "path": str(analysis.trials.path),
+        "n_trials": len(analysis.trials.rows),
+        "n_participants": int(analysis.trials.rows["participant"].nunique()),
+        "factors": list(analysis.factors),
+        "level_unit": analysis.unit,
+        "simulated": analysis.origin.is_simulated,
+        "seeds": list(analysis.origin.seeds),
+        "warnings": list(analysis.warnings),
         **{name: of_kinds.pop(name) for name in ORDER},
         **of_kinds,
-        **dict(_written(found)),
+        **dict(_written(analysis)),
     }
 
 
-def _written(found: Analysis) -> Iterator[tuple[str, str | None]]:
-    places = {"report": found.report, "tables": found.tables_folder, "figures": found.figures_folder}
+def _written(analysis: Analysis) -> Iterator[tuple[str, str | None]]:
+    places = {"report": analysis.report, "tables": analysis.tables_folder, "figures": analysis.figures_folder}
     return ((name, None if place is None else str(place)) for name, place in places.items())

@@ -14,10 +14,10 @@ if TYPE_CHECKING:
     from ..result import Analysis
 
 
-def tables(found: "Analysis") -> "Iterator[tuple[Table, Sequence[str]]]":
+def tables(analysis: "Analysis") -> "Iterator[tuple[Table, Sequence[str]]]":
     """Each table with what is to be said below it; factors in words."""
-    factors = found.trials.factors
-    for told in (table for kind in KINDS for table in kind.terminal(found)):
+    factors = analysis.factors
+    for told in (table for kind in KINDS for table in kind.terminal(analysis)):
         yield text_table(told.cross, told.title, factors), [in_words(sentence, factors) for sentence in told.sentences]
 
 

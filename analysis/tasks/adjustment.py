@@ -17,11 +17,6 @@ TASK = "adjustment"
 DEPENDENT = "setting"
 
 
-def tables(rows: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
-    """Every table of the task, by the name of its file."""
-    return {TASK: adjustment_table(rows, factors)}
-
-
 def adjustment_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Of the task's used rows, a row per participant and condition: the mean `setting` with its 95 % t-interval over
     the settings, their standard deviation `sd` and number."""
@@ -38,7 +33,7 @@ ANALYSIS = TaskAnalysis(
     "Participants set the level",
     "lme4::lmer(as.numeric(response) ~ {plus} + (1 | participant), {data})",
     results=Results(
-        tables,
+        {TASK: adjustment_table},
         "Settings of the method of adjustment were averaged per participant and condition (Gescheider 1997).",
         works=("Gescheider, G. A. (1997). Psychophysics: The fundamentals (3rd ed.). Erlbaum.",),
         dependent=DEPENDENT,

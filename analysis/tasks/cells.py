@@ -113,11 +113,11 @@ def _cell(key: tuple[Any, ...], part: pd.DataFrame, n_factors: int) -> Cell:
     )
 
 
-def count_table(found: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
+def count_table(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
     """A row per participant, condition and level: what the curves are fitted to."""
     rows = [
         (cell.participant, *cell.condition, cell.task, level, k, n)
-        for cell in found
+        for cell in cells
         for level, k, n in zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
     ]
     return pd.DataFrame(rows, columns=["participant", *factors, "task", "level", "n_yes", "n_trials"])

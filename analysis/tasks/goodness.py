@@ -22,7 +22,7 @@ from .cells import (
     stacked_counts,
 )
 from .kinds import CURVES
-from .tracks import FIXED
+from .rule_estimate import FIXED
 
 SEED = 20010601
 """Of the draws: the same data give the same bytes."""

@@ -44,11 +44,6 @@ def exponent(levels: Array, numbers: Array, interval: float = 0.95) -> dict[str,
     return {"exponent": slope, "exponent_low": slope - half, "exponent_high": slope + half}
 
 
-def tables(rows: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
-    """Every table of the task, by the name of its file."""
-    return {TASK: magnitude_table(rows, factors), GROWTH: growth_table(rows, factors)}
-
-
 def magnitude_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Of the task's used rows, a row per participant and condition: the exponent with its interval, the numbers of
     ratings, of those that were 0 (not felt; no logarithm, left out), and of levels.
@@ -103,7 +98,7 @@ ANALYSIS = TaskAnalysis(
     "lme4::lmer(log(as.numeric(response)) ~ level{times} + (1 + level | participant), "
     "subset({data}, as.numeric(response) > 0))",
     results=Results(
-        tables,
+        {TASK: magnitude_table, GROWTH: growth_table},
         "Exponents of the power law are slopes of the logarithm of each participant's geometric mean number over that "
         "of the amplitude, every level alike (Stevens 1957); numbers of 0 were left out. Geometric means over "
         "participants follow modulus equalisation (Lane, Catania & Stevens 1961).",

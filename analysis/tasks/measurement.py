@@ -26,12 +26,6 @@ def loss_of(level: pd.Series, measured: pd.Series, in_db: "pd.Series[bool]") -> 
     return pd.Series(1 - np.where(in_db, 10 ** (left / 20), share), level.index)
 
 
-def tables(rows: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
-    """Every table of the task, by the name of its file."""
-    of_participants = losses(rows, factors)
-    return {"loss_participants": of_participants, "loss": loss_table(of_participants, factors)}
-
-
 def losses(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Of the task's used rows, per participant and condition: the mean `loss` of the readings with its 95 % t-interval
     over them, their number, and the mean applied force where it was measured. Empty without a measured level.
@@ -45,19 +39,17 @@ def losses(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
         return pd.DataFrame()
     rows = rows[rows["level"].notna() & rows["level_measured"].notna()]
     in_db = rows["level_unit"].str.startswith("dB")
-    _check_levels(rows[~in_db])
+    nothing = rows[~in_db & (rows["level"] == 0)]
+    if len(nothing):
+        raise bad_cell(nothing.iloc[0], "level", "0", "an amplitude above 0")
     readings = rows.assign(loss=loss_of(rows["level"].astype(float), rows["level_measured"].astype(float), in_db))
     return by_condition(readings, ["participant", *factors], _reading)
 
 
-def loss_table(of_participants: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Per condition the mean loss with its t-interval, over participants, or over the readings of a single one."""
-    return by_condition(of_participants, factors, _condition)
-
-
-def _check_levels(linear: pd.DataFrame) -> None:
-    if len(linear) and (linear["level"] == 0).any():
-        raise bad_cell(linear[linear["level"] == 0].iloc[0], "level", "0", "an amplitude above 0")
+def loss_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Of the task's used rows, per condition the mean loss with its t-interval, over participants, or over the readings
+    of a single one. Empty without a measured level."""
+    return by_condition(losses(rows, factors), factors, _condition)
 
 
 def _reading(part: pd.DataFrame) -> dict[str, object]:
@@ -85,5 +77,7 @@ def _text(row: dict[str, object]) -> str:
 
 
 ANALYSIS = TaskAnalysis(
-    "A sensor was read", "lme4::lmer(level_measured ~ {plus} + (1 | participant), {data})", results=Results(tables)
+    "A sensor was read",
+    "lme4::lmer(level_measured ~ {plus} + (1 | participant), {data})",
+    results=Results({"loss_participants": losses, "loss": loss_table}),
 )

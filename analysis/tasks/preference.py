@@ -178,11 +178,6 @@ def _fitted(
     return whole @ np.asarray(found.params), np.sqrt(np.diagonal(covariance)), n - 1 if robust else None
 
 
-def tables(rows: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
-    """Every table of the task, by the name of its file."""
-    return {TASK: preference_table(rows, factors)}
-
-
 def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Of the task's used rows, the worths of the items in each condition, then the order's effect.
 
@@ -239,7 +234,7 @@ ANALYSIS = TaskAnalysis(
     "with({data}, BradleyTerry2::BTm(as.integer(response == 1), factor(item, unique(c(item, item_b))), "
     "factor(item_b, unique(c(item, item_b)))))",
     results=Results(
-        tables,
+        {TASK: preference_table},
         "Paired preferences were fitted by the Bradley-Terry model with an effect of the order (Bradley & Terry 1952), "
         "with 95 % intervals that from five participants on count that a person's answers are alike.",
         works=(

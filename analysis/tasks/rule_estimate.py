@@ -1,4 +1,5 @@
-"""What the rule that chose the levels made of the answers itself: the mean of reversals, the mean of a posterior."""
+"""The rule that chose the levels: the levels that it went through, and what it made of the answers itself, the mean of
+reversals or the mean of a posterior."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -9,12 +10,13 @@ import numpy as np
 import pandas as pd
 
 from .cells import Estimate
-from .tracks import FIXED
 
 RUN = ("session", "study", "block")
 """What, of one participant, tells one block from another."""
 DISCARDED = 2
 """Reversals that do not count, as on the way to the threshold (Levitt 1971)."""
+FIXED = ("constant", "constant_stimuli")
+"""Procedures whose levels do not depend on the answers."""
 COLUMNS = ("rule_estimate", "rule_sd", "rule_n", "rule_note")
 
 
@@ -34,12 +36,12 @@ Replay = Callable[[pd.DataFrame], Mapping[str, RuleEstimate]]
 
 
 def rule_columns(
-    answers: pd.DataFrame, factors: Sequence[str], found: Sequence[Estimate], replay: Replay | None = None
+    answers: pd.DataFrame, factors: Sequence[str], estimates: Sequence[Estimate], replay: Replay | None = None
 ) -> pd.DataFrame:
     """A row for each estimate, in their order, of all answers that the rule was told, left out later or not. Of several
     runs the means of estimates and spreads, and all reversals or answers."""
     runs = _runs(answers[~answers["is_catch"]], factors, replay)
-    keys = ((one.cell.participant, *one.cell.condition, one.cell.task) for one in found)
+    keys = ((one.cell.participant, *one.cell.condition, one.cell.task) for one in estimates)
     return pd.DataFrame([_together(runs.get(key, [])) for key in keys], columns=list(COLUMNS))
 
 
@@ -109,3 +111,16 @@ def of_reversals(turns: Sequence[float], where: str) -> RuleEstimate:
     if len(kept) < 2:
         return RuleEstimate(None, None, None, f"too few reversals: {len(turns)} {where}")
     return RuleEstimate(fmean(kept), stdev(kept), len(kept), f"mean of reversals {where}")
+
+
+def tracks(judged: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """A row per judgement on a level that a procedure chose by the answers, without catch trials: whose, under which
+    condition, in which track, of which task and procedure, `step` from 1, the level and whether the answer was yes,
+    correct or more. Empty where the table names no procedure."""
+    if "procedure" not in judged.columns:
+        return pd.DataFrame()
+    rows = judged[~judged["procedure"].isin(FIXED) & ~judged["is_catch"]]
+    within = [name for name in ("session", "track") if name in rows.columns and name not in factors]
+    keys = ["participant", *factors, *within]
+    steps = rows[[*keys, "task", "procedure", "level", "yes"]].reset_index(drop=True)
+    return steps.assign(step=steps.groupby(keys, observed=True, dropna=False).cumcount() + 1)

@@ -5,14 +5,12 @@ Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9.
 
 from collections.abc import Sequence
 from math import sqrt
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
-from ..conditions import parts
 from ..reading.trials import Trials, parsed
 from .rows import is_catch
 from .signal_detection import LARGEST_D_PRIME, z_score
@@ -20,6 +18,7 @@ from .task_analysis import R_OF_LEVEL, Results, TaskAnalysis
 
 TASK = "same_different"
 SENSITIVITIES = {"d_prime_differencing": "d′ differencing", "d_prime_independent": "d′ independent"}
+N = ("n_hits", "n_different", "n_false_alarms", "n_same")
 COUNTS = {"hits": ("n_hits", "n_different"), "false alarms": ("n_false_alarms", "n_same")}
 
 
@@ -69,30 +68,26 @@ def _rates(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> t
     )
 
 
-def tables(rows: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
-    """Every table of the task, by the name of its file."""
-    return {TASK: same_different_table(rows, factors)}
-
-
 def same_different_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Of the task's used rows, a row per participant, condition and level: counts, and d' by both rules, or a note why
     there is none."""
     rows = rows.assign(different=parsed(rows["response"]), is_same=is_catch(rows))
     keys = ["participant", *factors]
-    cells = ((dict(zip(keys, key, strict=True)), part) for key, part in parts(rows, keys))
-    return pd.DataFrame([names | row for names, part in cells for row in _cell(part)])
+    other = rows[~rows["is_same"]].groupby([*keys, "level"])["different"].agg(n_hits="sum", n_different="size")
+    same = rows[rows["is_same"]].groupby(keys)["different"].agg(n_false_alarms="sum", n_same="size")
+    counts = other.reset_index().merge(same.reset_index(), how="left", on=keys)
+    counts = counts.fillna(dict.fromkeys(N, 0)).astype(dict.fromkeys(N, np.int64))  # nobody need have met same pairs
+    return counts.join(pd.DataFrame([_sensitivities(*numbers) for numbers in counts[list(N)].to_numpy()]))
 
 
-def _cell(part: pd.DataFrame) -> list[dict[str, Any]]:
-    same, other = part[part["is_same"]]["different"], part[~part["is_same"]]
-    found = []
-    for level, answers in other.groupby("level")["different"]:
-        counts = (int(answers.sum()), len(answers), int(same.sum()), len(same))
-        row = {"level": level} | dict(zip(("n_hits", "n_different", "n_false_alarms", "n_same"), counts, strict=True))
-        rules = {"d_prime_differencing": differencing_sensitivity, "d_prime_independent": independent_sensitivity}
-        note = _undefined(*counts)
-        found.append(row | {name: np.nan if note else rule(*counts) for name, rule in rules.items()} | {"note": note})
-    return found
+def _sensitivities(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> dict[str, object]:
+    """d' by both rules, or why there is none."""
+    counts = int(n_hits), int(n_different), int(n_false_alarms), int(n_same)
+    note = _undefined(*counts)
+    return {name: np.nan if note else rule(*counts) for name, rule in RULES.items()} | {"note": note}
+
+
+RULES = {"d_prime_differencing": differencing_sensitivity, "d_prime_independent": independent_sensitivity}
 
 
 def _undefined(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> str:
@@ -118,7 +113,7 @@ ANALYSIS = TaskAnalysis(
     "Participants told whether a standard and a level differed",
     R_OF_LEVEL,
     results=Results(
-        tables,
+        {TASK: same_different_table},
         "Sensitivity in same-different trials is given under the differencing and the independent-observation rule "
         "(Macmillan & Creelman 2005), with the log-linear correction.",
         works=("Macmillan, N. A., & Creelman, C. D. (2005). Detection theory: A user's guide (2nd ed.). Erlbaum.",),

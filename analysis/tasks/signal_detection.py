@@ -17,14 +17,14 @@ LARGEST_D_PRIME = 12.0
 
 
 @dataclass(frozen=True)
-class Sensitivity:
+class SensitivityIndex:
     """d' and criterion c of a yes/no task, in standard deviations of the noise."""
 
     d_prime: float
     criterion: float
 
 
-def yes_no_sensitivity(n_hits: int, n_signals: int, n_false_alarms: int, n_noises: int) -> Sensitivity:
+def yes_no_sensitivity(n_hits: int, n_signals: int, n_false_alarms: int, n_noises: int) -> SensitivityIndex:
     """d' = z(H) - z(F) and c = -(z(H) + z(F)) / 2 with the log-linear rule: rates (k + 0.5) / (n + 1).
 
     Raises
@@ -38,10 +38,12 @@ def yes_no_sensitivity(n_hits: int, n_signals: int, n_false_alarms: int, n_noise
     """
     z_hit = z_score("n_hits", n_hits, "n_signals", n_signals)
     z_false_alarm = z_score("n_false_alarms", n_false_alarms, "n_noises", n_noises)
-    return Sensitivity(z_hit - z_false_alarm, -(z_hit + z_false_alarm) / 2 + 0.0)  # a zero without a sign
+    return SensitivityIndex(z_hit - z_false_alarm, -(z_hit + z_false_alarm) / 2 + 0.0)  # a zero without a sign
 
 
-def two_interval_sensitivity(n_correct_first: int, n_first: int, n_correct_second: int, n_second: int) -> Sensitivity:
+def two_interval_sensitivity(
+    n_correct_first: int, n_first: int, n_correct_second: int, n_second: int
+) -> SensitivityIndex:
     """d' and bias of a choice between two intervals, the stimulus in the first of `n_first` and in the second of
     `n_second` trials.
 
@@ -66,7 +68,7 @@ def two_interval_sensitivity(n_correct_first: int, n_first: int, n_correct_secon
             f"n_correct_second: found {n_correct_second}, expected a count from 0 to n_second, {n_second}"
         )
     z_false_alarm = z_score("n_correct_second", n_false_alarms, "n_second", n_second)
-    return Sensitivity((z_hit - z_false_alarm) / 2**0.5, -(z_hit + z_false_alarm) / 2 + 0.0)
+    return SensitivityIndex((z_hit - z_false_alarm) / 2**0.5, -(z_hit + z_false_alarm) / 2 + 0.0)
 
 
 def z_score(name: str, k: int, of: str, n: int) -> float:

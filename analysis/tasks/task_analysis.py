@@ -20,8 +20,8 @@ class Results:
 
     Parameters
     ----------
-    tables : callable
-        From the used rows of the task and the factors to tables, by the names of their files.
+    tables : mapping of str to callable
+        By the name of its file each table, from the used rows of the task and the factors.
     methods : str
         What the methods section says of them.
     works : tuple of str
@@ -38,7 +38,7 @@ class Results:
         The table named as the task as a person reads it, from it, the trials and the unit of the levels.
     """
 
-    tables: Callable[[pd.DataFrame, Sequence[str]], Mapping[str, pd.DataFrame]]
+    tables: Mapping[str, Callable[[pd.DataFrame, Sequence[str]], pd.DataFrame]]
     methods: str = ""
     works: tuple[str, ...] = ()
     dependent: str = ""

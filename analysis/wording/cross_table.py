@@ -3,8 +3,9 @@
 import math
 from collections.abc import Sequence
 
-import numpy as np
 import pandas as pd
+
+from .numbers import plain_text
 
 MOST_COLUMNS = 8
 """Conditions across a table of text."""
@@ -28,8 +29,4 @@ def cross_table(group: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 def _column_name(across: Sequence[str], key: object) -> str:
     values = key if isinstance(key, tuple) else (key,)
-    return ", ".join(f"{name} = {_short(value)}" for name, value in zip(across, values, strict=True))
-
-
-def _short(value: object) -> str:
-    return f"{value:g}" if isinstance(value, int | float | np.number) else str(value)
+    return ", ".join(f"{name} = {plain_text(value)}" for name, value in zip(across, values, strict=True))

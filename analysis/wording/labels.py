@@ -6,6 +6,8 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
+from .numbers import plain_text
+
 UNITS = {"hz": "Hz", "n": "N", "s": "s", "v": "V", "m": "m", "mm": "mm", "db": "dB", "m_per_s": "m/s"}
 DEPENDENT_NAMES = {
     "threshold": "threshold",
@@ -63,14 +65,18 @@ def with_unit(name: str, unit: str) -> str:
     return f"{name} ({unit})" if unit else name
 
 
+def in_unit(number: str, unit: str) -> str:
+    """A number with its unit, if it has one."""
+    return f"{number} {unit}" if unit else number
+
+
 def level_of(name: str, value: object) -> str:
     """A factor's value with the unit, if its name has one.
 
     >>> level_of("frequency_hz", 240.0), level_of("pattern", "P0"), level_of("size", 3)
     ('240 Hz', 'P0', '3')
     """
-    text, unit = f"{value:g}" if isinstance(value, int | float | np.number) else str(value), split_unit(name)[1]
-    return f"{text} {unit}" if unit else text
+    return in_unit(plain_text(value), split_unit(name)[1])
 
 
 def value_of(name: str, value: object) -> str:

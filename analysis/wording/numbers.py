@@ -3,6 +3,7 @@
 import math
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 DIGITS = 3
@@ -54,6 +55,15 @@ def interval_text(value: Any, low: Any = None, high: Any = None) -> str:
         return number_text(float(value))
     texts = interval_texts(float(value), float(low), float(high))
     return f"{texts[0]} [{texts[1]}, {texts[2]}]"
+
+
+def plain_text(value: object) -> str:
+    """A number as it was stated, anything else as its text.
+
+    >>> plain_text(240.0), plain_text(0.5), plain_text("P0")
+    ('240', '0.5', 'P0')
+    """
+    return f"{value:g}" if isinstance(value, int | float | np.number) else str(value)
 
 
 def cell_text(value: Any) -> str:

@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from tactometry.analysis.reading.trials import read_trials, used_rows
-from tactometry.analysis.tasks.measurement import TASK, loss_table, losses
+from tactometry.analysis.tasks.measurement import TASK, loss_table
 from tactometry.errors import InvalidFile
 from tactometry.stimuli.time_reversal.finger import FINGER_DIAMETER_M, LossRow
 
@@ -28,11 +28,11 @@ def measured_losses(path: Path) -> list[LossRow]:
     if set(trials.factors) != set(FACTORS):
         raise InvalidFile(f"{path}: found the factors {', '.join(trials.factors)}, expected {', '.join(FACTORS)}")
     used = used_rows(trials)
-    measured = losses(used[used["task"] == TASK], FACTORS)
-    if measured.empty:
+    losses = loss_table(used[used["task"] == TASK], FACTORS)
+    if losses.empty:
         raise InvalidFile(f"{path}: found no measured level, expected readings of the study force-loss")
     variants = load(str(path / "study.toml"))[0].variants["contactor"]
-    rows = loss_table(measured, FACTORS).to_dict("records")
+    rows = losses.to_dict("records")
     return [LossRow(*_contactor(variants, row), row["place"], row["force_n"], row["mean"]) for row in rows]
 
 

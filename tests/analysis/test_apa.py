@@ -7,18 +7,15 @@ from scipy import stats
 
 from tactometry.analysis.anova.assumptions import checks
 from tactometry.analysis.anova.equivalence import equivalence
-from tactometry.analysis.anova.nonparametric import aligned_rank_transform, friedman
 from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
 from tactometry.analysis.mixed_models.linear import mixed_model
 from tactometry.analysis.report.apa import (
     anova_sentences,
     equivalence_sentences,
-    friedman_sentence,
     model_sentences,
     pair_sentences,
     permutation_sentences,
-    rank_sentences,
 )
 from tactometry.analysis.wording.numbers import p_text, share_text
 
@@ -61,8 +58,6 @@ def test_every_result_has_its_sentence(table) -> None:
         *permutation_sentences(permutation_test(table, within=within, **ARGUMENTS)),
         *pair_sentences(pairs(table, factor="force", **ARGUMENTS), "dB"),
         *equivalence_sentences(equivalence(table, factor="force", bound=50.0, **ARGUMENTS), "dB"),
-        friedman_sentence(friedman(table, factor="force", **ARGUMENTS)),
-        *rank_sentences(aligned_rank_transform(table, within=within, **ARGUMENTS)),
         *model_sentences(mixed_model(table, factors=within, **ARGUMENTS)),
     ]
     assert all("nan" not in sentence and "None" not in sentence for sentence in told)

@@ -187,3 +187,12 @@ def test_a_condition_that_a_participant_lacks_is_warned_of_first(tmp_path) -> No
     rows = [row for row in numbers("V", noise=0.1) if row[:2] != ("P1", 1.0)]
     found = analyse(written(tmp_path / "t.csv", rows))
     assert found.warnings[0] == "1 of 12 cells of magnitude without a valid trial (P1 1 N)"
+
+
+def test_a_measurement_without_a_measured_level_or_its_unit_is_refused_in_a_sentence(tmp_path) -> None:
+    table = written(tmp_path / "m.csv", [("P1", 0.5, 10, "dB re 1 um", "measurement", "", 1)])
+    with pytest.raises(InvalidFile, match="no valid answer of a task"):
+        analyse(table)
+    table.write_text(table.read_text().replace("measurement,,", "measurement,7,"))
+    with pytest.raises(InvalidFile, match="no valid answer of a task"):
+        analyse(table)

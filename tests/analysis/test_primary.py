@@ -16,7 +16,7 @@ from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
-from tactometry.analysis.report.group_methods import group_methods
+from tactometry.analysis.report.methods import group_methods
 from tactometry.analysis.report.sentences import outcome_sentences, primary_sentences
 from tactometry.analysis.report.summary import summary
 from tactometry.cli.analyse import command, summary_text

@@ -9,7 +9,16 @@ from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report import page, summary as json, terminal
 from tactometry.analysis.report.grid import grid
 from tactometry.analysis.report.kinds import KINDS
-from tactometry.analysis.report.section import Details, Figure, Kind, Lead, Section, TableBlock, TextTable, rows_of
+from tactometry.analysis.report.section import (
+    Details,
+    Figure,
+    Lead,
+    ResultKind,
+    Section,
+    TableBlock,
+    TextTable,
+    rows_of,
+)
 from tactometry.analysis.result import Analysis
 from tactometry.cli.analyse import summary_text
 
@@ -29,7 +38,7 @@ def figure() -> Figure:
 @pytest.fixture
 def added(monkeypatch) -> None:
     """As by a file in `sections` and a line in `kinds`."""
-    kind = Kind(
+    kind = ResultKind(
         lambda _: [
             Section("Reactions < all", (Lead("Means."), Details("More", (TableBlock(grid(ROWS, ())), figure()))))
         ],

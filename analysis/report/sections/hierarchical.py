@@ -8,35 +8,44 @@ from ...result import Analysis
 from ...tasks.kinds import CURVES
 from ...wording.cross_table import cross_table
 from ...wording.labels import dependent_name, dependent_title, with_unit
-from ..grid import grid
-from ..section import Block, Details, Figure, Kind, Lead, Section, Sentences, TableBlock, TextTable, plain_rows
+from ..section import (
+    Details,
+    Figure,
+    Lead,
+    PageBlock,
+    ResultKind,
+    Section,
+    Sentences,
+    TableBlock,
+    TextTable,
+    plain_rows,
+)
 from ..sentences import hierarchical_sentences
 
 MEANS = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean_high"}
 """Columns of the conditions, as those of a group table."""
 
 
-def _sections(found: Analysis) -> Iterator[Section]:
-    for outcome in found.hierarchical:
-        task = f" ({outcome.task.replace('_', ' ')})" if len(found.hierarchical) > 1 else ""
-        yield Section(f"All participants at once{task}", tuple(_blocks(outcome, found)))
+def _sections(analysis: Analysis) -> Iterator[Section]:
+    for outcome in analysis.hierarchical:
+        task = f" ({outcome.task.replace('_', ' ')})" if len(analysis.hierarchical) > 1 else ""
+        yield Section(f"All participants at once{task}", tuple(_blocks(outcome, analysis)))
 
 
-def _blocks(outcome: HierarchicalOutcome, found: Analysis) -> Iterator[Block]:
-    told = Sentences(hierarchical_sentences(outcome, found.unit))
+def _blocks(outcome: HierarchicalOutcome, analysis: Analysis) -> Iterator[PageBlock]:
+    told = Sentences(hierarchical_sentences(outcome, analysis.unit))
     if outcome.fit is None:
         yield told
         return
-    factors = found.trials.factors
     yield Lead(
         f"A check of the primary analysis. Hierarchical model: {_values_of(outcome)} of the group with 95 % interval; "
         "estimates of participants are drawn to the group as far as their answers leave it open."
     )
-    yield TableBlock(grid(cross_table(outcome.conditions, outcome.fit.factors), factors))
-    yield _figure(outcome, found)
+    yield TableBlock.of(cross_table(outcome.conditions, outcome.fit.factors), analysis)
+    yield _figure(outcome, analysis)
     yield told
-    participants = grid(outcome.participants, factors)
-    yield Details(f"Participants ({len(participants.rows)} rows)", (TableBlock(participants),))
+    participants = TableBlock.of(outcome.participants, analysis)
+    yield Details(f"Participants ({len(outcome.participants)} rows)", (participants,))
 
 
 def _values_of(outcome: HierarchicalOutcome) -> str:
@@ -47,12 +56,12 @@ def _dependent(outcome: HierarchicalOutcome) -> str:
     return CURVES[outcome.task].dependents[0]
 
 
-def _figure(outcome: HierarchicalOutcome, found: Analysis) -> Figure:
+def _figure(outcome: HierarchicalOutcome, analysis: Analysis) -> Figure:
     name = dependent_title(_dependent(outcome))
     drawing = group.threshold_figure(
         outcome.conditions.rename(columns=MEANS),
-        [factor for factor in found.trials.factors if factor in outcome.conditions.columns],
-        label=with_unit(name, found.unit),
+        [factor for factor in analysis.factors if factor in outcome.conditions.columns],
+        label=with_unit(name, analysis.unit),
         individuals=outcome.participants,
         dependent="threshold",
     )
@@ -62,18 +71,18 @@ def _figure(outcome: HierarchicalOutcome, found: Analysis) -> Figure:
     return Figure(stem, drawing, text, stem)
 
 
-def _terminal(found: Analysis) -> Iterator[TextTable]:
-    for outcome in found.hierarchical:
+def _terminal(analysis: Analysis) -> Iterator[TextTable]:
+    for outcome in analysis.hierarchical:
         if outcome.fit is not None:
-            unit = f", {found.unit}" if found.unit else ""
+            unit = f", {analysis.unit}" if analysis.unit else ""
             name = dependent_name(_dependent(outcome))
             title = f"check, all participants at once: {name}{unit} (mean, 95 % interval)"
             cross = cross_table(outcome.conditions, outcome.fit.factors)
-            yield TextTable(cross, title, hierarchical_sentences(outcome, found.unit))
+            yield TextTable(cross, title, hierarchical_sentences(outcome, analysis.unit))
 
 
-def _values(found: Analysis) -> Iterator[tuple[str, object]]:
-    yield "hierarchical", [_plain(outcome, found.unit) for outcome in found.hierarchical]
+def _values(analysis: Analysis) -> Iterator[tuple[str, object]]:
+    yield "hierarchical", [_plain(outcome, analysis.unit) for outcome in analysis.hierarchical]
 
 
 def _plain(outcome: HierarchicalOutcome, unit: str) -> dict[str, object]:
@@ -87,4 +96,4 @@ def _plain(outcome: HierarchicalOutcome, unit: str) -> dict[str, object]:
     }
 
 
-HIERARCHICAL = Kind(_sections, _terminal, _values)
+HIERARCHICAL = ResultKind(_sections, _terminal, _values)

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 import pandas as pd
 
 from ...anova.group_means import HIGH, LOW, bounds_of
-from ...figures import group, growth
+from ...figures import group
 from ...outcomes.findings import Outcome
 from ...result import Analysis
 from ...tasks.magnitude import DEPENDENT as EXPONENT, GROWTH
@@ -16,12 +16,12 @@ from ...wording.numbers import p_text
 from ..captions import figure_text, means_sentence, means_text
 from ..grid import TextGrid, grid
 from ..section import (
-    Block,
     Figure,
     FoldedSentences,
     Heading,
-    Kind,
     Lead,
+    PageBlock,
+    ResultKind,
     Section,
     Sentences,
     TableBlock,
@@ -39,22 +39,22 @@ EFFECT_COLUMNS = {
 P_COLUMNS = ("p_CM_corr", "p", "p_permutation")
 
 
-def _sections(found: Analysis) -> Iterator[Section]:
-    for outcome in found.outcomes:
-        unit = outcome.unit(found.unit)
+def _sections(analysis: Analysis) -> Iterator[Section]:
+    for outcome in analysis.outcomes:
+        unit = outcome.unit(analysis.unit)
         title = dependent_title(outcome.dependent)
-        yield Section(f"{title} ({unit})" if unit else title, tuple(_blocks(outcome, found)))
+        yield Section(f"{title} ({unit})" if unit else title, tuple(_blocks(outcome, analysis)))
 
 
-def _blocks(outcome: Outcome, found: Analysis) -> Iterator[Block]:
-    factors = found.trials.factors
+def _blocks(outcome: Outcome, analysis: Analysis) -> Iterator[PageBlock]:
+    factors = analysis.factors
     yield Lead(means_sentence(outcome.group))
-    yield TableBlock(grid(outcome.cross, factors))
-    yield from _amplitudes(outcome, found)
-    yield _figure(outcome, found)
-    if outcome.dependent == EXPONENT and GROWTH in found.tables:
-        yield _growth_figure(found)
-    sentences = outcome_sentences(outcome, found.unit)
+    yield TableBlock.of(outcome.cross, analysis)
+    yield from _amplitudes(outcome, analysis)
+    yield _figure(outcome, analysis)
+    if outcome.dependent == EXPONENT and GROWTH in analysis.tables:
+        yield _growth_figure(analysis)
+    sentences = outcome_sentences(outcome, analysis.unit)
     if outcome.effects is not None:
         heading = outcome.heading()
         yield Heading(in_words(heading, factors))
@@ -63,33 +63,33 @@ def _blocks(outcome: Outcome, found: Analysis) -> Iterator[Block]:
     yield FoldedSentences(sentences, n_open=2)
 
 
-def _amplitudes(outcome: Outcome, found: Analysis) -> Iterator[Block]:
+def _amplitudes(outcome: Outcome, analysis: Analysis) -> Iterator[PageBlock]:
     """The group table in the unit that decibels refer to, where there are decibels and a mean."""
-    unit = outcome.unit(found.unit)
+    unit = outcome.unit(analysis.unit)
     if not is_decibel(unit) or outcome.group["mean"].isna().all():
         return
-    peak = " peak" * bool(found.study.procedure)  # the levels of our own stimuli are peaks
+    peak = " peak" * bool(analysis.study.procedure)  # the levels of our own stimuli are peaks
     yield Lead(f"The same in {unit.partition(' re 1 ')[2]}{peak}, 10^(level / 20): means are geometric.")
-    yield TableBlock(grid(cross_table(as_amplitudes(outcome.group), found.trials.factors), found.trials.factors))
+    yield TableBlock.of(cross_table(as_amplitudes(outcome.group), analysis.factors), analysis)
 
 
-def _figure(outcome: Outcome, found: Analysis) -> Figure:
+def _figure(outcome: Outcome, analysis: Analysis) -> Figure:
     name, values = dependent_title(outcome.dependent), bounds_of(outcome.estimates, outcome.dependent)
     drawing = group.threshold_figure(
         outcome.group,
-        found.trials.factors,
-        label=with_unit(name, outcome.unit(found.unit)),
+        analysis.factors,
+        label=with_unit(name, outcome.unit(analysis.unit)),
         individuals=values,
         dependent=outcome.dependent,
     )
     triangles = ", open triangles bounds" if values[[LOW, HIGH]].notna().any(axis=None) else ""
     text = f"{name}: {figure_text(outcome.group, f'faint dots are participants{triangles}')}."
-    stem = found.stem(outcome)
+    stem = analysis.stem(outcome)
     return Figure(stem, drawing, text, f"group_{stem}")
 
 
-def _growth_figure(found: Analysis) -> Figure:
-    drawing = growth.growth_figure(found.tables[GROWTH], found.trials.factors, unit=found.unit)
+def _growth_figure(analysis: Analysis) -> Figure:
+    drawing = group.growth_figure(analysis.tables[GROWTH], analysis.factors, unit=analysis.unit)
     text = "Numbers given to each level: geometric means over participants after modulus equalisation."
     return Figure(GROWTH, drawing, text, GROWTH)
 
@@ -104,16 +104,16 @@ def _effects_grid(table: pd.DataFrame, factors: Sequence[str]) -> TextGrid:
     return grid(shown.rename(columns=EFFECT_COLUMNS), ())
 
 
-def _terminal(found: Analysis) -> Iterator[TextTable]:
-    for outcome in found.outcomes:
-        unit = f", {outcome.unit(found.unit)}" if outcome.unit(found.unit) else ""
+def _terminal(analysis: Analysis) -> Iterator[TextTable]:
+    for outcome in analysis.outcomes:
+        unit = f", {outcome.unit(analysis.unit)}" if outcome.unit(analysis.unit) else ""
         primary = [outcome.heading(), *primary_sentences(outcome)] if outcome.primary else []
         title = f"{dependent_name(outcome.dependent)}{unit} ({means_text(outcome.group)}, n)"
         yield TextTable(outcome.cross, title, [*outcome.notes, *primary])
 
 
-def _values(found: Analysis) -> Iterator[tuple[str, object]]:
-    yield "outcomes", [_plain(outcome, found.unit) for outcome in found.outcomes]
+def _values(analysis: Analysis) -> Iterator[tuple[str, object]]:
+    yield "outcomes", [_plain(outcome, analysis.unit) for outcome in analysis.outcomes]
 
 
 def _plain(outcome: Outcome, unit: str) -> dict[str, object]:
@@ -142,4 +142,4 @@ def _plain_primary(outcome: Outcome) -> dict[str, object] | None:
     }
 
 
-OUTCOMES = Kind(_sections, _terminal, _values)
+OUTCOMES = ResultKind(_sections, _terminal, _values)

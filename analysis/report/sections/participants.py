@@ -7,17 +7,9 @@ import pandas as pd
 from ...figures import participants
 from ...result import Analysis
 from ...tasks.kinds import CURVES
-from ..grid import grid
-from ..section import Details, Figure, Kind, Section, TableBlock, rows_of
+from ...wording.procedures import procedure_name
+from ..section import Details, Figure, ResultKind, Section, TableBlock, rows_of
 
-TRACKS = {
-    "staircase": "staircase",
-    "weighted_staircase": "weighted staircase",
-    "method_of_limits": "method of limits",
-    "quest": "QUEST",
-    "quest_plus": "QUEST+",
-    "psi": "psi method",
-}
 SHOWN = ("threshold", "interval_low", "interval_high", "jnd", "jnd_low", "jnd_high", "width", "guess_rate",
          "lapse_rate", "n_trials", "n_catch", "status", "misfit")  # fmt: skip
 """What the page shows of an estimate; the file has the rest."""
@@ -25,47 +17,46 @@ OF_RULES = ("rule_estimate", "rule_sd", "rule_n")
 N_OPEN = 2
 
 
-def _sections(found: Analysis) -> Iterator[Section]:
-    if "thresholds" in found.tables:
-        drawn = enumerate(_figures(found))
+def _sections(analysis: Analysis) -> Iterator[Section]:
+    if "thresholds" in analysis.tables:
+        drawn = enumerate(_figures(analysis))
         unfolding = (Details(title, (figure,), is_open=n < N_OPEN) for n, (title, figure) in drawn)
-        rows = grid(_short(found), found.trials.factors)
-        yield Section(
-            "Participants", (*unfolding, Details(f"All estimates ({len(rows.rows)} rows)", (TableBlock(rows),)))
-        )
+        estimates = _short(analysis)
+        rows = Details(f"All estimates ({len(estimates)} rows)", (TableBlock.of(estimates, analysis),))
+        yield Section("Participants", (*unfolding, rows))
 
 
-def _figures(found: Analysis) -> Iterator[tuple[str, Figure]]:
+def _figures(analysis: Analysis) -> Iterator[tuple[str, Figure]]:
     """With their titles."""
-    shown = [estimate for estimate in found.estimates if estimate.cell.levels]
+    shown = [estimate for estimate in analysis.estimates if estimate.cell.levels]
     for code in sorted({estimate.cell.participant for estimate in shown}):
         estimates = [estimate for estimate in shown if estimate.cell.participant == code]
-        drawing = participants.curve_figure(estimates, found.trials.factors, unit=found.unit)
+        drawing = participants.curve_figure(estimates, analysis.factors, unit=analysis.unit)
         text = (
             f"{code}: rate at each level (dot size: trials) with Wilson's 95 % interval, fitted curve, and below it "
             "the threshold with its 95 % interval."
         )
         yield f"{code}: psychometric curves", Figure(f"{code}_curves", drawing, text, "counts", ("participant", code))
-        yield from _tracks(found, code)
+        yield from _tracks(analysis, code)
 
 
-def _tracks(found: Analysis, code: str) -> Iterator[tuple[str, Figure]]:
-    rows = found.tables.get("tracks", pd.DataFrame({"participant": []}))
+def _tracks(analysis: Analysis, code: str) -> Iterator[tuple[str, Figure]]:
+    rows = analysis.tables.get("tracks", pd.DataFrame({"participant": []}))
     rows = rows[rows["participant"] == code]
     if rows.empty:
         return
-    drawing = participants.track_figure(rows, found.trials.factors, unit=found.unit)
-    kinds = ", ".join(TRACKS.get(name, name) for name in sorted(set(rows["procedure"])))
+    drawing = participants.track_figure(rows, analysis.factors, unit=analysis.unit)
+    kinds = ", ".join(procedure_name(name) for name in sorted(set(rows["procedure"])))
     filled = " or ".join(CURVES[task].success for task in sorted(set(rows["task"])))
     text = f"{code}: tracks ({kinds}); filled: {filled}, open: not; catch trials are left out."
     yield f"{code}: tracks", Figure(f"{code}_tracks", drawing, text, "tracks", ("participant", code))
 
 
-def _short(found: Analysis) -> pd.DataFrame:
-    table = found.tables["thresholds"]
+def _short(analysis: Analysis) -> pd.DataFrame:
+    table = analysis.tables["thresholds"]
     of_rules = [name for name in OF_RULES if table[name].notna().any()]
-    wanted = ("participant", *found.trials.factors, *SHOWN, *of_rules)
+    wanted = ("participant", *analysis.factors, *SHOWN, *of_rules)
     return table[[name for name in wanted if name in table.columns]]
 
 
-PARTICIPANTS = Kind(_sections, values=rows_of("thresholds"))
+PARTICIPANTS = ResultKind(_sections, values=rows_of("thresholds"))

@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 
 from ...result import Analysis
-from ..grid import grid
-from ..section import Block, Heading, Kind, Lead, Section, TableBlock, rows_of
+from ..section import Heading, Lead, PageBlock, ResultKind, Section, TableBlock, rows_of
 
 COLUMNS = {
     "n_rows": "rows", "n_practice": "practice", "n_invalid": "invalid", "n_repeated": "asked again",
@@ -19,20 +18,20 @@ GOODNESS = (
 )
 
 
-def _table(found: Analysis, name: str) -> TableBlock:
-    return TableBlock(grid(found.tables[name].rename(columns=COLUMNS), found.trials.factors))
+def _table(analysis: Analysis, name: str) -> TableBlock:
+    return TableBlock.of(analysis.tables[name].rename(columns=COLUMNS), analysis)
 
 
-def _blocks(found: Analysis) -> Iterator[Block]:
-    yield _table(found, "quality")
-    if "goodness" in found.tables:
-        yield from (Heading("Goodness of fit"), Lead(GOODNESS), _table(found, "goodness"))
-    if "excluded" in found.tables:
-        yield from (Heading("Left out by the plan of analysis"), _table(found, "excluded"))
+def _blocks(analysis: Analysis) -> Iterator[PageBlock]:
+    yield _table(analysis, "quality")
+    if "goodness" in analysis.tables:
+        yield from (Heading("Goodness of fit"), Lead(GOODNESS), _table(analysis, "goodness"))
+    if "excluded" in analysis.tables:
+        yield from (Heading("Left out by the plan of analysis"), _table(analysis, "excluded"))
 
 
-def _sections(found: Analysis) -> Iterator[Section]:
-    yield Section("Data quality", tuple(_blocks(found)))
+def _sections(analysis: Analysis) -> Iterator[Section]:
+    yield Section("Data quality", tuple(_blocks(analysis)))
 
 
-QUALITY = Kind(_sections, values=rows_of("goodness", "excluded"))
+QUALITY = ResultKind(_sections, values=rows_of("goodness", "excluded"))

@@ -11,19 +11,19 @@ from ...outcomes.ratings import REFERENCE, Ratings
 from ...result import Analysis
 from ..captions import figure_text, means_of, means_sentence, means_text
 from ..grid import TextGrid
-from ..section import Block, Figure, FoldedSentences, Kind, Lead, Section, TableBlock, TextTable, plain_rows
+from ..section import Figure, FoldedSentences, Lead, PageBlock, ResultKind, Section, TableBlock, TextTable, plain_rows
 from ..sentences import form_sentences
 
 MOST_LINES = 7
 """A figure of word pairs shows no more conditions than there are colours."""
 
 
-def _sections(found: Analysis) -> Iterator[Section]:
-    for form in found.forms:
+def _sections(analysis: Analysis) -> Iterator[Section]:
+    for form in analysis.forms:
         yield Section(form.form.title, tuple(_blocks(form)))
 
 
-def _blocks(form: Ratings) -> Iterator[Block]:
+def _blocks(form: Ratings) -> Iterator[PageBlock]:
     low, high, cross = form.form.score_low, form.form.score_high, form.cross()
     yield Lead(f"Scores from {low:g} to {high:g}. {means_sentence(form.summary)}")
     yield TableBlock(TextGrid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None))))
@@ -89,16 +89,16 @@ def _grouped_figures(form: Ratings, grouped: pd.DataFrame) -> Iterator[Figure]:
         yield _figure(form, f"word_pairs_by_{of}", drawing, text, "word_pairs_grouped", ("of", str(of)))
 
 
-def _terminal(found: Analysis) -> Iterator[TextTable]:
-    for form in found.forms:
+def _terminal(analysis: Analysis) -> Iterator[TextTable]:
+    for form in analysis.forms:
         heading, lines = next(iter(form_sentences(form).items()))
         compared = [heading, *lines] if form.tests_effects else []
         yield TextTable(form.cross(), f"{form.form.title} ({means_text(form.summary)}, n)", [*form.notes, *compared])
 
 
-def _values(found: Analysis) -> Iterator[tuple[str, object]]:
-    yield "questionnaires", {form.name: plain_rows(form.summary) for form in found.forms}
-    yield "questionnaire_statistics", {form.name: form_sentences(form) for form in found.forms}
+def _values(analysis: Analysis) -> Iterator[tuple[str, object]]:
+    yield "questionnaires", {form.name: plain_rows(form.summary) for form in analysis.forms}
+    yield "questionnaire_statistics", {form.name: form_sentences(form) for form in analysis.forms}
 
 
-QUESTIONNAIRES = Kind(_sections, _terminal, _values)
+QUESTIONNAIRES = ResultKind(_sections, _terminal, _values)

@@ -3,13 +3,13 @@
 from collections.abc import Iterator
 
 from ...result import Analysis
-from ..section import Kind, Lead, Section
+from ..section import Lead, ResultKind, Section
 
 
-def _sections(found: Analysis) -> Iterator[Section]:
-    if "latency_s" in found.trials.rows.columns:
-        median_s = found.trials.rows["latency_s"].median()
+def _sections(analysis: Analysis) -> Iterator[Section]:
+    if "latency_s" in analysis.trials.rows.columns:
+        median_s = analysis.trials.rows["latency_s"].median()
         yield Section("Times to answer", (Lead(f"Median of all answers: {median_s:.2f} s."),))
 
 
-LATENCY = Kind(_sections)
+LATENCY = ResultKind(_sections)
