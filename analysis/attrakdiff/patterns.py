@@ -3,7 +3,7 @@
 P0 has neither repetition frequency nor envelope: a crossed analysis leaves it out, and it is the reference of another.
 """
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 
 import pandas as pd
 
@@ -25,6 +25,8 @@ THESIS: Mapping[str, tuple[str, str]] = {
 }
 """Repetition frequency and envelope of each pattern; an unverified inference from the names of figures."""
 
+BY = ("frequency", "envelope")
+
 
 def grouped_profile(
     profile: pd.DataFrame, *, design: Mapping[str, tuple[str, str]] = THESIS, reference: str = "P0"
@@ -35,14 +37,14 @@ def grouped_profile(
     `profile` has the columns `condition, item, dimension, negative, positive, mean`.
     """
     words = ["item", "dimension", "negative", "positive"]
-    found = []
-    for place, of in enumerate(("frequency", "envelope")):
-        names = {code: parts[place] for code, parts in design.items()} | {reference: reference}
+    grouped = []
+    for place, of in enumerate(BY):
+        names = {code: values[place] for code, values in design.items()} | {reference: reference}
         kept = profile[profile["condition"].isin(names)]
         kept = kept.assign(condition=kept["condition"].map(names))
         means = kept.groupby([*words, "condition"], sort=False)["mean"].mean().reset_index()
-        found.append(means.assign(of=of))
-    return pd.concat(found, ignore_index=True)
+        grouped.append(means.assign(of=of))
+    return pd.concat(grouped, ignore_index=True)
 
 
 def frequency_by_envelope(
@@ -61,21 +63,35 @@ def frequency_by_envelope(
     """
     _expect(scored, pattern, design)
     kept = scored[scored[pattern].isin(design)]
-    for place, name in enumerate(("frequency", "envelope")):
-        kept = kept.assign(**{name: kept[pattern].map({code: parts[place] for code, parts in design.items()})})
-    parts = [_crossed(kept, dimension, pattern) for dimension in dimensions_of(scored)]
-    return pd.concat(parts, ignore_index=True)
+    for place, name in enumerate(BY):
+        kept = kept.assign(**{name: kept[pattern].map({code: values[place] for code, values in design.items()})})
+
+    def crossed(whole: pd.DataFrame, dimension: str) -> pd.DataFrame:
+        effects = repeated_measures(whole, dependent=dimension, within=list(BY), subject="participant")
+        return effects.assign(note="; ".join(effects.attrs["notes"]))
+
+    return _of_dimensions(kept, dimensions_of(scored), pattern, crossed, {"Source": " * ".join(BY)})
 
 
-def _crossed(kept: pd.DataFrame, dimension: str, pattern: str) -> pd.DataFrame:
-    whole, left_out = complete_participants(kept, dimension, pattern)
-    try:
-        found = repeated_measures(whole, dependent=dimension, within=["frequency", "envelope"], subject="participant")
-        found["note"] = "; ".join(found.attrs["notes"])
-    except UndefinedStatistic as refusal:
-        found = pd.DataFrame([{"Source": "frequency * envelope", "note": str(refusal)}])
-    found.insert(0, "dimension", dimension)
-    return found.assign(left_out=", ".join(left_out))
+def _of_dimensions(
+    scored: pd.DataFrame,
+    dimensions: Iterable[str],
+    pattern: str,
+    test: Callable[[pd.DataFrame, str], pd.DataFrame],
+    untested: Mapping[str, str],
+) -> pd.DataFrame:
+    """The `test` of each dimension by the participants with a score in every pattern; of one without an answer a row,
+    `untested`, with the reason in `note`."""
+    tables = []
+    for dimension in dimensions:
+        whole, left_out = complete_participants(scored, dimension, pattern)
+        try:
+            table = test(whole, dimension)
+        except UndefinedStatistic as refusal:
+            table = pd.DataFrame([{**untested, "note": str(refusal)}])
+        table.insert(0, "dimension", dimension)
+        tables.append(table.assign(left_out=", ".join(left_out)))
+    return pd.concat(tables, ignore_index=True)
 
 
 def complete_participants(table: pd.DataFrame, dependent: str, condition: str) -> tuple[pd.DataFrame, list[str]]:
@@ -97,19 +113,12 @@ def against_reference(scored: pd.DataFrame, *, reference: str = "P0", pattern: s
         If the reference is not in the table.
     """
     _expect(scored, pattern, [reference])
-    parts = [_against(scored, dimension, reference, pattern) for dimension in dimensions_of(scored)]
-    return pd.concat(parts, ignore_index=True)
 
+    def against(whole: pd.DataFrame, dimension: str) -> pd.DataFrame:
+        compared = pairs(whole, dependent=dimension, factor=pattern, subject="participant", reference=reference)
+        return compared.assign(note="")
 
-def _against(scored: pd.DataFrame, dimension: str, reference: str, pattern: str) -> pd.DataFrame:
-    whole, left_out = complete_participants(scored, dimension, pattern)
-    try:
-        found = pairs(whole, dependent=dimension, factor=pattern, subject="participant", reference=reference)
-        found["note"] = ""
-    except UndefinedStatistic as refusal:
-        found = pd.DataFrame([{"a": reference, "note": str(refusal)}])
-    found.insert(0, "dimension", dimension)
-    return found.assign(left_out=", ".join(left_out))
+    return _of_dimensions(scored, dimensions_of(scored), pattern, against, {"a": reference})
 
 
 def _expect(scored: pd.DataFrame, pattern: str, wanted: Iterable[str]) -> None:

@@ -4,6 +4,7 @@ A participant is the unit: answers to the items of one participant are never cou
 """
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -14,7 +15,8 @@ from tactometry.trials.columns import RESERVED, stated_factors
 
 from ..anova.group_means import MEANS, group_table
 from ..arrays import Array
-from ..means import mean_with_interval
+from ..conditions import by_condition, parts
+from ..means import MEAN, mean_row
 from ..reading.refusals import no_column
 
 NAME = "attrakdiff"
@@ -62,10 +64,8 @@ def scores(
     """
     answers, form, factors = _answers(table, questionnaire, within)
     keys = ["participant", *factors]
-    rows = [dict(zip(keys, key, strict=True)) | _scored(part, form) for key, part in _rounds(answers, keys)]
-    found = pd.DataFrame(rows)
-    found.attrs |= {"questionnaire": form, "within": factors}
-    return found
+    rows = [dict(zip(keys, key, strict=True)) | _scored(rounds, form) for key, rounds in _rounds(answers, keys)]
+    return _with_origin(pd.DataFrame(rows), form, factors)
 
 
 def item_scores(
@@ -76,11 +76,15 @@ def item_scores(
     given = answers.dropna(subset="raw")
     scored = [form.score(item, raw) for item, raw in zip(given["item"], given["raw"], strict=True)]
     dimensions = [form.item(item).dimension for item in given["item"]]
-    found = given[["participant", *factors, "item"]].assign(score=scored, dimension=dimensions)
-    keys = ["participant", *factors, "dimension", "item"]
-    found = found.groupby(keys, observed=True)["score"].mean().reset_index()
-    found.attrs |= {"questionnaire": form, "within": factors}
-    return found
+    rows = given[["participant", *factors, "item"]].assign(score=scored, dimension=dimensions)
+    means = rows.groupby(["participant", *factors, "dimension", "item"], observed=True)["score"].mean()
+    return _with_origin(means.reset_index(), form, factors)
+
+
+def _with_origin(scored: pd.DataFrame, form: Questionnaire, factors: list[str]) -> pd.DataFrame:
+    """With what the functions below ask of a table: its questionnaire and its conditions."""
+    scored.attrs |= {"questionnaire": form, "within": factors}
+    return scored
 
 
 def _answers(
@@ -136,23 +140,23 @@ Round = dict[str, float | None]
 
 def _rounds(answers: pd.DataFrame, keys: Sequence[str]) -> list[tuple[tuple[object, ...], list[Round]]]:
     """Per participant and condition, sorted, the rounds of answers by item: mostly one."""
-    found: dict[tuple[object, ...], list[Round]] = {}
+    by_key: dict[tuple[object, ...], list[Round]] = {}
     columns = [answers[name].tolist() for name in keys]
     raw = [None if np.isnan(x) else x for x in answers["raw"].tolist()]
     for key, item, value in zip(zip(*columns, strict=True), answers["item"].tolist(), raw, strict=True):
-        rounds = found.setdefault(key, [])
-        free = next((each for each in rounds if item not in each), None)
+        rounds = by_key.setdefault(key, [])
+        free = next((answered for answered in rounds if item not in answered), None)
         if free is None:
             rounds.append(free := {})
         free[item] = value
-    return sorted(found.items(), key=lambda pair: pair[0])
+    return sorted(by_key.items(), key=lambda pair: pair[0])
 
 
 def _scored(rounds: Sequence[Round], form: Questionnaire) -> dict[str, float | None]:
     """Scores of one participant in one condition: means over the rounds."""
-    means = pd.DataFrame([form.scores(each) for each in rounds], dtype=np.float64).mean()
+    means = pd.DataFrame([form.scores(answers) for answers in rounds], dtype=np.float64).mean()
     named: dict[str, float | None] = {str(name): None if np.isnan(x) else float(x) for name, x in means.items()}
-    return named | {"n_answered": float(sum(value is not None for each in rounds for value in each.values()))}
+    return named | {"n_answered": float(sum(value is not None for answers in rounds for value in answers.values()))}
 
 
 def summary(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
@@ -162,12 +166,16 @@ def summary(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
     `scored` is what `scores` gives.
     """
     factors = list(scored.attrs["within"])
-    parts = [
+    of_dimensions = [
         group_table(scored, factors, name, interval).assign(dimension=name) for name in sorted(dimensions_of(scored))
     ]
     columns = [*factors, "dimension", *MEANS, "n", "n_missing"]
-    found = pd.concat(parts, ignore_index=True)[columns]
-    return found.sort_values(factors, kind="stable").reset_index(drop=True) if factors else found
+    return _by_factors(pd.concat(of_dimensions, ignore_index=True)[columns], factors)
+
+
+def _by_factors(table: pd.DataFrame, factors: list[str]) -> pd.DataFrame:
+    """Sorted by the conditions, within each in the order that the rows have."""
+    return table.sort_values(factors, kind="stable").reset_index(drop=True) if factors else table
 
 
 def dimensions_of(scored: pd.DataFrame) -> list[str]:
@@ -175,11 +183,9 @@ def dimensions_of(scored: pd.DataFrame) -> list[str]:
     return list(scored.attrs["questionnaire"].dimensions)
 
 
-def _mean(values: "pd.Series[float]", interval: float) -> dict[str, object]:
+def _mean(values: "pd.Series[float]", interval: float) -> dict[str, Any]:
     known = np.array(values.dropna(), dtype=np.float64)
-    row: dict[str, object] = dict.fromkeys(("mean", "mean_low", "mean_high", "sd"))
-    if len(known):
-        row |= mean_with_interval(known, interval)
+    row = mean_row(known, interval) if len(known) else dict.fromkeys(MEAN)
     return row | {"n": len(known), "n_missing": len(values) - len(known)}
 
 
@@ -189,14 +195,15 @@ def word_pairs(scored_items: pd.DataFrame, language: str = "en", interval: float
     form, factors = scored_items.attrs["questionnaire"], list(scored_items.attrs["within"])
     simple = [name for name, dimension in form.dimensions.items() if not dimension.parts]
     order = {item: place for place, item in enumerate(i for name in simple for i in form.items_of(name))}
-    rows = []
-    for key, part in scored_items.groupby([*factors, "item"], sort=True, observed=True):
-        names = dict(zip([*factors, "item"], key, strict=True))
-        item = form.item(str(names["item"]))
-        poles = dict(zip(("negative", "positive"), item.poles.get(language, ("", "")), strict=True))
-        rows.append(names | {"dimension": item.dimension} | poles | _mean(part["score"], interval))
-    found = pd.DataFrame(rows).sort_values("item", key=lambda ids: ids.map(order), kind="stable")
-    return found.sort_values(factors, kind="stable").reset_index(drop=True) if factors else found
+
+    def row_of(answers: pd.DataFrame) -> dict[str, object]:
+        item = form.item(answers["item"].iloc[0])
+        negative, positive = item.poles.get(language, ("", ""))
+        words = {"dimension": item.dimension, "negative": negative, "positive": positive}
+        return words | _mean(answers["score"], interval)
+
+    profile = by_condition(scored_items, [*factors, "item"], row_of)
+    return _by_factors(profile.sort_values("item", key=lambda ids: ids.map(order), kind="stable"), factors)
 
 
 def portfolio(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
@@ -210,15 +217,13 @@ def portfolio(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
     """
     if not {"PQ", "HQ"} <= set(dimensions_of(scored)):
         raise InvalidParameter(f"portfolio: found {scored.attrs['questionnaire'].name}, expected dimensions PQ and HQ")
-    factors = list(scored.attrs["within"])
-    grouped = [((), scored)] if not factors else scored.groupby(factors, sort=True, observed=True)
-    rows = []
-    for key, part in grouped:
-        row = dict(zip(factors, key, strict=True))
-        for name in ("PQ", "HQ"):
-            row |= {f"{name}{end.removeprefix('mean')}": v for end, v in _mean(part[name], interval).items()}
-        rows.append(row | {"region": region(row["PQ"], row["HQ"])})
-    return pd.DataFrame(rows)
+
+    def row_of(scores: pd.DataFrame) -> dict[str, Any]:
+        means = {name: _mean(scores[name], interval) for name in ("PQ", "HQ")}
+        ends = {f"{name}{end.removeprefix('mean')}": x for name, mean in means.items() for end, x in mean.items()}
+        return ends | {"region": region(means["PQ"]["mean"], means["HQ"]["mean"])}
+
+    return by_condition(scored, scored.attrs["within"], row_of)
 
 
 def region(pq: float | None, hq: float | None) -> str | None:
@@ -241,10 +246,9 @@ def consistency(scored_items: pd.DataFrame, interval: float = 0.95) -> pd.DataFr
     `note`) with fewer than three such participants or without variance between them.
     """
     form, factors = scored_items.attrs["questionnaire"], list(scored_items.attrs["within"])
-    grouped = [((), scored_items)] if not factors else scored_items.groupby(factors, sort=True, observed=True)
     rows = []
-    for key, part in grouped:
-        wide = part.pivot(index="participant", columns="item", values="score")
+    for key, answers in parts(scored_items, factors):
+        wide = answers.pivot(index="participant", columns="item", values="score")
         for name in form.dimensions:
             items = [item for item in form.items_of(name) if item in wide.columns]
             rows.append(dict(zip(factors, key, strict=True)) | {"dimension": name} | _alpha(wide[items], interval))
@@ -253,24 +257,16 @@ def consistency(scored_items: pd.DataFrame, interval: float = 0.95) -> pd.DataFr
 
 def _alpha(wide: pd.DataFrame, interval: float) -> dict[str, object]:
     values = wide.dropna().to_numpy(dtype=np.float64)
-    row: dict[str, object] = {
-        "alpha": None,
-        "alpha_low": None,
-        "alpha_high": None,
-        "n_items": wide.shape[1],
-        "n": len(values),
-        "note": "",
-    }
+    alpha, low, high, note = None, None, None, ""
     if wide.shape[1] < 2 or len(values) < 3:
-        return row | {"note": "fewer than two items or three participants who answered them all"}
-    if values.sum(axis=1).var() <= 1e-12:
-        return row | {"note": "participants do not differ in this score"}
-    alpha = cronbach_alpha(values)
-    return (
-        row
-        | {"alpha": alpha}
-        | dict(zip(("alpha_low", "alpha_high"), _feldt(alpha, *values.shape, interval), strict=True))
-    )
+        note = "fewer than two items or three participants who answered them all"
+    elif values.sum(axis=1).var() <= 1e-12:
+        note = "participants do not differ in this score"
+    else:
+        alpha = cronbach_alpha(values)
+        low, high = _feldt(alpha, *values.shape, interval)
+    ends = {"alpha": alpha, "alpha_low": low, "alpha_high": high}
+    return {**ends, "n_items": wide.shape[1], "n": len(values), "note": note}
 
 
 def cronbach_alpha(values: Array) -> float:
