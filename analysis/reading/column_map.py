@@ -13,6 +13,7 @@ from tactometry.errors import InvalidFile, InvalidParameter
 
 from .level_scale import LevelScale
 from .refusals import no_column
+from .rows import holds
 
 
 @dataclass(frozen=True)
@@ -103,14 +104,14 @@ def translated(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataF
     return _in_si(_meant(table, column_map, file), column_map, file)
 
 
-def trials_of(found: pd.DataFrame) -> pd.DataFrame:
+def trials_of(table: pd.DataFrame) -> pd.DataFrame:
     """The rows that hold a trial: a level, an answer, an item or a catch trial. Other programs write rows for routines
     without any of these, too."""
-    is_trial = found["catch"] == "1" if "catch" in found.columns else pd.Series(False, index=found.index)
+    is_trial = holds(table, "catch", "1")
     for name in ("level", "response", "item", "level_measured"):
-        if name in found.columns:
-            is_trial |= found[name] != ""
-    return found[is_trial]
+        if name in table.columns:
+            is_trial |= table[name] != ""
+    return table[is_trial]
 
 
 def _text(value: str | float | bool) -> str:

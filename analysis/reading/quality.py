@@ -6,6 +6,7 @@ import pandas as pd
 
 from tactometry.errors import InvalidFile
 
+from .rows import holds, is_catch
 from .trials import Trials
 
 COUNTS = ("n_frames", "n_dropped_frames")
@@ -39,18 +40,18 @@ def _one(file: Path) -> pd.DataFrame:
         raise InvalidFile(f"{file}: found no events ({damage}), expected the columns {names}") from None
 
 
-def with_frames(quality: pd.DataFrame, found: pd.DataFrame) -> pd.DataFrame:
+def with_frames(quality: pd.DataFrame, frames: pd.DataFrame) -> pd.DataFrame:
     """The quality of the data with the frames of each participant."""
-    if found.empty:
+    if frames.empty:
         return quality
-    return quality.merge(found, on="participant", how="left").astype(dict.fromkeys(COUNTS, "Int64"))
+    return quality.merge(frames, on="participant", how="left").astype(dict.fromkeys(COUNTS, "Int64"))
 
 
 def quality(trials: Trials) -> pd.DataFrame:
     """Per participant: what was recorded, what of it is used, and how the catch trials were answered."""
     rows = trials.rows
-    practice, invalid, silent = _is(rows, "practice", 1), _is(rows, "valid", 0), rows["response"] == ""
-    catch = _is(rows, "catch", 1) & ~practice & ~invalid & ~silent
+    practice, invalid, silent = holds(rows, "practice", 1), holds(rows, "valid", 0), rows["response"] == ""
+    catch = is_catch(rows) & ~practice & ~invalid & ~silent
     flags = {
         "n_rows": True,
         "n_practice": practice,
@@ -72,7 +73,3 @@ def _is_repeated(rows: pd.DataFrame) -> "pd.Series[bool]":
     keys = ["participant", *(name for name in ("source", "session", "block", "trial", "attempt") if name in rows)]
     first = rows["item"].eq("") | ~rows.duplicated(keys) if "item" in rows.columns else True
     return (rows["attempt"] > 1) & first
-
-
-def _is(rows: pd.DataFrame, name: str, value: int) -> "pd.Series[bool]":
-    return rows[name] == value if name in rows.columns else pd.Series(False, index=rows.index)

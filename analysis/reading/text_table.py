@@ -5,6 +5,7 @@ Every refusal is one sentence with the file and, where there is one, the row (th
 
 import csv
 import io
+import json
 import re
 from pathlib import Path
 
@@ -13,9 +14,6 @@ import pandas as pd
 from tactometry.errors import InvalidFile
 from tactometry.files.durable import read_file
 from tactometry.trials.row_rules import MOST_COLUMNS
-
-from .arrow_text import plain_cells
-from .json_table import json_cells
 
 
 def text_cells(file: Path, separator: str = "") -> pd.DataFrame:
@@ -48,12 +46,80 @@ def text_cells(file: Path, separator: str = "") -> pd.DataFrame:
     return _with_header(cells, file)
 
 
+def json_cells(text: str, file: Path) -> pd.DataFrame:
+    """Of a table of trials in JSON, as jsPsych saves it: a list with an object for each trial.
+
+    All values as text, a column for each key, and in the column `row` the place in the list, from 1.
+    Numbers stay as they were written, true and false are words, null and what an object has not are empty; a list or
+    an object within stays JSON.
+
+    Raises
+    ------
+    InvalidFile
+        If it is no JSON, or another than a list of objects.
+
+    >>> json_cells('[{"level": 0.10, "correct": true}, {"rt": null}]', Path("j.json")).values.tolist()
+    [['0.10', 'true', '', 1], ['', '', '', 2]]
+    """
+    try:
+        trials = json.loads(text, parse_float=str, parse_int=str, parse_constant=str)
+    except (ValueError, RecursionError) as damage:
+        raise InvalidFile(f"{file}: found no valid JSON ({damage}), expected a list of trials") from None
+    if not isinstance(trials, list) or not all(isinstance(trial, dict) for trial in trials) or not trials:
+        raise InvalidFile(f"{file}: found no list of objects, expected one for each trial, as jsPsych saves them")
+    names = list(dict.fromkeys(name.strip() for trial in trials for name in trial))
+    cells = [{name.strip(): _json_text(value) for name, value in trial.items()} for trial in trials]
+    table = pd.DataFrame([[row.get(name, "") for name in names] for row in cells], columns=names, dtype=str)
+    return table.assign(row=range(1, len(trials) + 1))
+
+
+def _json_text(value: object) -> str:
+    if value is None:
+        return ""
+    return value if isinstance(value, str) else json.dumps(value)
+
+
 def _expect_commas(header: str, separator: str, file: Path) -> None:
     if separator == "," and "," not in header and (";" in header or "\t" in header):
         raise InvalidFile(
             f"{file}, row 1: found columns separated by {';' if ';' in header else 'tabs'}, expected commas (or a file "
             "named .tsv with tabs); save it as comma-separated values with decimal points, or say so in a column map"
         )
+
+
+def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
+    """All cells as text, the header too, read by pyarrow; None if there is a quotation mark, blank line or row of
+    another length: the slower reader says then what is wrong.
+
+    >>> plain_cells("a,b" + chr(10) + "1,2", ",").values.tolist()
+    [['a', 'b'], ['1', '2']]
+    >>> plain_cells("a,b" + chr(10) + "1", ",") is None
+    True
+    """
+    import pyarrow as pa  # type: ignore[import-untyped,unused-ignore]
+    from pyarrow import csv as arrow
+
+    whole = text.rstrip("\r\n")
+    has_blank_line = "\n\n" in whole or "\r\n\r" in whole or whole.startswith(("\n", "\r"))
+    if not whole or '"' in whole or has_blank_line:
+        return None
+    header = whole.partition("\n")[0]
+    names = [str(place) for place in range(header.count(separator) + 1)]
+    if len(names) < 2 or whole.count("\r") != whole.count("\r\n"):
+        return None
+    try:
+        table = arrow.read_csv(
+            pa.py_buffer(whole.encode()),
+            read_options=arrow.ReadOptions(column_names=names),
+            parse_options=arrow.ParseOptions(delimiter=separator, quote_char=False),
+            convert_options=arrow.ConvertOptions(
+                column_types=dict.fromkeys(names, pa.string()), strings_can_be_null=False, check_utf8=False
+            ),
+        )
+    except pa.ArrowInvalid:
+        return None
+    cells: pd.DataFrame = table.to_pandas()
+    return cells.set_axis(range(len(names)), axis=1)
 
 
 def _any_cells(text: str, separator: str, file: Path) -> pd.DataFrame:

@@ -16,37 +16,20 @@ from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.files.durable import listed
 from tactometry.records.data_set import keys_of
 from tactometry.records.formats import ADDED
-from tactometry.trials.cell_rules import CellRule
+from tactometry.trials.cell_rules import PARTICIPANT, CellRule
 from tactometry.trials.columns import MAY_BE_FACTORS, RESERVED, stated_factors
-from tactometry.trials.row_rules import rows_text
+from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS, rows_text
 from tactometry.trials.tasks import TASKS, tasks_with_level
 
-from ..arrays import Array
-from .arrow_text import plain_numbers
+from .cell_numbers import numbers_of
 from .column_map import ColumnMap, translated, trials_of
 from .doubled_rows import doubled
 from .level_scale import scaled, wide_levels
 from .refusals import bad_cell, no_column
+from .rows import holds, is_catch
 from .text_table import text_cells
 
 REQUIRED = ("participant", "level", "task", "response")
-NUMBERS = (
-    "level",
-    "onset_s",
-    "latency_s",
-    "force_mean_n",
-    "force_sd_n",
-    "force_in_band",
-    "level_delivered",
-    "level_measured",
-    "speed_target_m_per_s",
-    "speed_mean_m_per_s",
-    "standard_level",
-    "speed_in_band",
-)
-FLAGS = ("correct", "valid", "catch", "practice")
-WHOLE = ("session", "block", "trial", "attempt", "target", "n_gaps")
-PARTICIPANT = re.compile(r"[A-Za-z0-9]{1,32}")
 CURVED = tasks_with_level("curve")
 FORMS = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
 """Where trials stand in a data set: our own, then BIDS."""
@@ -132,7 +115,7 @@ def _with_added(table: pd.DataFrame, header: list[str]) -> pd.DataFrame:
     missing = [name for name in header if name in ADDED and name not in table.columns]
     if not missing or set(header) != {*table.columns, *missing}:
         return table
-    return table.assign(**{name: np.nan if name in (*NUMBERS, *WHOLE) else "" for name in missing})[header]
+    return table.assign(**{name: np.nan if name in (*NUMBERS, *COUNTS) else "" for name in missing})[header]
 
 
 def trial_files(path: Path, forms: Sequence[str] = FORMS) -> list[Path]:
@@ -199,7 +182,7 @@ def _checked(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
     _all_match(table, "task", file, lambda task: task in TASKS, f"one of {', '.join(TASKS)}")
     for name in (name for name in NUMBERS if name in table.columns):
         table[name] = _numbers(table, name, file)
-    for name in (name for name in WHOLE if name in table.columns):
+    for name in (name for name in COUNTS if name in table.columns):
         table[name] = _whole(table, name, file)
     for name in (name for name in FLAGS if name in table.columns):
         _all_match(table, name, file, lambda flag: flag in ("", "0", "1"), "1, 0 or nothing")
@@ -266,7 +249,7 @@ _NUMBER = re.compile(r"[+-]?\d+\.?\d*")
 
 
 def _numbers(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
-    values = parsed(table[name])
+    values = numbers_of(table[name])
     bad = ~np.isfinite(values.to_numpy())
     if bad.any():
         bad &= (table[name] != "").to_numpy()
@@ -274,26 +257,6 @@ def _numbers(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
         comma = re.fullmatch(r"-?\d+,\d+", str(table[name].iloc[int(np.flatnonzero(bad)[0])])) is not None
         _refuse(table, name, file, bad, "a decimal point" if comma else "a finite number or nothing")
     return values
-
-
-def parsed(text: "pd.Series[str]") -> "pd.Series[float]":
-    """Numbers of text cells, NaN for what is none."""
-    numbers = plain_numbers(text)
-    return pd.Series(_numbers_of_words(text) if numbers is None else numbers, index=text.index)
-
-
-def _numbers_of_words(text: "pd.Series[str]") -> Array:
-    """Each different text is read once."""
-    codes, different = pd.factorize(text)
-    words = [word or "nan" for word in different.tolist()]
-    # numpy reads "1_000" as a number, as Python does; a table means a word by it.
-    try:
-        numbers = np.array(words, dtype=np.float64) if not any("_" in word for word in words) else None
-    except ValueError:
-        numbers = None
-    if numbers is None:
-        numbers = np.asarray(pd.to_numeric(pd.Series(words), errors="coerce"), dtype=np.float64)
-    return numbers[codes]
 
 
 def _whole(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
@@ -308,8 +271,7 @@ def _check_answers(table: pd.DataFrame, file: Path) -> None:
     for task in sorted(table["task"].unique()):
         if TASKS[task].is_read:
             _check_responses(table, task, file)
-    catch = table["catch"] == 1 if "catch" in table.columns else pd.Series(False, index=table.index)
-    lost = table["task"].isin(CURVED) & table["level"].isna() & ~catch
+    lost = table["task"].isin(CURVED) & table["level"].isna() & ~is_catch(table)
     if lost.any():
         _refuse(table, "level", file, lost.to_numpy(), "a level, or 1 in the column 'catch'")
 
@@ -362,7 +324,7 @@ def _factor_values(rows: pd.DataFrame, name: str) -> "pd.Series[Any]":
     lost = (text == "") & rows["task"].isin(CURVED)
     if lost.any():
         raise bad_cell(rows[lost].iloc[0], name, "nothing", "the factor's value")
-    numbers = parsed(text)
+    numbers = numbers_of(text)
     if not np.isfinite(numbers[text != ""]).all():
         return text
     # Beyond 2^53 floats leave whole numbers out: two levels could become one.
@@ -379,9 +341,4 @@ def used_rows(trials: Trials) -> pd.DataFrame:
 def asked_rows(trials: Trials) -> pd.DataFrame:
     """The rows that are valid and no practice, answered or not."""
     rows = trials.rows
-    asked = pd.Series(True, index=rows.index)
-    if "valid" in rows.columns:
-        asked &= rows["valid"] != 0
-    if "practice" in rows.columns:
-        asked &= rows["practice"] != 1
-    return rows[asked]
+    return rows[~holds(rows, "valid", 0) & ~holds(rows, "practice", 1)]

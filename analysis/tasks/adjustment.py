@@ -10,7 +10,7 @@ import pandas as pd
 
 from ..conditions import by_condition
 from ..means import mean_row
-from ..reading.trials import parsed
+from ..reading.cell_numbers import numbers_of
 from .task_analysis import Results, TaskAnalysis
 
 TASK = "adjustment"
@@ -24,7 +24,7 @@ def adjustment_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame
 
 
 def _row(part: pd.DataFrame) -> dict[str, object]:
-    settings = np.asarray(parsed(part["response"]), dtype=np.float64)
+    settings = np.asarray(numbers_of(part["response"]), dtype=np.float64)
     named = {name.replace("mean", DEPENDENT): value for name, value in mean_row(settings).items()}
     return {"task": TASK, **named, "n_settings": len(settings)}
 

@@ -11,12 +11,13 @@ import pandas as pd
 from tactometry.trials.tasks import tasks_with_level
 
 from ..conditions import parts
+from ..reading.cell_numbers import numbers_of
 from ..reading.refusals import bad_cell
-from ..reading.trials import Trials, parsed
+from ..reading.rows import correct, delivered, is_catch
+from ..reading.trials import Trials
 from ..threshold.fitting import ThresholdFit, fit_many
 from .curve import DIFFERENCE_PER_WIDTH
 from .kinds import CURVES
-from .rows import correct, delivered, is_catch
 
 LEVELLED_TASKS = tasks_with_level("curve", "scale", "ratio")
 UNIT = "level_unit"
@@ -95,7 +96,7 @@ def counted_answers(judged: pd.DataFrame) -> pd.DataFrame:
 
 def _yes(rows: pd.DataFrame) -> "pd.Series[float]":
     """1 for yes, correct or more; 0 for the opposite; NaN where a forced choice says neither what was right."""
-    return parsed(rows["response"]).where(~rows["task"].isin(CHOICES), correct(rows))
+    return numbers_of(rows["response"]).where(~rows["task"].isin(CHOICES), correct(rows))
 
 
 def _cell(key: tuple[Any, ...], part: pd.DataFrame, n_factors: int) -> Cell:
@@ -126,7 +127,7 @@ def count_table(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
 def n_alternatives(trials: Trials) -> int:
     """Alternatives of forced choices: the largest interval ever chosen or used as target, at least 2."""
     rows = trials.rows[trials.rows["task"].isin(CHOICES)]
-    answers = parsed(rows["response"])
+    answers = numbers_of(rows["response"])
     largest = answers.max() if "target" not in rows.columns else max(answers.max(), rows["target"].max())
     return max(2, int(largest)) if np.isfinite(largest) else 2  # NaN where no row is one of a forced choice
 

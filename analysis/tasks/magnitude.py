@@ -13,9 +13,9 @@ from scipy.stats import linregress, t as student
 
 from ..arrays import Array
 from ..conditions import by_condition
+from ..reading.cell_numbers import numbers_of
 from ..reading.refusals import bad_cell
-from ..reading.trials import parsed
-from .rows import delivered
+from ..reading.rows import delivered
 from .task_analysis import Results, TaskAnalysis
 
 TASK = "magnitude"
@@ -83,7 +83,7 @@ def _ratings(rows: pd.DataFrame) -> pd.DataFrame:
         raise bad_cell(bad.iloc[0], "level", f"{x[bad.index[0]]:g}", expected)
     # Decibels are logarithms of amplitude already, 20 for a factor of ten, and may be below 0.
     log_level = np.where(in_db, x * np.log(10) / 20, np.log(x.where(~in_db, 1.0)))
-    return rows.assign(number=parsed(rows["response"]), x=x, log_level=log_level)
+    return rows.assign(number=numbers_of(rows["response"]), x=x, log_level=log_level)
 
 
 def _row(part: pd.DataFrame) -> dict[str, Any]:

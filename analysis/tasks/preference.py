@@ -22,8 +22,9 @@ from tactometry.trials.row_rules import rows_text
 
 from ..arrays import Array
 from ..conditions import parts
+from ..reading.cell_numbers import numbers_of
 from ..reading.refusals import no_column
-from ..reading.trials import Trials, parsed
+from ..reading.trials import Trials
 from ..wording.labels import level_of
 from .task_analysis import Results, TaskAnalysis
 
@@ -204,7 +205,7 @@ def _check_pairs(rows: pd.DataFrame) -> None:
 
 
 def _of_a_condition(condition: dict[str, Any], part: pd.DataFrame) -> pd.DataFrame:
-    answers = [int(answer) for answer in parsed(part["response"])]
+    answers = [int(answer) for answer in numbers_of(part["response"])]
     found = bradley_terry(part["item"].tolist(), part["item_b"].tolist(), answers, part["participant"].tolist())
     table = pd.concat([found.worths, found.order.assign(item=ORDER, n_pairs=len(part))], ignore_index=True)
     return table.assign(note=found.note, **condition)[[*condition, *table.columns, "note"]]
@@ -216,7 +217,7 @@ def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
     factor = _compared_factor(trials)
     if not factor:
         return table
-    ordered = table.sort_values("item", key=lambda item: parsed(item).fillna(float("inf")), kind="stable")
+    ordered = table.sort_values("item", key=lambda item: numbers_of(item).fillna(float("inf")), kind="stable")
     conditions = list(table.columns[: table.columns.get_loc("item")])
     ordered = ordered.sort_values(conditions, kind="stable") if conditions else ordered
     return ordered.assign(item=[text if text == ORDER else level_of(factor, text) for text in ordered["item"]])

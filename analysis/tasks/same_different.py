@@ -11,8 +11,9 @@ import pandas as pd
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
-from ..reading.trials import Trials, parsed
-from .rows import is_catch
+from ..reading.cell_numbers import numbers_of
+from ..reading.rows import is_catch
+from ..reading.trials import Trials
 from .signal_detection import LARGEST_D_PRIME, z_score
 from .task_analysis import R_OF_LEVEL, Results, TaskAnalysis
 
@@ -71,7 +72,7 @@ def _rates(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> t
 def same_different_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Of the task's used rows, a row per participant, condition and level: counts, and d' by both rules, or a note why
     there is none."""
-    rows = rows.assign(different=parsed(rows["response"]), is_same=is_catch(rows))
+    rows = rows.assign(different=numbers_of(rows["response"]), is_same=is_catch(rows))
     keys = ["participant", *factors]
     other = rows[~rows["is_same"]].groupby([*keys, "level"])["different"].agg(n_hits="sum", n_different="size")
     same = rows[rows["is_same"]].groupby(keys)["different"].agg(n_false_alarms="sum", n_same="size")

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import pandas as pd
 
-from tactometry.analysis.reading.trials import parsed
+from tactometry.analysis.reading.cell_numbers import numbers_of
 from tactometry.analysis.tasks.kinds import ANALYSES
 from tactometry.analysis.tasks.task_analysis import R_OF_FORM
 from tactometry.files.safe_text import cell_text
@@ -124,7 +124,7 @@ def _models(source: ExportedDataSet) -> Iterator[str]:
 
 def _filled(model: str, rows: pd.DataFrame, source: ExportedDataSet, data: str) -> str:
     varied = [name(cell_text(one)) for one in source.factors if rows[one].nunique() > 1]
-    answers = parsed(rows["response"]).max() if "{n_choices}" in model else 2
+    answers = numbers_of(rows["response"]).max() if "{n_choices}" in model else 2
     return model.format(
         times="".join(f" * {one}" for one in varied),
         plus=" * ".join(varied) or "1",

@@ -88,6 +88,9 @@ RULES: Mapping[str, CellRule] = {
     "invalid_reason": CellRule(f"one of {', '.join(REASONS)}, or nothing", one_of_texts(*REASONS)),
     "n_gaps": CellRule("a whole number from 0", lambda text: re.fullmatch(r"\d+", text) is not None),
 }
+NUMBERS = tuple(name for name, rule in RULES.items() if rule in (_ANY, _POSITIVE, _PART))
+COUNTS = (*(name for name, rule in RULES.items() if rule is _COUNT), "n_gaps")
+FLAGS = tuple(name for name, rule in RULES.items() if rule is _FLAG)
 MAY_BE_EMPTY = frozenset(RULES) - {"participant", "session", "block", "trial", "task", "rig"}
 
 

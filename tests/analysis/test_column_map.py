@@ -10,9 +10,10 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from places import DOCS
 
 from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.reading.arrow_text import plain_cells, plain_numbers
+from tactometry.analysis.reading.cell_numbers import numbers_of, plain_numbers
 from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
-from tactometry.analysis.reading.trials import parsed, read_trials, used_rows
+from tactometry.analysis.reading.text_table import plain_cells
+from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.cli.analyse import command
 from tactometry.errors import InvalidFile
 
@@ -258,11 +259,11 @@ def test_a_spoiled_level_is_refused_with_file_row_and_column(tmp_path, guise, da
 def test_both_readers_of_numbers_agree_to_the_last_digit(words) -> None:
     import pandas as pd
 
-    from tactometry.analysis.reading.trials import _numbers_of_words
+    from tactometry.analysis.reading.cell_numbers import _numbers_of_words
 
     text = pd.Series(words, dtype="str")
     assert np.array_equal(plain_numbers(text), _numbers_of_words(text), equal_nan=True)
-    assert np.array_equal(parsed(text), _numbers_of_words(text), equal_nan=True)
+    assert np.array_equal(numbers_of(text), _numbers_of_words(text), equal_nan=True)
 
 
 @pytest.mark.parametrize("text", ['a,b\n"1",2', "a,b\n\n1,2", "a,b\r1,2", "a,b\n1", "a,b\n1,2,3", "a\n1", "", "\na,b"])

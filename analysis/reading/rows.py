@@ -1,13 +1,19 @@
-"""What a row of a trials table says of its stimulus."""
+"""What the rows of a trials table say of their trials."""
 
 import numpy as np
 import pandas as pd
 
-from ..reading.trials import parsed
+from .cell_numbers import numbers_of
+
+
+def holds(rows: pd.DataFrame, name: str, value: object) -> "pd.Series[bool]":
+    """Which rows hold a value in a column that a table may lack."""
+    return rows[name] == value if name in rows.columns else pd.Series(False, index=rows.index)
 
 
 def is_catch(rows: pd.DataFrame) -> "pd.Series[bool]":
-    return rows["catch"] == 1 if "catch" in rows.columns else pd.Series(False, index=rows.index)
+    """Which trials were catch trials."""
+    return holds(rows, "catch", 1)
 
 
 def delivered(rows: pd.DataFrame) -> "pd.Series[float]":
@@ -22,5 +28,5 @@ def correct(rows: pd.DataFrame) -> "pd.Series[float]":
     stated = rows["correct"] if "correct" in rows.columns else pd.Series(np.nan, index=rows.index)
     if "target" not in rows.columns:
         return stated
-    is_right = parsed(rows["response"]) == rows["target"]
+    is_right = numbers_of(rows["response"]) == rows["target"]
     return stated.fillna(is_right.astype(float).where(rows["target"].notna()))
