@@ -192,12 +192,13 @@ def _curve_tables(
 ) -> dict[str, pd.DataFrame]:
     if not found:
         return {}
+    counts = cells.count_table(found, factors)
     return {
         "thresholds": table,
         "goodness": goodness_table(table),
-        "rates": detection_rates(found, factors),
-        "mean_rates": mean_rates(found, factors),
-        "counts": cells.count_table(found, factors),
+        "rates": detection_rates(counts, factors),
+        "mean_rates": mean_rates(counts, factors),
+        "counts": counts,
         "tracks": tracks(judged, factors),
     }
 

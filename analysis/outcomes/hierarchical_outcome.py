@@ -11,8 +11,8 @@ from tactometry.errors import InvalidParameter
 
 from ..hierarchical.fitting import FactorEffect, GroupStatus, HierarchicalFit, fit_hierarchical
 from ..tasks.cells import Cell
-from ..tasks.curve import DIFFERENCE_PER_WIDTH, SHAPE
 from ..tasks.kinds import CURVES
+from ..tasks.task_analysis import DIFFERENCE_PER_WIDTH, SHAPE
 from ..threshold.status import Status
 from ..wording.numbers import interval_text, number_text
 

@@ -16,13 +16,20 @@ from ..reading.refusals import bad_cell
 from ..reading.rows import correct, delivered, is_catch
 from ..reading.trials import Trials
 from ..threshold.fitting import ThresholdFit, fit_many
-from .curve import DIFFERENCE_PER_WIDTH
 from .kinds import CURVES
+from .task_analysis import DIFFERENCE_PER_WIDTH
 
 LEVELLED_TASKS = tasks_with_level("curve", "scale", "ratio")
 UNIT = "level_unit"
 CHOICES = tuple(name for name, curve in CURVES.items() if curve.scored_by == "correct")
 """Forced choices, whose responses alone do not say what was right."""
+COLUMNS = (
+    *("task", "threshold", "interval_low", "interval_high", "level_unit", "status", "width", "width_low", "width_high"),
+    *("guess_rate", "lapse_rate", "n_trials", "n_levels", "n_catch", "n_false_alarms", "deviance", "threshold_mode"),
+    *("threshold_median", "threshold_mean", "probability_below", "probability_within", "probability_above", "method"),
+    *("shape", "interval", "note"),
+)
+"""Of the table of estimates, behind participant and condition."""
 Rows = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 
@@ -74,7 +81,7 @@ def level_unit(trials: Trials) -> str:
 
 def cells(answers: pd.DataFrame, factors: Sequence[str]) -> list[Cell]:
     """The cells of judgements that count (`counted_answers`), ordered by participant, condition and task."""
-    return [_cell(key, part, len(factors)) for key, part in parts(answers, cell_keys(factors))]
+    return [_cell(key, rows, len(factors)) for key, rows in parts(answers, cell_keys(factors))]
 
 
 def cell_keys(factors: Sequence[str]) -> list[str]:
@@ -99,9 +106,9 @@ def _yes(rows: pd.DataFrame) -> "pd.Series[float]":
     return numbers_of(rows["response"]).where(~rows["task"].isin(CHOICES), correct(rows))
 
 
-def _cell(key: tuple[Any, ...], part: pd.DataFrame, n_factors: int) -> Cell:
-    catch = part["is_catch"].to_numpy()
-    counts = part[~catch].groupby("x")["yes"].agg(["sum", "count"])
+def _cell(key: tuple[Any, ...], rows: pd.DataFrame, n_factors: int) -> Cell:
+    catch = rows["is_catch"].to_numpy()
+    counts = rows[~catch].groupby("x")["yes"].agg(["sum", "count"])
     return Cell(
         participant=str(key[0]),
         condition=tuple(key[1 : 1 + n_factors]),
@@ -110,7 +117,7 @@ def _cell(key: tuple[Any, ...], part: pd.DataFrame, n_factors: int) -> Cell:
         n_yes=tuple(int(k) for k in counts["sum"]),
         n_trials=tuple(int(n) for n in counts["count"]),
         n_catch=int(catch.sum()),
-        n_false_alarms=int(part["yes"].to_numpy()[catch].sum()),
+        n_false_alarms=int(rows["yes"].to_numpy()[catch].sum()),
     )
 
 
@@ -132,23 +139,23 @@ def n_alternatives(trials: Trials) -> int:
     return max(2, int(largest)) if np.isfinite(largest) else 2  # NaN where no row is one of a forced choice
 
 
-def estimates(found: Sequence[Cell], n_choices: int, unit: str = "", interval: float = 0.95) -> list[Estimate]:
+def estimates(cells: Sequence[Cell], n_choices: int, unit: str = "", interval: float = 0.95) -> list[Estimate]:
     """Fit every cell, those of one task in one batch; in the order of the cells.
 
     By the posterior, its mode and marginal intervals, with what the curve of the task knows of its rates.
     """
     fits: dict[Cell, ThresholdFit] = {}
     for task in CURVES:  # one batch a task: its cells share the options of the fit, and one call is faster than many
-        chosen = [cell for cell in found if cell.task == task]
-        if chosen:
-            fits |= dict(zip(chosen, _fits(chosen, task, n_choices, unit, interval), strict=True))
-    return [Estimate(cell, fits[cell]) for cell in found]
+        of_task = [cell for cell in cells if cell.task == task]
+        if of_task:
+            fits |= dict(zip(of_task, _fits(of_task, task, n_choices, unit, interval), strict=True))
+    return [Estimate(cell, fits[cell]) for cell in cells]
 
 
-def _fits(chosen: Sequence[Cell], task: str, n_choices: int, unit: str, interval: float) -> tuple[ThresholdFit, ...]:
-    n_false_alarms, n_catch = catch_counts(chosen)
+def _fits(cells: Sequence[Cell], task: str, n_choices: int, unit: str, interval: float) -> tuple[ThresholdFit, ...]:
+    n_false_alarms, n_catch = catch_counts(cells)
     return fit_many(
-        *stacked_counts(chosen),
+        *stacked_counts(cells),
         **CURVES[task].options(n_choices, unit),
         interval=interval,
         n_false_alarms=n_false_alarms,
@@ -156,14 +163,14 @@ def _fits(chosen: Sequence[Cell], task: str, n_choices: int, unit: str, interval
     )
 
 
-def stacked_counts(chosen: Sequence[Cell]) -> tuple[Rows, Rows, Rows]:
+def stacked_counts(cells: Sequence[Cell]) -> tuple[Rows, Rows, Rows]:
     """Levels, yes and trials of cells, (n_cells, most levels), filled up with places without trials."""
-    return _stack([c.levels for c in chosen]), _stack([c.n_yes for c in chosen]), _stack([c.n_trials for c in chosen])
+    return _stack([c.levels for c in cells]), _stack([c.n_yes for c in cells]), _stack([c.n_trials for c in cells])
 
 
-def catch_counts(chosen: Sequence[Cell]) -> tuple[list[int], list[int]]:
+def catch_counts(cells: Sequence[Cell]) -> tuple[list[int], list[int]]:
     """False alarms and catch trials of cells as a fit uses them: none where the guess rate does not rest on them."""
-    used = [(cell.n_false_alarms, cell.n_catch) if CURVES[cell.task].counts_catch else (0, 0) for cell in chosen]
+    used = [(cell.n_false_alarms, cell.n_catch) if CURVES[cell.task].counts_catch else (0, 0) for cell in cells]
     return [n_false_alarms for n_false_alarms, _ in used], [n_catch for _, n_catch in used]
 
 
@@ -175,47 +182,21 @@ def _stack(rows: Sequence[Sequence[float]]) -> Rows:
     return stacked
 
 
-def estimate_table(found: Sequence[Estimate], factors: Sequence[str], unit: str) -> pd.DataFrame:
+def estimate_table(estimates: Sequence[Estimate], factors: Sequence[str], unit: str) -> pd.DataFrame:
     """One row per participant and condition; empty where the data do not tell.
 
     `threshold` is the detection threshold, or the point of subjective equality (also as `pse`) in a
     comparison, where `jnd` is 0.6745 standard deviations.
     """
-    return pd.DataFrame([_row(estimate, factors, unit) for estimate in found])
+    return pd.DataFrame([_row(estimate, factors, unit) for estimate in estimates])
 
 
 def _row(estimate: Estimate, factors: Sequence[str], unit: str) -> dict[str, object]:
     cell, fit = estimate.cell, estimate.fit
+    values = vars(fit) | {"task": cell.task, "level_unit": unit, "status": fit.status.value}
+    values |= {"n_catch": cell.n_catch, "n_false_alarms": cell.n_false_alarms}
     row: dict[str, object] = {"participant": cell.participant}
-    row |= dict(zip(factors, cell.condition, strict=True))
-    row |= {
-        "task": cell.task,
-        "threshold": fit.threshold,
-        "interval_low": fit.interval_low,
-        "interval_high": fit.interval_high,
-        "level_unit": unit,
-        "status": fit.status.value,
-        "width": fit.width,
-        "width_low": fit.width_low,
-        "width_high": fit.width_high,
-        "guess_rate": fit.guess_rate,
-        "lapse_rate": fit.lapse_rate,
-        "n_trials": fit.n_trials,
-        "n_levels": fit.n_levels,
-        "n_catch": cell.n_catch,
-        "n_false_alarms": cell.n_false_alarms,
-        "deviance": fit.deviance,
-        "threshold_mode": fit.threshold_mode,
-        "threshold_median": fit.threshold_median,
-        "threshold_mean": fit.threshold_mean,
-        "probability_below": fit.probability_below,
-        "probability_within": fit.probability_within,
-        "probability_above": fit.probability_above,
-        "method": fit.method,
-        "shape": fit.shape,
-        "interval": fit.interval,
-        "note": fit.note,
-    }
+    row |= dict(zip(factors, cell.condition, strict=True)) | {name: values[name] for name in COLUMNS}
     return row | (_difference(fit) if CURVES[cell.task].has_difference else {})
 
 

@@ -3,8 +3,7 @@
 from collections.abc import Mapping
 from typing import Any
 
-from .curve import SHAPE, Curve
-from .task_analysis import R_OF_LEVEL, TaskAnalysis
+from .task_analysis import R_OF_LEVEL, SHAPE, Curve, TaskAnalysis
 
 FIT: Mapping[str, Any] = {
     "shape": SHAPE,

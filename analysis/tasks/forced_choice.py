@@ -1,7 +1,6 @@
 """Forced choice: a threshold, whose guess rate is one over the number of intervals."""
 
-from .curve import Curve, detection
-from .task_analysis import TaskAnalysis
+from .task_analysis import Curve, TaskAnalysis, detection
 
 ANALYSIS = TaskAnalysis(
     "Participants told in which interval the stimulus was",

@@ -4,8 +4,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.special import ndtri
+from scipy.stats import chi2_contingency
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from ..arrays import Indices
 
@@ -56,34 +58,25 @@ def interval_bias(targets: Sequence[int], responses: Sequence[int], n_intervals:
 
 def _table(targets: Sequence[int], responses: Sequence[int], n_intervals: int) -> Indices:
     """Counts (target, response)."""
-    if not targets or len(targets) != len(responses):
-        raise InvalidParameter(
-            f"interval_bias: found {len(targets)} targets and {len(responses)} responses, expected as many of both, at "
-            "least one"
-        )
+    numbers = f"{len(targets)} targets and {len(responses)} responses"
+    expect(len(targets) == len(responses) > 0, "interval_bias", numbers, "as many of both, at least one")
+    intervals = range(1, n_intervals + 1)
     table = np.zeros((n_intervals, n_intervals), dtype=np.int64)
     for n, (target, response) in enumerate(zip(targets, responses, strict=True)):
-        if not (1 <= target <= n_intervals and 1 <= response <= n_intervals):
-            raise InvalidParameter(
-                f"interval_bias, trial {n}: found target {target} and response {response}, expected intervals from 1 "
-                f"to {n_intervals}"
-            )
+        known = target in intervals and response in intervals
+        given = f"target {target} and response {response}"
+        expect(known, f"interval_bias, trial {n}", given, f"intervals from 1 to {n_intervals}")
         table[target - 1, response - 1] += 1
     return table
 
 
 def _criterion(table: Indices) -> float:
-    from scipy.special import ndtri
-
     second = (table[:, 1] + 0.5) / (table.sum(axis=1) + 1)
     return float(-ndtri(second).sum() / 2)
 
 
 def _equal_shares(table: Indices) -> float | None:
-    from scipy.stats import chi2_contingency
-
-    right = table.diagonal()
-    counts = np.array([right, table.sum(axis=1) - right])
-    if (counts.sum(axis=0) == 0).any() or (counts.sum(axis=1) == 0).any():
+    wrong_and_right = np.array([table.diagonal(), table.sum(axis=1) - table.diagonal()])
+    if not (wrong_and_right.any(axis=0).all() and wrong_and_right.any(axis=1).all()):
         return None  # an empty row or column has no expected counts
-    return float(chi2_contingency(counts, correction=False).pvalue)
+    return float(chi2_contingency(wrong_and_right, correction=False).pvalue)

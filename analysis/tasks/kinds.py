@@ -5,8 +5,7 @@ from collections.abc import Mapping
 from tactometry.target import resolve
 from tactometry.trials.tasks import TASKS
 
-from .curve import Curve
-from .task_analysis import Results, TaskAnalysis
+from .task_analysis import Curve, Results, TaskAnalysis
 
 ANALYSES: Mapping[str, TaskAnalysis] = {name: resolve(f"{__package__}.{name}:ANALYSIS") for name in TASKS}
 CURVES: Mapping[str, Curve] = {name: found.curve for name, found in ANALYSES.items() if found.curve is not None}

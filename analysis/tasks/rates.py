@@ -7,24 +7,19 @@ import pandas as pd
 from statsmodels.stats.proportion import proportion_confint
 
 from ..arrays import Array
-from .cells import Cell
 
 MAX_LEVELS = 16
 """More levels than this are drawn together for the rates."""
 
 
-def detection_rates(found: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
-    """Rate of "yes", correct or "more" against the level in each condition, all participants together.
+def detection_rates(counts: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Rate of "yes", correct or "more" against the level in each condition, all participants together, from the
+    table of counts.
 
     With Wilson's interval, which treats the answers as independent. Levels are drawn together into
     `MAX_LEVELS` classes of equal width, named by their mean, where there are more.
     """
-    rows = [
-        (*cell.condition, cell.task, level, k, n)
-        for cell in found
-        for level, k, n in zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
-    ]
-    table = pd.DataFrame(rows, columns=[*factors, "task", "level", "n_yes", "n_trials"])
+    table = counts.drop(columns="participant")
     table["level"] = _classes(table["level"].to_numpy(dtype=float), table["n_trials"].to_numpy(dtype=float))
     rates = table.groupby([*factors, "task", "level"], sort=True, observed=True).sum().reset_index()
     low, high = proportion_confint(rates["n_yes"], rates["n_trials"], method="wilson")
@@ -43,10 +38,10 @@ def _classes(levels: Array, weights: Array) -> Array:
     return np.asarray(mean[place])
 
 
-def mean_rates(found: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
+def mean_rates(counts: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Mean over participants of the rate over all levels, in each condition (the thesis's detection
     rates)."""
-    rows = [(*cell.condition, cell.task, sum(cell.n_yes) / sum(cell.n_trials)) for cell in found if sum(cell.n_trials)]
-    table = pd.DataFrame(rows, columns=[*factors, "task", "rate"])
-    grouped = table.groupby([*factors, "task"], sort=True, observed=True)["rate"]
-    return grouped.agg(rate="mean", sd="std", n="size").reset_index()
+    keys = [*factors, "task"]
+    sums = counts.groupby(["participant", *keys], observed=True)[["n_yes", "n_trials"]].sum().reset_index()
+    rates = sums.assign(rate=sums["n_yes"] / sums["n_trials"])
+    return rates.groupby(keys, sort=True, observed=True)["rate"].agg(rate="mean", sd="std", n="size").reset_index()

@@ -4,13 +4,13 @@ Green and Swets, Signal Detection Theory and Psychophysics (1966); Hautus 1995 f
 """
 
 from dataclasses import dataclass
-from functools import cache
 
 import numpy as np
+from numpy.polynomial.hermite_e import hermegauss
 from scipy.optimize import brentq
 from scipy.special import log_ndtr, ndtri
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 QUADRATURE_NODES = 80
 LARGEST_D_PRIME = 12.0
@@ -62,26 +62,15 @@ def two_interval_sensitivity(
     [1.161, 0.0, 1.345, 0.703]
     """
     z_hit = z_score("n_correct_first", n_correct_first, "n_first", n_first)
-    n_false_alarms = n_second - n_correct_second
-    if not 0 <= n_correct_second <= n_second:
-        raise InvalidParameter(
-            f"n_correct_second: found {n_correct_second}, expected a count from 0 to n_second, {n_second}"
-        )
-    z_false_alarm = z_score("n_correct_second", n_false_alarms, "n_second", n_second)
+    # the rate at which the first is chosen when it is the second is 1 less that of right answers, in z its opposite
+    z_false_alarm = -z_score("n_correct_second", n_correct_second, "n_second", n_second)
     return SensitivityIndex((z_hit - z_false_alarm) / 2**0.5, -(z_hit + z_false_alarm) / 2 + 0.0)
 
 
 def z_score(name: str, k: int, of: str, n: int) -> float:
-    if n < 1:
-        raise InvalidParameter(f"{of}: found {n}, expected at least 1")
-    if not 0 <= k <= n:
-        raise InvalidParameter(f"{name}: found {k}, expected a count from 0 to {of}, {n}")
+    expect(n >= 1, of, n, "at least 1")
+    expect(0 <= k <= n, name, k, f"a count from 0 to {of}, {n}")
     return float(ndtri((k + 0.5) / (n + 1)))
-
-
-@cache
-def _hermite() -> tuple[np.ndarray, np.ndarray]:
-    return np.polynomial.hermite_e.hermegauss(QUADRATURE_NODES)
 
 
 def forced_choice_chance(d_prime: float, n_alternatives: int) -> float:
@@ -95,11 +84,10 @@ def forced_choice_chance(d_prime: float, n_alternatives: int) -> float:
     >>> [round(forced_choice_chance(1.0, m), 5) for m in (2, 3, 4)]
     [0.76025, 0.6337, 0.55203]
     """
-    if n_alternatives < 2 or n_alternatives != int(n_alternatives):
-        raise InvalidParameter(f"n_alternatives: found {n_alternatives}, expected a whole number from 2")
-    if not np.isfinite(d_prime):
-        raise InvalidParameter(f"d_prime: found {d_prime}, expected a finite number")
-    x, weights = _hermite()  # of the weight exp(-x^2 / 2): phi(x) up to the sum of the weights
+    is_number = n_alternatives >= 2 and n_alternatives == int(n_alternatives)
+    expect(is_number, "n_alternatives", n_alternatives, "a whole number from 2")
+    expect(np.isfinite(d_prime), "d_prime", d_prime, "a finite number")
+    x, weights = hermegauss(QUADRATURE_NODES)  # of the weight exp(-x^2 / 2): phi(x) up to the sum of the weights
     chances = np.exp((n_alternatives - 1) * log_ndtr(x + d_prime))
     return float(weights @ chances / weights.sum())
 
@@ -115,14 +103,7 @@ def forced_choice_sensitivity(rate_correct: float, n_alternatives: int) -> float
     >>> [round(forced_choice_sensitivity(0.75, m), 4) for m in (2, 3, 4)]
     [0.9539, 1.4338, 1.6822]
     """
-    low, high = (forced_choice_chance(end, n_alternatives) for end in (-LARGEST_D_PRIME, LARGEST_D_PRIME))
-    if not low < rate_correct < high:
-        raise InvalidParameter(f"rate_correct: found {rate_correct}, expected a rate between {low:.3g} and 1")
-    return float(
-        brentq(
-            lambda d: forced_choice_chance(d, n_alternatives) - rate_correct,
-            -LARGEST_D_PRIME,
-            LARGEST_D_PRIME,
-            xtol=1e-13,
-        )
-    )
+    ends = (-LARGEST_D_PRIME, LARGEST_D_PRIME)
+    low, high = (forced_choice_chance(end, n_alternatives) for end in ends)
+    expect(low < rate_correct < high, "rate_correct", rate_correct, f"a rate between {low:.3g} and 1")
+    return float(brentq(lambda d: forced_choice_chance(d, n_alternatives) - rate_correct, *ends, xtol=1e-13))

@@ -1,7 +1,6 @@
 """Yes/no detection: a threshold, whose guess rate the catch trials tell."""
 
-from .curve import Curve, detection
-from .task_analysis import R_OF_LEVEL, TaskAnalysis
+from .task_analysis import R_OF_LEVEL, Curve, TaskAnalysis, detection
 
 ANALYSIS = TaskAnalysis(
     "Participants told whether they felt a stimulus",

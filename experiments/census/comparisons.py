@@ -15,7 +15,7 @@ import pandas as pd
 from scipy.special import ndtr
 
 from tactometry.analysis.tasks.comparison import FIT
-from tactometry.analysis.tasks.curve import DIFFERENCE_PER_WIDTH, JND_PER_SD, SHAPE
+from tactometry.analysis.tasks.task_analysis import DIFFERENCE_PER_WIDTH, JND_PER_SD, SHAPE
 from tactometry.analysis.threshold.fitting import fit_many
 
 LEVELS = tuple(np.linspace(-6.0, 6.0, 7).tolist())

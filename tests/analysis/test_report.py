@@ -23,7 +23,7 @@ from tactometry.analysis.report.pdf import BROWSERS, WEASYPRINT, print_pdf
 from tactometry.analysis.report.sentences import primary_sentences
 from tactometry.analysis.report.summary import summary
 from tactometry.analysis.result import Analysis
-from tactometry.analysis.tasks.curve import DIFFERENCE_PER_WIDTH
+from tactometry.analysis.tasks.task_analysis import DIFFERENCE_PER_WIDTH
 from tactometry.analysis.threshold.fitting import fit
 from tactometry.analysis.wording.cross_table import cross_table
 from tactometry.cli.analyse import command, summary_text

@@ -1,7 +1,6 @@
 """Oddity: a threshold, whose guess rate is one third."""
 
-from .curve import Curve, detection
-from .task_analysis import TaskAnalysis
+from .task_analysis import Curve, TaskAnalysis, detection
 
 ANALYSIS = TaskAnalysis(
     "Participants told which of three intervals was the odd one",
