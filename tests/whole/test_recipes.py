@@ -267,7 +267,7 @@ def test_an_output_is_a_file_and_a_line(folder: Path) -> None:
         peak_v, duration = signal.split(" V, ")
         assert duration == "0.10 s"
         assert 18.0 < float(peak_v) <= 10 ** (26 / 20)
-    assert {(row["valid"], row["delivered"]) for row in rows_of(folder / "pressed")} == {("1", "1")}
+    assert [row["valid"] for row in rows_of(folder / "pressed")] == ["1", "1"]
 
 
 def test_a_kind_of_result_is_a_file_and_a_line(folder: Path) -> None:
