@@ -18,8 +18,7 @@ from .electrovibration.sensation import ElectrovibrationSensation
 from .electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
 from .time_reversal.responses.responses import Responses
 from .time_reversal.stimulus import focus_train
-from .time_reversal.stimulus.family import TimeReversalStimulus
-from .time_reversal.stimulus.focus_train import FocusTrain
+from .time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus
 from .time_reversal.stimulus.sensation import Keyed, TimeReversalSensation
 from .time_reversal.stimulus.setup import Setup
 

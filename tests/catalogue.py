@@ -72,8 +72,7 @@ from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid as HybridScreen
 from tactometry.stimuli.time_reversal.responses.responses import Responses
-from tactometry.stimuli.time_reversal.stimulus.family import TimeReversalStimulus
-from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
+from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 from tactometry.target import resolve
 

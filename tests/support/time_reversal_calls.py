@@ -166,6 +166,10 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "modal_history": {**driven, "samples": [3, 7]},
         },
         "stimulus.focus_train": {
+            **{
+            f"TimeReversalStimulus.{name}": {"self": TimeReversalStimulus(FOCUS), "level": 1e-9}
+            for name in ("at", "voltage_v")
+        },
             "FocusTrain.at": {"self": TRAIN, "level": -60.0},
             "FocusTrain.voltage_v": {"self": TRAIN, "level": -60.0},
             "measured": {"train": TRAIN, "heard": SETUP.responses_at(0.1, 0.1)},
@@ -365,10 +369,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "deflection_m": {"plate": PLATE, "force_n": 2.0, "at_m": (0.1, 0.1), "x_m": [0.1], "y_m": [0.1]},
             "bending_stress_pa": {"plate": PLATE, "force_n": 2.0, "contact_m": 0.01},
         },
-        "stimulus.family": {
-            f"TimeReversalStimulus.{name}": {"self": TimeReversalStimulus(FOCUS), "level": 1e-9}
-            for name in ("at", "voltage_v")
-        },
+
         "design.thickness": {
             "sheets": {
                 "plate": PLATE, "transducers": Transducers(8), "band": DESIGN.band, "tau_s": 3e-3, "target": Target(),

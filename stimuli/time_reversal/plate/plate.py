@@ -62,14 +62,8 @@ class Plate:
     boundary: str
 
     def __post_init__(self) -> None:
-        positive(
-            "Plate",
-            length_m=self.length_m,
-            width_m=self.width_m,
-            thickness_m=self.thickness_m,
-            youngs_modulus_pa=self.youngs_modulus_pa,
-            density_kg_per_m3=self.density_kg_per_m3,
-        )
+        above_0 = {name: value for name, value in vars(self).items() if name not in {"poisson_ratio", "boundary"}}
+        positive("Plate", **above_0)
         within("Plate", 0.0, 0.5, poisson_ratio=self.poisson_ratio)
         if len(self.boundary) != 4 or not set(self.boundary) <= set("SCF"):
             raise InvalidParameter(

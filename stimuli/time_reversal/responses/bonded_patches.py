@@ -62,12 +62,7 @@ class Ceramic:
     poisson_ratio: float = CERAMIC_POISSON_RATIO
 
     def __post_init__(self) -> None:
-        positive(
-            "Ceramic",
-            thickness_m=self.thickness_m,
-            density_kg_per_m3=self.density_kg_per_m3,
-            youngs_modulus_pa=self.youngs_modulus_pa,
-        )
+        positive("Ceramic", **{name: value for name, value in vars(self).items() if name != "poisson_ratio"})
         within("Ceramic", 0.0, 0.5, poisson_ratio=self.poisson_ratio)
 
     def added_rigidity_n_m(self, plate: Plate) -> float:

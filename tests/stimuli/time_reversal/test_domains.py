@@ -49,7 +49,7 @@ from tactometry.stimuli.time_reversal.responses.responses import Responses, impu
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
 from tactometry.stimuli.time_reversal.screen.transducer import border
-from tactometry.stimuli.time_reversal.stimulus.family import TimeReversalStimulus
+from tactometry.stimuli.time_reversal.stimulus.focus_train import TimeReversalStimulus
 
 FOCUS = Responses(np.array([[[3.0, -2.0, 1.0]]]), 1e3)
 LINE, BUMP = np.arange(5.0), np.array([0.0, 1.0, 4.0, 1.0, 0.0])

@@ -108,7 +108,10 @@ def constructors() -> Iterator[tuple[str, object]]:
         "responses.plate_constants": MeasuredConstant(1.0, 0.5, 2.0),
         "design.guide": (Transducers(8), Target(contrast=3.0), DESIGN),
         "focusing.focusing": EMISSION,
-        "stimulus.focus_train": TRAIN, "plate.glass": Glass("x", 64e9, 0.2, 2230.0, "here"),
+        "stimulus.focus_train": (
+            TRAIN, TimeReversalStimulus(FOCUS, reversal_s=0.1, heard=FOCUS, path=[0], tau_s=0.1),
+        ),
+        "plate.glass": Glass("x", 64e9, 0.2, 2230.0, "here"),
         "responses.learning": Excitation(CLICK, 2e3, 0.0, 1e3, "click"), "responses.load": PlateLoad(0.1, 0.1, 10.0),
         "focusing.pattern": (
             Rectangular(), RaisedCosine(), Exponential(), Sinc(), Table((0.0, 1.0)), Pattern(200.0, 0.05),
@@ -118,7 +121,6 @@ def constructors() -> Iterator[tuple[str, object]]:
         "stimulus.sensation": (TimeReversalSensation(SETUP), FocusReading(SETUP)), "stimulus.setup": SETUP,
         "field.sound": NoiseSpectrum(np.array([10.0, 20.0]), np.array([1e-9, 1e-9])),
         "filters": (BAND, Butterworth(500.0), MeasuredGain((1.0, 2.0), (1.0, 1j)), Hold(1e3)),
-        "stimulus.family": TimeReversalStimulus(FOCUS, reversal_s=0.1, heard=FOCUS, path=[0], tau_s=0.1),
         "design.thickness": SHEETS[0],
         "screen.transducer": (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), DiscPatch(0.1, 0.1, 0.01)),
     }.items()  # fmt: skip

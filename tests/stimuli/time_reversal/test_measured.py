@@ -42,7 +42,7 @@ from tactometry.stimuli.time_reversal.responses.responses import Responses, band
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
 from tactometry.stimuli.time_reversal.screen.transducer import border
-from tactometry.stimuli.time_reversal.stimulus.family import TimeReversalStimulus
+from tactometry.stimuli.time_reversal.stimulus.focus_train import TimeReversalStimulus
 
 RATE_HZ = 60000.0
 SCREEN = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 16)), Attenuation(3e-3))

@@ -25,7 +25,7 @@ from tactometry.stimuli.time_reversal.focusing.pattern import (
 from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
 from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
-from tactometry.stimuli.time_reversal.stimulus.family import TimeReversalStimulus
+from tactometry.stimuli.time_reversal.stimulus.focus_train import TimeReversalStimulus
 
 RATE_HZ = 60e3
 
