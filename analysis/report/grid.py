@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import pandas as pd
@@ -17,7 +18,7 @@ class TextGrid:
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 
-    @property
+    @cached_property  # the page asks for it in every cell
     def is_text(self) -> tuple[bool, ...]:
         """For each column whether it holds words: the first does, and each with a cell without a digit.
 
