@@ -47,7 +47,7 @@ demo: $(VENV)/.core ## simulate a study, analyse it and write the report to demo
 	@$(BIN)/tactometry demo --out demo
 
 test: system $(VENV)/.test ## every behaviour, law and device once, on all cores
-	@$(PYTEST) -m 'not slow' $(ARGS)
+	@$(PYTEST) -m 'not slow' --hypothesis-profile once $(ARGS)
 
 soak: system $(VENV)/.test ## all tests at full size: hours
 	@TACTOMETRY_SOAK=1 $(BIN)/python -m pytest --timeout 14400 $(ARGS)

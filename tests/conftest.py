@@ -1,5 +1,6 @@
 """A display of its own for the tests that need one, and hands that press its keys and touch it."""
 
+import gc
 import os
 import queue
 import secrets
@@ -25,6 +26,7 @@ __all__ = ["alsa", "needed", "pytest_addoption", "pytest_sessionfinish", "server
 
 SEED = secrets.randbits(32) if SOAK else int(os.environ.get("TACTOMETRY_TEST_SEED", "0"))
 settings.register_profile("reduced", deadline=None, max_examples=100, derandomize=True)
+settings.register_profile("once", settings.get_profile("reduced"), max_examples=40)
 settings.register_profile("soak", deadline=None, max_examples=1000)
 settings.load_profile("soak" if SOAK else "reduced")
 write_in_memory()
@@ -41,6 +43,17 @@ KEPT = []
 
 def group_of(item):
     return "display" if "display" in item.fixturenames else item.path.name
+
+
+def pytest_xdist_auto_num_workers():
+    """One more than the cores: the process that has the display waits for half of its time."""
+    return (os.cpu_count() or 1) + 1
+
+
+def pytest_collection_finish():
+    """What was collected stays until the end: no collection of garbage goes through it again."""
+    gc.collect()
+    gc.freeze()
 
 
 def pytest_report_header():

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 from places import ROOT
 
-from tactometry.cli import COMMANDS, main
+from tactometry.cli import COMMANDS, demo, main
 
 
 def call(capsys, *arguments):
@@ -198,11 +198,15 @@ def test_the_sine_variant_is_one_line_and_its_censored_cells_stay_bounds(tmp_pat
     assert re.search(r"values and bounds\s+leaves\s+out\s+frequency\s+=\s+30\s+Hz", out)
 
 
-def test_the_main_job_end_to_end(tmp_path, capsys):
+@pytest.mark.parametrize("n_participants", [4, pytest.param(10, marks=pytest.mark.slow)])
+def test_the_main_job_end_to_end(tmp_path, capsys, monkeypatch, n_participants):
+    """As people call it with ten participants, and otherwise alike with four."""
+    if n_participants != demo.N_PARTICIPANTS:
+        monkeypatch.setattr(demo, "N_PARTICIPANTS", n_participants)
     out = call(capsys, "demo", "--out", tmp_path / "demo")
     assert (tmp_path / "demo" / "report.html").stat().st_size > 100_000
     assert "report:" in out
-    assert len(list((tmp_path / "demo" / "data").glob("*.csv"))) == 10
+    assert len(list((tmp_path / "demo" / "data").glob("*.csv"))) == n_participants
 
 
 def readme_commands():
