@@ -108,7 +108,7 @@ def drawn(window, page, listener, work_s):
     while time.perf_counter() < end_s:
         busy(work_s)
         window.refresh(page)
-        block = listener.read(3)
+        block = listener.read()
         now_s = time.perf_counter()
         for taken_s, counts in zip(now_s - age_s(now_s, block.values[:, 1]), block.values[:, 2], strict=True):
             was, gate = gate.open, gate.after(float(taken_s), 0.01 * counts)
@@ -148,7 +148,7 @@ def main():
                 device.reader.open()
                 time.sleep(SETTLING_S)
                 gated.begin()
-                listener.read(3)
+                listener.read()
                 with quick_turns():
                     every, peer, intervals_s = drawn(window, page, listener, work_s)
                 device.close()

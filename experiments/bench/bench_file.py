@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from tactometry.arguments.require import one_of, some
+from tactometry.arguments.require import expect, not_zero, one_of, some
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import as_table, build, build_kind, check_keys
 from tactometry.config.toml import located, read_table
@@ -40,13 +40,11 @@ class DisplayTable:
 
     def __post_init__(self) -> None:
         for name in ("width_px", "height_px"):
-            if getattr(self, name) < 320:
-                raise InvalidParameter(
-                    f"DisplayTable.{name}: found {getattr(self, name)}, expected at least 320 pixels"
-                )
+            n_pixels = getattr(self, name)
+            expect(n_pixels >= 320, f"DisplayTable.{name}", n_pixels, "at least 320 pixels")
         one_of("DisplayTable.language", self.language, languages())
-        if self.height_m is not None and not 0 < self.height_m < 10:
-            raise InvalidParameter(f"DisplayTable.height_m: found {self.height_m:g}, expected above 0 and below 10 m")
+        if self.height_m is not None:
+            expect(0 < self.height_m < 10, "DisplayTable.height_m", f"{self.height_m:g}", "above 0 and below 10 m")
 
 
 @dataclass(frozen=True)
@@ -65,8 +63,7 @@ class OutputPart:
     def __post_init__(self) -> None:
         if self.settings.connected:
             required_gain(self.gain, "OutputPart.gain")
-        if not 0 <= self.ramp_s <= 1:
-            raise InvalidParameter(f"OutputPart.ramp_s: found {self.ramp_s:g}, expected from 0 to 1 s")
+        expect(0 <= self.ramp_s <= 1, "OutputPart.ramp_s", f"{self.ramp_s:g}", "from 0 to 1 s")
 
 
 @dataclass(frozen=True)
@@ -77,11 +74,8 @@ class SensorPart:
     delay_s: float = 0.0
 
     def __post_init__(self) -> None:
-        if not 0 <= self.delay_s <= LONGEST_DELAY_S:
-            raise InvalidParameter(
-                f"SensorPart.delay_s: found {self.delay_s:g}, expected from 0 to {LONGEST_DELAY_S:g} s: a stop comes "
-                "so much later"
-            )
+        expected = f"from 0 to {LONGEST_DELAY_S:g} s: a stop comes so much later"
+        expect(0 <= self.delay_s <= LONGEST_DELAY_S, "SensorPart.delay_s", f"{self.delay_s:g}", expected)
 
     def reader(self) -> Reader:
         return Reader(self.settings.source(), self.delay_s)
@@ -108,14 +102,9 @@ class PositionPart:
 
     def __post_init__(self) -> None:
         some("PositionPart.channels", self.channels)
-        if self.zero_counts and len(self.zero_counts) != len(self.channels):
-            raise InvalidParameter(
-                f"PositionPart.zero_counts: found {len(self.zero_counts)}, expected one for each channel, or none"
-            )
-        if not 0 < abs(self.metres_per_count) < float("inf"):
-            raise InvalidParameter(
-                f"PositionPart.metres_per_count: found {self.metres_per_count}, expected a finite number but 0"
-            )
+        n_zeros = len(self.zero_counts)
+        expect(n_zeros in (0, len(self.channels)), "PositionPart.zero_counts", n_zeros, "one for each channel, or none")
+        not_zero("PositionPart", metres_per_count=self.metres_per_count)
 
 
 @dataclass(frozen=True)
@@ -177,7 +166,7 @@ class BenchFile:
         if driver.connected and self.output.gain is not None:
             self.output.gain.check("output.gain", self.output.settings.chain(), today)
         limits = self.limits_with(study) if self.limits is not None or not driver.connected else None
-        readers = {name: each.reader() for name, each in self.sensors.items()}
+        readers = {name: sensor.reader() for name, sensor in self.sensors.items()}
         return Devices(
             Guarded(driver, limits, self.output.load), self._force(readers, today), self._position(readers), readers
         )
@@ -228,14 +217,14 @@ class BenchFile:
             return None
         self.force.calibration.measured.check("force", today)
         reader = readers[self.force.sensor]
-        _check_channels("force.channel", (self.force.channel,), reader)
+        reader.check_channels("force.channel", self.force.channel)
         return streamed_force(reader, self.force.channel, self.force.calibration)
 
     def _position(self, readers: Mapping[str, Reader]) -> StreamedSensor | None:
         if self.position is None:
             return None
         reader = readers[self.position.sensor]
-        _check_channels("position.channels", self.position.channels, reader)
+        reader.check_channels("position.channels", *self.position.channels)
         part = self.position
         return streamed_position(reader, part.channels, part.metres_per_count, part.zero_counts)
 
@@ -338,12 +327,3 @@ _PARTS: Mapping[str, Callable[[Mapping[str, Any], str], Any]] = {
     "position": partial(build, PositionPart),
     "time_reversal": partial(build, Learnt),
 }
-
-
-def _check_channels(where: str, channels: tuple[int, ...], reader: Reader) -> None:
-    for channel in channels:
-        if not 0 <= channel < reader.source.n_channels:
-            raise InvalidParameter(
-                f"{where}: found {channel}, expected from 0 to {reader.source.n_channels - 1}, a channel of "
-                f"{reader.source.name}"
-            )

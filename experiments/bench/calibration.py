@@ -1,26 +1,29 @@
 """Calibrations of a bench: what was measured, fitted and said in the words of a bench file."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.arguments.require import expect
 from tactometry.devices.outputs.gain import Gain
-from tactometry.devices.sensors.reader import Listener, Reader, SampleBlock
+from tactometry.devices.sensors.reader import Reader
 from tactometry.errors import DeviceFailed, InvalidParameter, Stopped
 from tactometry.rigs.pages.layout import bar_page
 from tactometry.rigs.pages.page import Display, Input
 from tactometry.rigs.pages.presenter import Presenter, ending
 from tactometry.rigs.texts import texts_in
+from tactometry.signal import Signal
 
 FloatArray = NDArray[np.float64]
 
 STANDARD_GRAVITY_M_PER_S2: Final = 9.80665
 FIRST_SAMPLE_WITHIN_S: Final = 5.0
+TONE_HZ: Final = 100.0
 RESIDUAL_AT_MOST: Final = 0.05
 """Largest part by which a measured voltage may be off the line of a gain: the limits are as exact as it is (unverified
 default)."""
@@ -74,38 +77,24 @@ def fit_force(
     ([-0.1, 0.01], True)
     """
     mass, count = np.asarray(masses_kg, float), np.asarray(counts, float)
-    if degree < 1 or mass.ndim != 1 or mass.shape != count.shape or len(mass) < degree + 2:
-        raise InvalidParameter(
-            f"fit_force: found {mass.size} masses and {count.size} counts, expected as many of both, at least "
-            f"{max(degree, 1) + 2} for degree {degree}"
-        )
+    enough = degree >= 1 and mass.ndim == 1 and mass.shape == count.shape and len(mass) >= degree + 2
+    expected = f"as many of both, at least {max(degree, 1) + 2} for degree {degree}"
+    expect(enough, "fit_force", f"{mass.size} masses and {count.size} counts", expected)
     if not (np.isfinite(mass).all() and np.isfinite(count).all() and np.all(mass >= 0)):
         raise InvalidParameter("fit_force: found a mass or a count that is no finite number, or a mass below 0")
     steps = np.diff(count[np.argsort(mass, kind="stable")])
-    if not (np.all(steps > 0) or np.all(steps < 0)):
-        raise InvalidParameter(
-            "fit_force: found counts that neither rise nor fall with the weights, expected that; measure them again"
-        )
+    follows = np.all(steps > 0) or np.all(steps < 0)
+    expect(follows, "fit_force", "counts that neither rise nor fall with the weights", "that; measure them again")
     forces_n = mass * gravity_m_per_s2
     fitted = np.polynomial.Polynomial.fit(count, forces_n, degree).convert().coef
     return ForceFit(count, forces_n, tuple(float(c) for c in np.pad(fitted, (0, degree + 1 - len(fitted)))))
 
 
-@dataclass(frozen=True, eq=False)
-class GainFit:
-    """Peak volts at the load against what was played, as parts of full scale; the line through zero."""
+class GainFit(NamedTuple):
+    """Peak volts at the load for each part of full scale, and what is left of the line through zero."""
 
-    units: FloatArray
-    volts: FloatArray
     volts_per_unit: float
-
-    @property
-    def residuals_v(self) -> FloatArray:
-        return np.asarray(self.volts - self.volts_per_unit * self.units)
-
-    @property
-    def residual_rms_v(self) -> float:
-        return float(np.sqrt(np.mean(np.square(self.residuals_v))))
+    residual_rms_v: float
 
 
 def fit_gain(units: Sequence[float], volts: Sequence[float]) -> GainFit:
@@ -123,19 +112,18 @@ def fit_gain(units: Sequence[float], volts: Sequence[float]) -> GainFit:
     50.0
     """
     unit, volt = np.asarray(units, float), np.asarray(volts, float)
-    if unit.ndim != 1 or unit.shape != volt.shape or len(unit) < 2:
-        raise InvalidParameter(f"fit_gain: found {unit.size} and {volt.size} values, expected as many, at least two")
-    if not (np.all(unit > 0) and np.all(volt > 0) and np.isfinite(unit).all() and np.isfinite(volt).all()):
-        raise InvalidParameter("fit_gain: found a value that is not a finite number above 0, expected peak voltages")
-    fit = GainFit(unit, volt, float(unit @ volt / (unit @ unit)))
-    off = np.abs(fit.residuals_v) / (fit.volts_per_unit * unit)
-    if off.max() > RESIDUAL_AT_MOST:
-        worst = int(np.argmax(off))
-        raise InvalidParameter(
-            f"fit_gain: found {volt[worst]:.6g} V at {unit[worst]:g} of full scale, {off[worst]:.0%} off the line "
-            f"through zero, expected at most {RESIDUAL_AT_MOST:.0%}; measure again, below what clips"
-        )
-    return fit
+    paired = unit.ndim == 1 and unit.shape == volt.shape and len(unit) >= 2
+    expect(paired, "fit_gain", f"{unit.size} and {volt.size} values", "as many, at least two")
+    above_0 = all(np.all((values > 0) & np.isfinite(values)) for values in (unit, volt))
+    expect(above_0, "fit_gain", "a value that is not a finite number above 0", "peak voltages")
+    volts_per_unit = float(unit @ volt / (unit @ unit))
+    line_v = volts_per_unit * unit
+    off = np.abs(volt - line_v) / line_v
+    worst = int(np.argmax(off))
+    place = f"{volt[worst]:.6g} V at {unit[worst]:g} of full scale, {off[worst]:.0%} off the line through zero"
+    most = f"at most {RESIDUAL_AT_MOST:.0%}; measure again, below what clips"
+    expect(off[worst] <= RESIDUAL_AT_MOST, "fit_gain", place, most)
+    return GainFit(volts_per_unit, float(np.sqrt(np.mean(np.square(volt - line_v)))))
 
 
 def show_bar(screen: Display) -> None:
@@ -163,8 +151,7 @@ def display_height_m(bar_m: float) -> float:
     >>> display_height_m(0.149)
     0.298
     """
-    if not 0 < bar_m < 5:
-        raise InvalidParameter(f"display: found a bar of {bar_m} m, expected above 0 and below 5 m")
+    expect(0 < bar_m < 5, "display", f"a bar of {bar_m} m", "above 0 and below 5 m")
     return bar_m / BAR_PART
 
 
@@ -172,26 +159,28 @@ def force_toml(fit: ForceFit, sensor: str, channel: int, on: date, by: str) -> s
     """The fit as the table ``[force]`` of a bench file; beyond the weights' counts the force counts as unknown."""
     span = float(np.ptp(fit.counts))
     low, high = float(fit.counts.min()) - 0.1 * span, float(fit.counts.max()) + 0.1 * span
-    coefficients = ", ".join(repr(c) for c in fit.polynomial)
-    return (
-        f"[force]\nsensor = {_text(sensor)}\nchannel = {channel}\npolynomial = [{coefficients}]\n"
-        f"count_low = {low!r}\ncount_high = {high!r}\nmeasured_on = {on}\nmeasured_by = {_text(by)}\n"
-    )
+    fitted = {"sensor": sensor, "channel": channel, "polynomial": fit.polynomial, "count_low": low, "count_high": high}
+    return _toml("force", {**fitted, "measured_on": on, "measured_by": by})
 
 
 def gain_toml(gain: Gain) -> str:
     """The table ``[output.gain]``, with all that it states."""
-    stated = {name: value for name, value in vars(gain).items() if value is not None}
-    words = {name: _text(value) if isinstance(value, str) else str(value) for name, value in stated.items()}
-    return "[output.gain]\n" + "".join(f"{name} = {value}\n" for name, value in words.items())
+    return _toml("output.gain", vars(gain))
 
 
 def display_toml(height_m: float) -> str:
-    return f"[screen]\nheight_m = {height_m!r}\n"
+    return _toml("screen", {"height_m": height_m})
 
 
-def _text(words: str) -> str:
-    return '"' + words.replace("\\", "\\\\").replace('"', '\\"') + '"'
+def _toml(name: str, values: Mapping[str, object]) -> str:
+    """A table of a bench file, without what is None."""
+    return f"[{name}]\n" + "".join(f"{key} = {_word(value)}\n" for key, value in values.items() if value is not None)
+
+
+def _word(value: object) -> str:
+    if isinstance(value, str):
+        return '"' + value.replace("\\", "\\\\").replace('"', '\\"') + '"'
+    return f"[{', '.join(map(str, value))}]" if isinstance(value, tuple) else str(value)
 
 
 def mean_counts(reader: Reader, channel: int, duration_s: float = 1.0) -> float:
@@ -204,24 +193,22 @@ def mean_counts(reader: Reader, channel: int, duration_s: float = 1.0) -> float:
     DeviceFailed
         If it is silent.
     """
-    source = reader.source
-    if not 0 <= channel < source.n_channels:
-        raise InvalidParameter(
-            f"channel: found {channel}, expected from 0 to {source.n_channels - 1}, of {source.name}"
+    reader.check_channels("channel", channel)
+    listener = reader.listen()
+    # a board may begin a while after its line was opened
+    first = next(listener.blocks(time.perf_counter() + FIRST_SAMPLE_WITHIN_S), None)
+    if first is None:
+        raise DeviceFailed(
+            f"{reader.source.name}: found no sample in {FIRST_SAMPLE_WITHIN_S:g} s, expected a sensor that sends"
         )
-    first = _first(reader, listener := reader.listen())
     time.sleep(duration_s)
-    return float(np.concatenate([first.values, listener.read(source.n_channels).values])[:, channel].mean())
+    return float(np.concatenate([first.values, listener.read().values])[:, channel].mean())
 
 
-def _first(reader: Reader, listener: Listener) -> SampleBlock:
-    """The first samples; a board may begin a while after its line was opened."""
-    end_s = time.perf_counter() + FIRST_SAMPLE_WITHIN_S
-    while time.perf_counter() < end_s:
-        block = listener.read(reader.source.n_channels)
-        if block.times_s.size:
-            return block
-        time.sleep(0.01)
-    raise DeviceFailed(
-        f"{reader.source.name}: found no sample in {FIRST_SAMPLE_WITHIN_S:g} s, expected a sensor that sends"
-    )
+def tone(voltage_v: float, n_channels: int, rate_hz: float, duration_s: float, ramp_s: float) -> Signal:
+    """A sine of 100 Hz that tries or measures an output, with a ramp at each end, (n_channels, n_samples)."""
+    times_s = np.arange(round(duration_s * rate_hz)) / rate_hz
+    to_an_end_s = np.minimum(times_s, duration_s - times_s)
+    ramp = np.sin(np.pi / 2 * np.clip(to_an_end_s / ramp_s, 0, 1)) ** 2
+    samples = voltage_v * ramp * np.sin(2 * np.pi * TONE_HZ * times_s)
+    return Signal(np.tile(samples, (n_channels, 1)), rate_hz, "V")

@@ -9,9 +9,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.arguments.require import expect
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.sensors.reader import Listener, Reader
-from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.errors import DeviceFailed
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.responses.learning import Excitation, deconvolved
 from tactometry.stimuli.time_reversal.responses.responses import Responses
@@ -45,11 +46,12 @@ class Microphone:
 
     def __post_init__(self) -> None:
         n = self.reader.source.n_channels
-        if not (0 <= self.channel < n and 0 <= self.reference < n and self.channel != self.reference):
-            raise InvalidParameter(
-                f"channel, reference: found {self.channel} and {self.reference}, expected two of 0 to {n - 1}, "
-                f"those of {self.reader.source.name}"
-            )
+        two = len({self.channel, self.reference} & set(range(n))) == 2
+        found, expected = (
+            f"{self.channel} and {self.reference}",
+            f"two of 0 to {n - 1}, those of {self.reader.source.name}",
+        )
+        expect(two, "channel, reference", found, expected)
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,7 @@ def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterat
     listener = microphone.reader.listen()
     for channel in learning.channels:
         signal = _signal(learning, channel, output.n_channels or max(learning.channels) + 1)
-        listener.read(microphone.reader.source.n_channels)
+        listener.read()  # what came before is not of this recording
         time.sleep(LEAD_S)
         onset_s = output.play(signal)
         end_s = onset_s + signal.duration_s + learning.duration_s + LEAD_S
@@ -98,32 +100,31 @@ def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterat
 def join(responses: Sequence[Responses]) -> Responses:
     """One point's responses to several channels."""
     return Responses(
-        np.concatenate([each.samples for each in responses], axis=1), responses[0].rate_hz, responses[0].quantity
+        np.concatenate([response.samples for response in responses], axis=1),
+        responses[0].rate_hz,
+        responses[0].quantity,
     )
 
 
 def _signal(learning: Learning, channel: int, n_channels: int) -> Signal:
     samples = np.zeros((n_channels, len(learning.excitation.samples)))
-    for each in {channel, learning.reference_output} - {None}:
-        if not 0 <= (each or 0) < n_channels:
-            raise InvalidParameter(f"channel: found {each}, expected from 0 to {n_channels - 1}, those of the output")
-        samples[each] = learning.voltage_v * learning.excitation.samples
+    reference = channel if learning.reference_output is None else learning.reference_output
+    for played in {channel, reference}:
+        expect(0 <= played < n_channels, "channel", played, f"from 0 to {n_channels - 1}, those of the output")
+        samples[played] = learning.voltage_v * learning.excitation.samples
     return Signal(samples, learning.excitation.rate_hz, "V")
 
 
 def _recorded(listener: Listener, microphone: Microphone, end_s: float) -> FloatArray:
     """(n_channels, n_samples) from the last reading of the listener to `end_s`, without a break."""
     source = microphone.reader.source
-    times_s: list[FloatArray] = []
     values: list[FloatArray] = []
-    while not times_s or times_s[-1][-1] < end_s:
-        if time.perf_counter() > end_s + 2.0:
-            raise DeviceFailed(f"{source.name}: the sensor fell silent in the middle of a recording; begin again")
-        block = listener.read(source.n_channels)
-        if block.times_s.size:
-            times_s.append(block.times_s)
-            values.append(block.values)
-        time.sleep(0.01)
+    for block in listener.blocks(end_s + 2.0):
+        values.append(block.values)
+        if block.times_s[-1] >= end_s:
+            break
+    else:
+        raise DeviceFailed(f"{source.name}: the sensor fell silent in the middle of a recording; begin again")
     recorded = np.concatenate(values).T
     chosen = recorded[[microphone.channel, microphone.reference]]
     if microphone.reader.facts().get("n_overruns"):

@@ -19,9 +19,9 @@ from tactometry.signal import Signal
 
 from ..study.experiment import Experiment
 from .bench_file import BenchFile
+from .calibration import tone
 from .finding import Finding, findings_of
 from .learnt_stimuli import bank_of
-from .tone import tone
 
 LISTEN_S = 2.0
 RATE_TOLERANCE = 0.02
@@ -52,14 +52,10 @@ def _sensor(name: str, reader: Reader) -> Iterator[Finding]:
     reader.open()
     try:
         yield Finding(part, "opened", reader.source.name, fine=True)
-        ages_s, end_s = [], time.perf_counter() + LISTEN_S
-        blocks = []
-        while time.perf_counter() < end_s:
-            time.sleep(0.002)
-            block = listener.read(reader.source.n_channels)
-            if block.times_s.size:
-                ages_s.append(time.perf_counter() - block.times_s[-1])
-                blocks.append(block)
+        ages_s, blocks = [], []
+        for block in listener.blocks(time.perf_counter() + LISTEN_S, pause_s=0.002):
+            ages_s.append(time.perf_counter() - block.times_s[-1])
+            blocks.append(block)
     finally:
         reader.close()
     yield from _stream(part, reader, blocks, ages_s)

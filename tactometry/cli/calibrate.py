@@ -79,7 +79,7 @@ def _played_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: floa
     import math
     import time
 
-    from tactometry.experiments.bench.tone import tone
+    from tactometry.experiments.bench.calibration import tone
 
     if bench.limits is None:
         raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
@@ -156,10 +156,7 @@ def _reader(bench: "BenchFile", name: str, channel: int) -> "Reader":
     from ..arguments.require import lookup
 
     reader = lookup("--sensor", name, bench.sensors).reader()
-    if not 0 <= channel < reader.source.n_channels:
-        raise InvalidParameter(
-            f"--channel: found {channel}, expected from 0 to {reader.source.n_channels - 1}, a channel of {name!r}"
-        )
+    reader.check_channels("--channel", channel)
     return reader
 
 

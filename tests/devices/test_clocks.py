@@ -195,7 +195,7 @@ def test_what_is_not_believed_is_not_told_and_what_follows_is():
     while len(n_silent) < 10:
         time.sleep(1e-3)
     reader.close()
-    assert listener.read(1).values.tolist() == [[0.0]] * 4
+    assert listener.read().values.tolist() == [[0.0]] * 4
     assert n_silent[:7] == [False, False, True, True, False, True, False]
     facts = reader.facts()
     assert (facts["n_samples"], facts["n_outages"], facts["failure"], source.n_opened) == (4, 2, None, 1)

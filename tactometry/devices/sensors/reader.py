@@ -4,13 +4,14 @@ import contextlib
 import threading
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...arguments.require import expect
 from ...errors import DeviceFailed
 from ..deadline import CLOSE_WITHIN_S, within
 from .arrival import Arrivals
@@ -62,7 +63,8 @@ class Source(Protocol):
 class Listener:
     """What one part of the program has not read yet."""
 
-    def __init__(self) -> None:
+    def __init__(self, n_channels: int) -> None:
+        self._n_channels = n_channels
         self._blocks: deque[SampleBlock] = deque()
 
     def put(self, block: SampleBlock) -> None:
@@ -72,14 +74,22 @@ class Listener:
         while self._blocks[0].times_s[-1] < block.times_s[-1] - KEPT_S:
             self._blocks.popleft()
 
-    def read(self, n_channels: int) -> SampleBlock:
+    def read(self) -> SampleBlock:
         """All samples since the last call, in order; never waits."""
         # as many as there are now: the reader's thread may add to them meanwhile
         blocks = [self._blocks.popleft() for _ in range(len(self._blocks))]
         if not blocks:
-            return SampleBlock(np.empty(0), np.empty((0, n_channels)))
+            return SampleBlock(np.empty(0), np.empty((0, self._n_channels)))
         times_s = np.concatenate([block.times_s for block in blocks])
         return SampleBlock(times_s, np.concatenate([block.values for block in blocks]))
+
+    def blocks(self, end_s: float, pause_s: float = 0.01) -> Iterator[SampleBlock]:
+        """What comes until `end_s`, as it comes; asked for at every pause."""
+        while now_s() < end_s:
+            block = self.read()
+            if block.times_s.size:
+                yield block
+            time.sleep(pause_s)
 
 
 class Reader:
@@ -110,9 +120,21 @@ class Reader:
         n_steps_back = self._n_steps_back + self._arrivals.n_steps_back
         return {**self.source.facts(), **counts, "n_steps_back": n_steps_back}
 
+    def check_channels(self, where: str, *channels: int) -> None:
+        """Refuse a channel (from 0) that the source does not have.
+
+        Raises
+        ------
+        InvalidParameter
+            In one sentence that opens with `where`.
+        """
+        last = self.source.n_channels - 1
+        for channel in channels:
+            expect(0 <= channel <= last, where, channel, f"from 0 to {last}, a channel of {self.source.name}")
+
     def listen(self) -> Listener:
         """Another listener; it hears what comes from now on."""
-        listener = Listener()
+        listener = Listener(self.source.n_channels)
         self.subscribe(listener.put)
         return listener
 

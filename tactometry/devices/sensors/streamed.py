@@ -53,7 +53,7 @@ class StreamedSensor:
             self.read()  # a shared reader may have run before: what it took then is not of this opening
 
     def read(self) -> tuple[FloatArray, FloatArray]:
-        block = self._listener.read(self._reader.source.n_channels)
+        block = self._listener.read()
         return block.times_s, self._convert(block.values)
 
     def subscribe(self, on_samples: OnSamples) -> Callable[[], None]:
