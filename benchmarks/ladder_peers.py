@@ -23,7 +23,7 @@ from tactometry.experiments.cost.peers import RECORD
 from tactometry.experiments.cost.problem import OURS, Rung
 from tactometry.experiments.cost.report import machine, table
 from tactometry.experiments.ladders import LADDERS
-from tactometry.target import resolve
+from tactometry.loading import resolve
 
 PEERS: dict[str, Callable[[], Sequence[Rung]]] = {
     "plate-modes-simply-supported": ladder_peers_plates.simply_supported,

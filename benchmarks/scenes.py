@@ -11,6 +11,7 @@ from dataclasses import replace
 from threadpoolctl import threadpool_limits
 
 from tactometry.experiments.scenes import names, path_of
+from tactometry.loading import resolve
 from tactometry.stimuli.composition.effect import Effect, FingerContact
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.file import load_scene
@@ -18,7 +19,6 @@ from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
-from tactometry.target import resolve
 
 N_ROUNDS = 7
 GIVEN = {"level_db_re_1v": 40.0, "voltage_v": 30.0}

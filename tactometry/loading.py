@@ -1,4 +1,4 @@
-"""Public names of a package, each imported when it is first asked for."""
+"""What is imported when it is asked for: target strings, `module:name`, and the public names of a package."""
 
 import ast
 import sys
@@ -6,6 +6,16 @@ from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path
 from typing import Any
+
+
+def resolve(target: str) -> Any:
+    """The object of a target string.
+
+    >>> resolve("math:pi")
+    3.141592653589793
+    """
+    module, _, name = target.partition(":")
+    return getattr(import_module(module), name)
 
 
 def exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:
@@ -26,14 +36,14 @@ def exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[],
     def ask(name: str) -> Any:
         if name not in module_of:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
-        found = getattr(import_module(f"{package}.{module_of[name]}"), name)
-        setattr(sys.modules[package], name, found)
-        return found
+        thing = getattr(import_module(f"{package}.{module_of[name]}"), name)
+        setattr(sys.modules[package], name, thing)
+        return thing
 
-    def listed() -> list[str]:
+    def names() -> list[str]:
         return sorted({*vars(sys.modules[package]), *module_of})
 
-    return ask, listed
+    return ask, names
 
 
 def _named_under_type_checking(source: str) -> list[tuple[str, str]]:

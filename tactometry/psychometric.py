@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
-from .arguments.require import lookup
+from .arguments.require import lookup, positive, within
 from .errors import InvalidParameter
 
 Array = NDArray[np.float64]
@@ -192,11 +192,8 @@ class PsychometricFunction:
                 f"threshold: found {self.threshold}, expected a finite level"
                 + (f" above 0 for the shape {self.shape!r}" if standard.on_log_levels else "")
             )
-        if not 0 < self.width < np.inf:
-            raise InvalidParameter(f"width: found {self.width}, expected a finite number above 0")
-        for name in ("guess_rate", "lapse_rate"):
-            if not 0 <= getattr(self, name) <= 1:
-                raise InvalidParameter(f"{name}: found {getattr(self, name)}, expected a number from 0 to 1")
+        positive("PsychometricFunction", width=self.width)
+        within("PsychometricFunction", 0, 1, guess_rate=self.guess_rate, lapse_rate=self.lapse_rate)
         if self.guess_rate + self.lapse_rate >= 1:
             raise InvalidParameter(
                 f"guess_rate, lapse_rate: found {self.guess_rate} and {self.lapse_rate}, expected a sum below 1"

@@ -18,6 +18,7 @@ from tactometry.experiments.study import task_table
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.procedure_table import PROCEDURES as KINDS
 from tactometry.experiments.study.study_file import builtin, load
+from tactometry.loading import resolve
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols import (
@@ -74,7 +75,6 @@ from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid as HybridScreen
 from tactometry.stimuli.time_reversal.responses.responses import Responses
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
-from tactometry.target import resolve
 
 LIMITS = Limits(voltage_peak_v=200.0)
 

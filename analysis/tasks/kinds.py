@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-from tactometry.target import resolve
+from tactometry.loading import resolve
 from tactometry.trials.tasks import TASKS
 
 from .task_analysis import Curve, Results, TaskAnalysis

@@ -110,7 +110,7 @@ def _rebuild(root: Path, journal: Path, experiment: Experiment, study_toml: byte
     opened = OpenSession(root, experiment.design(study_toml), session_of(head), head.rig, resume=True)
     opened.close()
     changed = read_file(trials, "a trials file") != before
-    return Rebuilt(trials.name, opened.n_trials, changed)
+    return Rebuilt(trials.name, opened.tally.n_trials, changed)
 
 
 def _check_named(journal: Path, head: Head) -> None:

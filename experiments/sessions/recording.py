@@ -123,7 +123,7 @@ def record(
     # The session is ours before any device opens, and closed after the last of them, whatever fails between.
     keeper = OpenSession(root, design, session, kind.name, resume=resume)
     try:
-        seed, n_resumed = _agreed(keeper.head, who, kind), keeper.n_trials
+        seed, n_resumed = _agreed(keeper.journal.head, who, kind), keeper.tally.n_trials
         if keeper.repaired:
             tell(keeper.repaired)
         with closing(kind.make(seed, keeper)) as rig:
@@ -137,12 +137,12 @@ def record(
 
 def _begin(keeper: OpenSession, head: Head, tell: Callable[[str], None]) -> None:
     """Write the head of a sitting, and tell what is not as it was in the last one."""
-    if keeper.complete:
+    if keeper.journal.recording.complete:
         return  # a session that is over begins no sitting
-    changed = [phrase for last in keeper.sittings[-1:] for phrase in differences(last, head)]
+    changed = [phrase for last in keeper.journal.recording.sittings[-1:] for phrase in differences(last, head)]
     if changed:
         tell(f"this sitting is not as the last one: {'; '.join(changed)}")
-    keeper.begin(head)
+    keeper.journal.begin(head)
 
 
 def _agreed(head: Head | None, who: Who, kind: RigKind) -> int:

@@ -6,12 +6,12 @@ from typing import Any
 
 from tactometry.config.strict import build, kind_of
 from tactometry.errors import InvalidParameter, nearest
+from tactometry.loading import resolve
 from tactometry.protocols.tasks.touch import Pressing, Sliding, Touch
 from tactometry.protocols.track import Condition
 from tactometry.rigs.simulated import Sensation
 from tactometry.signal import Stimulus
 from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
-from tactometry.target import resolve
 from tactometry.trials.cells import cell as cell_text
 
 from .procedure_table import ReadyProcedure, rule_of, without

@@ -10,6 +10,7 @@ from typing import Final
 
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.exclusion import Exclusion
+from tactometry.loading import resolve
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.kinds import OBSERVERS, USUAL
 from tactometry.protocols.block_state import BlockOptions
@@ -23,7 +24,6 @@ from tactometry.stimuli.electrovibration.skin.skin import Skin
 from tactometry.stimuli.electrovibration.skin.stack import Layer
 from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
-from tactometry.target import resolve
 
 from .cells import ELECTROVIBRATION, STIMULI, TOUCHES
 from .keys import Key, KeyTable, keys_of

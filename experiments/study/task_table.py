@@ -7,11 +7,11 @@ from typing import Any
 from tactometry.arguments.require import one_of
 from tactometry.config.strict import build, check_keys, kind_of
 from tactometry.errors import InvalidParameter, nearest
+from tactometry.loading import resolve
 from tactometry.observers.decisions import Decision
 from tactometry.protocols.block_state import BlockOptions
 from tactometry.protocols.tasks.task import Over, Task, TaskKind
 from tactometry.questionnaire import Questionnaire, load, own, shipped
-from tactometry.target import resolve
 from tactometry.trials.tasks import TASKS as TASK_ROWS
 
 from .study_file import Study

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 from tactometry.errors import InvalidParameter
-from tactometry.target import resolve
+from tactometry.loading import resolve
 
 from .content import PlateContent, VoltageContent
 

@@ -12,7 +12,7 @@ import click
 from .. import __version__
 from ..errors import TactometryError, nearest
 from ..files.durable import private
-from ..target import resolve
+from ..loading import resolve
 
 COMMANDS = {
     "demo": ("tactometry.cli.demo:command", "A simulated study, its analysis and report, end to end."),

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import click
 
 from ..errors import InvalidParameter, nearest
-from ..target import resolve
+from ..loading import resolve
 from .output import json_option, path_option, progress, say
 
 if TYPE_CHECKING:

@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 import msgspec
 
 from ..errors import InvalidParameter, nearest
-from ..target import resolve
+from ..loading import resolve
 from .toml import located, read_table
 
 T = TypeVar("T")

@@ -1,7 +1,6 @@
 """The head of a sitting: its line of a journal says who, what, where and on what."""
 
 import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 from math import isfinite
 
@@ -53,16 +52,16 @@ def head_of(value: object, first: Head | None = None) -> Head:
         If it is none, or is of another session or of a later format.
     """
     head = msgspec.convert(value, Head)
-    flaw = next(_flaws(head), None)
-    if flaw is not None:
-        raise msgspec.ValidationError(flaw)
+    for name, holds in _conditions(head).items():
+        if not holds:
+            raise msgspec.ValidationError(f"the {name} {getattr(head, name)!r}")
     if first is not None and (head.whose, head.format) != (first.whose, first.format):
         raise msgspec.ValidationError("a sitting of another session than the first line's")
     return head
 
 
-def _flaws(head: Head) -> Iterator[str]:
-    holds = {
+def _conditions(head: Head) -> dict[str, object]:
+    return {
         "format": 1 <= head.format <= FORMAT,
         "study": STUDY.fullmatch(head.study),
         "study_sha256": _SHA256.fullmatch(head.study_sha256),
@@ -74,4 +73,3 @@ def _flaws(head: Head) -> Iterator[str]:
         "started_utc": head.started_utc is None or is_time(head.started_utc),
         "begun_s": isfinite(head.begun_s) and head.begun_s >= 0,
     }
-    yield from (f"the {name} {getattr(head, name)!r}" for name, fine in holds.items() if not fine)

@@ -32,7 +32,6 @@ from .description import (
     read_description,
 )
 from .formats import FORMAT, as_kept, columns_in
-from .head import Head
 from .journal import Entry, abortion
 from .open_journal import Journal
 from .sittings import heads
@@ -134,8 +133,9 @@ class OpenSession:
         self.journal = Journal(own, resume=resume)
         try:
             _refuse_other(self.journal, session, design)
-            self._rig = rig if self.head is None else self.head.rig
-            self.format = FORMAT if self.head is None else self.head.format
+            head = self.journal.head
+            self._rig = rig if head is None else head.rig
+            self.format = FORMAT if head is None else head.format
             self._columns = columns_in(design.columns, self.format)
             self._events_columns = columns_in(COLUMNS, self.format)
             of_format = replace(design, columns=self._columns)
@@ -148,34 +148,8 @@ class OpenSession:
             raise
 
     @property
-    def head(self) -> Head | None:
-        return self.journal.head
-
-    @property
-    def sittings(self) -> tuple[Head, ...]:
-        """The heads of the sittings before."""
-        return self.journal.recording.sittings
-
-    @property
     def replay(self) -> Replay:
         return self.journal.replay
-
-    @property
-    def trials(self) -> Path:
-        """The trials file."""
-        return self._trials
-
-    @property
-    def n_trials(self) -> int:
-        """Trials that are recorded."""
-        return self.tally.n_trials
-
-    @property
-    def complete(self) -> bool:
-        return self.journal.recording.complete
-
-    def begin(self, head: Head) -> None:
-        self.journal.begin(head)
 
     def exposure(self, window_s: float) -> Exposure:
         """What reached this participant before, in this session and in others of the data set."""
@@ -207,7 +181,7 @@ class OpenSession:
         if isinstance(request, Record):
             self.recorded_s = time.perf_counter()
             line = csv_bytes([row(request.trial, self._session, self._rig, self._columns)])
-            write_whole(self._file, line, self._trials, durable=False)
+            write_whole(self._file, line, self.trials, durable=False)
             self.tally = self.tally.after(request.trial)
             aborted = abortion(Entry(request, answer))
             if aborted is not None:
@@ -230,23 +204,23 @@ class OpenSession:
         return "; ".join(self._repaired) or None
 
     def _rebuild(self) -> None:
-        self._trials, recording = self._session.trials(self._root), self.journal.recording
+        self.trials, recording = self._session.trials(self._root), self.journal.recording
         content = trials_csv(recording.trials, self._session, self._rig, self._columns)
-        for path in (self._trials, *drafts(self._trials.parent, self._trials.name)):
+        for path in (self.trials, *drafts(self.trials.parent, self.trials.name)):
             self._keep_surplus(path, content)
         self._keep_surplus(self._session.events(self._root), events_tsv(recording.event_rows, self._events_columns))
         describe_columns(self._session.sidecar(self._root), self._columns)
-        self._file = replaced(self._trials, content)
+        self._file = replaced(self.trials, content)
         if recording.event_rows:
             self._events_file = self._new_events(recording.event_rows)
-        for folder in (self._trials.parent, self.journal.path.parent):
+        for folder in (self.trials.parent, self.journal.path.parent):
             for draft in drafts(folder, f"{self._session.stem}*"):
                 draft.unlink()
 
     def _say_cut(self) -> None:
         if self.journal.cut:
             self._repaired.append(
-                f"the last sitting ended after {counted(self.n_trials, 'trial')}; "
+                f"the last sitting ended after {counted(self.tally.n_trials, 'trial')}; "
                 f"{counted(len(self.journal.cut), 'byte')} of what was under way are kept in "
                 f"{self.journal.interruptions.name}, and it is asked again"
             )
@@ -261,11 +235,12 @@ class OpenSession:
         lost = [line.decode("utf-8", "backslashreplace") for line in rows if line not in known]
         if lost:
             self.journal.keep(
-                after_trials=self.n_trials, file=path.name, header=header.decode("utf-8", "replace"), rows=lost
+                after_trials=self.tally.n_trials, file=path.name, header=header.decode("utf-8", "replace"), rows=lost
             )
+            it_is = "it is" if len(lost) == 1 else "they are"
             self._repaired.append(
                 f"{path.name} held {counted(len(lost), 'row')} that the journal with its "
-                f"{counted(self.n_trials, 'trial')} does not: {'it is' if len(lost) == 1 else 'they are'} kept in "
+                f"{counted(self.tally.n_trials, 'trial')} does not: {it_is} kept in "
                 f"{self.journal.interruptions.name}; if the journal is an older copy, stop and restore the newer one"
             )
 

@@ -28,7 +28,6 @@ from ..session.request import (
     value_at,
 )
 from ..trials.trial import outcome
-from . import adjustment
 from .device_rig import DeviceRig, Equipment
 from .experimenter.supervisor import utc_text
 from .experimenter.terminal import ExperimenterTerminal
@@ -39,7 +38,7 @@ from .pages.presenter import Dress, as_it_is
 from .texts import Texts
 from .touch.touch import TouchCourse, moving_cue
 from .touch.trace import Trace
-from .touch.watchdog import play_to_end, watchdog
+from .touch.watchdog import RepeatedStimulus, play_to_end, watchdog
 
 S = TypeVar("S")
 
@@ -223,9 +222,9 @@ class Bench(DeviceRig):
         )
         self._supervisor.under_way = True
         with watchdog(self._setup) as look:
-            stimulus = adjustment.RepeatedStimulus(request, self._emitter, look)
+            stimulus = RepeatedStimulus(request, self._emitter, look)
             n_steps, (onset_s, latency_s, utc, counts) = self._answer_on(
-                0, lambda n_steps: page, functools.partial(adjustment.after, request), stimulus.keep_playing
+                0, lambda n_steps: page, functools.partial(layout.steps_after, request), stimulus.keep_playing
             )
             self._emitter.stop()
         n_gaps = stimulus.n_gaps

@@ -12,11 +12,12 @@ from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touc
 from ..session.event import EventLog
 from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Question, Rate, Record, Show, Slide, Wait
 from ..trials.trial import outcome
-from .blind import Blind
 from .device_rig import DeviceRig, Equipment
 from .experimenter.supervisor import utc_text
 from .experimenter.terminal import ExperimenterTerminal
+from .frame_timing import PERIOD_WITHOUT_BLANK_S
 from .pages import layout
+from .pages.page import Input, Page
 from .texts import Texts
 from .touch.touch import TouchCourse
 from .touch.trace import Trace
@@ -32,6 +33,39 @@ SILENT_OUTPUT: Final = (
     "This terminal plays nothing: stimuli are checked and left out, and the rows hold no delivered level. It is for "
     "trying a study out; with --bench, stimuli play through the output of the bench file."
 )
+
+
+class Blind:
+    """A `tactometry.rigs.pages.page.Display` that shows nothing and on which nothing can be pressed."""
+
+    aspect = 1.0
+    period_s = PERIOD_WITHOUT_BLANK_S
+
+    def prepare(self, page: Page) -> None:
+        pass
+
+    def present(self, page: Page) -> float:
+        del page
+        return time.perf_counter()
+
+    def refresh(self, page: Page) -> float:
+        time.sleep(self.period_s)
+        return self.present(page)
+
+    def events(self) -> tuple[Input, ...]:
+        return ()
+
+    def facts(self) -> Facts:
+        return {}
+
+    def frame_intervals_s(self) -> list[float]:
+        return []
+
+    def clock_offset_s(self) -> float:
+        return 0.0
+
+    def close(self) -> None:
+        pass
 
 
 class Lines(ExperimenterTerminal):

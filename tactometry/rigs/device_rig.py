@@ -24,8 +24,7 @@ from .pages import layout
 from .pages.page import Display
 from .pages.presenter import Presenter
 from .texts import Texts
-from .touch.release import Release
-from .touch.setup import TouchSetup
+from .touch.setup import Release, TouchSetup
 
 Felt = TypeVar("Felt", Played, Touched)
 

@@ -18,7 +18,7 @@ from tactometry.experiments.cost.peers import RECORD, peers_of, recorded_on
 from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.experiments.cost.report import answers, label, table
 from tactometry.experiments.ladders import LADDERS
-from tactometry.target import resolve
+from tactometry.loading import resolve
 
 PAGE = DOCS / "cost.md"
 N_RUNGS = {} if SOAK else {"group-threshold": 3}

@@ -59,7 +59,7 @@ HEAD = Head("tutorial", "0", "P01", 1, 1, 1, "bench", {})
 def opened(root, session=1, code="P01", *, resume=False):
     keeper = OpenSession(root, EXPERIMENT.design(TOML), Session(code, session, "tutorial"), "bench", resume=resume)
     if not resume:
-        keeper.begin(replace(HEAD, participant=code, session=session, study_sha256=sha256(TOML)))
+        keeper.journal.begin(replace(HEAD, participant=code, session=session, study_sha256=sha256(TOML)))
     return keeper
 
 

@@ -10,8 +10,7 @@ from tactometry.devices.outputs.output import NullOutput
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.rigs.bench import Bench
-from tactometry.rigs.blind import Blind
-from tactometry.rigs.console import Console
+from tactometry.rigs.console import Blind, Console
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.rendering import render
 from tactometry.rigs.simulated import SimulatedRig

@@ -7,13 +7,13 @@ import numpy as np
 from hypothesis import strategies as st
 
 from tactometry.errors import InvalidParameter
+from tactometry.loading import resolve
 from tactometry.stimuli.composition.effect import Effect, FingerContact
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
-from tactometry.target import resolve
 
 SLIDING = (FingerContact(2.0, speed_m_per_s=0.05),)
 LEVEL = {"level_db_re_1v": 40.0}

@@ -4,7 +4,7 @@ import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...session.request import value_at
+from ...session.request import Adjust, value_at
 from .page import (
     ACCENT,
     EDGE,
@@ -281,3 +281,16 @@ def adjust_page(words: str, hint: str, aspect: float) -> Page:
         Button(CONFIRM, CONTINUE_KEYS, 0, -0.27, 0.26, 0.1),
     )
     return Page(items, buttons)
+
+
+def steps_after(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:
+    """The steps from the start that follow an answer, within the bounds, and whether it settles them.
+
+    >>> request = Adjust("tone", start=5.0, step=2.0, low=0.0, high=6.0)
+    >>> steps_after(request, 0, DOWN), steps_after(request, 0, UP), steps_after(request, -1, CONFIRM)
+    ((-1, False), (0, False), (-1, True))
+    """
+    if answer == CONFIRM:
+        return n_steps, True
+    wanted = n_steps + (1 if answer == UP else -1)
+    return (wanted if request.low <= request.level(wanted) <= request.high else n_steps), False

@@ -19,8 +19,7 @@ from ..pages import layout
 from ..pages.page import Page
 from ..pages.presenter import Dress, as_it_is
 from .gated_samples import MOVING_S, AppliedForce, FingerMotion
-from .release import Release
-from .setup import TouchSetup
+from .setup import Release, TouchSetup
 from .trace import Trace, speed_m_per_s
 from .trigger import Trigger, hearing, quick_turns
 from .watchdog import silence

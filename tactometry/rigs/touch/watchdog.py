@@ -1,15 +1,18 @@
 """What plays without a gate of force, under the eyes of the force sensor all the same."""
 
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 import numpy as np
 
+from ...devices.outputs.output import LONGEST_WORD_S
 from ...devices.sensors.reader import FloatArray
 from ...devices.sensors.streamed import StreamedSensor
 from ...session.answer import Played
-from ...session.request import Play
+from ...session.request import Adjust, Play
 from ...signal import Signal
+from ..emitter import Emitter
 from ..pages.page import Page
 from .gated_samples import SILENT_S
 from .setup import TouchSetup
@@ -78,3 +81,34 @@ def play_to_end(setup: TouchSetup, request: Play, page: Page, signal: Signal | N
             begin_s = presenter.present(page)
     digest = emitter.digest(signal) or ""
     return Played(onset_s, emitter.delivered(request.level), digest, emitter.n_gaps(signal))
+
+
+class RepeatedStimulus:
+    """Plays the level of so many steps again and again; another level begins at once. Each time after a `look`."""
+
+    def __init__(self, request: Adjust, emitter: Emitter, look: Callable[[], None]) -> None:
+        self._request, self._emitter, self._look = request, emitter, look
+        self._signal: Signal | None = None
+        self._n_steps: int | None = None
+        self._n_before: int | None = None
+        self._end_s = 0.0
+
+    def keep_playing(self, n_steps: int) -> None:
+        self._look()
+        if n_steps == self._n_steps and time.perf_counter() < self._end_s:
+            return
+        signal = self._emitter.final(self._request.stimulus, self._request.level(n_steps))
+        self._emitter.stop()
+        self._n_before = self._counted(0.0)
+        self._n_steps, self._signal = n_steps, signal
+        self._end_s = self._emitter.emit(signal) + signal.duration_s
+
+    def _counted(self, longest_wait_s: float) -> int | None:
+        """Gaps up to now; those of the signal that plays are the output's."""
+        now = self._emitter.n_gaps(self._signal, longest_wait_s)
+        return self._n_before if now is None else (self._n_before or 0) + now
+
+    @property
+    def n_gaps(self) -> int | None:
+        """Gaps in all that was played; None where the output cannot tell."""
+        return self._counted(LONGEST_WORD_S)

@@ -14,12 +14,12 @@ from tactometry.cli import main
 from tactometry.cli.output import json_option, say
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.scenes import names, path_of
+from tactometry.loading import resolve
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.explain import explained
 from tactometry.stimuli.scenes.file import load_scene, scene_of
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.result import computed
-from tactometry.target import resolve
 
 TONE = {"kind": "electrovibration", "frequency_hz": 60.0, "duration_s": 0.05, "ramp_s": 0.01}
 LAW = {"kind": "force_law", "law": "sc_layer"}
