@@ -151,8 +151,11 @@ class Effect:
     `kind` is its name in a scene file. Two effects in one `slot` are refused. `requires` names what must be in the
     scene beside it: a slot, ``contact``, ``sliding contact`` or ``resting contact``. `excludes` names kinds that
     contradict it, with the reason and the cure. `assumes` says what it takes for granted, in words. `cures` says of
-    quantities that nothing gives how to add this effect. The quantities `reads` go to the value, which makes `gives`
-    of them. A module that holds an effect imports no physics that the effect alone needs: that is imported in the run.
+    quantities that nothing gives how to add this effect.
+
+    The quantities `reads` go to the value, which makes `gives` of them, in a stage that is called by the kind of the
+    effect, or by `stage_name`. A module that holds an effect imports no physics that the effect alone needs: that is
+    imported in the run.
 
     Where it acts is the place of its line in `tactometry.stimuli.scenes.effects`.
 
@@ -176,6 +179,7 @@ class Effect:
     cures: ClassVar[Mapping[str, str]] = {}
     reads: ClassVar[tuple[str, ...]] = ()
     gives: ClassVar[str]
+    stage_name: ClassVar[str] = ""
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         """What the effect needs and gives, and no more: the value itself, unless it says otherwise.
@@ -185,10 +189,10 @@ class Effect:
         del scene
         return (self.stage(),)
 
-    def stage(self, name: str = "") -> Stage:
-        """The stage that calls this value; it is named by the kind of the effect, if it has no name of its own."""
+    def stage(self) -> Stage:
+        """The stage that calls this value."""
         target = f"{type(self).__module__}:{type(self).__qualname__}"
-        return Stage(name or self.kind, self.reads, self.gives, target, dict(vars(self)), size=self.size)
+        return Stage(self.stage_name or self.kind, self.reads, self.gives, target, dict(vars(self)), size=self.size)
 
     def size(self, demand: "Demand") -> Size:
         """How finely the value works; it refuses what no output can be had with."""

@@ -7,7 +7,6 @@ from tactometry.loading import exports
 if TYPE_CHECKING:
     from .attraction.contact_area import (
         ContactArea as ContactArea,
-        PowerLawArea as PowerLawArea,
         Print as Print,
         TableArea as TableArea,
         area_of_prints as area_of_prints,
@@ -31,14 +30,14 @@ if TYPE_CHECKING:
     from .attraction.offset import WithOffset as WithOffset
     from .attraction.periodic_force import periodic_force_n as periodic_force_n
     from .attraction.polarity import Polarity as Polarity
-    from .motion.finger import Finger as Finger, Motion as Motion, sliding as sliding, sliding_many as sliding_many
-    from .motion.friction import (
-        CoulombFriction as CoulombFriction,
-        FrictionLag as FrictionLag,
-        lagged_friction_n as lagged_friction_n,
-    )
+    from .attraction.power_law_area import PowerLawArea as PowerLawArea
+    from .motion.coulomb_friction import CoulombFriction as CoulombFriction
+    from .motion.dry_friction import DryFriction as DryFriction
+    from .motion.finger import Motion as Motion, sliding as sliding, sliding_many as sliding_many
+    from .motion.friction import lagged_friction_n as lagged_friction_n
+    from .motion.friction_lag import FrictionLag as FrictionLag
+    from .motion.pad import Finger as Finger
     from .motion.stick_slip import (
-        DryFriction as DryFriction,
         StickSlip as StickSlip,
         Travel as Travel,
         stick_slip as stick_slip,

@@ -13,6 +13,7 @@ from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
+from .power_law_area import PowerLawArea, pressed_forces
 
 
 @runtime_checkable
@@ -21,30 +22,6 @@ class ContactArea(Protocol):
 
     def area_m2(self, force_n: ArrayLike) -> FloatArray:
         """Area (m^2), of the shape of `force_n` (N, at least 0)."""
-
-
-@dataclass(frozen=True)
-class PowerLawArea:
-    """``A = A_1 (F/1 N)^m``. Both defaults are unverified: 1 cm^2 at 1 N, m = 1/3 (a Hertz sphere has 2/3).
-
-    >>> float(PowerLawArea().area_m2(8.0).round(12))
-    0.0002
-    """
-
-    area_at_1n_m2: float = 1e-4
-    exponent: float = 1 / 3
-
-    def __post_init__(self) -> None:
-        require.positive("PowerLawArea", area_at_1n_m2=self.area_at_1n_m2)
-        require.not_negative("PowerLawArea", exponent=self.exponent)
-
-    @checked
-    def area_m2(self, force_n: ArrayLike) -> FloatArray:
-        force = _forces(force_n)
-        with np.errstate(over="ignore"):
-            # without force no contact, where an exponent of 0 would give 0 ** 0 = 1
-            area_m2 = np.where(force > 0, self.area_at_1n_m2 * force**self.exponent, 0.0)
-        return require.in_range("PowerLawArea.exponent", area_m2)
 
 
 @checked
@@ -79,7 +56,7 @@ class TableArea:
 
     def area_m2(self, force_n: ArrayLike) -> FloatArray:
         """Area (m^2), of the shape of `force_n` (N, 0 to the last force of the table)."""
-        force = _forces(force_n)
+        force = pressed_forces(force_n)
         if force.size and force.max() > self.forces_n[-1]:
             raise InvalidParameter(
                 f"TableArea: found a force of {force.max()} N, expected at most the last of the table "
@@ -159,10 +136,3 @@ def ellipse_area_m2(length_m: ArrayLike, width_m: ArrayLike) -> FloatArray:
     if any((axis_m < 0).any() for axis_m in axes_m):
         raise InvalidParameter(f"ellipse_area_m2: found axes {axes_m}, expected lengths of at least 0 m")
     return np.asarray(pi / 4 * axes_m[0] * axes_m[1])
-
-
-def _forces(force_n: ArrayLike) -> FloatArray:
-    force = require.finite_array("force_n", force_n)
-    if (force < 0).any():
-        raise InvalidParameter(f"force_n: found {force.min()}, expected at least 0 N")
-    return force

@@ -2,8 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from types import NoneType
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 from numpy import errstate, isfinite
 from numpy.typing import ArrayLike
@@ -18,7 +17,9 @@ from ..skin.skin import INSULATOR, Skin
 from ..skin.solution import Solution
 from ..skin.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
 from ..waveforms.pieces import Pieces
-from .polarity import Polarity
+
+if TYPE_CHECKING:
+    from .polarity import Polarity
 
 Law = Literal["parallel_plate", "interface", "total_thickness", "sc_layer"]
 LAWS: tuple[Law, ...] = get_args(Law)
@@ -35,9 +36,8 @@ class ForceForm:
     def __post_init__(self) -> None:
         require.not_negative("ForceForm", newton_per_v2=self.newton_per_v2)
 
-    def force_n(self, layer_v: FloatArray, polarity: Polarity | None = None) -> FloatArray:
+    def force_n(self, layer_v: FloatArray, polarity: "Polarity | None" = None) -> FloatArray:
         """Force (N) of layer voltages u, of their shape."""
-        require.of_kind("ForceForm.force_n", (Polarity, NoneType), polarity=polarity)
         layer_v = require.array("ForceForm.force_n.layer_v", layer_v)
         with errstate(over="ignore"):  # an overflow is refused below, with the voltage that made it
             even_n = self.newton_per_v2 * layer_v**2
@@ -46,7 +46,12 @@ class ForceForm:
                 f"voltage_v: found a voltage whose force is beyond the range of a double ({abs(layer_v).max():.3g} V "
                 "across the layer), expected a lower one"
             )
-        return even_n if polarity is None else polarity.weighted(even_n, layer_v)
+        if polarity is None:
+            return even_n
+        from .polarity import Polarity  # an effect that is off is not imported
+
+        require.of_kind("ForceForm.force_n", Polarity, polarity=polarity)
+        return polarity.weighted(even_n, layer_v)
 
 
 @checked
@@ -81,7 +86,7 @@ def electrostatic_force_n(
     skin: Skin,
     area_m2: float,
     law: Law | None = None,
-    polarity: Polarity | None = None,
+    polarity: "Polarity | None" = None,
 ) -> FloatArray:
     """Attraction (N) between finger and screen at the samples of a voltage, from rest.
 
@@ -128,7 +133,7 @@ def electrostatic_force_n_at(
     skin: Skin,
     area_m2: float,
     law: Law | None = None,
-    polarity: Polarity | None = None,
+    polarity: "Polarity | None" = None,
 ) -> FloatArray:
     """Attraction (N) at any times, of the shape of `t_s` (0 to the end), of a voltage in pieces: exact.
 

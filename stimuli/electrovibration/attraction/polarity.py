@@ -1,6 +1,8 @@
 """An asymmetry of the skin between positive and negative voltages."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import ClassVar
 
 import numpy as np
 
@@ -8,10 +10,13 @@ from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 
 from ...arrays import FloatArray
+from ...composition.effect import Effect
+
+NO_FLOW = "the exact motion has no term for it; remove 'polarity' or the other"
 
 
 @dataclass(frozen=True)
-class Polarity:
+class Polarity(Effect):
     """The force counts `positive_share` times while the voltage across the layer is positive.
 
     The force of all laws is even in the voltage. Yet positive pulses are reported to be felt less than negative or
@@ -33,6 +38,11 @@ class Polarity:
     [2.0, 4.0]
     """
 
+    kind = "polarity"
+    slot = "polarity"
+    excludes: ClassVar[Mapping[str, str]] = {"friction_lag": NO_FLOW, "finger_dynamics": NO_FLOW}
+    reads, gives = ("electrostatic_force_n", "layer_voltage_v"), "electrostatic_force_n"
+
     positive_share: float
 
     def __post_init__(self) -> None:
@@ -42,3 +52,5 @@ class Polarity:
     def weighted(self, force_n: FloatArray, layer_v: FloatArray) -> FloatArray:
         """Forces (N) under layer voltages of the same shape."""
         return np.where(layer_v > 0, self.positive_share * force_n, force_n)
+
+    __call__ = weighted

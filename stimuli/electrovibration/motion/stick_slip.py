@@ -16,7 +16,8 @@ from ...arrays import FloatArray, IndexArray
 from ..attraction.force import ForceForm
 from ..waveforms.pieces import Pieces
 from .driven_motion import Timing, check_times
-from .finger import Finger
+from .dry_friction import DryFriction
+from .pad import Finger
 from .phases import Phases, heights, moving, nodes_of, phases
 
 if TYPE_CHECKING:
@@ -25,35 +26,6 @@ if TYPE_CHECKING:
 
 N_STEPS_MAX = 2_000_000
 """The most steps of the series in one call: some two seconds."""
-
-
-@checked
-@dataclass(frozen=True)
-class DryFriction:
-    """Coulomb friction with a static and a kinetic coefficient; both defaults are unverified.
-
-    With the static one above the kinetic one, a friction law that is smooth in the speed is another model, not an
-    approximation of this one: its peak lies below the static friction at any width.
-
-    Parameters
-    ----------
-    static, kinetic : float
-        Coefficients, static at least kinetic.
-    gated : bool
-        The voltage adds to the friction in full slip alone; a stuck finger bears its normal force's static friction
-        (or the slipping one, if that is more).
-    """
-
-    static: float = 0.6
-    kinetic: float = 0.5
-    gated: bool = False
-
-    def __post_init__(self) -> None:
-        require.not_negative("DryFriction", static=self.static, kinetic=self.kinetic)
-        if self.static < self.kinetic:
-            raise InvalidParameter(
-                f"DryFriction.static: found {self.static}, expected at least the kinetic coefficient ({self.kinetic})"
-            )
 
 
 @checked

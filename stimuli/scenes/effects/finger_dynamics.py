@@ -13,9 +13,10 @@ from ...composition.sampling import per_sample
 if TYPE_CHECKING:
     from ...arrays import FloatArray
     from ...electrovibration.attraction.force import ForceForm
+    from ...electrovibration.motion.coulomb_friction import CoulombFriction
+    from ...electrovibration.motion.dry_friction import DryFriction
     from ...electrovibration.motion.finger import Motion
-    from ...electrovibration.motion.friction import CoulombFriction
-    from ...electrovibration.motion.stick_slip import DryFriction, StickSlip
+    from ...electrovibration.motion.stick_slip import StickSlip
     from ...electrovibration.waveforms.pieces import Pieces
 
 
@@ -84,7 +85,8 @@ def slipping(
     force_n: float, speed_m_per_s: float
 ) -> "Callable[[FloatArray, Pieces, ForceForm, CoulombFriction], Motion]":
     """The motion of a finger in full slip."""
-    from ...electrovibration.motion.finger import Finger, sliding
+    from ...electrovibration.motion.finger import sliding
+    from ...electrovibration.motion.pad import Finger
 
     finger = Finger.at_speed(speed_m_per_s)
     return lambda t_s, voltage, form, friction: sliding(
@@ -96,7 +98,7 @@ def sticking(
     force_n: float, speed_m_per_s: float
 ) -> "Callable[[FloatArray, Pieces, ForceForm, DryFriction], StickSlip]":
     """The motion of a finger that sticks and slips."""
-    from ...electrovibration.motion.finger import Finger
+    from ...electrovibration.motion.pad import Finger
     from ...electrovibration.motion.stick_slip import Travel, stick_slip
 
     finger, travel = Finger.at_speed(speed_m_per_s), Travel(speed_m_per_s)

@@ -14,6 +14,7 @@ from tactometry.contact import Contact
 from tactometry.errors import TactometryError
 from tactometry.signal import Signal
 from tactometry.stimuli import electrovibration as ev
+from tactometry.stimuli.composition.effect import Effect
 from tactometry.stimuli.electrovibration import figures
 from tactometry.stimuli.electrovibration.attraction import closed_form, contact_area
 from tactometry.stimuli.electrovibration.skin import dispersive_layer
@@ -325,7 +326,8 @@ def public_functions(module: ModuleType) -> set[str]:
 
 
 def public_methods(cls: type) -> set[str]:
-    own = ((name, getattr(cls, name)) for name in dir(cls) if not name.startswith("_"))
+    of_scenes = dir(Effect)  # what a scene asks of an effect is no call of a user
+    own = ((name, getattr(cls, name)) for name in dir(cls) if not name.startswith("_") and name not in of_scenes)
     return {
         f"{cls.__name__}.{name}"
         for name, one in own

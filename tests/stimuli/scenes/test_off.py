@@ -20,13 +20,11 @@ PLATE = {name: value for name, value in asdict(small_screen()).items() if name !
 REST, SLIDE = {"force_n": 2.0}, {"force_n": 2.0, "speed_m_per_s": 0.05, "x_m": 0.09, "y_m": 0.06}
 CASES = {**ELECTROVIBRATION, **TIME_REVERSAL, "force_law": ({"law": "sc_layer"}, (), "electrostatic_force_n")}
 FELT = {"sensitivity", "receptors", "focus_detection"}
-RUBBED = {"friction", "dry_friction"}
 OWNERS = {
     "electrovibration.waveforms.amplitude_modulated": {"carrier"},
     "electrovibration.attraction.offset": {"dc_offset"},
-    "electrovibration.attraction.contact_area": {"contact_area"},
-    "electrovibration.motion.friction": RUBBED,
-    "electrovibration.motion.finger": {"finger_dynamics"},
+    "electrovibration.motion.friction": {"friction_lag"},
+    "electrovibration.motion.pad": {"finger_dynamics"},
     "electrovibration.motion.compiled_loops": {"friction_lag", "finger_dynamics"},
     "electrovibration.motion.stick_slip": {"dry_friction"},
     "electrovibration.motion.power_series": {"dry_friction"},

@@ -1,0 +1,79 @@
+"""Coulomb friction of a finger that slides all the time."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tactometry.arguments import require
+from tactometry.arguments.checked import checked
+from tactometry.errors import InvalidParameter
+
+from ...arrays import FloatArray
+from ...composition.effect import Quantity, Stage, Surroundings
+
+
+@dataclass(frozen=True)
+class CoulombFriction(Quantity):
+    """``F_f = mu (F_n + F_e)`` with ``mu = mu_1 (F_n/1 N)^exponent``.
+
+    A coefficient of 0.5 at 1 N is an unverified default; with an exponent below 0 it falls with load. The load F_n is
+    that of the finger: the voltage does not change the coefficient.
+
+    >>> float(CoulombFriction(0.5).modulation_n(0.01, force_n=1.0))
+    0.005
+    """
+
+    kind = "friction"
+    slot = "friction"
+    requires = ("sliding contact",)
+    gives = stage_name = "friction_law"
+    assumes = ("the finger slides all the time; its coefficient knows no speed",)
+    cures: ClassVar[Mapping[str, str]] = {
+        "friction_force_n": "add the effect friction, or dry_friction with finger_dynamics, and a sliding contact"
+    }
+
+    coefficient: float = 0.5
+    load_exponent: float = 0.0
+
+    def __post_init__(self) -> None:
+        require.not_negative("CoulombFriction", coefficient=self.coefficient)
+        require.finite("CoulombFriction", load_exponent=self.load_exponent)
+
+    def coefficient_at(self, force_n: float) -> float:
+        """The coefficient under a normal force (N).
+
+        Without one it is the constant coefficient (the voltage alone causes friction, ``mu F_e``), 0 for an exponent
+        above 0, and without a limit for an exponent below 0, which is refused.
+
+        >>> CoulombFriction(0.5).coefficient_at(0.0), CoulombFriction(0.5, load_exponent=0.1).coefficient_at(0.0)
+        (0.5, 0.0)
+        """
+        require.not_negative("CoulombFriction", force_n=force_n)
+        try:
+            return float(self.coefficient * float(force_n) ** self.load_exponent)
+        except (OverflowError, ZeroDivisionError):
+            raise InvalidParameter(
+                f"CoulombFriction.load_exponent: found {self.load_exponent} for a normal force of {force_n} N, "
+                "expected a coefficient within the range of a double"
+            ) from None
+
+    @checked
+    def modulation_n(self, electrostatic_n: ArrayLike, force_n: float) -> FloatArray:
+        """Change of the friction force, ``mu F_e``, of the shape of `electrostatic_n`."""
+        with np.errstate(over="ignore"):
+            change_n = self.coefficient_at(force_n) * np.asarray(electrostatic_n, dtype=np.float64)
+        return require.in_range("CoulombFriction.modulation_n", change_n)
+
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        settings = {**vars(self), "force_n": scene.contacts[0].force_n}
+        dragged = Stage("friction", ("electrostatic_force_n",), "friction_force_n", f"{__name__}:dragged", settings)
+        return self.stage(), dragged
+
+
+def dragged(force_n: float, **law: float) -> Callable[[FloatArray], FloatArray]:
+    """Friction under a normal force and an attraction."""
+    mu = CoulombFriction(**law).coefficient_at(force_n)
+    return lambda electrostatic_n: mu * (force_n + electrostatic_n)
