@@ -224,10 +224,8 @@ def _check_pair(words: Sequence[str], path: str, what: str) -> None:
 
 
 def _check_order(form: Questionnaire) -> None:
-    for key, values in (
-        ("id", [item.id for item in form.items]),
-        ("order", [item.order for item in form.items]),
-    ):
+    for key in ("id", "order"):
+        values = [getattr(item, key) for item in form.items]
         index = repeated(values)
         if index is not None:
             raise InvalidParameter(f"items[{index}].{key}: found {values[index]!r} twice, expected each {key} once")
@@ -245,21 +243,15 @@ def _check_dimension(form: Questionnaire, name: str, dimension: Dimension) -> No
         )
 
 
-def built(table: Mapping[str, Any], path: str) -> Questionnaire:
-    """A questionnaire from the table of a file; `path` opens each key path.
+def questionnaire_of(table: Mapping[str, Any], path: str) -> Questionnaire:
+    """A questionnaire from the table of a file; `path` opens each key path. Without ``steps`` its scale is a line.
 
     Raises
     ------
     InvalidParameter
         If a key is unknown, missing or of another type, or the questionnaire is impossible.
     """
-    listed = table.get("items")
-    if not isinstance(listed, list):
-        found = "no such key" if listed is None else repr(listed)
-        raise InvalidParameter(f"{path}items: found {found}, expected a list of tables")
-    items = tuple(build(Item, item, f"{path}items[{index}]") for index, item in enumerate(listed))
-    rest = {"steps": None, **{key: value for key, value in table.items() if key != "items"}}
-    return build(Questionnaire, rest, path.removesuffix("."), items=items)
+    return build(Questionnaire, {"steps": None, **table}, path)
 
 
 def parse(content: bytes, where: str) -> Questionnaire:
@@ -272,18 +264,18 @@ def parse(content: bytes, where: str) -> Questionnaire:
     """
     table = table_of(content, where, "a questionnaire")
     with located(where):
-        return built(table, "")
+        return questionnaire_of(table, "")
 
 
-def own(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Questionnaire]:
+def questionnaires_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Questionnaire]:
     """The questionnaires of a study's own, by name, from its `[forms.NAME]`.
 
     Raises
     ------
     InvalidParameter
-        As `built`.
+        As `questionnaire_of`.
     """
-    return {name: built({"name": name, **table}, f"forms.{name}.") for name, table in tables.items()}
+    return {name: questionnaire_of({"name": name, **table}, f"forms.{name}") for name, table in tables.items()}
 
 
 @cache

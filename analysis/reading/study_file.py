@@ -6,7 +6,7 @@ from typing import Any, TypeVar
 
 from tactometry.config.toml import located, read_table
 from tactometry.errors import InvalidParameter
-from tactometry.questionnaire import Questionnaire, load, own, shipped
+from tactometry.questionnaire import Questionnaire, load, questionnaires_of, shipped
 
 T = TypeVar("T")
 
@@ -38,4 +38,4 @@ def forms_of(path: Path) -> Mapping[str, Questionnaire]:
     >>> "attrakdiff" in forms_of(Path("no data set"))
     True
     """
-    return {name: load(name) for name in shipped()} | study_table(path, "forms", own)
+    return {name: load(name) for name in shipped()} | study_table(path, "forms", questionnaires_of)

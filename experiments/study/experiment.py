@@ -17,7 +17,7 @@ from tactometry.protocols.procedures.procedure import MOST_TRIALS
 from tactometry.protocols.session import Part, session
 from tactometry.protocols.tasks.task import AsksForm, Task
 from tactometry.protocols.track import Condition, Track
-from tactometry.questionnaire import Questionnaire, own
+from tactometry.questionnaire import Questionnaire, questionnaires_of
 from tactometry.records.description import StudyDescription
 from tactometry.rigs.simulated import Sensation, SimulatedRig
 from tactometry.safety.limits import Limits
@@ -187,7 +187,7 @@ def _built(study: Study) -> Experiment:
     cells = dict(_cells(study, _tracks_per_cell(study, table)))
     crossing_of(study, table.over, study.factors)  # refuses an order that the design cannot have
     forms = {name: form_of(study, of.form, f"inquiries.{name}.form") for name, of in study.inquiries.items()}
-    own(study.forms)  # those that nothing asks must be sound too
+    questionnaires_of(study.forms)  # those that nothing asks must be sound too
     people = population_of(study.observer, "observer")
     return Experiment(study, table, cells, practice_of(study.practice), forms, people)
 

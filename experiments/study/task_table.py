@@ -11,7 +11,7 @@ from tactometry.loading import resolve
 from tactometry.observers.decisions import Decision
 from tactometry.protocols.block_state import BlockOptions
 from tactometry.protocols.tasks.task import Over, Task, TaskKind
-from tactometry.questionnaire import Questionnaire, load, own, shipped
+from tactometry.questionnaire import Questionnaire, load, questionnaires_of, shipped
 from tactometry.trials.tasks import TASKS as TASK_ROWS
 
 from .study_file import Study
@@ -33,7 +33,7 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
         If there is none of that name.
     """
     if name in study.forms:
-        return own({name: study.forms[name]})[name]
+        return questionnaires_of({name: study.forms[name]})[name]
     one_of(path, name, (*study.forms, *shipped()))
     return load(name)
 

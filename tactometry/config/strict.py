@@ -129,6 +129,10 @@ def convert(kind: Any, value: object, path: str) -> Any:
     table_class = of_optional[0] if typing.get_origin(kind) is types.UnionType and of_optional else kind
     if dataclasses.is_dataclass(table_class) and isinstance(table_class, type):
         return build(table_class, value, path)
+    if typing.get_origin(kind) is tuple and isinstance(value, list):
+        inner = typing.get_args(kind)[0]
+        if dataclasses.is_dataclass(inner):
+            return tuple(convert(inner, item, f"{path}[{index}]") for index, item in enumerate(value))
     if typing.get_origin(kind) is dict and isinstance(value, Mapping):
         inner = typing.get_args(kind)[1]
         return {key: item if inner is Any else convert(inner, item, _join(path, key)) for key, item in value.items()}

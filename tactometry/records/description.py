@@ -53,7 +53,7 @@ def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> Non
     path = root / NAME
     there = read_description(path) if path.exists() else None
     complete = with_columns(description(design) if there is None else there, design.columns)
-    wanted = marked(complete) if is_simulated else complete
+    wanted = as_simulated(complete) if is_simulated else complete
     if wanted != there:  # a file that says all already keeps its bytes
         write_atomically(path, pretty(wanted))
 
@@ -92,13 +92,13 @@ def with_columns(described: Mapping[str, Any], columns: Sequence[Column]) -> dic
     return {**described, "variableMeasured": [*variables, *new]}
 
 
-def marked(described: Mapping[str, object]) -> dict[str, object]:
+def as_simulated(described: Mapping[str, object]) -> dict[str, object]:
     """The description of a data set of simulated participants, which says so.
 
-    >>> marked({"description": "A study."})["description"]
+    >>> as_simulated({"description": "A study."})["description"]
     'A study. Simulated participants: no person took part.'
     """
-    if is_marked(described):
+    if says_simulated(described):
         return dict(described)
     keywords = described.get("keywords")
     text = f"{described.get('description', '')} {SENTENCE}".strip()
@@ -106,10 +106,10 @@ def marked(described: Mapping[str, object]) -> dict[str, object]:
     return {**described, "description": text, "keywords": [*others, KEYWORD]}
 
 
-def is_marked(described: Mapping[str, object]) -> bool:
+def says_simulated(described: Mapping[str, object]) -> bool:
     """Whether a description says that its data are simulated.
 
-    >>> is_marked(marked({})), is_marked({"keywords": "simulated data"})
+    >>> says_simulated(as_simulated({})), says_simulated({"keywords": "simulated data"})
     (True, False)
     """
     keywords = described.get("keywords")
@@ -125,7 +125,8 @@ def describe_columns(path: Path, columns: Sequence[Column]) -> None:
         If it can't be read or written.
     """
     if not path.exists() or _column_names(read_file(path, "the description of a table")) != [c.name for c in columns]:
-        write_atomically(path, _sidecar_json(columns))
+        table = {column.name: {"Description": column.description, "Units": column.unit} for column in columns}
+        write_atomically(path, pretty(table))
 
 
 def _column_names(content: bytes) -> list[str]:
@@ -134,10 +135,6 @@ def _column_names(content: bytes) -> list[str]:
     except (ValueError, RecursionError):
         return []
     return list(columns) if isinstance(columns, dict) else []
-
-
-def _sidecar_json(columns: Sequence[Column]) -> bytes:
-    return pretty({column.name: {"Description": column.description, "Units": column.unit} for column in columns})
 
 
 def pretty(value: object) -> bytes:

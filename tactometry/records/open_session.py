@@ -28,8 +28,8 @@ from .description import (
     StudyDescription,
     describe,
     describe_columns,
-    is_marked,
     read_description,
+    says_simulated,
 )
 from .formats import FORMAT, as_kept, columns_in
 from .journal import Entry, abortion
@@ -48,7 +48,7 @@ def refuse_mixing(root: Path, rig: str) -> None:
         If the folder holds the other kind.
     """
     path = root / NAME
-    if path.exists() and is_marked(read_description(path)):
+    if path.exists() and says_simulated(read_description(path)):
         held = {SIMULATED}
     else:
         held = {head.rig for journal in sessions(root) for head in heads(journal)[:1]}

@@ -129,9 +129,10 @@ class Bench(DeviceRig):
         self._terminal.add(f"trial {self._tally.n_trials + 1}: {request.stimulus} {level}")
         measured = self._texts.message(words if self._setup.sensor is None else f"{words}_force")
         release = self._texts.message("release")
-        result = TouchCourse(request, self._setup, places, measured, release, dress).felt(self._signal(request))
-        self._trial_log.note_decision(result.gate_delay_s)
-        touched = self._in_session(result.touched)
+        course = TouchCourse(request, self._setup, places, measured, release, dress)
+        felt, gate_delay_s = course.carry_out(self._signal(request))
+        self._trial_log.note_decision(gate_delay_s)
+        touched = self._in_session(felt)
         if touched.valid and self._supervisor.repeat:
             return replace(touched, valid=False, invalid_reason="experimenter")
         return touched
@@ -144,34 +145,34 @@ class Bench(DeviceRig):
             self._texts.message("hint_choose"),
             self._screen.aspect,
         )
-        option, given = self._answer_on(
+        option, timing = self._ask(
             request.options[0], lambda option: page, lambda option, answer: (_option(answer), True)
         )
-        return Chosen(option, *given)
+        return Chosen(option, *timing)
 
-    def _answer_on(
-        self,
-        state: S,
-        view: Callable[[S], Page],
-        after: Callable[[S, Answer], tuple[S, bool]],
-        each_frame: Callable[[S], None] = lambda state: None,
+    def _ask(
+        self, state: S, view: Callable[[S], Page], after: Callable[[S, Answer], tuple[S, bool]]
     ) -> tuple[S, tuple[float, float, str, bool]]:
-        """What a page was answered; its onset in the session, latency, time of day, and whether it counts: it does
-        unless the experimenter wants a repetition."""
-        state, onset_s, end_s = self._presenter.converse(state, view, after, each_frame)
+        """What a page was answered, and when."""
+        state, onset_s, end_s = self._presenter.converse(state, view, after)
+        return state, self._timing(onset_s, end_s)
+
+    def _timing(self, onset_s: float, end_s: float) -> tuple[float, float, str, bool]:
+        """Onset in the session, latency and time of day of an answer, and whether it counts: the experimenter wants no
+        repetition."""
         self._trial_log.note_answer(end_s)
         self._terminal.add(f"answered in {end_s - onset_s:.2f} s")
         latency_s = round(end_s - onset_s, 6)
-        return state, (self._session_s(onset_s), latency_s, utc_text(end_s), not self._supervisor.repeat)
+        return self._session_s(onset_s), latency_s, utc_text(end_s), not self._supervisor.repeat
 
     def _rate(self, request: Rate) -> Rated:
         scale = self._scale(request)
         unmarked: int | None = None
-        mark, given = self._answer_on(
+        mark, timing = self._ask(
             unmarked, lambda mark: layout.scale_page(scale, mark, self._screen.aspect), scale.after
         )
         value = None if mark is None else scale.value(mark, request.low, request.high)
-        return Rated(value, *given)
+        return Rated(value, *timing)
 
     def _enter(self, request: Enter) -> Rated:
         words, hint = self._texts.message(request.question), self._texts.message("hint_enter")
@@ -181,12 +182,12 @@ class Bench(DeviceRig):
             ready = entry.value_of(typed, low, high) is not None
             return entry.entry_page(words, typed, hint, self._screen.aspect, ready=ready)
 
-        typed, given = self._answer_on("", view, lambda typed, key: entry.after(typed, key, low, high))
-        return Rated(entry.value_of(typed, low, high), *given)
+        typed, timing = self._ask("", view, lambda typed, key: entry.after(typed, key, low, high))
+        return Rated(entry.value_of(typed, low, high), *timing)
 
     def _fill(self, request: Fill) -> Filled:
         page = self._form(request)
-        marks, given = self._answer_on(
+        marks, timing = self._ask(
             form.Marks((None,) * len(page.rows)),
             lambda marks: form.form_page(page, marks, self._screen.aspect),
             functools.partial(form.after, page),
@@ -195,7 +196,7 @@ class Bench(DeviceRig):
             None if place is None else value_at(place, page.n_positions, request.low, request.high)
             for place in marks.places
         )
-        return Filled(values, *given)
+        return Filled(values, *timing)
 
     def _form(self, request: Fill) -> form.Form:
         return form.Form(
@@ -223,12 +224,13 @@ class Bench(DeviceRig):
         self._supervisor.under_way = True
         with watchdog(self._setup) as look:
             stimulus = RepeatedStimulus(request, self._emitter, look)
-            n_steps, (onset_s, latency_s, utc, counts) = self._answer_on(
+            n_steps, onset_s, end_s = self._presenter.converse(
                 0, lambda n_steps: page, functools.partial(layout.steps_after, request), stimulus.keep_playing
             )
             self._emitter.stop()
+        begun_s, latency_s, utc, counts = self._timing(onset_s, end_s)
         n_gaps = stimulus.n_gaps
-        return Adjusted(request.level(n_steps), onset_s, latency_s, utc, counts and not n_gaps, n_gaps)
+        return Adjusted(request.level(n_steps), begun_s, latency_s, utc, counts and not n_gaps, n_gaps)
 
     def _wait(self, request: Wait) -> Done:
         begin_s = self._presenter.present(layout.waiting_page())

@@ -64,10 +64,11 @@ class Held:
         self.loss: Reason | None = None
         if moving and isinstance(request, Slide) and request.speed_tolerance is not None:
             self.finger_motion = FingerMotion(SpeedGate(request.speed_m_per_s, request.speed_tolerance, MOVING_S))
+        self._gated = [samples for samples in (self.applied_force, self.finger_motion) if samples is not None]
 
     @property
     def open(self) -> bool:
-        return self.applied_force.open and (self.finger_motion is None or self.finger_motion.open) and self.released
+        return all(samples.open for samples in self._gated) and self.released
 
     @property
     def released(self) -> bool:
@@ -77,8 +78,7 @@ class Held:
     @property
     def opened_s(self) -> float:
         """The stamp of the sample that opened the last gate."""
-        stamps_s = (self.applied_force.opened_s, None if self.finger_motion is None else self.finger_motion.opened_s)
-        return max(stamp_s for stamp_s in stamps_s if stamp_s is not None)
+        return max(samples.opened_s for samples in self._gated if samples.opened_s is not None)
 
     def fire(self, fire: Callable[[], float | None]) -> float | None:
         """Begin to play what these sensors let through: they hear on, but what opened the gate stands."""
@@ -87,7 +87,7 @@ class Held:
 
     def breaks(self) -> bool:
         """Whether a sensor is silent, or the finger has left or stopped: `loss` then says which."""
-        self.loss = self.applied_force.loss or (None if self.finger_motion is None else self.finger_motion.loss)
+        self.loss = next((samples.loss for samples in self._gated if samples.loss), None)
         return self.loss is not None
 
     def delay_s(self, decided_s: float) -> float:
@@ -98,14 +98,6 @@ class Held:
 
 def _round(value: float | None) -> float | None:
     return None if value is None else round(value, 6)
-
-
-@dataclass(frozen=True)
-class TouchResult:
-    """What came of a touch (its onset on `time.perf_counter`), and how late the gate's decision was, s."""
-
-    touched: Touched
-    gate_delay_s: float | None = None
 
 
 @dataclass(frozen=True)
@@ -122,16 +114,18 @@ class TouchCourse:
     release_words: str = ""
     dress: Dress = as_it_is
 
-    def felt(self, signal: Signal | None) -> TouchResult:
-        """Carry out the request; a touch whose stimulus was cut short by a pause is not valid."""
+    def carry_out(self, signal: Signal | None) -> tuple[Touched, float | None]:
+        """What came of the touch (its onset on `time.perf_counter`), and how late the gate's decision was, s.
+
+        A touch whose stimulus was cut short by a pause is not valid.
+        """
         sensor = self.setup.sensor
         with hearing(self.setup.position, self.places.hear):
-            felt = self._unmeasured(signal) if sensor is None else self._held(signal, sensor)
-        touched = felt.touched
+            touched, delay_s = (self._unmeasured(signal), None) if sensor is None else self._held(signal, sensor)
         speed = speed_m_per_s(self.places, touched.onset_s, touched.onset_s + self.request.duration_s)
-        return replace(felt, touched=replace(touched, speed_mean_m_per_s=_round(speed)))
+        return replace(touched, speed_mean_m_per_s=_round(speed)), delay_s
 
-    def _unmeasured(self, signal: Signal | None) -> TouchResult:
+    def _unmeasured(self, signal: Signal | None) -> Touched:
         """Trust the finger: show when to be ready for `hold_s`, then play."""
         ready, playing = (
             layout.marker_page(self.request.interval, playing=on, words=self.words) for on in (False, True)
@@ -145,7 +139,7 @@ class TouchCourse:
         reason: Reason | None = "output_gap" if n_gaps else None
         if self.setup.presenter.paused_until_s >= begin_s:
             reason = "experimenter"
-        return TouchResult(self._answer(signal, onset_s, reason, n_gaps))
+        return self._answer(signal, onset_s, reason, n_gaps)
 
     def _answer(
         self, signal: Signal | None, onset_s: float, reason: Reason | None, n_gaps: int | None, **kept: float | None
@@ -160,7 +154,7 @@ class TouchCourse:
             **{name: _round(value) for name, value in kept.items()},
         )
 
-    def _held(self, signal: Signal | None, sensor: StreamedSensor) -> TouchResult:
+    def _held(self, signal: Signal | None, sensor: StreamedSensor) -> tuple[Touched, float | None]:
         """Play once the force is held in motion, and stop when the finger stops or leaves, or a sensor is lost.
 
         The threads of the sensors decide; here it is shown what they hear.
@@ -182,7 +176,7 @@ class TouchCourse:
             begun = self._begun(held, trigger, sensor)
             if begun is None:
                 self.setup.say("not played")
-                return TouchResult(Touched(time.perf_counter(), None, None, valid=False, invalid_reason="timeout"))
+                return Touched(time.perf_counter(), None, None, valid=False, invalid_reason="timeout"), None
             cut_by = self._cut_by(held, trigger, *begun)
         self.setup.emitter.stop()
         self.setup.release.begin()
@@ -190,7 +184,7 @@ class TouchCourse:
         touched = self._judgement(signal, held, onset_s, cut_by)
         mean = "no force" if touched.force_mean_n is None else f"{touched.force_mean_n:.2f} N"
         self.setup.say(f"played, {mean}")
-        return TouchResult(touched, held.delay_s(decided_s))
+        return touched, held.delay_s(decided_s)
 
     def _begun(self, held: Held, trigger: Trigger, sensor: StreamedSensor) -> tuple[float, float] | None:
         """Show the force until the stimulus begins: when that was decided, and the onset; None if it came too late.
