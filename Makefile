@@ -10,6 +10,8 @@ VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadgroup
+# Empty is unset: otherwise each program that the tests start would compile all its modules anew.
+export PYTHONDONTWRITEBYTECODE :=
 INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
 EXTRAS := window,audio,serial,lsl,ni,cluster,hdf5,film,dev

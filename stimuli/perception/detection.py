@@ -5,7 +5,6 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.signal.windows import flattop
 
 from tactometry.arguments.require import positive
 from tactometry.errors import InvalidParameter
@@ -69,6 +68,8 @@ def sensation_level_db(parts: Components, reference: float) -> float:
 
 @lru_cache(maxsize=8)
 def _window(n: int) -> FloatArray:
+    from scipy.signal.windows import flattop  # half of the start of a session, if it stood above
+
     window = np.asarray(flattop(n, sym=False))
     window.setflags(write=False)
     return window

@@ -271,16 +271,29 @@ def test_what_the_product_imports_is_declared() -> None:
 # --- what a command loads
 
 
-def test_help_loads_nothing_heavy() -> None:
+def loaded(*words: str) -> tuple[str, set[str]]:
+    """What a command says, and the modules that are there at its end."""
     script = (
-        "import sys, json; sys.argv = ['tactometry', '--help']; from tactometry.cli import main\n"
+        "import sys, json; from tactometry.cli import main\n"
         "try: main()\n"
-        "finally: print(json.dumps(sorted({name.split('.')[0] for name in sys.modules})), file=sys.stderr)"
+        "finally: print(json.dumps(list(sys.modules)), file=sys.stderr)"
     )
-    result = subprocess.run([sys.executable, "-I", "-c", script], capture_output=True, text=True, check=False)
-    assert "Usage: tactometry" in result.stdout
-    assert result.returncode == 0
-    assert HEAVY & set(json.loads(result.stderr.splitlines()[-1])) == set()
+    command = [sys.executable, "-I", "-c", script, *words]
+    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+    return result.stdout, set(json.loads(result.stderr.splitlines()[-1]))
+
+
+def test_help_loads_nothing_heavy() -> None:
+    said, modules = loaded("--help")
+    assert "Usage: tactometry" in said
+    assert HEAVY & {name.partition(".")[0] for name in modules} == set()
+
+
+def test_a_session_of_electrovibration_begins_without_what_is_slow_to_load() -> None:
+    said, modules = loaded("run", "tutorial", "--participant", "P01", "--dry-run")
+    assert "at most" in said
+    assert {"scipy.signal", "scipy.stats", "scipy.optimize", "matplotlib", "statsmodels"} & modules == set()
 
 
 # --- what a commit may not hold

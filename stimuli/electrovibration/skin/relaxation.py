@@ -4,7 +4,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.signal import lfilter
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
@@ -115,6 +114,8 @@ def high_passed(steps_v: FloatArray, decay: float) -> FloatArray:
 def _recurrence(weighted: FloatArray, decay: float) -> FloatArray:
     if decay == 0:
         return np.cumsum(weighted, axis=-1)
+    from scipy.signal import lfilter  # slow to load
+
     return np.asarray(lfilter([1.0], [1.0, -np.exp(-decay)], weighted, axis=-1))
 
 

@@ -6,7 +6,6 @@ from math import inf
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.optimize import brentq
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
@@ -192,6 +191,8 @@ def _from(
 
     if regular(reach) <= 0:  # The zero lies at the reach, and rounding puts it behind.
         return _Pole(rates[origin] + reach, tuple(offset - reach for offset in offsets))
+    from scipy.optimize import brentq  # slow to load
+
     root = float(brentq(regular, 0.0, reach, xtol=SMALLEST, rtol=4 * np.finfo(float).eps, maxiter=2000))
     return _Pole(rates[origin] + root, tuple(offset - root for offset in offsets))
 

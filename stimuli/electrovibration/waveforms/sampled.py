@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import resample
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
@@ -69,6 +68,8 @@ class Sampled:
         >>> Sampled(tuple(np.sin(2 * np.pi * 9900 * t_s)), rate_hz=20_000.0).force_frequency_hz
         19800.0
         """
+        from scipy.signal import resample  # slow to load
+
         finer = resample(np.asarray(self.shape, dtype=np.float64), 2 * len(self.shape))
         return strongest_hz(finer**2, 2 * self.rate_hz)
 
