@@ -18,10 +18,10 @@ from .reading.column_map import ColumnMap
 from .reading.exclusion import exclude
 from .reading.origin import of_one_kind
 from .reading.quality import frames, quality, with_frames
-from .reading.study_text import study_text
 from .reading.trials import Trials, read_trials, used_rows
 from .report.data_warnings import warnings_of
 from .report.methods import methods
+from .report.study_text import study_text
 from .result import Analysis
 from .tasks import cells
 from .tasks.applied_force import force_of_participants, force_table, has_force
@@ -133,7 +133,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
         plan=plan,
         tables={},
         origin=origin,
-        study=study_text(everything.path, unit, {name: each.course for name, each in ANALYSES.items()}),
+        study=study_text(everything.path, unit),
     )
     tables = {"quality": with_frames(recorded, frames(everything.path)), "excluded": excluded, **direct}
     tables |= _curve_tables(table, found, judged, factors) | _force_tables(forces, factors) | _compared_tables(values)

@@ -11,7 +11,7 @@ from .outcomes.hierarchical_outcome import HierarchicalOutcome
 from .outcomes.ratings import Ratings
 from .plan import AnalysisPlan
 from .reading.origin import Origin
-from .reading.study_text import StudyText
+from .reading.study_file import StudyText
 from .reading.trials import Trials
 from .tasks import cells
 

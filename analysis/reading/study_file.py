@@ -1,6 +1,7 @@
 """What the study of a data set states: a table of its `study.toml`, and the questionnaires that it may ask."""
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -9,6 +10,15 @@ from tactometry.errors import InvalidParameter
 from tactometry.questionnaire import Questionnaire, load, questionnaires_of, shipped
 
 T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class StudyText:
+    """The study's title and procedure in words, and the force (N) that was asked for where it is no factor."""
+
+    title: str = ""
+    procedure: str = ""
+    force_n: float | None = None
 
 
 def study_table(path: Path, name: str, read: Callable[[Mapping[str, Any]], T]) -> T:

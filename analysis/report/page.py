@@ -1,12 +1,15 @@
 """The report: one HTML file that needs nothing else, its tables beside it; figures as files."""
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
 
+import pandas as pd
+
 from tactometry.errors import DeviceFailed, InvalidParameter, counted
-from tactometry.files.safe_text import file_text
+from tactometry.files.safe_text import cell_text, file_text
 
 from ..result import Analysis
 from ..wording.labels import in_words, split_unit
@@ -14,7 +17,6 @@ from .kinds import KINDS
 from .methods import references
 from .pdf import print_pdf
 from .section import Figure, Section
-from .table_files import write_tables
 
 
 def write_report(analysis: Analysis, path: Path, *, pdf: bool = False) -> Analysis:
@@ -73,6 +75,29 @@ def write_figures(analysis: Analysis, folder: Path) -> Analysis:
     return replace(analysis, figures_folder=folder)
 
 
+def write_tables(tables: Mapping[str, pd.DataFrame], folder: Path) -> None:
+    """Each table as NAME.csv in the folder.
+
+    Raises
+    ------
+    OSError
+        If the disk is full or fails.
+    """
+    for name, table in tables.items():
+        (folder / f"{file_text(name)}.csv").write_text(csv_text(table), encoding="utf-8")
+
+
+def csv_text(table: pd.DataFrame) -> str:
+    """A table as CSV: text that begins like a formula has an apostrophe before it, numbers stay as they are.
+
+    >>> csv_text(pd.DataFrame({"@pattern": ["=1+1", "P0"], "threshold": [-1.5, 2.0]}))
+    "'@pattern,threshold\\n'=1+1,-1.5\\nP0,2.0\\n"
+    """
+    safe = table.map(lambda value: cell_text(value) if isinstance(value, str) else value)
+    safe.columns = [cell_text(str(name)) for name in table.columns]
+    return str(safe.to_csv(index=False, lineterminator="\n"))
+
+
 def render(analysis: Analysis) -> str:
     """The whole page; the same data give the same text."""
     from jinja2 import Environment, StrictUndefined
@@ -106,15 +131,19 @@ def figures_of(analysis: Analysis) -> list[Figure]:
 
 def data_line(analysis: Analysis) -> str:
     """What was read: rows, participants and files, factors and the unit of the levels."""
-    rows, words_of = analysis.trials.rows, [split_unit(name)[0] for name in analysis.factors]
-    n_participants = len(analysis.tables["quality"])
-    names = ", ".join(sorted(set(rows["study"]) - {""})) if "study" in rows.columns else ""
-    parts = [f"{'study ' + names + ': ' if names else ''}{counted(n_participants, 'participant')}"]
-    parts.append(f"{counted(len(rows), 'row')} in {counted(analysis.trials.n_files, 'file')}")
-    told = [", ".join(parts), f"factors: {', '.join(words_of) or 'none'}"]
-    told += [f"levels in {analysis.unit}"] if analysis.unit else []
-    line = "; ".join(told)
-    return f"{line[0].upper()}{line[1:]}."
+    trials, studies = analysis.trials, ", ".join(_studies(analysis))
+    participants = counted(len(analysis.tables["quality"]), "participant")
+    rows = f"{counted(len(trials.rows), 'row')} in {counted(trials.n_files, 'file')}"
+    factors = ", ".join(split_unit(name)[0] for name in trials.factors) or "none"
+    levels = f"; levels in {analysis.unit}" if analysis.unit else ""
+    line = f"{f'study {studies}: ' if studies else ''}{participants}, {rows}; factors: {factors}{levels}."
+    return line[0].upper() + line[1:]
+
+
+def _studies(analysis: Analysis) -> list[str]:
+    """The names of the studies that the rows are of."""
+    rows = analysis.trials.rows
+    return sorted(set(rows["study"]) - {""}) if "study" in rows.columns else []
 
 
 def unbroken(text: str) -> str:
@@ -125,12 +154,9 @@ def unbroken(text: str) -> str:
     >>> unbroken("1.47 ± 0.03 N, 100 % in band").replace(chr(160), "_")
     '1.47 ±_0.03_N, 100_%_in_band'
     """
-    held = re.sub(r"\[[^]]{,40}\]|\(n = [^)]{,40}\)|± \S+ N|\d+ % in band", lambda part: _joined(part[0]), text)
-    return re.sub(r"-(?=\d)", "\u2011", held)
-
-
-def _joined(text: str) -> str:
-    return text.replace(" ", "\u00a0")
+    together = r"\[[^]]{,40}\]|\(n = [^)]{,40}\)|± \S+ N|\d+ % in band"
+    joined = re.sub(together, lambda match: match[0].replace(" ", "\u00a0"), text)
+    return re.sub(r"-(?=\d)", "\u2011", joined)
 
 
 def _notes(analysis: Analysis) -> list[str]:
@@ -146,7 +172,5 @@ def _numbered(figure: Figure, n: int) -> str:
 
 def title_of(analysis: Analysis) -> str:
     """The title of the study, else its name, else that of the file."""
-    rows = analysis.trials.rows
-    studies = sorted(set(rows["study"])) if "study" in rows.columns else []
-    title = analysis.study.title or ", ".join(study for study in studies if study) or analysis.trials.path.stem
+    title = analysis.study.title or ", ".join(_studies(analysis)) or analysis.trials.path.stem
     return f"{title} (simulated)" if analysis.origin.is_simulated else title

@@ -23,8 +23,8 @@ def adjustment_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame
     return by_condition(rows, ["participant", *factors], _row)
 
 
-def _row(part: pd.DataFrame) -> dict[str, object]:
-    settings = np.asarray(numbers_of(part["response"]), dtype=np.float64)
+def _row(rows: pd.DataFrame) -> dict[str, object]:
+    settings = np.asarray(numbers_of(rows["response"]), dtype=np.float64)
     named = {name.replace("mean", DEPENDENT): value for name, value in mean_row(settings).items()}
     return {"task": TASK, **named, "n_settings": len(settings)}
 

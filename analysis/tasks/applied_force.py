@@ -38,12 +38,12 @@ def force_table(of_participants: pd.DataFrame, factors: Sequence[str]) -> pd.Dat
     return by_condition(of_participants, factors, _force_row)
 
 
-def _force_row(part: pd.DataFrame) -> dict[str, object]:
-    values = np.array(part["force_mean_n"], dtype=np.float64)
-    row = mean_row(values) | {"n": len(values), "n_trials": int(part["n_trials"].sum())}
+def _force_row(means: pd.DataFrame) -> dict[str, object]:
+    values = np.array(means["force_mean_n"], dtype=np.float64)
+    row = mean_row(values) | {"n": len(values), "n_trials": int(means["n_trials"].sum())}
     band = ""
-    if "force_in_band" in part.columns and part["force_in_band"].notna().any():
-        in_band = float(part["force_in_band"].mean())
+    if "force_in_band" in means.columns and means["force_in_band"].notna().any():
+        in_band = float(means["force_in_band"].mean())
         row["in_band"], band = in_band, f", {percent_text(in_band)} in band"
     mean = float(values.mean())
     sd = "" if row["sd"] is None else f" ± {row['sd']:.{decimals_of(mean)}f}"

@@ -1,6 +1,6 @@
 """Goodness of fit of each participant in each condition: columns of the estimates, and what is told of them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,12 +15,7 @@ from ..threshold.goodness import STATISTICS, Goodness, Sequences, goodness
 from ..threshold.mode import climb
 from ..threshold.prior import Prior
 from ..wording.labels import named_cells
-from .cells import (
-    Estimate,
-    catch_counts,
-    cell_keys,
-    stacked_counts,
-)
+from .cells import Estimate, catch_counts, cell_keys, stacked_counts
 from .kinds import CURVES
 from .rule_estimate import FIXED
 
@@ -48,7 +43,7 @@ MISFIT = "misfit"
 def goodness_columns(
     answers: pd.DataFrame,
     factors: Sequence[str],
-    found: Sequence[Estimate],
+    estimates: Sequence[Estimate],
     n_choices: int,
     unit: str,
     rng: np.random.Generator,
@@ -56,11 +51,11 @@ def goodness_columns(
     """A row for each estimate, in their order: the statistics of `goodness` but the deviance, each p, and in `misfit`
     the tests whose p is at most `FLAGGED_P`. Empty where no function was fitted."""
     rows = _in_order(answers, factors)
-    values, p = (np.full((len(found), len(TESTS)), np.nan) for _ in range(2))
+    values, p = (np.full((len(estimates), len(TESTS)), np.nan) for _ in range(2))
     for task in CURVES:
-        chosen = [n for n, one in enumerate(found) if one.cell.task == task and one.fit.function is not None]
-        for numbers in _of_like_size(found, chosen):
-            tested = _tested(rows, [found[n] for n in numbers], numbers, CURVES[task].options(n_choices, unit), rng)
+        fitted = [n for n, one in enumerate(estimates) if one.cell.task == task and one.fit.function is not None]
+        for numbers in _of_like_size(estimates, fitted):
+            tested = _tested(rows, [estimates[n] for n in numbers], numbers, CURVES[task].options(n_choices, unit), rng)
             values[numbers], p[numbers] = tested.statistics, tested.p
     columns: dict[str, Any] = {"deviance_p": p[:, 0]}
     for n, (value, name) in enumerate(zip(STATISTICS, P_COLUMNS.values(), strict=True)):
@@ -91,9 +86,9 @@ def _in_order(answers: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     return rows.assign(stretch=place * n_stretches // n_trials, follows=follows)
 
 
-def _of_like_size(found: Sequence[Estimate], chosen: Sequence[int]) -> list[Indices]:
+def _of_like_size(estimates: Sequence[Estimate], chosen: Sequence[int]) -> list[Indices]:
     """Cells with few levels apart from those with many, which would fill them up with empty places."""
-    n_levels = np.array([len(found[n].cell.levels) for n in chosen])
+    n_levels = np.array([len(estimates[n].cell.levels) for n in chosen])
     size = np.ceil(np.log2(n_levels)) if len(n_levels) else n_levels
     places = n_levels * MOST_STRETCHES
     return [np.array(chosen)[(size == one) & (places <= MOST_PLACES)] for one in np.unique(size)]
@@ -101,30 +96,30 @@ def _of_like_size(found: Sequence[Estimate], chosen: Sequence[int]) -> list[Indi
 
 def _tested(
     rows: pd.DataFrame,
-    found: Sequence[Estimate],
+    estimates: Sequence[Estimate],
     cells: Indices,
     options: Mapping[str, Any],
     rng: np.random.Generator,
 ) -> Goodness:
     """The goodness of fit of estimates, which are those of the numbers `cells`."""
     curve, known = shape_named(options["shape"]), {"lapse_rate": None} | dict(options)
-    fitted_cells = [one.cell for one in found]
+    fitted_cells = [estimate.cell for estimate in estimates]
     levels, n_yes, n_trials = stacked_counts(fitted_cells)
     counts = normalised(*checked(levels, n_yes, n_trials, positive=curve.on_log_levels))
     alarms, catch = np.array(catch_counts(fitted_cells), dtype=np.float64)
     del known["shape"]
     prior = Prior(counts.gap, n_false_alarms=alarms, n_catch=catch, **known)
     # The estimates may be medians: deviance is compared at the mode, as that of the draws is.
-    theta = climb(curve, counts, prior, _parameters(found, counts)).theta
+    theta = climb(curve, counts, prior, _parameters(estimates, counts)).theta
     answers = rows[rows["cell"].isin(cells)]
     number = np.searchsorted(cells, answers["cell"])
     follows = np.bincount(number, answers["follows"], len(cells)) > 0
     return goodness(curve, counts, prior, theta, _sequences(answers, number, levels, counts), follows, rng)
 
 
-def _parameters(found: Sequence[Estimate], counts: Counts) -> Array:
+def _parameters(estimates: Sequence[Estimate], counts: Counts) -> Array:
     """Of the fitted functions, (n_sets, 4), on the scale of the counts."""
-    fits = [one.fit for one in found]
+    fits = [estimate.fit for estimate in estimates]
     rows = [(fit.threshold, fit.width, fit.lapse_rate, fit.guess_rate) for fit in fits]
     threshold, width, lapse, guess = np.array(rows, dtype=np.float64).T
     m, v = (threshold - counts.centre) / counts.spread, np.log(width / counts.spread)
@@ -156,18 +151,16 @@ def goodness_table(estimates: pd.DataFrame) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["test", "n_tested", "n_flagged", "n_by_chance", "meaning"])
 
 
-def goodness_warnings(estimates: pd.DataFrame, factors: Sequence[str]) -> list[str]:
+def goodness_warnings(estimates: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]:
     """One for each test that flags more functions than chance does."""
-    warnings = []
     for name, column in P_COLUMNS.items():
         p = estimates[column].dropna()
-        flagged = estimates.loc[p.index[p <= FLAGGED_P]]
         if _is_surprising(p):
-            warnings.append(
+            flagged = estimates.loc[p.index[p <= FLAGGED_P]]
+            yield (
                 f"{len(flagged)} of {len(p)} fitted functions have p <= {FLAGGED_P:g} in the test of {name} (by chance "
                 f"about {FLAGGED_P * len(p):.1f} of {len(p)} tests): {TESTS[name]} ({named_cells(flagged, factors)})"
             )
-    return warnings
 
 
 def _is_surprising(p: "pd.Series[float]") -> bool:

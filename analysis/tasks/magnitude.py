@@ -86,10 +86,10 @@ def _ratings(rows: pd.DataFrame) -> pd.DataFrame:
     return rows.assign(number=numbers_of(rows["response"]), x=x, log_level=log_level)
 
 
-def _row(part: pd.DataFrame) -> dict[str, Any]:
-    felt = part[part["number"] > 0]
+def _row(ratings: pd.DataFrame) -> dict[str, Any]:
+    felt = ratings[ratings["number"] > 0]
     slope = exponent(felt["log_level"].to_numpy(float), felt["number"].to_numpy(float))
-    counts = {"n_ratings": len(part), "n_zero": len(part) - len(felt), "n_levels": felt["x"].nunique()}
+    counts = {"n_ratings": len(ratings), "n_zero": len(ratings) - len(felt), "n_levels": felt["x"].nunique()}
     return {"task": TASK, **slope, **counts, "note": FEW_LEVELS if slope["exponent"] is None else ""}
 
 

@@ -52,21 +52,21 @@ def loss_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     return by_condition(losses(rows, factors), factors, _condition)
 
 
-def _reading(part: pd.DataFrame) -> dict[str, object]:
-    mean = dict.fromkeys(("mean", "mean_low", "mean_high")) | mean_with_interval(part["loss"].to_numpy(float))
-    row = {name.replace("mean", "loss"): value for name, value in mean.items()} | {"n_readings": len(part)}
-    if "force_mean_n" in part.columns and part["force_mean_n"].notna().any():
-        row["force_mean_n"] = float(part["force_mean_n"].mean())
+def _reading(readings: pd.DataFrame) -> dict[str, object]:
+    mean = dict.fromkeys(("mean", "mean_low", "mean_high")) | mean_with_interval(readings["loss"].to_numpy(float))
+    row = {name.replace("mean", "loss"): value for name, value in mean.items()} | {"n_readings": len(readings)}
+    if "force_mean_n" in readings.columns and readings["force_mean_n"].notna().any():
+        row["force_mean_n"] = float(readings["force_mean_n"].mean())
     return row
 
 
-def _condition(part: pd.DataFrame) -> dict[str, object]:
-    row = mean_row(part["loss"].to_numpy(float))
-    if len(part) == 1:  # then the interval is that of the participant's own readings
-        row |= {f"mean{end}": part[f"loss{end}"].iloc[0] for end in ("", "_low", "_high")}
-    row |= {"n": len(part), "n_readings": int(part["n_readings"].sum())}
-    if "force_mean_n" in part.columns:
-        row["force_mean_n"] = float(part["force_mean_n"].mean())
+def _condition(participants: pd.DataFrame) -> dict[str, object]:
+    row = mean_row(participants["loss"].to_numpy(float))
+    if len(participants) == 1:  # then the interval is that of the participant's own readings
+        row |= {f"mean{end}": participants[f"loss{end}"].iloc[0] for end in ("", "_low", "_high")}
+    row |= {"n": len(participants), "n_readings": int(participants["n_readings"].sum())}
+    if "force_mean_n" in participants.columns:
+        row["force_mean_n"] = float(participants["force_mean_n"].mean())
     return row | {"text": _text(row)}
 
 

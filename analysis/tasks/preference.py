@@ -14,13 +14,13 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
-from scipy.stats import norm, t as student
+from scipy.stats import t as student
 
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.trials.columns import stated_factors
 from tactometry.trials.row_rules import rows_text
 
-from ..arrays import Array
+from ..arrays import Array, Bools, Indices
 from ..conditions import parts
 from ..reading.cell_numbers import numbers_of
 from ..reading.refusals import no_column
@@ -55,7 +55,7 @@ class Worths:
     status: WorthStatus
     note: str
 
-    def chance(self, item: str, other: str) -> float:
+    def probability(self, item: str, other: str) -> float:
         """That `item` is preferred to `other`, without an effect of the order.
 
         Raises
@@ -100,33 +100,23 @@ def bradley_terry(
 
     >>> found = bradley_terry(["a", "a", "b", "b", "c", "c"] * 4, ["b", "c", "a", "c", "a", "b"] * 4,
     ...     [1, 1, 2, 1, 1, 2, 1, 1, 2, 1, 2, 2, 1, 2, 2, 1, 2, 1, 2, 1, 1, 2, 2, 2])
-    >>> found.worths["worth"].round(2).tolist(), round(found.chance("a", "c"), 2)
+    >>> found.worths["worth"].round(2).tolist(), round(found.probability("a", "c"), 2)
     ([0.76, -0.0, -0.76], 0.82)
     """
     a, b, answer = np.asarray(first, dtype=str), np.asarray(second, dtype=str), np.asarray(preferred)
     _check(a, b, answer, participants)
-    items = sorted(set(a) | set(b))
-    winner, loser = np.where(answer == 1, a, b), np.where(answer == 1, b, a)
-    counts = pd.DataFrame(
-        {
-            "item": items,
-            "n_pairs": [int(((a == one) | (b == one)).sum()) for one in items],
-            "n_preferred": [int((winner == one).sum()) for one in items],
-        }
-    )
+    items, places = np.unique(np.stack([a, b]), return_inverse=True)
+    places = places.reshape(2, -1)  # of the first and of the second item of each pair
+    winner, loser = np.where(answer == 1, places, places[::-1])
+    numbers = {"n_pairs": np.bincount(places.ravel()), "n_preferred": np.bincount(winner, minlength=len(items))}
+    counts = pd.DataFrame({"item": items.tolist(), **numbers})
     note = _gap(items, winner, loser)
     if note:
         nothing = dict.fromkeys(("worth", "standard_error", "low", "high"), np.nan)
         return Worths(counts.assign(**nothing), pd.DataFrame([nothing]), WorthStatus.DISCONNECTED, note)
-    estimates, errors, df = _fitted(items, a, b, answer, participants)
-    reach = float(norm.ppf((1 + interval) / 2) if df is None else student.ppf((1 + interval) / 2, df))
-    columns = {
-        "worth": estimates,
-        "standard_error": errors,
-        "low": estimates - reach * errors,
-        "high": estimates + reach * errors,
-    }
-    table = pd.DataFrame(columns)
+    worth, error, df = _fitted(places, answer == 1, participants)
+    reach = error * float(student.ppf((1 + interval) / 2, df))
+    table = pd.DataFrame({"worth": worth, "standard_error": error, "low": worth - reach, "high": worth + reach})
     worths = pd.concat([counts, table.iloc[:-1]], axis=1)
     return Worths(worths, table.iloc[-1:].reset_index(drop=True), WorthStatus.OK, "")
 
@@ -143,40 +133,35 @@ def _check(a: Texts, b: Texts, answer: NDArray[Any], participants: Sequence[str]
         raise InvalidParameter(f"first, second, row {row}: found {a[row]} against itself, expected two items")
 
 
-def _gap(items: Sequence[str], winner: Texts, loser: Texts) -> str:
+def _gap(items: Texts, winner: Indices, loser: Indices) -> str:
     """Which items were never preferred to which others, directly or through others (Ford's condition)."""
-    places = {item: place for place, item in enumerate(items)}
     beats = np.zeros((len(items), len(items)))
-    beats[[places[w] for w in winner], [places[one] for one in loser]] = 1
+    beats[winner, loser] = 1
     n, group = connected_components(beats, directed=True, connection="strong")
     for low, high in permutations(range(n), 2):
         if not beats[np.ix_(group == low, group == high)].any():
-            names = [", ".join(item for item, g in zip(items, group, strict=True) if g == part) for part in (low, high)]
+            names = [", ".join(items[group == place]) for place in (low, high)]
             return f"{names[0]} never preferred to {names[1]}: no finite worths"
     return ""
 
 
-def _fitted(
-    items: Sequence[str],
-    a: Texts,
-    b: Texts,
-    answer: NDArray[Any],
-    participants: Sequence[str] | None,
-) -> tuple[Array, Array, int | None]:
-    """Worths and the order's effect (n_items + 1,) with standard errors, and degrees of freedom (None: normal)."""
+def _fitted(places: Indices, prefers_first: Bools, participants: Sequence[str] | None) -> tuple[Array, Array, float]:
+    """Worths and the order's effect (n_items + 1,) with standard errors, and degrees of freedom (infinite: normal) of
+    pairs of the items at these places (2, n_trials)."""
     import statsmodels.api as sm
 
-    signs = np.array([[float(one == x) - float(one == y) for one in items] for x, y in zip(a, b, strict=True)])
-    basis = np.vstack([np.eye(len(items) - 1), np.full(len(items) - 1, -1.0)])
-    design = np.column_stack([signs @ basis, np.ones(len(a))])
-    codes = pd.factorize(np.asarray(participants, dtype=str))[0] if participants is not None else np.zeros(len(a), int)
+    n_items = int(places.max()) + 1
+    # worths have the mean 0: that of the last item is the opposite of the sum of the others
+    basis = np.vstack([np.eye(n_items - 1), np.full(n_items - 1, -1.0)])
+    design = np.column_stack([basis[places[0]] - basis[places[1]], np.ones(places.shape[1])])
+    codes = np.zeros(places.shape[1]) if participants is None else pd.factorize(np.asarray(participants, dtype=str))[0]
     n = int(codes.max()) + 1
     robust = {"cov_type": "cluster", "cov_kwds": {"groups": codes}} if n >= ROBUST_FROM else {}
-    found = sm.GLM((answer == 1).astype(float), design, family=sm.families.Binomial()).fit(tol=1e-12, **robust)
-    whole = np.zeros((len(items) + 1, len(items)))
+    fit = sm.GLM(prefers_first.astype(float), design, family=sm.families.Binomial()).fit(tol=1e-12, **robust)
+    whole = np.zeros((n_items + 1, n_items))
     whole[:-1, :-1], whole[-1, -1] = basis, 1.0
-    covariance = whole @ np.asarray(found.cov_params()) @ whole.T
-    return whole @ np.asarray(found.params), np.sqrt(np.diagonal(covariance)), n - 1 if robust else None
+    covariance = whole @ np.asarray(fit.cov_params()) @ whole.T
+    return whole @ np.asarray(fit.params), np.sqrt(np.diagonal(covariance)), n - 1 if robust else np.inf
 
 
 def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
@@ -189,7 +174,9 @@ def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame
     """
     _check_pairs(rows)
     varied = [name for name in factors if rows[name].nunique() > 1]
-    return pd.concat([_of_a_condition(dict(zip(varied, key, strict=True)), part) for key, part in parts(rows, varied)])
+    return pd.concat(
+        [_of_a_condition(dict(zip(varied, key, strict=True)), pairs) for key, pairs in parts(rows, varied)]
+    )
 
 
 def _check_pairs(rows: pd.DataFrame) -> None:
@@ -204,11 +191,11 @@ def _check_pairs(rows: pd.DataFrame) -> None:
         raise InvalidFile(f"{where}: found the items {first['item']!r} and {first['item_b']!r}, expected {expected}")
 
 
-def _of_a_condition(condition: dict[str, Any], part: pd.DataFrame) -> pd.DataFrame:
-    answers = [int(answer) for answer in numbers_of(part["response"])]
-    found = bradley_terry(part["item"].tolist(), part["item_b"].tolist(), answers, part["participant"].tolist())
-    table = pd.concat([found.worths, found.order.assign(item=ORDER, n_pairs=len(part))], ignore_index=True)
-    return table.assign(note=found.note, **condition)[[*condition, *table.columns, "note"]]
+def _of_a_condition(condition: dict[str, Any], rows: pd.DataFrame) -> pd.DataFrame:
+    answers = numbers_of(rows["response"]).astype(int).tolist()
+    model = bradley_terry(rows["item"].tolist(), rows["item_b"].tolist(), answers, rows["participant"].tolist())
+    table = pd.concat([model.worths, model.order.assign(item=ORDER, n_pairs=len(rows))], ignore_index=True)
+    return table.assign(note=model.note, **condition)[[*condition, *table.columns, "note"]]
 
 
 def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:

@@ -10,7 +10,7 @@ from tactometry.analysis.anova.equivalence import equivalence
 from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
 from tactometry.analysis.mixed_models.linear import mixed_model
-from tactometry.analysis.report.apa import (
+from tactometry.analysis.report.sentences import (
     anova_sentences,
     equivalence_sentences,
     model_sentences,

@@ -69,7 +69,7 @@ def test_published_worths_of_baseball_teams() -> None:
     np.testing.assert_allclose(against, [1.581, 1.436, 1.294, 1.248, 0.684], atol=6e-4)
     assert worth.mean() == pytest.approx(0, abs=1e-12)
     assert found.order["worth"][0] == pytest.approx(0, abs=1e-9)
-    assert found.chance("Milwaukee", "Baltimore") == pytest.approx(expit(1.581), abs=1e-4)
+    assert found.probability("Milwaukee", "Baltimore") == pytest.approx(expit(1.581), abs=1e-4)
 
 
 def compared(rng, n_participants, n_each, worths, order=0.4) -> pd.DataFrame:
@@ -138,7 +138,7 @@ def test_without_answers_both_ways_worths_have_no_end_and_that_is_said() -> None
     assert found.worths["worth"].isna().all()
     assert found.worths["n_preferred"].tolist() == [2, 2, 0]
     with pytest.raises(InvalidParameter, match=r"item: found 'a' \(disconnected\), expected an item with a worth"):
-        found.chance("a", "b")
+        found.probability("a", "b")
 
 
 @pytest.mark.parametrize(

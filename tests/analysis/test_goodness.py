@@ -203,7 +203,7 @@ def test_json_has_the_tests_and_the_same_data_the_same_p(tmp_path):
 def test_flags_that_chance_explains_are_no_warning():
     table = pd.DataFrame({"participant": [f"P{n}" for n in range(200)]} | dict.fromkeys(P_COLUMNS.values(), 0.5))
     table.loc[:3, "deviance_p"] = 0.009
-    assert goodness_warnings(table, ()) == []
+    assert list(goodness_warnings(table, ())) == []
     assert goodness_table(table).set_index("test").loc["deviance", ["n_flagged", "n_by_chance"]].tolist() == [4, 2.0]
     table.loc[:8, "deviance_p"] = 0.009
     (told,) = goodness_warnings(table, ())

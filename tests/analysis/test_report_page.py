@@ -14,10 +14,10 @@ from tactometry.analysis.figures.group import threshold_figure
 from tactometry.analysis.figures.style import COLOURS, look
 from tactometry.analysis.outcomes.findings import Outcome
 from tactometry.analysis.pipeline import analyse_trials
-from tactometry.analysis.reading.study_text import procedure_text, study_text
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report.captions import figure_text, means_sentence
 from tactometry.analysis.report.page import figures_of, render, unbroken
+from tactometry.analysis.report.study_text import procedure_text, study_text
 from tactometry.analysis.result import Analysis
 from tactometry.analysis.wording.decibels import as_amplitudes
 from tactometry.cli.analyse import summary_text

@@ -5,7 +5,6 @@ The file of the study is quoted: what it leaves to a default is not told.
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,8 @@ from tactometry.config.quantity import as_si
 from tactometry.config.toml import located, read_table
 from tactometry.trials.tasks import TASKS
 
+from ..reading.study_file import StudyText
+from ..tasks.kinds import ANALYSES
 from ..wording.labels import in_words, level_of, split_unit
 from ..wording.numbers import percent_text
 from ..wording.procedures import procedure_phrase
@@ -69,21 +70,7 @@ ORDERS = {
 }
 
 
-Courses = Mapping[str, str]
-"""What participants did in a trial of each task."""
-NO_COURSES: Courses = {}
-
-
-@dataclass(frozen=True)
-class StudyText:
-    """The study's title and procedure in words, and the force (N) that was asked for where it is no factor."""
-
-    title: str = ""
-    procedure: str = ""
-    force_n: float | None = None
-
-
-def study_text(path: Path, unit: str, courses: Courses = NO_COURSES) -> StudyText:
+def study_text(path: Path, unit: str) -> StudyText:
     """Of the data set in the folder `path` (empty without a study), whose levels are in `unit`.
 
     Raises
@@ -100,10 +87,10 @@ def study_text(path: Path, unit: str, courses: Courses = NO_COURSES) -> StudyTex
     force = touch.get("force_n") if isinstance(touch, dict) else None
     if not isinstance(force, int | float) or "force_n" in _table(study, "factors"):
         force = None
-    return StudyText(str(study.get("title", "")), procedure_text(study, unit, courses), force)
+    return StudyText(str(study.get("title", "")), procedure_text(study, unit), force)
 
 
-def procedure_text(study: Table, unit: str, courses: Courses = NO_COURSES) -> str:
+def procedure_text(study: Table, unit: str) -> str:
     """How the study was done.
 
     >>> print(procedure_text({
@@ -111,13 +98,13 @@ def procedure_text(study: Table, unit: str, courses: Courses = NO_COURSES) -> st
     ...     "touch": {"kind": "slide", "force_n": 1.0, "speed_m_per_s": "50 mm/s"},
     ...     "task": {"kind": "yes_no", "catch_rate": 0.2},
     ...     "procedure": {"kind": "staircase", "start": 40.0, "n_reversals": 8},
-    ... }, "dB re 1 V", {"yes_no": "Participants told whether they felt a stimulus"}))
+    ... }, "dB re 1 V"))
     The conditions were frequency (60, 240 Hz). The order of frequency changed with the participant's number by
     Williams squares. Touches were slides over the surface (force 1 N, speed 50 mm/s). Participants told whether they
     felt a stimulus (share of catch trials 20 %). Levels were chosen by a staircase (first level 40 dB re 1 V,
     reversals 8).
     """
-    sentences = [*_design(study), *_tables(study, unit, courses), *_variants(study, courses), *_bounds(study, unit)]
+    sentences = [*_design(study), *_tables(study, unit), *_variants(study), *_bounds(study, unit)]
     return in_words(" ".join(sentences), list(_table(study, "factors")))
 
 
@@ -167,17 +154,12 @@ def _levels(name: str, stated: Any) -> str:
     return ", ".join(f"{level:g}" for level in levels) + (f" {unit}" if unit else "")
 
 
-def _tables(study: Table, unit: str, courses: Courses) -> Iterator[str]:
+def _tables(study: Table, unit: str) -> Iterator[str]:
     """A sentence for each table that says how a trial went."""
-
-    def task(kind: str) -> str:
-        return courses.get(kind, f"Participants {kind.replace('_', ' ')}")
-
-    rule = _start if _sets_level(study) else _procedure
-    for name, tell in (("stimulus", _stimulus), ("touch", _touch), ("task", task), ("procedure", rule)):
+    for name in ("stimulus", "touch", "task", "procedure"):
         if table := _table(study, name):
             if "kind" in table:
-                yield f"{tell(str(table['kind']))}{_details(table, unit)}."
+                yield f"{_opening(name, str(table['kind']), study)}{_details(table, unit)}."
             elif keys := _keys(table, unit):
                 yield f"{name.capitalize()}: {keys}."
     if practice := _table(study, "practice"):
@@ -188,25 +170,18 @@ def _tables(study: Table, unit: str, courses: Courses) -> Iterator[str]:
             yield f"The questionnaire {inquiry.get('form', '')} was asked {when}."
 
 
-def _sets_level(study: Table) -> bool:
-    kind = _table(study, "task").get("kind")
-    return isinstance(kind, str) and kind in TASKS and TASKS[kind].sets_level
-
-
-def _stimulus(kind: str) -> str:
-    return f"The stimulus was {STIMULI.get(kind, kind.replace('_', ' '))}"
-
-
-def _touch(kind: str) -> str:
-    return f"Touches were {TOUCHES.get(kind, kind)}"
-
-
-def _procedure(kind: str) -> str:
-    return f"Levels were chosen by {procedure_phrase(kind)}"
-
-
-def _start(kind: str) -> str:
-    return f"The levels at which adjustments began were chosen by {procedure_phrase(kind)}"
+def _opening(name: str, kind: str, study: Table) -> str:
+    """How the sentence of a table begins."""
+    words = kind.replace("_", " ")
+    if name == "stimulus":
+        return f"The stimulus was {STIMULI.get(kind, words)}"
+    if name == "touch":
+        return f"Touches were {TOUCHES.get(kind, kind)}"
+    if name == "task":
+        return ANALYSES[kind].course if kind in ANALYSES else f"Participants {words}"
+    task = TASKS.get(str(_table(study, "task").get("kind")))
+    levels = "The levels at which adjustments began" if task is not None and task.sets_level else "Levels"
+    return f"{levels} were chosen by {procedure_phrase(kind)}"
 
 
 def _details(table: Table, unit: str) -> str:
@@ -242,12 +217,12 @@ def _detail(key: str, value: Any, unit: str) -> str:
     return f"{words} {stated} {suffix}".rstrip()
 
 
-def _variants(study: Table, courses: Courses) -> Iterator[str]:
+def _variants(study: Table) -> Iterator[str]:
     """What a factor's level changes, other than of simulated participants."""
     for factor in _table(study, "variants"):
         levels = _table(_table(study, "variants"), factor)
         for level in levels:
-            if sentences := list(_tables(_table(levels, level), "", courses)):
+            if sentences := list(_tables(_table(levels, level), "")):
                 yield f"{split_unit(factor)[0].capitalize()} {level.replace('_', ' ')}: {' '.join(sentences)}"
 
 
