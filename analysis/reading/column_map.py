@@ -104,13 +104,21 @@ def translated(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataF
     return _in_si(_meant(table, column_map, file), column_map, file)
 
 
-def trials_of(table: pd.DataFrame) -> pd.DataFrame:
+def trials_of(table: pd.DataFrame, file: Path) -> pd.DataFrame:
     """The rows that hold a trial: a level, an answer, an item or a catch trial. Other programs write rows for routines
-    without any of these, too."""
+    without any of these, too.
+
+    Raises
+    ------
+    InvalidFile
+        If there is none.
+    """
     is_trial = holds(table, "catch", "1")
     for name in ("level", "response", "item", "level_measured"):
         if name in table.columns:
             is_trial |= table[name] != ""
+    if not is_trial.any():
+        raise InvalidFile(f"{file}: found no row with a level, an answer or an item, expected trials")
     return table[is_trial]
 
 

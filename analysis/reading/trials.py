@@ -4,7 +4,7 @@ Every refusal is one sentence with the file, the row (the header is row 1) and t
 """
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -23,7 +23,6 @@ from tactometry.trials.tasks import TASKS, tasks_with_level
 
 from .cell_numbers import numbers_of
 from .column_map import ColumnMap, translated, trials_of
-from .doubled_rows import doubled
 from .level_scale import scaled, wide_levels
 from .refusals import bad_cell, no_column
 from .rows import holds, is_catch
@@ -35,6 +34,14 @@ FORMS = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv
 """Where trials stand in a data set: our own, then BIDS."""
 FOREIGN_FORMS = ("*.csv", "*.tsv", "data/*.csv", "*.json")
 """Where they stand in a folder of another program, read through a column map."""
+
+
+TRIAL_KEY = (
+    *("participant", "study", "session", "block", "task", "procedure"),
+    *("trial", "attempt", "item", "item_b", "track", "catch", "level"),
+)
+"""What no two rows share, with the factors: other programs count trials anew in each condition, or at each level. Of
+them, those columns that are there."""
 
 
 @dataclass(frozen=True)
@@ -76,26 +83,23 @@ def read_trials(
     """
     files = trial_files(path, FORMS if column_map is None else FORMS + FOREIGN_FORMS)
     given = column_map or ColumnMap()
-    raw = [_raw(file, given) for file in files]
-    trials = raw if column_map is None else [_trials_of(table, file) for table, file in zip(raw, files, strict=True)]
-    tables = _alike([_checked(table, file) for table, file in zip(trials, files, strict=True)])
+    raw = {file: _raw(file, given) for file in files}
+    trials = raw if column_map is None else {file: trials_of(table, file) for file, table in raw.items()}
+    tables = _alike({file: _checked(table, file) for file, table in trials.items()})
     if column_map is None:  # the names of another program's files are its own
-        for file, table in zip(files, tables, strict=True):
-            _refuse_misnamed(table, file)
-    headers = [list(table.columns) for table in tables]
-    for file, header in zip(files, headers, strict=True):
-        if header != headers[0]:
-            raise InvalidFile(
-                f"{file}: found other columns than in {files[0].name} ({_difference(header, headers[0])}), expected "
-                "the same; analyse different studies apart"
-            )
-    rows = pd.concat(tables, ignore_index=True)
-    named = _factors(headers[0], within, path)
+        for file, table in tables.items():
+            _refuse_other_code(table, file)
+    rows = pd.concat(tables.values(), ignore_index=True)
+    named = _factors(list(rows.columns), within, path)
     for name in named:
         rows[name] = _factor_values(rows, name)
     factors = named if within is not None else tuple(name for name in named if _is_filled(rows[name]))
     scale = level_scale or given.level_scale
-    notes = [*_routines(sum(map(len, raw)) - len(rows)), *doubled(rows, named), *([] if scale else wide_levels(rows))]
+    notes = [
+        *_routines(sum(map(len, raw.values())) - len(rows)),
+        *doubled(rows, named),
+        *([] if scale else wide_levels(rows)),
+    ]
     return Trials(rows if scale is None else scaled(rows, scale), factors, path, len(files), tuple(notes))
 
 
@@ -105,10 +109,53 @@ def _routines(n: int) -> list[str]:
     return [f"{rows} neither level nor answer nor item, as other programs write for routines"] if n else []
 
 
-def _alike(tables: Sequence[pd.DataFrame]) -> list[pd.DataFrame]:
-    """Tables that were recorded before there were the columns `ADDED` get them, empty, beside later ones."""
-    fullest = max(tables, key=lambda table: len(ADDED.intersection(table.columns)))
-    return [_with_added(table, list(fullest.columns)) for table in tables]
+def doubled(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
+    """A warning with the number of rows that repeat a trial before them, and the first. None without numbers of trials.
+
+    >>> row = {"participant": "P1", "trial": 1.0, "response": "1", "source": "a.csv", "row": 2}
+    >>> doubled(pd.DataFrame([row, row | {"trial": 2.0, "row": 3}, row | {"response": "0", "row": 4}]))[0][:66]
+    '1 row repeats a trial that stands before it (the first: a.csv, row'
+    """
+    if "trial" not in rows.columns:
+        return []
+    numbered = rows[rows["trial"].notna()]
+    again = numbered[numbered.duplicated([name for name in (*TRIAL_KEY, *factors) if name in rows.columns])]
+    if again.empty:
+        return []
+    alike = int(numbered.duplicated([name for name in rows.columns if name not in OWN]).sum())
+    first = again.iloc[0]
+    place = f"{Path(str(first['source'])).name}, row {first['row']}"
+    said = (
+        "1 row repeats a trial that stands before it"
+        if len(again) == 1
+        else f"{len(again)} rows repeat trials that stand before them"
+    )
+    return [
+        f"{said} (the first: {place}; {alike} of {len(again)} alike in every cell): "
+        "each counts as a trial of its own; take copies out, or number trials through the session"
+    ]
+
+
+def _alike(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
+    """With the same columns: tables that were recorded before there were the columns `ADDED` get them, empty, beside
+    later ones.
+
+    Raises
+    ------
+    InvalidFile
+        If one has other columns than the first.
+    """
+    header = list(max(tables.values(), key=lambda table: len(ADDED.intersection(table.columns))).columns)
+    whole = {file: _with_added(table, header) for file, table in tables.items()}
+    first, *others = whole
+    for file in others:
+        if (columns := list(whole[file].columns)) != (expected := list(whole[first].columns)):
+            odd = ", ".join(sorted(set(columns) ^ set(expected))) or "in another order"
+            raise InvalidFile(
+                f"{file}: found other columns than in {first.name} ({odd}), expected the same; analyse different "
+                "studies apart"
+            )
+    return whole
 
 
 def _with_added(table: pd.DataFrame, header: list[str]) -> pd.DataFrame:
@@ -146,17 +193,12 @@ def _shown(files: Iterable[Path]) -> list[Path]:
     return sorted(file for file in files if not file.name.startswith("."))
 
 
-def _refuse_misnamed(table: pd.DataFrame, file: Path) -> None:
+def _refuse_other_code(table: pd.DataFrame, file: Path) -> None:
     """A copy under another participant's name would count one person twice."""
     code = keys_of(file.stem).get("participant")
-    if code is not None and (table["participant"] != code).any():
+    if code is not None:
         expected = f"{code!r} as in the file's name; remove the file if it is a copy"
-        _refuse(table, "participant", file, (table["participant"] != code).to_numpy(), expected)
-
-
-def _difference(header: list[str], first: list[str]) -> str:
-    odd = sorted(set(header) ^ set(first))
-    return ", ".join(odd) if odd else "in another order"
+        _expect(table, "participant", file, table["participant"] == code, expected)
 
 
 def _raw(file: Path, column_map: ColumnMap) -> pd.DataFrame:
@@ -169,23 +211,16 @@ def _raw(file: Path, column_map: ColumnMap) -> pd.DataFrame:
     return raw
 
 
-def _trials_of(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
-    trials = trials_of(raw)
-    if trials.empty:
-        raise InvalidFile(f"{file}: found no row with a level, an answer or an item, expected trials")
-    return trials
-
-
 def _checked(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
     table = raw.assign(source=str(file))
-    _all_match(table, "participant", file, lambda code: PARTICIPANT.fullmatch(code) is not None, _CODE)
-    _all_match(table, "task", file, lambda task: task in TASKS, f"one of {', '.join(TASKS)}")
+    _expect_texts(table, "participant", file, lambda code: PARTICIPANT.fullmatch(code) is not None, _CODE)
+    _expect_texts(table, "task", file, lambda task: task in TASKS, f"one of {', '.join(TASKS)}")
     for name in (name for name in NUMBERS if name in table.columns):
         table[name] = _numbers(table, name, file)
     for name in (name for name in COUNTS if name in table.columns):
         table[name] = _whole(table, name, file)
     for name in (name for name in FLAGS if name in table.columns):
-        _all_match(table, name, file, lambda flag: flag in ("", "0", "1"), "1, 0 or nothing")
+        _expect_texts(table, name, file, lambda flag: flag in ("", "0", "1"), "1, 0 or nothing")
         table[name] = table[name].map({"": np.nan, "0": 0.0, "1": 1.0}).astype(np.float64)
     _check_answers(table, file)
     return table
@@ -194,20 +229,22 @@ def _checked(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
 _CODE = "a code of 1 to 32 letters and digits, no name and no path"
 
 
-def _all_match(table: pd.DataFrame, name: str, file: Path, holds: Callable[[str], bool], expected: str) -> None:
-    wrong = {value for value in table[name].unique() if not holds(value)}
-    if wrong:
-        _refuse(table, name, file, table[name].isin(wrong).to_numpy(), expected)
+def _expect_texts(table: pd.DataFrame, name: str, file: Path, holds: Callable[[str], bool], expected: str) -> None:
+    fine = [value for value in table[name].unique() if holds(value)]
+    _expect(table, name, file, table[name].isin(fine), expected)
 
 
-def _refuse(table: pd.DataFrame, name: str, file: Path, bad: Any, expected: str) -> None:
-    """Raise for the rows that are bad, with the first of them."""
-    rows = [int(row) for row in table["row"].to_numpy()[np.asarray(bad, dtype=bool)]]
-    cell = table[name].iloc[int(np.flatnonzero(bad)[0])]
-    found = "" if pd.isna(cell) else str(cell)
-    shown = "nothing" if not found else repr(found if len(found) <= 40 else found[:40] + "...")
+def _expect(table: pd.DataFrame, name: str, file: Path, fine: "pd.Series[bool]", expected: str) -> None:
+    """Refuse a table with rows that are not, by the first of them."""
+    bad = table[~fine]
+    if bad.empty:
+        return
+    cell = bad[name].iloc[0]
+    text = "" if pd.isna(cell) else str(cell)
+    shown = "nothing" if not text else repr(text if len(text) <= 40 else text[:40] + "...")
+    rows = [int(row) for row in bad["row"]]
     where = f"{file}{rows_text(rows[0], rows[1:], len(rows))}, column {name!r}"
-    raise InvalidFile(f"{where}: found {shown}, expected {expected}{_meaning(name, found)}")
+    raise InvalidFile(f"{where}: found {shown}, expected {expected}{_meaning(name, text)}")
 
 
 OWN = ("row", "source")
@@ -250,20 +287,17 @@ _NUMBER = re.compile(r"[+-]?\d+\.?\d*")
 
 def _numbers(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
     values = numbers_of(table[name])
-    bad = ~np.isfinite(values.to_numpy())
-    if bad.any():
-        bad &= (table[name] != "").to_numpy()
-    if bad.any():
-        comma = re.fullmatch(r"-?\d+,\d+", str(table[name].iloc[int(np.flatnonzero(bad)[0])])) is not None
-        _refuse(table, name, file, bad, "a decimal point" if comma else "a finite number or nothing")
+    fine = pd.Series(np.isfinite(values), table.index)
+    if not fine.all():  # texts are compared where they must be, as that takes longer than all the rest
+        fine |= table[name] == ""
+        has_comma = table[name][~fine].head(1).str.fullmatch(r"-?\d+,\d+").any()
+        _expect(table, name, file, fine, "a decimal point" if has_comma else "a finite number or nothing")
     return values
 
 
 def _whole(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
     values = _numbers(table, name, file)
-    bad = (values.notna() & ((values != np.floor(values)) | (values < 0))).to_numpy()
-    if bad.any():
-        _refuse(table, name, file, bad, "a whole number from 0")
+    _expect(table, name, file, values.isna() | ((values == np.floor(values)) & (values >= 0)), "a whole number from 0")
     return values
 
 
@@ -272,16 +306,14 @@ def _check_answers(table: pd.DataFrame, file: Path) -> None:
         if TASKS[task].is_read:
             _check_responses(table, task, file)
     lost = table["task"].isin(CURVED) & table["level"].isna() & ~is_catch(table)
-    if lost.any():
-        _refuse(table, "level", file, lost.to_numpy(), "a level, or 1 in the column 'catch'")
+    _expect(table, "level", file, ~lost, "a level, or 1 in the column 'catch'")
 
 
 def _check_responses(table: pd.DataFrame, task: str, file: Path) -> None:
     rule, of_task = TASKS[task].response, table["task"] == task
     fine = {text for text in table.loc[of_task, "response"].unique() if text == "" or _fits(rule, text)}
-    odd = of_task & ~table["response"].isin(fine)
-    if odd.any():
-        _refuse(table, "response", file, odd.to_numpy(), f"{rule.words}, where the task is {task}")
+    expected = f"{rule.words}, where the task is {task}"
+    _expect(table, "response", file, ~of_task | table["response"].isin(fine), expected)
 
 
 def _fits(rule: CellRule, text: str) -> bool:
