@@ -7,9 +7,10 @@ from typing import Literal
 
 import numpy as np
 
+from tactometry.arguments.require import expect
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build, read_toml
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.errors import nearest
 
 from .reading.exclusion import Exclusion
 from .reading.study_file import study_table
@@ -37,17 +38,13 @@ class AnalysisPlan:
 
     def __post_init__(self) -> None:
         for name, bound in self.equivalence.items():
-            if not (np.isfinite(bound) and bound > 0):
-                raise InvalidParameter(f"equivalence.{name}: found {bound}, expected a difference above 0")
+            expect(np.isfinite(bound) and bound > 0, f"equivalence.{name}", bound, "a difference above 0")
 
     def check(self, factors: Sequence[str]) -> None:
         """Refuse a bound of a factor that is not there."""
         for name in self.equivalence:
-            if name not in factors:
-                raise InvalidParameter(
-                    f"equivalence.{name}: found no such factor, expected some of {', '.join(factors)}"
-                    f"{nearest(name, factors)}"
-                )
+            expected = f"some of {', '.join(factors)}{nearest(name, factors)}"
+            expect(name in factors, f"equivalence.{name}", "no such factor", expected)
 
 
 def read_plan(path: Path) -> AnalysisPlan:

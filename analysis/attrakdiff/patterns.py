@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 
 import pandas as pd
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ..anova.design import UndefinedStatistic
@@ -126,5 +127,4 @@ def _expect(scored: pd.DataFrame, pattern: str, wanted: Iterable[str]) -> None:
         raise InvalidParameter(f"pattern: {no_column(pattern, scored)}")
     there = sorted(set(scored[pattern]))
     for name in wanted:
-        if name not in there:
-            raise InvalidParameter(f"{pattern}: found no {name} among {', '.join(map(str, there))}, expected it")
+        expect(name in there, pattern, f"no {name} among {', '.join(map(str, there))}", "it")

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.questionnaire import Questionnaire, load, shipped
 from tactometry.trials.columns import RESERVED, stated_factors
@@ -93,8 +94,7 @@ def _answers(
     for name in ("participant", "item", "response", *(within or ())):
         if name not in table.columns:
             raise InvalidParameter(f"scores: {no_column(name, table)}")
-    if table.empty:
-        raise InvalidParameter("scores: found no row, expected answers to a questionnaire")
+    expect(len(table) > 0, "scores", "no row", "answers to a questionnaire")
     form = _form(table, questionnaire)
     factors = list(_conditions(list(map(str, table.columns))) if within is None else within)
     raw = _raw(table.reset_index(drop=True), form)
@@ -107,8 +107,7 @@ def _form(table: pd.DataFrame, questionnaire: str | Questionnaire) -> Questionna
     if questionnaire:
         return load(questionnaire)
     named = sorted(set(table["procedure"]) & set(shipped())) if "procedure" in table.columns else []
-    if len(named) > 1:
-        raise InvalidParameter(f"procedure: found {', '.join(named)}, expected one questionnaire; score them apart")
+    expect(len(named) <= 1, "procedure", ", ".join(named), "one questionnaire; score them apart")
     return load(named[0] if named else NAME)
 
 
@@ -126,12 +125,10 @@ def _raw(table: pd.DataFrame, form: Questionnaire) -> "pd.Series[float]":
     for place in np.flatnonzero(~table["item"].isin(known) | (raw.isna() & (text != "")) | beside):
         item, row = table["item"][place], table["row"][place] if "row" in table.columns else place
         if item not in known:
-            raise InvalidParameter(
-                f"item, row {row}: found {item!r}, no item of {form.name}{nearest(str(item), known)}"
-            )
-        raise InvalidParameter(
-            f"response, row {row}: found {text[place]!r} for {item}, expected {form.low:g} to {form.high:g} or nothing"
-        )
+            unknown = f"found {item!r}, no item of {form.name}{nearest(str(item), known)}"
+            raise InvalidParameter(f"item, row {row}: {unknown}")
+        expected = f"{form.low:g} to {form.high:g} or nothing"
+        raise InvalidParameter(f"response, row {row}: found {text[place]!r} for {item}, expected {expected}")
     return raw
 
 
@@ -215,8 +212,8 @@ def portfolio(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
     InvalidParameter
         If the questionnaire has no dimensions PQ and HQ.
     """
-    if not {"PQ", "HQ"} <= set(dimensions_of(scored)):
-        raise InvalidParameter(f"portfolio: found {scored.attrs['questionnaire'].name}, expected dimensions PQ and HQ")
+    has_both = {"PQ", "HQ"} <= set(dimensions_of(scored))
+    expect(has_both, "portfolio", scored.attrs["questionnaire"].name, "dimensions PQ and HQ")
 
     def row_of(scores: pd.DataFrame) -> dict[str, Any]:
         means = {name: _mean(scores[name], interval) for name in ("PQ", "HQ")}

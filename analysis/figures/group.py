@@ -25,11 +25,11 @@ if TYPE_CHECKING:
 
 def threshold_figure(
     group: pd.DataFrame,
-    factors: Sequence[str],
-    *,
-    label: str,
     individuals: pd.DataFrame,
+    factors: Sequence[str],
     dependent: str,
+    label: str,
+    *,
     targets: Sequence[float] = (),
     from_zero: bool = False,
 ) -> Drawing:

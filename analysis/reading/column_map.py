@@ -7,9 +7,10 @@ from pathlib import Path
 
 import pandas as pd
 
+from tactometry.arguments.require import expect
 from tactometry.config.quantity import si_unit, unit_suffix, units
 from tactometry.config.strict import read_toml
-from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.errors import InvalidFile
 
 from .level_scale import LevelScale
 from .refusals import no_column
@@ -61,19 +62,14 @@ class ColumnMap:
     separator: str = ""
 
     def __post_init__(self) -> None:
-        if self.decimal not in (".", ","):
-            raise InvalidParameter(f"decimal: found {self.decimal!r}, expected '.' or ','")
-        if len(self.separator) > 1 or (self.decimal == "," and self.separator in ("", ",")):
-            raise InvalidParameter(
-                f"separator: found {self.separator!r}, expected one sign, and another than the decimal sign"
-            )
+        expect(self.decimal in (".", ","), "decimal", repr(self.decimal), "'.' or ','")
+        is_other = len(self.separator) <= 1 and (self.decimal == "." or self.separator not in ("", ","))
+        expect(is_other, "separator", repr(self.separator), "one sign, and another than the decimal sign")
         for name, unit in self.units.items():
             symbol, _ = si_unit(unit, f"units.{name}")
             suffix = unit_suffix(name)
-            if suffix is not None and units(suffix)[0] != symbol:
-                raise InvalidParameter(
-                    f"units.{name}: found {unit!r}, which is in {symbol}, expected a unit of {units(suffix)[0]}"
-                )
+            of_name = symbol if suffix is None else units(suffix)[0]
+            expect(of_name == symbol, f"units.{name}", f"{unit!r}, which is in {symbol}", f"a unit of {of_name}")
 
 
 def read_column_map(path: Path) -> ColumnMap:
@@ -98,10 +94,10 @@ def translated(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataF
     if column_map == ColumnMap():
         return raw
     # Their names and words come first: rows are kept, and cells are missing, as the file has them.
-    table = _renamed(_measured(_kept(raw, column_map, file), column_map), column_map, file)
+    table = _with_our_names(_with_our_signs(_trial_rows(raw, column_map, file), column_map), column_map, file)
     for name, text in {**column_map.constants, **_of_name(column_map, file)}.items():
         table[name] = _text(text)
-    return _in_si(_meant(table, column_map, file), column_map, file)
+    return _in_si(_with_our_values(table, column_map, file), column_map, file)
 
 
 def trials_of(table: pd.DataFrame, file: Path) -> pd.DataFrame:
@@ -130,7 +126,7 @@ def _text(value: str | float | bool) -> str:
     return value if isinstance(value, str) else f"{float(value):g}"
 
 
-def _kept(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
+def _trial_rows(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
     for theirs, values in column_map.keep.items():
         _expect(raw, theirs, "the column map names in keep", file)
         raw = raw[raw[theirs].isin(values)]
@@ -139,7 +135,7 @@ def _kept(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
     return raw
 
 
-def _measured(raw: pd.DataFrame, column_map: ColumnMap) -> pd.DataFrame:
+def _with_our_signs(raw: pd.DataFrame, column_map: ColumnMap) -> pd.DataFrame:
     """Empty cells for what was not measured, decimal points for decimal commas."""
     table = raw.copy()
     for name in (name for name in raw.columns if name != "row"):
@@ -151,7 +147,7 @@ def _measured(raw: pd.DataFrame, column_map: ColumnMap) -> pd.DataFrame:
     return table
 
 
-def _renamed(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
+def _with_our_names(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
     for ours, theirs in column_map.columns.items():
         _expect(raw, theirs, f"the column map names for {ours!r}", file)
         if ours != theirs and ours in raw.columns:
@@ -176,32 +172,32 @@ def _of_name(column_map: ColumnMap, file: Path) -> Mapping[str, str]:
     return values
 
 
-def _meant(found: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
+def _with_our_values(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
     for ours, meanings in column_map.values.items():
-        if ours not in found.columns:
-            raise InvalidFile(f"{file}: {no_column(ours, found)}, whose values the column map names")
-        found[ours] = found[ours].replace({theirs: _text(value) for theirs, value in meanings.items()})
-    return found
+        if ours not in table.columns:
+            raise InvalidFile(f"{file}: {no_column(ours, table)}, whose values the column map names")
+        table[ours] = table[ours].replace({theirs: _text(value) for theirs, value in meanings.items()})
+    return table
 
 
-def _in_si(found: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
+def _in_si(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
     """Numbers in SI units; what is no number is left for the check of the table to name."""
     for name, unit in column_map.units.items():
-        _expect(found, name, "the column map names in units", file)
+        _expect(table, name, "the column map names in units", file)
         symbol, factor = si_unit(unit, f"units.{name}")
-        numbers = pd.to_numeric(found[name].str.strip(), errors="coerce")
+        numbers = pd.to_numeric(table[name].str.strip(), errors="coerce")
         in_si = numbers * factor if factor >= 1 else numbers / round(1 / factor)  # 812 ms are 0.812 s to the last digit
         scaled = [repr(float(number)) for number in in_si]
-        found[name] = found[name].where(numbers.isna(), scaled)
+        table[name] = table[name].where(numbers.isna(), scaled)
         if name == "level":
-            found["level_unit"] = _level_unit(found, symbol, file)
-    return found
+            table["level_unit"] = _level_unit(table, symbol, file)
+    return table
 
 
-def _level_unit(found: pd.DataFrame, symbol: str, file: Path) -> str:
-    said = sorted(set(found["level_unit"]) - {"", symbol}) if "level_unit" in found.columns else []
-    if said:
+def _level_unit(table: pd.DataFrame, symbol: str, file: Path) -> str:
+    stated = sorted(set(table["level_unit"]) - {"", symbol}) if "level_unit" in table.columns else []
+    if stated:
         raise InvalidFile(
-            f"{file}: found the level_unit {said[0]!r}, expected {symbol!r}, to which units.level brings the levels"
+            f"{file}: found the level_unit {stated[0]!r}, expected {symbol!r}, to which units.level brings the levels"
         )
     return symbol

@@ -8,6 +8,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 import pandas as pd
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from .refusals import no_column
@@ -49,13 +50,10 @@ class Exclusion:
     def __post_init__(self) -> None:
         shares = ("force_in_band_share_min", "false_alarm_share_max", "invalid_share_max")
         for name, value in self.stated().items():
-            top = 1.0 if name in shares else np.inf
-            if not 0 <= value <= top or not np.isfinite(value):
-                raise InvalidParameter(f"{name}: found {value}, expected a number from 0{' to 1' if top == 1 else ''}")
-        if (self.latency_min_s or 0.0) >= (self.latency_max_s or np.inf):
-            raise InvalidParameter(
-                f"latency_max_s: found {self.latency_max_s}, expected more than latency_min_s, {self.latency_min_s}"
-            )
+            top, to = (1.0, " to 1") if name in shares else (np.inf, "")
+            expect(0 <= value <= top and np.isfinite(value), name, value, f"a number from 0{to}")
+        is_ordered = (self.latency_min_s or 0.0) < (self.latency_max_s or np.inf)
+        expect(is_ordered, "latency_max_s", self.latency_max_s, f"more than latency_min_s, {self.latency_min_s}")
 
     def stated(self) -> dict[str, float]:
         """The rules that there are.
@@ -78,19 +76,18 @@ def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Tr
         If a rule needs a column that the table does not have.
     """
     rows = trials.rows
-    broken = {name: _broken(rows, name, bound, quality) for name, bound in rules.stated().items()}
-    lost = [
-        {"participant": code, "rule": name, "bound": rules.stated()[name], "n_trials": int(bad_of_one.sum())}
-        for name, bad in broken.items()
-        for code, bad_of_one in bad.groupby(rows["participant"], sort=True)
-        if bad_of_one.any()
-    ]
-    out = np.logical_or.reduce([bad.to_numpy() for bad in broken.values()]) if broken else np.zeros(len(rows), bool)
+    lost: list[tuple[object, ...]] = []
+    out = pd.Series(False, index=rows.index)
+    for name, bound in rules.stated().items():
+        against_rule = _against_rule(rows, name, bound, quality)
+        numbers = against_rule.groupby(rows["participant"], sort=True).sum()
+        lost += [(code, name, bound, n) for code, n in numbers.items() if n]
+        out |= against_rule
     kept = replace(trials, rows=rows[~out].reset_index(drop=True))
     return kept, pd.DataFrame(lost, columns=["participant", "rule", "bound", "n_trials"])
 
 
-def _broken(rows: pd.DataFrame, name: str, bound: float, quality: pd.DataFrame) -> "pd.Series[bool]":
+def _against_rule(rows: pd.DataFrame, name: str, bound: float, quality: pd.DataFrame) -> "pd.Series[bool]":
     """Rows that break a rule; what was not measured breaks none: NaN compares as false."""
     if name == "force_in_band_share_min":
         return _column(rows, "force_in_band", name) < bound

@@ -6,7 +6,8 @@ from typing import Literal, get_args
 import numpy as np
 import pandas as pd
 
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.arguments.require import expect
+from tactometry.errors import nearest
 from tactometry.trials.tasks import TASKS, tasks_with_level
 
 from ..arrays import Array
@@ -44,21 +45,16 @@ def scaled(rows: pd.DataFrame, scale: str) -> pd.DataFrame:
     InvalidFile
         For a level of 0 or below, which has no logarithm, with its row.
     """
-    if scale not in get_args(LevelScale):
-        known = get_args(LevelScale)
-        raise InvalidParameter(
-            f"--level-scale: found {scale!r}, expected one of {', '.join(known)}{nearest(scale, known)}"
-        )
+    known = get_args(LevelScale)
+    expect(scale in known, "--level-scale", repr(scale), f"one of {', '.join(known)}{nearest(scale, known)}")
     if scale == "linear":
         return rows
     name, of = LOGARITHMS[scale]
     is_scaled = rows["task"].isin(SCALED)
     units = rows["level_unit"] if "level_unit" in rows.columns else pd.Series("", index=rows.index)
     for unit in units[is_scaled].unique():
-        if is_logarithm(unit):
-            raise InvalidParameter(
-                f"--level-scale: found {scale} for levels in {unit!r}, which are a logarithm, expected linear"
-            )
+        given = f"{scale} for levels in {unit!r}, which are a logarithm"
+        expect(not is_logarithm(unit), "--level-scale", given, "linear")
     table = rows.assign(level_unit=units.where(~is_scaled, [f"{name} {unit}".rstrip() for unit in units]))
     for column in PLACED:
         if column in rows.columns:

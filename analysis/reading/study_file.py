@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar
 
+from tactometry.arguments.require import expect
 from tactometry.config.toml import located, read_table
-from tactometry.errors import InvalidParameter
 from tactometry.questionnaire import Questionnaire, load, questionnaires_of, shipped
 
 T = TypeVar("T")
@@ -32,8 +32,7 @@ def study_table(path: Path, name: str, read: Callable[[Mapping[str, Any]], T]) -
     file = path / "study.toml"
     table = read_table(file, "the study that ran").get(name, {}) if file.is_file() else {}
     with located(file):
-        if not isinstance(table, Mapping):
-            raise InvalidParameter(f"{name}: found {table!r:.60}, expected a table")
+        expect(isinstance(table, Mapping), name, f"{table!r:.60}", "a table")
         return read(table)
 
 

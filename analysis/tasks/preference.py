@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
 from scipy.stats import t as student
 
-from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.arguments.require import expect
+from tactometry.errors import InvalidFile, nearest
 from tactometry.trials.columns import stated_factors
 from tactometry.trials.row_rules import rows_text
 
@@ -63,14 +64,13 @@ class Worths:
         InvalidParameter
             For an unknown item, or without finite worths.
         """
-        known = self.worths.set_index("item")["worth"]
+        worth_of = self.worths.set_index("item")["worth"]
+        names = worth_of.index.tolist()
         for name in (item, other):
-            if name not in known.index or self.status is not WorthStatus.OK:
-                raise InvalidParameter(
-                    f"item: found {name!r} ({self.status.value}), expected an item with a worth of "
-                    f"{', '.join(map(str, known.index))}{nearest(str(name), [str(one) for one in known.index])}"
-                )
-        return float(1 / (1 + np.exp(known[other] - known[item])))
+            expected = f"an item with a worth of {', '.join(names)}{nearest(str(name), names)}"
+            is_known = name in names and self.status is WorthStatus.OK
+            expect(is_known, "item", f"{name!r} ({self.status.value})", expected)
+        return float(1 / (1 + np.exp(worth_of[other] - worth_of[item])))
 
 
 def bradley_terry(
@@ -123,14 +123,11 @@ def bradley_terry(
 
 def _check(a: Texts, b: Texts, answer: NDArray[Any], participants: Sequence[str] | None) -> None:
     n = {len(a), len(b), len(answer)} | (set() if participants is None else {len(participants)})
-    if len(n) > 1 or not len(a):
-        raise InvalidParameter(
-            f"first, second, preferred: found {', '.join(map(str, sorted(n)))} values, expected one a trial each"
-        )
-    for row in np.flatnonzero(~np.isin(answer, (1, 2))):
-        raise InvalidParameter(f"preferred, row {row}: found {answer[row]}, expected 1 (the first) or 2 (the second)")
-    for row in np.flatnonzero(a == b):
-        raise InvalidParameter(f"first, second, row {row}: found {a[row]} against itself, expected two items")
+    numbers = f"{', '.join(map(str, sorted(n)))} values"
+    expect(len(n) == 1 and len(a) > 0, "first, second, preferred", numbers, "one a trial each")
+    for row, (one, other, number) in enumerate(zip(a, b, answer, strict=True)):
+        expect(number in (1, 2), f"preferred, row {row}", number, "1 (the first) or 2 (the second)")
+        expect(one != other, f"first, second, row {row}", f"{one} against itself", "two items")
 
 
 def _gap(items: Texts, winner: Indices, loser: Indices) -> str:

@@ -23,15 +23,8 @@ def _figure(analysis: Analysis) -> Figure:
     table, individuals = analysis.tables["force"], analysis.tables["force_participants"]
     stated = [] if analysis.study.force_n is None else [analysis.study.force_n]
     targets = sorted(set(individuals[TARGET].astype(float))) if TARGET in analysis.factors else stated
-    drawing = threshold_figure(
-        table,
-        analysis.factors,
-        label="Mean applied force (N)",
-        individuals=individuals,
-        dependent="force_mean_n",
-        targets=targets,
-        from_zero=True,
-    )
+    values = table, individuals, analysis.factors, "force_mean_n"
+    drawing = threshold_figure(*values, "Mean applied force (N)", targets=targets, from_zero=True)
     dashed = f"; dashed: {'the target' if len(targets) == 1 else 'targets'}" if targets else ""
     text = f"Mean applied force: {figure_text(table, 'faint dots are participants')}{dashed}."
     return Figure("force", drawing, text, "force")

@@ -33,23 +33,20 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
 
 
 def _blocks(outcome: HierarchicalOutcome, analysis: Analysis) -> Iterator[PageBlock]:
-    told = Sentences(hierarchical_sentences(outcome, analysis.unit))
+    sentences = Sentences(hierarchical_sentences(outcome, analysis.unit))
     if outcome.fit is None:
-        yield told
+        yield sentences
         return
+    values = "points of subjective equality" if _dependent(outcome) == "pse" else "thresholds"
     yield Lead(
-        f"A check of the primary analysis. Hierarchical model: {_values_of(outcome)} of the group with 95 % interval; "
+        f"A check of the primary analysis. Hierarchical model: {values} of the group with 95 % interval; "
         "estimates of participants are drawn to the group as far as their answers leave it open."
     )
     yield TableBlock.of(cross_table(outcome.conditions, outcome.fit.factors), analysis)
     yield _figure(outcome, analysis)
-    yield told
+    yield sentences
     participants = TableBlock.of(outcome.participants, analysis)
     yield Details(f"Participants ({len(outcome.participants)} rows)", (participants,))
-
-
-def _values_of(outcome: HierarchicalOutcome) -> str:
-    return "points of subjective equality" if _dependent(outcome) == "pse" else "thresholds"
 
 
 def _dependent(outcome: HierarchicalOutcome) -> str:
@@ -58,13 +55,9 @@ def _dependent(outcome: HierarchicalOutcome) -> str:
 
 def _figure(outcome: HierarchicalOutcome, analysis: Analysis) -> Figure:
     name = dependent_title(_dependent(outcome))
-    drawing = group.threshold_figure(
-        outcome.conditions.rename(columns=MEANS),
-        [factor for factor in analysis.factors if factor in outcome.conditions.columns],
-        label=with_unit(name, analysis.unit),
-        individuals=outcome.participants,
-        dependent="threshold",
-    )
+    means, factors = outcome.conditions.rename(columns=MEANS), [f for f in analysis.factors if f in outcome.conditions]
+    label = with_unit(name, analysis.unit)
+    drawing = group.threshold_figure(means, outcome.participants, factors, "threshold", label)
     bars = " with 95 % intervals" if outcome.conditions["interval_low"].notna().any() else ""
     text = f"{name}: the hierarchical model's means{bars}; faint dots are participants, drawn to the group."
     stem = f"hierarchical_{outcome.task}"

@@ -75,13 +75,8 @@ def _amplitudes(outcome: Outcome, analysis: Analysis) -> Iterator[PageBlock]:
 
 def _figure(outcome: Outcome, analysis: Analysis) -> Figure:
     name, values = dependent_title(outcome.dependent), bounds_of(outcome.estimates, outcome.dependent)
-    drawing = group.threshold_figure(
-        outcome.group,
-        analysis.factors,
-        label=with_unit(name, outcome.unit(analysis.unit)),
-        individuals=values,
-        dependent=outcome.dependent,
-    )
+    label = with_unit(name, outcome.unit(analysis.unit))
+    drawing = group.threshold_figure(outcome.group, values, analysis.factors, outcome.dependent, label)
     triangles = ", open triangles bounds" if values[[LOW, HIGH]].notna().any(axis=None) else ""
     text = f"{name}: {figure_text(outcome.group, f'faint dots are participants{triangles}')}."
     stem = analysis.stem(outcome)

@@ -47,23 +47,18 @@ def _figures(form: Ratings) -> Iterator[Figure]:
         shaded = " with its t-interval between participants" if form.summary["mean_low"].notna().any() else ""
         text = f"Frequency by envelope: {figure_text(form.summary)}; dashed{shaded}: {REFERENCE}."
         yield _figure(form, "frequency_by_envelope", drawing, text, "summary")
-    for part, chosen in _profiles(form, names):
-        drawing = attrakdiff.profile_figure(form.profile, chosen, low, high)
-        of = f" of {', '.join(chosen)}" if len(names) > 1 else ""
-        yield _figure(form, part, drawing, f"{_items(form)}: {means_of(form.summary)}{of}.", "word_pairs")
+    for name, conditions in _profiles(form, names):
+        drawing = attrakdiff.profile_figure(form.profile, conditions, low, high)
+        of = f" of {', '.join(conditions)}" if len(names) > 1 else ""
+        yield _figure(form, name, drawing, f"{_items(form)}: {means_of(form.summary)}{of}.", "word_pairs")
     if form.grouped is not None:
         yield from _grouped_figures(form, form.grouped)
 
 
 def _figure(
-    form: Ratings,
-    part: str,
-    drawing: Drawing,
-    caption: str,
-    table: str,
-    of: tuple[str, str] | None = None,
+    form: Ratings, name: str, drawing: Drawing, caption: str, table: str, of: tuple[str, str] | None = None
 ) -> Figure:
-    return Figure(f"{form.stem}_{part}", drawing, caption, f"{form.stem}_{table}", of)
+    return Figure(f"{form.stem}_{name}", drawing, caption, f"{form.stem}_{table}", of)
 
 
 def _items(form: Ratings) -> str:
@@ -82,9 +77,9 @@ def _profiles(form: Ratings, names: Sequence[str]) -> list[tuple[str, list[str]]
 
 def _grouped_figures(form: Ratings, grouped: pd.DataFrame) -> Iterator[Figure]:
     """The thesis's comparisons of frequencies and of envelopes, each with the single focus."""
-    for of, part in grouped.groupby("of", sort=False):
-        names = list(dict.fromkeys(part["condition"]))
-        drawing = attrakdiff.profile_figure(part, names, form.form.score_low, form.form.score_high)
+    for of, profile in grouped.groupby("of", sort=False):
+        names = list(dict.fromkeys(profile["condition"]))
+        drawing = attrakdiff.profile_figure(profile, names, form.form.score_low, form.form.score_high)
         text = f"Word pairs by {of}: {means_of(form.summary)}, over patterns; {REFERENCE} beside them."
         yield _figure(form, f"word_pairs_by_{of}", drawing, text, "word_pairs_grouped", ("of", str(of)))
 
