@@ -28,5 +28,5 @@ def mean_with_interval(values: Array, interval: float = INTERVAL) -> dict[str, o
     if sd <= RELATIVE_ZERO * float(np.abs(values / size).max()):
         return {"mean": mean * size, "sd": 0.0}
     half = float(student.ppf((1 + interval) / 2, n - 1)) * sd / float(np.sqrt(n))
-    found = {"mean": mean, "mean_low": mean - half, "mean_high": mean + half, "sd": sd}
-    return {name: value * size for name, value in found.items()}
+    values_by_name = {"mean": mean, "mean_low": mean - half, "mean_high": mean + half, "sd": sd}
+    return {name: value * size for name, value in values_by_name.items()}

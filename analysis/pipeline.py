@@ -86,18 +86,18 @@ def analyse(
 
         check_report(report)
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
-    found = analyse_trials(
+    analysis = analyse_trials(
         replace(trials, notes=(*warnings, *trials.notes)),
         plan or plan_of(path),
         replay if level_scale in (None, "linear") else None,
     )
     if report is None and figures is None:
-        return found
+        return analysis
     from .report.page import write_figures, write_report
 
     if figures is not None:
-        found = write_figures(found, figures)
-    return found if report is None else write_report(found, report, pdf=pdf)
+        analysis = write_figures(analysis, figures)
+    return analysis if report is None else write_report(analysis, report, pdf=pdf)
 
 
 def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay: Replay | None = None) -> Analysis:
@@ -107,18 +107,18 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
     everything, origin = of_one_kind(everything)
     recorded = quality(everything)
     trials, excluded = exclude(everything, plan.exclusion, recorded)
-    used, factors = used_rows(trials), trials.factors
-    judged = judgements(used)
+    factors, all_used = trials.factors, used_rows(everything)
+    all_judged = judgements(all_used)  # a rule was told the answers, too, that the plan leaves out
+    used, judged = (rows[rows.index.isin(trials.rows.index)] for rows in (all_used, all_judged))
     answers = counted_answers(judged)
-    found, forms, direct = cells.cells(answers, factors), ratings(trials, plan.primary), _direct_tables(used, factors)
-    if not found and not forms and not direct:
+    every, forms, direct = cells.cells(answers, factors), ratings(trials, plan.primary), _direct_tables(used, factors)
+    if not every and not forms and not direct:
         raise InvalidFile(f"{trials.path}: found {NOTHING}")
     unit, n_choices = cells.level_unit(trials), cells.n_alternatives(trials)
-    estimates = cells.estimates(found, n_choices, unit)
+    estimates = cells.estimates(every, n_choices, unit)
     table = cells.estimate_table(estimates, factors, unit)
     if len(table):
-        told = answers if excluded.empty else counted_answers(judgements(used_rows(everything)))
-        table = table.join(rule_columns(told, factors, estimates, replay))
+        table = table.join(rule_columns(counted_answers(all_judged), factors, estimates, replay))
         rng = np.random.default_rng(SEED)
         table = table.join(goodness_columns(answers, factors, estimates, n_choices, unit, rng))
     forces = force_of_participants(used, factors) if has_force(used) else None
@@ -128,7 +128,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
         n_choices=n_choices,
         estimates=tuple(estimates),
         outcomes=tuple(_outcomes(table, direct, factors, forces, plan)),
-        hierarchical=tuple(_hierarchical(found, factors, n_choices, unit)) if plan.hierarchical else (),
+        hierarchical=tuple(_hierarchical(every, factors, n_choices, unit)) if plan.hierarchical else (),
         forms=forms,
         plan=plan,
         tables={},
@@ -136,8 +136,8 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
         study=study_text(everything.path, unit),
     )
     tables = {"quality": with_frames(recorded, frames(everything.path)), "excluded": excluded, **direct}
-    tables |= _curve_tables(table, found, judged, factors) | _force_tables(forces, factors) | _compared_tables(values)
-    values = replace(values, tables={name: part for name, part in tables.items() if len(part)})
+    tables |= _curve_tables(table, every, judged, factors) | _force_tables(forces, factors) | _compared_tables(values)
+    values = replace(values, tables={name: rows for name, rows in tables.items() if len(rows)})
     return replace(values, warnings=warnings_of(values), methods=methods(values))
 
 
@@ -178,21 +178,21 @@ def _outcomes(
 
 
 def _hierarchical(
-    found: Sequence[cells.Cell], factors: Sequence[str], n_choices: int, unit: str
+    every: Sequence[cells.Cell], factors: Sequence[str], n_choices: int, unit: str
 ) -> Iterator[HierarchicalOutcome]:
     for task in CURVES:
-        of_task = [cell for cell in found if cell.task == task]
+        of_task = [cell for cell in every if cell.task == task]
         fit = group_fit(of_task, factors, n_choices, unit) if of_task else None
         if fit is not None:
             yield fit
 
 
 def _curve_tables(
-    table: pd.DataFrame, found: Sequence[cells.Cell], judged: pd.DataFrame, factors: Sequence[str]
+    table: pd.DataFrame, every: Sequence[cells.Cell], judged: pd.DataFrame, factors: Sequence[str]
 ) -> dict[str, pd.DataFrame]:
-    if not found:
+    if not every:
         return {}
-    counts = cells.count_table(found, factors)
+    counts = cells.count_table(every, factors)
     return {
         "thresholds": table,
         "goodness": goodness_table(table),
@@ -210,8 +210,8 @@ def _force_tables(forces: pd.DataFrame | None, factors: Sequence[str]) -> dict[s
 def _compared_tables(analysis: Analysis) -> dict[str, pd.DataFrame]:
     """Of outcomes, hierarchical fits and questionnaires."""
     tables: dict[str, pd.DataFrame] = {}
-    for each in analysis.outcomes:
-        tables |= each.tables(analysis.stem(each))
+    for compared in analysis.outcomes:
+        tables |= compared.tables(analysis.stem(compared))
     for fit in analysis.hierarchical:
         tables |= fit.tables(fit.task)
     for form in analysis.forms:

@@ -65,7 +65,7 @@ def scores(
     """
     answers, form, factors = _answers(table, questionnaire, within)
     keys = ["participant", *factors]
-    rows = [dict(zip(keys, key, strict=True)) | _scored(rounds, form) for key, rounds in _rounds(answers, keys)]
+    rows = [dict(zip(keys, key, strict=True)) | _mean_scores(rounds, form) for key, rounds in _rounds(answers, keys)]
     return _with_origin(pd.DataFrame(rows), form, factors)
 
 
@@ -149,7 +149,7 @@ def _rounds(answers: pd.DataFrame, keys: Sequence[str]) -> list[tuple[tuple[obje
     return sorted(by_key.items(), key=lambda pair: pair[0])
 
 
-def _scored(rounds: Sequence[Round], form: Questionnaire) -> dict[str, float | None]:
+def _mean_scores(rounds: Sequence[Round], form: Questionnaire) -> dict[str, float | None]:
     """Scores of one participant in one condition: means over the rounds."""
     means = pd.DataFrame([form.scores(answers) for answers in rounds], dtype=np.float64).mean()
     named: dict[str, float | None] = {str(name): None if np.isnan(x) else float(x) for name, x in means.items()}

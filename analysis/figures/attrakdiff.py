@@ -8,7 +8,7 @@ import pandas as pd
 
 from ..attrakdiff.scoring import REGIONS
 from .axes import means_with_intervals
-from .style import Drawing, drawn, house_style, look, new_figure
+from .style import Drawing, drawing_of, house_style, look, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -33,15 +33,15 @@ def scores_figure(
         figure = new_figure(6.6, 3.4)
         axes = figure.add_subplot()
         for n, name in enumerate(names):
-            part = summary[summary["condition"] == name].set_index("dimension").reindex(list(order))
+            means = summary[summary["condition"] == name].set_index("dimension").reindex(list(order))
             x = np.arange(len(order)) + SPREAD * (n - (len(names) - 1) / 2)
-            means_with_intervals(axes, x, part, label=name, linestyle="none", **FINE, **look(n))
+            means_with_intervals(axes, x, means, label=name, linestyle="none", **FINE, **look(n))
         axes.set_xticks(range(len(order)), list(order))
         _scale(axes, low, high)
         axes.set_ylabel(_score_label(low))
         if len(names) > 1:
             figure.legend(loc="outside right center")
-        return drawn(figure)
+        return drawing_of(figure)
 
 
 def _scale(axes: "Axes", low: float, high: float) -> None:
@@ -67,8 +67,8 @@ def profile_figure(profile: pd.DataFrame, names: Sequence[str], low: float, high
         figure = new_figure(6.6, 0.21 * len(words) + 1.0)
         axes = figure.add_subplot()
         for n, name in enumerate(names):
-            part = profile[profile["condition"] == name].set_index("item").reindex(words["item"])
-            axes.plot(part["mean"], y, label=name, linewidth=1.0, **look(n))
+            means = profile[profile["condition"] == name].set_index("item").reindex(words["item"])
+            axes.plot(means["mean"], y, label=name, linewidth=1.0, **look(n))
         left = words["negative"].where(words["negative"] != "", words["item"])
         labels = [f"{d}  {word}" for d, word in zip(words["dimension"], left, strict=True)]
         axes.set_yticks(y, labels, fontsize=7)
@@ -83,7 +83,7 @@ def profile_figure(profile: pd.DataFrame, names: Sequence[str], low: float, high
         right.tick_params(length=0)
         if len(names) > 1:
             figure.legend(loc="outside upper center", ncols=min(7, len(names)))
-        return drawn(figure)
+        return drawing_of(figure)
 
 
 def portfolio_figure(portfolio: pd.DataFrame) -> Drawing:
@@ -108,7 +108,7 @@ def portfolio_figure(portfolio: pd.DataFrame) -> Drawing:
         axes.set(xlim=(-3, 3), ylim=(-3, 3), xlabel="Pragmatic quality PQ", ylabel="Hedonic quality HQ")
         axes.set_aspect("equal")
         figure.legend(loc="outside right center")
-        return drawn(figure)
+        return drawing_of(figure)
 
 
 def _regions(axes: "Axes") -> None:
@@ -139,9 +139,9 @@ def crossed_figure(
         figure = new_figure(1.75 * len(order) + 0.9, 3.2)
         panels = figure.subplots(1, len(order), squeeze=False, sharey=True).ravel()
         for axes, dimension in zip(panels, order, strict=True):
-            own = summary[summary["dimension"] == dimension].set_index("condition")
-            _draw_reference(axes, own, reference)
-            _draw_crossed(axes, own, design, envelopes)
+            of_dimension = summary[summary["dimension"] == dimension].set_index("condition")
+            _draw_reference(axes, of_dimension, reference)
+            _draw_crossed(axes, of_dimension, design, envelopes)
             axes.set_title(dimension)
             axes.set_xticks(range(len(envelopes)), [str(e) for e in envelopes], rotation=40, ha="right", fontsize=7)
             axes.set_xlim(-0.4, len(envelopes) - 0.6)
@@ -149,23 +149,23 @@ def crossed_figure(
         panels[0].set_ylabel(_score_label(limits[0]))
         handles, labels = panels[0].get_legend_handles_labels()
         figure.legend(handles, labels, loc="outside upper center", ncols=3)
-        return drawn(figure)
+        return drawing_of(figure)
 
 
-def _draw_reference(axes: "Axes", own: pd.DataFrame, reference: str) -> None:
-    if reference not in own.index:
+def _draw_reference(axes: "Axes", of_dimension: pd.DataFrame, reference: str) -> None:
+    if reference not in of_dimension.index:
         return
-    mean, low, high = (float(own[name].astype(float)[reference]) for name in ("mean", "mean_low", "mean_high"))
+    mean, low, high = (float(of_dimension[name].astype(float)[reference]) for name in ("mean", "mean_low", "mean_high"))
     axes.axhline(mean, color="#555555", linestyle="--", linewidth=1.0, label=f"{reference} (reference)")
     if np.isfinite(low):
         axes.axhspan(low, high, color="#555555", alpha=0.12, linewidth=0)
 
 
 def _draw_crossed(
-    axes: "Axes", own: pd.DataFrame, design: Mapping[str, tuple[object, object]], envelopes: Sequence[object]
+    axes: "Axes", of_dimension: pd.DataFrame, design: Mapping[str, tuple[object, object]], envelopes: Sequence[object]
 ) -> None:
     frequencies = list(dict.fromkeys(frequency for frequency, _ in design.values()))
     for n, frequency in enumerate(frequencies):
-        codes = [code for code, (f, _) in design.items() if f == frequency and code in own.index]
+        codes = [code for code, (f, _) in design.items() if f == frequency and code in of_dimension.index]
         x = np.array([envelopes.index(design[code][1]) for code in codes]) + SPREAD * (n - 0.5)
-        means_with_intervals(axes, x, own.loc[codes], label=f"{frequency} frequency", **FINE, **look(n))
+        means_with_intervals(axes, x, of_dimension.loc[codes], label=f"{frequency} frequency", **FINE, **look(n))

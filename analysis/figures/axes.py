@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ..arrays import Array
 from ..wording.labels import condition_name, title_of, with_unit
-from .style import Drawing, drawn, house_style, new_figure, shades
+from .style import Drawing, drawing_of, house_style, new_figure, shades
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,8 +44,8 @@ class FactorAxis:
 
     def lines(self, table: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame, tuple[float, float, float, float]]]:
         """A part of the table for each value of the factor along x, with its name and colour."""
-        parts = series(table, [self.along] if self.along else [])
-        return ((name, part, colour) for (name, part), colour in zip(parts, shades(len(parts)), strict=True))
+        groups = series(table, [self.along] if self.along else [])
+        return ((name, rows, colour) for (name, rows), colour in zip(groups, shades(len(groups)), strict=True))
 
 
 def level_label(unit: str) -> str:
@@ -57,7 +57,7 @@ def series(table: pd.DataFrame, names: Sequence[str]) -> list[tuple[str, pd.Data
     if not names:
         return [("", table)]
     grouped = table.groupby(list(names), sort=True, observed=True)
-    return [(condition_name(names, key), part) for key, part in grouped]
+    return [(condition_name(names, key), rows) for key, rows in grouped]
 
 
 def place(axes: "Axes", values: Any, name: str | None) -> dict[object, float]:
@@ -77,12 +77,12 @@ def place(axes: "Axes", values: Any, name: str | None) -> dict[object, float]:
     return {v: float(v) for v in levels}
 
 
-def means_with_intervals(axes: "Axes", x: NDArray[Any], part: pd.DataFrame, **style: Any) -> None:
+def means_with_intervals(axes: "Axes", x: NDArray[Any], means: pd.DataFrame, **style: Any) -> None:
     """Means with their intervals: within participants where the table has such (`within_low`, `within_high`), and then
     the one between them (`mean_low`, `mean_high`) as a thin line behind it; `style` is that of `errorbar`."""
-    mean = part["mean"].astype(float).to_numpy()
-    known, between = np.isfinite(mean), _ends(part, "mean")
-    within = _ends(part, "within") if "within_low" in part.columns else np.full_like(between, np.nan)
+    mean = means["mean"].astype(float).to_numpy()
+    known, between = np.isfinite(mean), _ends(means, "mean")
+    within = _ends(means, "within") if "within_low" in means.columns else np.full_like(between, np.nan)
     is_within = np.isfinite(within).all(axis=0)
     bars = np.nan_to_num(np.where(is_within, within, between)[:, known], nan=0.0)
     drawn_bars = axes.errorbar(x[known], mean[known], yerr=bars, **({"capsize": 2.5, "elinewidth": 1.2} | style))
@@ -92,9 +92,9 @@ def means_with_intervals(axes: "Axes", x: NDArray[Any], part: pd.DataFrame, **st
     axes.vlines(x[behind], low[behind], high[behind], color=colour, linewidth=0.6, alpha=0.7)
 
 
-def _ends(part: pd.DataFrame, name: str) -> Array:
+def _ends(means: pd.DataFrame, name: str) -> Array:
     """How far the interval reaches below and above the mean, shape (2, condition)."""
-    mean, low, high = (part[column].astype(float).to_numpy() for column in ("mean", f"{name}_low", f"{name}_high"))
+    mean, low, high = (means[column].astype(float).to_numpy() for column in ("mean", f"{name}_low", f"{name}_high"))
     return np.stack([mean - low, high - mean])
 
 
@@ -139,4 +139,4 @@ def panels(
             axes.set_ylabel(labels[1])
         if axis.along:
             figure.legend(*grid[0].get_legend_handles_labels(), loc="outside right center")
-        return drawn(figure)
+        return drawing_of(figure)

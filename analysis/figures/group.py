@@ -9,7 +9,7 @@ import pandas as pd
 from ..anova.group_means import HIGH, LOW
 from ..tasks.kinds import CURVES
 from .axes import FactorAxis, level_label, means_with_intervals, panels, series, shift
-from .style import Drawing, drawn, house_style, look, new_figure
+from .style import Drawing, drawing_of, house_style, look, new_figure
 
 BESIDE = 0.4
 """Of the step from one series to the next: where the dots of participants lie, so that no bar hides them."""
@@ -42,21 +42,21 @@ def threshold_figure(
         figure = new_figure(6.6, 3.6)
         axes = figure.add_subplot()
         where = axis.place(axes, group)
-        parts, log = series(group, axis.series), axes.get_xscale() == "log"
-        for n, (name, part) in enumerate(parts):
-            x = axis.x(part, shift(n, len(parts), where, log=log))
-            means_with_intervals(axes, x, part, label=name, **look(n))
-        for n, (_, part) in enumerate(series(individuals, axis.series)):
-            beside = shift(n + BESIDE, len(parts), where, log=log)
-            _draw_individuals(axes, part, axis, beside, dependent, look(n)["color"])
+        lines, log = series(group, axis.series), axes.get_xscale() == "log"
+        for n, (name, line) in enumerate(lines):
+            x = axis.x(line, shift(n, len(lines), where, log=log))
+            means_with_intervals(axes, x, line, label=name, **look(n))
+        for n, (_, line) in enumerate(series(individuals, axis.series)):
+            beside = shift(n + BESIDE, len(lines), where, log=log)
+            _draw_individuals(axes, line, axis, beside, dependent, look(n)["color"])
         for target in targets:
             axes.axhline(target, color="#777777", linestyle="--", linewidth=0.8, zorder=0)
         axes.set_ylabel(label)
         if from_zero:
             low, high = axes.get_ylim()
             axes.set_ylim(min(0.0, low), ROOM * high)
-        _legend(axes, len(parts) if axis.series else 0, beside=len(targets) > 0)
-        return drawn(figure)
+        _legend(axes, len(lines) if axis.series else 0, beside=len(targets) > 0)
+        return drawing_of(figure)
 
 
 def _legend(axes: "Axes", n: int, *, beside: bool = False) -> None:
@@ -68,7 +68,7 @@ def _legend(axes: "Axes", n: int, *, beside: bool = False) -> None:
 
 
 def _draw_individuals(
-    axes: "Axes", part: pd.DataFrame, axis: FactorAxis, where: Mapping[object, float], dependent: str, colour: str
+    axes: "Axes", values: pd.DataFrame, axis: FactorAxis, where: Mapping[object, float], dependent: str, colour: str
 ) -> None:
     """Values as dots, bounds as open triangles."""
     kinds: tuple[tuple[str, dict[str, Any]], ...] = (
@@ -77,8 +77,8 @@ def _draw_individuals(
         (HIGH, {"marker": "v"} | OPEN),
     )
     for column, style in kinds:
-        if column in part.columns:
-            held = part[part[column].notna()]
+        if column in values.columns:
+            held = values[values[column].notna()]
             x, y = axis.x(held, where), held[column].astype(float)
             axes.plot(x, y, linestyle="", color=colour, markersize=4, zorder=1, **style)
 
@@ -133,13 +133,13 @@ def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> Drawing:
     with house_style():
         figure = new_figure(6.6, 3.0)
         axes = figure.add_subplot()
-        where, parts = axis.place(axes, rates), series(rates, axis.series)
-        for n, (name, part) in enumerate(parts):
-            axes.plot(axis.x(part, where), part["rate"], label=name, **look(n))
+        where, lines = axis.place(axes, rates), series(rates, axis.series)
+        for n, (name, line) in enumerate(lines):
+            axes.plot(axis.x(line, where), line["rate"], label=name, **look(n))
         axes.set_ylabel(CURVES[str(rates["task"].iloc[0])].rate_label + ", all levels")
         axes.set_ylim(-0.03, 1.03)
-        _legend(axes, len(parts) if axis.series else 0)
-        return drawn(figure)
+        _legend(axes, len(lines) if axis.series else 0)
+        return drawing_of(figure)
 
 
 def loss_figure(group: pd.DataFrame, factors: Sequence[str]) -> Drawing:
@@ -159,12 +159,12 @@ def loss_figure(group: pd.DataFrame, factors: Sequence[str]) -> Drawing:
         grid[0].set_ylabel("Amplitude loss (%)")
         if lines:
             figure.legend(*grid[0].get_legend_handles_labels(), loc="outside right center")
-        return drawn(figure)
+        return drawing_of(figure)
 
 
 def _draw_losses(axes: "Axes", panel: pd.DataFrame, axis: FactorAxis, lines: Sequence[str]) -> None:
     where = axis.place(axes, panel)
-    for n, (name, part) in enumerate(series(panel, lines)):
-        mean, low, high = (100 * part[column].astype(float).to_numpy() for column in ("mean", "mean_low", "mean_high"))
+    for n, (name, line) in enumerate(series(panel, lines)):
+        mean, low, high = (100 * line[column].astype(float).to_numpy() for column in ("mean", "mean_low", "mean_high"))
         ends = np.nan_to_num(np.stack([mean - low, high - mean]), nan=0.0)
-        axes.errorbar(axis.x(part, where), mean, yerr=ends, label=name, capsize=2.5, elinewidth=1.0, **look(n))
+        axes.errorbar(axis.x(line, where), mean, yerr=ends, label=name, capsize=2.5, elinewidth=1.0, **look(n))

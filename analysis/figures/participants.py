@@ -13,7 +13,7 @@ from ..tasks.kinds import CURVES
 from ..threshold.status import Status
 from ..wording.labels import condition_name
 from .axes import FactorAxis, level_label, panels
-from .style import Drawing, drawn, house_style, look, new_figure
+from .style import Drawing, drawing_of, house_style, look, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,7 +42,7 @@ def curve_figure(estimates: Sequence[Estimate], factors: Sequence[str], *, unit:
         task = shown[0].cell.task
         figure.supxlabel(level_label(unit), fontsize=8)
         figure.supylabel(CURVES[task].rate_label, fontsize=8, x=0.08 / figure.get_size_inches()[0])
-        return drawn(figure)
+        return drawing_of(figure)
 
 
 def _panel(figure: Any, place: int, rows: int, columns: int) -> "Axes":

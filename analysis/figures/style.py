@@ -71,7 +71,7 @@ class Drawing:
         return target.getvalue()
 
 
-def drawn(figure: "Figure") -> Drawing:
+def drawing_of(figure: "Figure") -> Drawing:
     """The figure as it stands, within the house style."""
     target = io.StringIO()
     figure.savefig(target, format="svg", metadata={"Date": None, "Creator": "tactometry"})
@@ -81,8 +81,8 @@ def drawn(figure: "Figure") -> Drawing:
 
 def look(place: int) -> dict[str, Any]:
     """Colour and marker of the series at this place; open markers where the colours come again."""
-    found: dict[str, Any] = {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
-    return found | ({"mfc": "white"} if place >= len(COLOURS) else {})
+    style: dict[str, Any] = {"color": COLOURS[place % len(COLOURS)], "marker": MARKERS[place % len(MARKERS)]}
+    return style | ({"mfc": "white"} if place >= len(COLOURS) else {})
 
 
 def shades(n: int) -> Sequence[tuple[float, float, float, float]]:

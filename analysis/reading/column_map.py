@@ -83,7 +83,7 @@ def read_column_map(path: Path) -> ColumnMap:
     return read_toml(ColumnMap, path, "a column map")
 
 
-def translated(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
+def translate(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
     """A table of text in our terms.
 
     Raises

@@ -66,7 +66,8 @@ class Exclusion:
 
 
 def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Trials, pd.DataFrame]:
-    """The trials that the rules leave, and a table of what they left out: `participant, rule, bound, n_trials`.
+    """The trials that the rules leave, under their index, and a table of what they left out: `participant, rule, bound,
+    n_trials`.
 
     `quality` is that of the trials (`reading.quality`), whose shares the rules on participants ask for.
 
@@ -83,8 +84,7 @@ def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Tr
         numbers = against_rule.groupby(rows["participant"], sort=True).sum()
         lost += [(code, name, bound, n) for code, n in numbers.items() if n]
         out |= against_rule
-    kept = replace(trials, rows=rows[~out].reset_index(drop=True))
-    return kept, pd.DataFrame(lost, columns=["participant", "rule", "bound", "n_trials"])
+    return replace(trials, rows=rows[~out]), pd.DataFrame(lost, columns=["participant", "rule", "bound", "n_trials"])
 
 
 def _against_rule(rows: pd.DataFrame, name: str, bound: float, quality: pd.DataFrame) -> "pd.Series[bool]":

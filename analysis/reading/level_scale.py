@@ -35,7 +35,7 @@ def is_logarithm(unit: str) -> bool:
     return unit.startswith(("dB", "log10"))
 
 
-def scaled(rows: pd.DataFrame, scale: str) -> pd.DataFrame:
+def on_scale(rows: pd.DataFrame, scale: str) -> pd.DataFrame:
     """A checked table with its levels, settings and their unit on the scale: ``linear``, ``log10`` or ``db``.
 
     Raises

@@ -18,7 +18,7 @@ from ..wording.labels import NAMED
 from .level_scale import SETTINGS
 from .trials import Trials
 
-Key = tuple[str, float]
+SessionKey = tuple[str, float]
 """Participant and session."""
 
 
@@ -62,23 +62,23 @@ def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
     A row says by its `rig` who answered, else the journal of its session; where neither does, it was people.
     """
     known = _heads(trials.path)
-    mask = _simulated(trials.rows, known)
+    mask = _is_simulated(trials.rows, known)
     first_heads = [sittings[0] for sittings in known.values()]  # a session goes on with the rig and seed it began with
     seeds = tuple(sorted({head.seed for head in first_heads if head.rig == SIMULATED}))
-    warnings = (*_unplayed(trials.rows), *_changes(known))
+    warnings = (*_silence_warnings(trials.rows), *_changes(known))
     if mask.all() and len(mask):
         origin = Origin(is_simulated=True, seeds=seeds, warnings=warnings)
         return trials, replace(origin, warnings=(origin.line.removesuffix("."), *warnings))
     if not mask.any():
         return trials, Origin(warnings=warnings)
-    left_out = f"simulated participants share this table with people and are left out ({_named(trials.rows[mask])})"
+    left_out = f"simulated participants share this table with people and are left out ({_codes(trials.rows[mask])})"
     kept = replace(trials, rows=trials.rows[~mask].reset_index(drop=True))
     return kept, Origin(warnings=(f"{left_out}; analyse them apart", *warnings))
 
 
-def _heads(path: Path) -> dict[Key, tuple[Head, ...]]:
+def _heads(path: Path) -> dict[SessionKey, tuple[Head, ...]]:
     """The heads of all sittings, by session; a journal that is damaged is none."""
-    by_session: dict[Key, tuple[Head, ...]] = {}
+    by_session: dict[SessionKey, tuple[Head, ...]] = {}
     for journal in sorted((path / "journals").glob("participant-*.jsonl")) if path.is_dir() else ():
         with suppress(InvalidFile):
             sittings = heads(journal)
@@ -86,7 +86,7 @@ def _heads(path: Path) -> dict[Key, tuple[Head, ...]]:
     return by_session
 
 
-def _simulated(rows: pd.DataFrame, known: Mapping[Key, Sequence[Head]]) -> Bools:
+def _is_simulated(rows: pd.DataFrame, known: Mapping[SessionKey, Sequence[Head]]) -> Bools:
     rigs = rows["rig"].astype(str) if "rig" in rows.columns else pd.Series("", index=rows.index)
     if known and "session" in rows.columns and (rigs == "").any():
         by_journal = {key: sittings[0].rig for key, sittings in known.items()}
@@ -95,7 +95,7 @@ def _simulated(rows: pd.DataFrame, known: Mapping[Key, Sequence[Head]]) -> Bools
     return np.asarray(rigs == SIMULATED)
 
 
-def _unplayed(rows: pd.DataFrame) -> Iterator[str]:
+def _silence_warnings(rows: pd.DataFrame) -> Iterator[str]:
     """A level is analysed as it was asked for where none was delivered, so it is told that nothing played.
 
     Only rows that name their rig can tell; a level that a participant sets is never one that was delivered.
@@ -105,16 +105,16 @@ def _unplayed(rows: pd.DataFrame) -> Iterator[str]:
     asked = rows[(rows["rig"] != "") & (rows["valid"] == 1) & rows["level"].notna() & ~rows["task"].isin(SETTINGS)]
     silent = asked[asked["level_delivered"].isna()]
     if len(silent):
-        yield f"nothing was played where a level was to be felt ({_named(silent)}): these answers are to no stimulus"
+        yield f"nothing was played where a level was to be felt ({_codes(silent)}): these answers are to no stimulus"
 
 
-def _named(rows: pd.DataFrame) -> str:
+def _codes(rows: pd.DataFrame) -> str:
     codes = list(dict.fromkeys(rows["participant"]))
     more = f" and {len(codes) - NAMED} more" if len(codes) > NAMED else ""
     return f"{', '.join(codes[:NAMED])}{more}: {counted(len(rows), 'row')}"
 
 
-def _changes(known: Mapping[Key, Sequence[Head]]) -> Iterator[str]:
+def _changes(known: Mapping[SessionKey, Sequence[Head]]) -> Iterator[str]:
     for (code, session), sittings in known.items():
         for change in changes(sittings):
             yield f"{code}, session {session:g}: {change}"

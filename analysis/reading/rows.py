@@ -16,14 +16,14 @@ def is_catch(rows: pd.DataFrame) -> "pd.Series[bool]":
     return holds(rows, "catch", 1)
 
 
-def delivered(rows: pd.DataFrame) -> "pd.Series[float]":
+def delivered_level(rows: pd.DataFrame) -> "pd.Series[float]":
     """The level that was delivered where that is known, else the one that was asked for."""
     if "level_delivered" not in rows.columns:
         return rows["level"]
     return rows["level_delivered"].fillna(rows["level"])
 
 
-def correct(rows: pd.DataFrame) -> "pd.Series[float]":
+def correctness(rows: pd.DataFrame) -> "pd.Series[float]":
     """1 where the answer was right, 0 where it was wrong; NaN where the row says neither that nor what was right."""
     stated = rows["correct"] if "correct" in rows.columns else pd.Series(np.nan, index=rows.index)
     if "target" not in rows.columns:

@@ -22,17 +22,17 @@ from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS, rows_text
 from tactometry.trials.tasks import TASKS, tasks_with_level
 
 from .cell_numbers import numbers_of
-from .column_map import ColumnMap, translated, trials_of
-from .level_scale import scaled, wide_levels
+from .column_map import ColumnMap, translate, trials_of
+from .level_scale import on_scale, wide_levels
 from .refusals import bad_cell, no_column
 from .rows import holds, is_catch
 from .text_table import text_cells
 
 REQUIRED = ("participant", "level", "task", "response")
 CURVED = tasks_with_level("curve")
-FORMS = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
+OWN_FILES = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
 """Where trials stand in a data set: our own, then BIDS."""
-FOREIGN_FORMS = ("*.csv", "*.tsv", "data/*.csv", "*.json")
+FOREIGN_FILES = ("*.csv", "*.tsv", "data/*.csv", "*.json")
 """Where they stand in a folder of another program, read through a column map."""
 
 
@@ -72,7 +72,7 @@ def read_trials(
     With a `column_map` a folder may also hold another program's tables, one a participant or session.
 
     Factors are the columns between ``trial`` and ``procedure`` that hold anything, or those named by `within`
-    (empty: none). Levels are put on the `level_scale` (`scaled`), else on that of the map.
+    (empty: none). Levels are put on the `level_scale` (`on_scale`), else on that of the map.
 
     Raises
     ------
@@ -81,11 +81,11 @@ def read_trials(
     InvalidParameter
         If `within` names a column that is not there, or the levels cannot be put on the scale.
     """
-    files = trial_files(path, FORMS if column_map is None else FORMS + FOREIGN_FORMS)
+    files = trial_files(path, OWN_FILES if column_map is None else OWN_FILES + FOREIGN_FILES)
     given = column_map or ColumnMap()
     raw = {file: _raw(file, given) for file in files}
     trials = raw if column_map is None else {file: trials_of(table, file) for file, table in raw.items()}
-    tables = _alike({file: _checked(table, file) for file, table in trials.items()})
+    tables = _alike({file: _checked_table(table, file) for file, table in trials.items()})
     if column_map is None:  # the names of another program's files are its own
         for file, table in tables.items():
             _refuse_other_code(table, file)
@@ -97,10 +97,10 @@ def read_trials(
     scale = level_scale or given.level_scale
     notes = [
         *_routines(sum(map(len, raw.values())) - len(rows)),
-        *doubled(rows, named),
+        *repetitions(rows, named),
         *([] if scale else wide_levels(rows)),
     ]
-    return Trials(rows if scale is None else scaled(rows, scale), factors, path, len(files), tuple(notes))
+    return Trials(rows if scale is None else on_scale(rows, scale), factors, path, len(files), tuple(notes))
 
 
 def _routines(n: int) -> list[str]:
@@ -109,11 +109,11 @@ def _routines(n: int) -> list[str]:
     return [f"{rows} neither level nor answer nor item, as other programs write for routines"] if n else []
 
 
-def doubled(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
+def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
     """A warning with the number of rows that repeat a trial before them, and the first. None without numbers of trials.
 
     >>> row = {"participant": "P1", "trial": 1.0, "response": "1", "source": "a.csv", "row": 2}
-    >>> doubled(pd.DataFrame([row, row | {"trial": 2.0, "row": 3}, row | {"response": "0", "row": 4}]))[0][:66]
+    >>> repetitions(pd.DataFrame([row, row | {"trial": 2.0, "row": 3}, row | {"response": "0", "row": 4}]))[0][:66]
     '1 row repeats a trial that stands before it (the first: a.csv, row'
     """
     if "trial" not in rows.columns:
@@ -165,7 +165,7 @@ def _with_added(table: pd.DataFrame, header: list[str]) -> pd.DataFrame:
     return table.assign(**{name: np.nan if name in (*NUMBERS, *COUNTS) else "" for name in missing})[header]
 
 
-def trial_files(path: Path, forms: Sequence[str] = FORMS) -> list[Path]:
+def trial_files(path: Path, forms: Sequence[str] = OWN_FILES) -> list[Path]:
     """The trials files of a data set (by default ours, or BIDS with behaviour), or the one file that `path` is.
 
     Raises
@@ -177,7 +177,7 @@ def trial_files(path: Path, forms: Sequence[str] = FORMS) -> list[Path]:
         return [path]
     if not path.is_dir():
         raise InvalidFile(f"{path}: no such file or folder, expected a data set or a CSV file of trials")
-    files = next((files for form in forms if (files := _shown(path.glob(form)))), [])
+    files = next((files for form in forms if (files := _visible_files(path.glob(form)))), [])
     if not files:
         for folder in (path, path / "data"):
             listed(folder)  # a glob keeps silent about one that may not be read
@@ -188,7 +188,7 @@ def trial_files(path: Path, forms: Sequence[str] = FORMS) -> list[Path]:
     return files
 
 
-def _shown(files: Iterable[Path]) -> list[Path]:
+def _visible_files(files: Iterable[Path]) -> list[Path]:
     """Files, sorted, without those that a system hides beside them (``._x_data.csv``)."""
     return sorted(file for file in files if not file.name.startswith("."))
 
@@ -202,7 +202,7 @@ def _refuse_other_code(table: pd.DataFrame, file: Path) -> None:
 
 
 def _raw(file: Path, column_map: ColumnMap) -> pd.DataFrame:
-    raw = translated(text_cells(file, column_map.separator), column_map, file)
+    raw = translate(text_cells(file, column_map.separator), column_map, file)
     for name in REQUIRED:
         if name not in raw.columns:
             raise InvalidFile(f"{file}: {no_column(name, raw)}; name it with a column map (--columns)")
@@ -211,7 +211,7 @@ def _raw(file: Path, column_map: ColumnMap) -> pd.DataFrame:
     return raw
 
 
-def _checked(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
+def _checked_table(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
     table = raw.assign(source=str(file))
     _expect_texts(table, "participant", file, lambda code: PARTICIPANT.fullmatch(code) is not None, _CODE)
     _expect_texts(table, "task", file, lambda task: task in TASKS, f"one of {', '.join(TASKS)}")
@@ -255,7 +255,7 @@ NAMED_VALUES = ("response", "correct", "catch", "valid", "practice")
 """Columns whose values other programs write in words."""
 
 
-def _meaning(name: str, found: str) -> str:
+def _meaning(name: str, text: str) -> str:
     """How to say in a column map what a word means.
 
     >>> _meaning("response", "y")
@@ -263,10 +263,10 @@ def _meaning(name: str, found: str) -> str:
     >>> _meaning("response", "None"), _meaning("response", "7")
     ("; say in a column map (--columns) that it was not measured: missing = ['None']", '')
     """
-    if name not in NAMED_VALUES or not found or _NUMBER.fullmatch(found):
+    if name not in NAMED_VALUES or not text or _NUMBER.fullmatch(text):
         return ""
-    word = _toml_text(found)
-    if found.strip().lower() in NOT_MEASURED:
+    word = _toml_text(text)
+    if text.strip().lower() in NOT_MEASURED:
         return f"; say in a column map (--columns) that it was not measured: missing = [{word}]"
     return f"; say what it means in a column map (--columns), below [values.{name}]: {word} = 1"
 

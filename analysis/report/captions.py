@@ -79,5 +79,5 @@ def bars_text(means: pd.DataFrame) -> str:
     within, between = (_has(means, name) for name in ("within_low", "mean_low"))
     kinds = ["bars are 95 % intervals within participants (Cousineau-Morey)"] * within
     kinds += [f"{'thin lines' if within else 'bars'} are 95 % t-intervals between participants"] * between
-    told = "; ".join(["", *kinds])
-    return told + (", of the censored model where a value is a bound" if is_modelled(means) and kinds else "")
+    text = "; ".join(["", *kinds])
+    return text + (", of the censored model where a value is a bound" if is_modelled(means) and kinds else "")

@@ -44,7 +44,7 @@ def warnings_of(analysis: Analysis) -> tuple[str, ...]:
         *_missing_values(analysis),
         *(() if estimates is None else _curve_warnings(analysis, estimates)),
         *_other_tasks(trials),
-        *_unanswered(trials),
+        *_unanswered_forms(trials),
         *_quality_warnings(analysis.tables["quality"]),
         *(() if estimates is None else goodness_warnings(estimates, trials.factors)),
     )
@@ -111,7 +111,7 @@ def _other_tasks(trials: Trials) -> list[str]:
     return [f"not analysed here, rows of other tasks: {len(other)} ({', '.join(sorted(other['task'].unique()))})"]
 
 
-def _unanswered(trials: Trials) -> list[str]:
+def _unanswered_forms(trials: Trials) -> list[str]:
     """A warning for each questionnaire that was put and that nobody answered."""
     return [
         f"{form.title}: of {counted(rows['participant'].nunique(), 'participant')} none answered, so it has no score"

@@ -104,14 +104,14 @@ def render(analysis: Analysis) -> str:
 
     factors = analysis.factors
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
-    environment.filters |= {"words": lambda text: in_words(text, factors), "unbroken": unbroken}
+    environment.filters |= {"words": lambda text: in_words(text, factors), "nonbreaking": nonbreaking}
     template = environment.from_string((files(__package__) / "page.html").read_text("utf-8"))
     sections = sections_of(analysis)
     drawn = [figure for section in sections for figure in section.figures()]
     return template.render(
         analysis=analysis,
         title=title_of(analysis),
-        svgs={figure.name: _numbered(figure, n) for n, figure in enumerate(drawn)},
+        svgs={figure.name: _with_unique_names(figure, n) for n, figure in enumerate(drawn)},
         data=data_line(analysis),
         warnings=[text for text in analysis.warnings if f"{text}." != analysis.origin.line] + _notes(analysis),
         sections=sections,
@@ -146,12 +146,12 @@ def _studies(analysis: Analysis) -> list[str]:
     return sorted(set(rows["study"]) - {""}) if "study" in rows.columns else []
 
 
-def unbroken(text: str) -> str:
+def nonbreaking(text: str) -> str:
     """A cell that breaks between a value, its interval or spread and its number, and not within them.
 
-    >>> unbroken("0.29 [-0.78, 1.35] (n = 3)").replace(chr(160), "_").replace(chr(8209), "~")
+    >>> nonbreaking("0.29 [-0.78, 1.35] (n = 3)").replace(chr(160), "_").replace(chr(8209), "~")
     '0.29 [~0.78,_1.35] (n_=_3)'
-    >>> unbroken("1.47 ± 0.03 N, 100 % in band").replace(chr(160), "_")
+    >>> nonbreaking("1.47 ± 0.03 N, 100 % in band").replace(chr(160), "_")
     '1.47 ±_0.03_N, 100_%_in_band'
     """
     together = r"\[[^]]{,40}\]|\(n = [^)]{,40}\)|± \S+ N|\d+ % in band"
@@ -165,7 +165,7 @@ def _notes(analysis: Analysis) -> list[str]:
     return list(dict.fromkeys([*notes, *(note for form in analysis.forms for note in form.notes)]))
 
 
-def _numbered(figure: Figure, n: int) -> str:
+def _with_unique_names(figure: Figure, n: int) -> str:
     """Element names are made unique in the page: a reference must not reach into another figure."""
     return re.sub(r'(\bid="|href="#|url\(#)', rf"\1f{n}-", figure.drawing.svg)
 

@@ -25,13 +25,13 @@ MOST_EVIDENCE = 10_000
 
 def outcome_sentences(outcome: Outcome, of_levels: str) -> dict[str, list[str]]:
     """Every sentence, by the heading that it stands under; `of_levels` is the unit of the levels."""
-    told = {} if outcome.primary is None else {outcome.heading(): primary_sentences(outcome)}
-    told |= _comparisons(outcome, outcome.unit(of_levels).partition(" re ")[0])  # a difference has no reference
-    told["Assumptions"] = [] if outcome.checks is None else list(outcome.checks["text"])
+    by_heading = {} if outcome.primary is None else {outcome.heading(): primary_sentences(outcome)}
+    by_heading |= _comparisons(outcome, outcome.unit(of_levels).partition(" re ")[0])  # a difference has no reference
+    by_heading["Assumptions"] = [] if outcome.checks is None else list(outcome.checks["text"])
     for name in outcome.analyses():
         if name is not outcome.primary:
-            told[f"Check: {outcome.title(name)}"] = analysis_sentences(outcome, name)
-    return {heading: sentences for heading, sentences in told.items() if sentences}
+            by_heading[f"Check: {outcome.title(name)}"] = analysis_sentences(outcome, name)
+    return {heading: sentences for heading, sentences in by_heading.items() if sentences}
 
 
 def primary_sentences(outcome: Outcome) -> list[str]:
@@ -48,19 +48,19 @@ def analysis_sentences(outcome: Outcome, name: Primary) -> list[str]:
 
 
 def _comparisons(outcome: Outcome, unit: str) -> dict[str, list[str]]:
-    told = {}
+    by_heading = {}
     for (name, by), table in outcome.simple.items():
-        told[f"Simple effects of {name} at each {by}"] = simple_sentences(table, by)
+        by_heading[f"Simple effects of {name} at each {by}"] = simple_sentences(table, by)
     for name, table in outcome.pairs.items():
-        told[f"Pairs of {name}"] = pair_sentences(table, unit, factor=name)
+        by_heading[f"Pairs of {name}"] = pair_sentences(table, unit, factor=name)
     for (name, by), table in outcome.simple_pairs.items():
         tell = group_sentences if name == outcome.between else pair_sentences
-        told[f"Pairs of {name} at each {by}"] = tell(table, unit, by=by, factor=name)
+        by_heading[f"Pairs of {name} at each {by}"] = tell(table, unit, by=by, factor=name)
     for name, table in outcome.group_pairs.items():
-        told[f"Groups of {name}"] = group_sentences(table, unit, factor=name)
+        by_heading[f"Groups of {name}"] = group_sentences(table, unit, factor=name)
     for name, table in outcome.equivalence.items():
-        told[f"Equivalence over {name}"] = equivalence_sentences(table, unit, factor=name)
-    return told
+        by_heading[f"Equivalence over {name}"] = equivalence_sentences(table, unit, factor=name)
+    return by_heading
 
 
 def hierarchical_sentences(outcome: HierarchicalOutcome, unit: str) -> list[str]:
@@ -95,15 +95,15 @@ def _variance_sentences(fit: HierarchicalFit, unit: str) -> list[str]:
 
 def form_sentences(form: Ratings) -> dict[str, list[str]]:
     """Every sentence of a questionnaire, by the heading that it stands under."""
-    told: dict[str, list[str]] = {}
+    by_heading: dict[str, list[str]] = {}
     if form.crossed is not None:
-        told["Frequency by envelope, without the single focus"] = _by_dimension(form.crossed, anova_sentences)
+        by_heading["Frequency by envelope, without the single focus"] = _by_dimension(form.crossed, anova_sentences)
     if form.against is not None:
-        told[f"Patterns against {REFERENCE}"] = _by_dimension(form.against, pair_sentences)
+        by_heading[f"Patterns against {REFERENCE}"] = _by_dimension(form.against, pair_sentences)
     for dimension, outcome in form.outcomes.items():
         for heading, lines in outcome_sentences(outcome, "").items():
-            told.setdefault(heading, []).extend(f"{dimension}: {line}" for line in lines)
-    return told | {"Consistency": alpha_sentences(form.consistency, form.factors)}
+            by_heading.setdefault(heading, []).extend(f"{dimension}: {line}" for line in lines)
+    return by_heading | {"Consistency": alpha_sentences(form.consistency, form.factors)}
 
 
 def _by_dimension(table: pd.DataFrame, sentences: Callable[[pd.DataFrame], list[str]]) -> list[str]:
@@ -229,7 +229,7 @@ def pair_sentences(compared: pd.DataFrame, unit: str = "", by: str = "", factor:
     120 Hz less 60 Hz: -4.81 dB, 95 % CI [-5.21, -4.41], t(7) = -28.53, p < .001, dz = -10.09, BF10 > 10 000,
     extreme evidence for a difference
     """
-    return _compared(compared, PAIRED, unit, by, factor)
+    return _comparisons_of_pairs(compared, PAIRED, unit, by, factor)
 
 
 def group_sentences(compared: pd.DataFrame, unit: str = "", by: str = "", factor: str = "") -> list[str]:
@@ -241,10 +241,10 @@ def group_sentences(compared: pd.DataFrame, unit: str = "", by: str = "", factor
     right less left: 3.00 dB, 95 % CI [0.73, 5.27], Welch's t(4) = 3.67, p = .021, g = 2.40, BF10 = 3.6,
     moderate evidence for a difference
     """
-    return _compared(compared, WELCH, unit, by, factor)
+    return _comparisons_of_pairs(compared, WELCH, unit, by, factor)
 
 
-def _compared(compared: pd.DataFrame, test: PairTest, unit: str, by: str, factor: str) -> list[str]:
+def _comparisons_of_pairs(compared: pd.DataFrame, test: PairTest, unit: str, by: str, factor: str) -> list[str]:
     n_tested = int(compared["p_unc"].notna().sum())
     return [
         f"{_compared_name(row, by, factor)}: {_comparison(row, test, unit, n_tested)}" for _, row in compared.iterrows()
@@ -315,14 +315,14 @@ def model_sentences(model: MixedModel) -> list[str]:
         *terms,
         f"standard deviation between participants {number_text(model.participant_sd)}, residual "
         f"{number_text(model.residual_sd)} "
-        f"({model.n} values of {model.n_participants} participants{_censored(model.n_censored)})",
+        f"({model.n} values of {model.n_participants} participants{_censoring_text(model.n_censored)})",
         *model.notes,
     ]
 
 
-def _censored(n: int) -> str:
+def _censoring_text(n: int) -> str:
     """
-    >>> _censored(0), _censored(2)
+    >>> _censoring_text(0), _censoring_text(2)
     ('', '; 2 of them bounds of censored thresholds, by maximum likelihood')
     """
     bounds = "the bound of a censored threshold" if n == 1 else "bounds of censored thresholds"

@@ -119,7 +119,7 @@ def _design(study: Table) -> Iterator[str]:
     if factors:
         conditions = [f"{split_unit(name)[0]} ({_levels(name, levels)})" for name, levels in factors.items()]
         kind = ", in all combinations" if len(conditions) > 1 and not _table(study, "nested") else ""
-        yield f"The conditions were {_listed(conditions)}{kind}."
+        yield f"The conditions were {_enumeration(conditions)}{kind}."
     for key, sentence in PLAN.items():
         if plan.get(key):
             yield sentence.format(_names(plan[key]))
@@ -131,12 +131,12 @@ def _design(study: Table) -> Iterator[str]:
 
 
 def _names(factors: Sequence[str]) -> str:
-    return _listed([split_unit(str(name))[0] for name in factors])
+    return _enumeration([split_unit(str(name))[0] for name in factors])
 
 
-def _listed(parts: Sequence[str]) -> str:
+def _enumeration(parts: Sequence[str]) -> str:
     """
-    >>> _listed(["a"]), _listed(["a", "b", "c"])
+    >>> _enumeration(["a"]), _enumeration(["a", "b", "c"])
     ('a', 'a, b and c')
     """
     return " and ".join(filter(None, (", ".join(parts[:-1]), *parts[-1:])))

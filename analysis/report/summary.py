@@ -26,10 +26,10 @@ def summary(analysis: Analysis) -> dict[str, object]:
         "warnings": list(analysis.warnings),
         **{name: of_kinds.pop(name) for name in ORDER},
         **of_kinds,
-        **dict(_written(analysis)),
+        **dict(_places(analysis)),
     }
 
 
-def _written(analysis: Analysis) -> Iterator[tuple[str, str | None]]:
+def _places(analysis: Analysis) -> Iterator[tuple[str, str | None]]:
     places = {"report": analysis.report, "tables": analysis.tables_folder, "figures": analysis.figures_folder}
     return ((name, None if place is None else str(place)) for name, place in places.items())

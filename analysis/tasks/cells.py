@@ -13,7 +13,7 @@ from tactometry.trials.tasks import tasks_with_level
 from ..conditions import parts
 from ..reading.cell_numbers import numbers_of
 from ..reading.refusals import bad_cell
-from ..reading.rows import correct, delivered, is_catch
+from ..reading.rows import correctness, delivered_level, is_catch
 from ..reading.trials import Trials
 from ..threshold.fitting import ThresholdFit, fit_many
 from .kinds import CURVES
@@ -93,7 +93,7 @@ def judgements(used: pd.DataFrame) -> pd.DataFrame:
     """Of the used rows those to which a curve is fitted, as they stand, with `yes` (1 or 0; NaN: not known), `is_catch`
     and the level `x`."""
     rows = used[used["task"].isin(CURVES)]
-    return rows.assign(yes=_yes(rows), is_catch=is_catch(rows), x=delivered(rows))
+    return rows.assign(yes=_yes(rows), is_catch=is_catch(rows), x=delivered_level(rows))
 
 
 def counted_answers(judged: pd.DataFrame) -> pd.DataFrame:
@@ -103,7 +103,7 @@ def counted_answers(judged: pd.DataFrame) -> pd.DataFrame:
 
 def _yes(rows: pd.DataFrame) -> "pd.Series[float]":
     """1 for yes, correct or more; 0 for the opposite; NaN where a forced choice says neither what was right."""
-    return numbers_of(rows["response"]).where(~rows["task"].isin(CHOICES), correct(rows))
+    return numbers_of(rows["response"]).where(~rows["task"].isin(CHOICES), correctness(rows))
 
 
 def _cell(key: tuple[Any, ...], rows: pd.DataFrame, n_factors: int) -> Cell:

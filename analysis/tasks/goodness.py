@@ -55,7 +55,9 @@ def goodness_columns(
     for task in CURVES:
         fitted = [n for n, one in enumerate(estimates) if one.cell.task == task and one.fit.function is not None]
         for numbers in _of_like_size(estimates, fitted):
-            tested = _tested(rows, [estimates[n] for n in numbers], numbers, CURVES[task].options(n_choices, unit), rng)
+            tested = _goodness_of(
+                rows, [estimates[n] for n in numbers], numbers, CURVES[task].options(n_choices, unit), rng
+            )
             values[numbers], p[numbers] = tested.statistics, tested.p
     columns: dict[str, Any] = {"deviance_p": p[:, 0]}
     for n, (value, name) in enumerate(zip(STATISTICS, P_COLUMNS.values(), strict=True)):
@@ -94,7 +96,7 @@ def _of_like_size(estimates: Sequence[Estimate], chosen: Sequence[int]) -> list[
     return [np.array(chosen)[(size == one) & (places <= MOST_PLACES)] for one in np.unique(size)]
 
 
-def _tested(
+def _goodness_of(
     rows: pd.DataFrame,
     estimates: Sequence[Estimate],
     cells: Indices,

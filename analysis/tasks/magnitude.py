@@ -15,7 +15,7 @@ from ..arrays import Array
 from ..conditions import by_condition
 from ..reading.cell_numbers import numbers_of
 from ..reading.refusals import bad_cell
-from ..reading.rows import delivered
+from ..reading.rows import delivered_level
 from .task_analysis import Results, TaskAnalysis
 
 TASK = "magnitude"
@@ -75,7 +75,7 @@ def growth_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 def _ratings(rows: pd.DataFrame) -> pd.DataFrame:
     """The numbers given to stimuli, with their levels and the logarithms of these."""
     rows = rows[rows["level"].notna()]
-    x = delivered(rows)
+    x = delivered_level(rows)
     in_db = rows["level_unit"].str.startswith("dB") if "level_unit" in rows.columns else pd.Series(False, rows.index)
     bad = rows[~in_db & (x <= 0)]
     if len(bad):

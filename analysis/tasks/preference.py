@@ -114,7 +114,7 @@ def bradley_terry(
     if note:
         nothing = dict.fromkeys(("worth", "standard_error", "low", "high"), np.nan)
         return Worths(counts.assign(**nothing), pd.DataFrame([nothing]), WorthStatus.DISCONNECTED, note)
-    worth, error, df = _fitted(places, answer == 1, participants)
+    worth, error, df = _fit_worths(places, answer == 1, participants)
     reach = error * float(student.ppf((1 + interval) / 2, df))
     table = pd.DataFrame({"worth": worth, "standard_error": error, "low": worth - reach, "high": worth + reach})
     worths = pd.concat([counts, table.iloc[:-1]], axis=1)
@@ -142,7 +142,9 @@ def _gap(items: Texts, winner: Indices, loser: Indices) -> str:
     return ""
 
 
-def _fitted(places: Indices, prefers_first: Bools, participants: Sequence[str] | None) -> tuple[Array, Array, float]:
+def _fit_worths(
+    places: Indices, prefers_first: Bools, participants: Sequence[str] | None
+) -> tuple[Array, Array, float]:
     """Worths and the order's effect (n_items + 1,) with standard errors, and degrees of freedom (infinite: normal) of
     pairs of the items at these places (2, n_trials)."""
     import statsmodels.api as sm

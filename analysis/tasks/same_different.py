@@ -84,14 +84,14 @@ def same_different_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataF
 def _sensitivities(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> dict[str, object]:
     """d' by both rules, or why there is none."""
     counts = int(n_hits), int(n_different), int(n_false_alarms), int(n_same)
-    note = _undefined(*counts)
+    note = _why_undefined(*counts)
     return {name: np.nan if note else rule(*counts) for name, rule in RULES.items()} | {"note": note}
 
 
 RULES = {"d_prime_differencing": differencing_sensitivity, "d_prime_independent": independent_sensitivity}
 
 
-def _undefined(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> str:
+def _why_undefined(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> str:
     """Why there is no d'. Of answers that are all alike the log-linear rule makes one from the numbers of trials alone:
     1.2 of no hit in 4 and no false alarm in 15."""
     if not n_same:

@@ -24,7 +24,7 @@ def as_amplitudes(group: pd.DataFrame) -> pd.DataFrame:
     """
     ends = [(10 ** (group[name].astype(float) / 20)).tolist() for name in ("mean", "mean_low", "mean_high")]
     texts = [
-        told if pd.isna(row[0]) else interval_text(*row)
-        for told, row in zip(group["text"], zip(*ends, strict=True), strict=True)
+        text if pd.isna(row[0]) else interval_text(*row)
+        for text, row in zip(group["text"], zip(*ends, strict=True), strict=True)
     ]
     return group.assign(text=texts)

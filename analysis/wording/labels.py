@@ -100,10 +100,10 @@ def in_words(text: str, factors: Sequence[str]) -> str:
     """
     for name in factors:
         words, unit = split_unit(name)
-        own = rf"(?<![\w/.]){re.escape(name)}(?![\w/])"
+        whole_name = rf"(?<![\w/.]){re.escape(name)}(?![\w/])"
         if unit:
-            text = re.sub(rf"{own} = (-?[\d.]*\d(?:e[+-]?\d+)?)", rf"{name} = \1 {unit}", text)
-        text = text if words == name else re.sub(own, words, text)
+            text = re.sub(rf"{whole_name} = (-?[\d.]*\d(?:e[+-]?\d+)?)", rf"{name} = \1 {unit}", text)
+        text = text if words == name else re.sub(whole_name, words, text)
     return re.sub(r"(?<=\w) \* (?=\w)", " × ", text)
 
 

@@ -38,11 +38,11 @@ def interval_texts(value: float, low: float, high: float) -> tuple[str, str, str
     (('1000000.50', '1000000.40', '1000000.70'), ('2.5e-06', '1.25e-06', '4e-06'))
     """
     size = max(abs(low), abs(high)) if low <= 0 <= high else abs(value)
-    told = decimals_of(size)
+    decimals = decimals_of(size)
     apart = 1 - math.floor(math.log10(high - low)) if high > low else 0
     if (size >= LARGEST and apart <= 0) or 0 < size < SMALLEST:
         return number_text(value), number_text(low), number_text(high)
-    return tuple(f"{x:.{max(told, apart)}f}" for x in (value, low, high))  # type: ignore[return-value]
+    return tuple(f"{x:.{max(decimals, apart)}f}" for x in (value, low, high))  # type: ignore[return-value]
 
 
 def interval_text(value: Any, low: Any = None, high: Any = None) -> str:

@@ -16,7 +16,7 @@ from places import FOREIGN
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
-from tactometry.analysis.reading.level_scale import scaled, wide_levels
+from tactometry.analysis.reading.level_scale import on_scale, wide_levels
 from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.config.quantity import si_unit
 from tactometry.errors import InvalidFile, InvalidParameter
@@ -382,7 +382,7 @@ def test_decibels_have_no_second_logarithm(tmp_path):
     ):
         read_trials(contrasts(tmp_path, unit="dB re 1 V"), within=["side"], level_scale="log10")
     with pytest.raises(InvalidParameter, match="--level-scale: found 'log', expected one of linear, log10, db"):
-        scaled(read_trials(contrasts(tmp_path), within=["side"]).rows, "log")
+        on_scale(read_trials(contrasts(tmp_path), within=["side"]).rows, "log")
 
 
 # --- rows that stand twice

@@ -16,7 +16,7 @@ from tactometry.analysis.outcomes.findings import Outcome
 from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report.captions import figure_text, means_sentence
-from tactometry.analysis.report.page import figures_of, render, unbroken
+from tactometry.analysis.report.page import figures_of, nonbreaking, render
 from tactometry.analysis.report.study_text import procedure_text, study_text
 from tactometry.analysis.result import Analysis
 from tactometry.analysis.wording.decibels import as_amplitudes
@@ -166,7 +166,7 @@ def test_dots_lie_beside_bars_and_between_series() -> None:
     names = ["P0", "P1", "P2"]
     means = pd.DataFrame({"pattern": names, "mean": [1.0, 2.0, 3.0]}).assign(mean_low=0.5, mean_high=3.5)
     own = pd.DataFrame({"pattern": names * 2, "x": range(6)})
-    (axes,) = threshold_figure(means, ["pattern"], label="x", individuals=own, dependent="x").figure.axes
+    (axes,) = threshold_figure(means, own, ["pattern"], "x", "x").figure.axes
     dots = next(line for line in axes.lines if line.get_marker() == ".")
     width = axes.get_window_extent().width / np.ptp(axes.get_xlim())
     assert np.min(np.abs(np.subtract.outer(np.asarray(dots.get_xdata(), float), range(3)))) * width > 4.0
@@ -225,7 +225,7 @@ def test_methods_of_one_participant_claim_no_interval(one) -> None:
     ],
 )
 def test_a_cell_breaks_where_its_parts_meet(cell, parts) -> None:
-    assert len(unbroken(cell).split(" ")) == parts
+    assert len(nonbreaking(cell).split(" ")) == parts
 
 
 def test_bounds_alone_are_no_means() -> None:
