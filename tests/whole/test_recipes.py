@@ -24,6 +24,17 @@ def hurried(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "R
 """
 LINES = (
     (
+        "experiments/study/procedure_table.py",
+        "from tactometry.protocols.procedures.stochastic_approximation import StochasticApproximation\n",
+        "from tactometry.protocols.procedures.weighted_staircase import",
+    ),
+    (
+        "experiments/study/procedure_table.py",
+        '    "stochastic_approximation": '
+        'ProcedureKind(StochasticApproximation, {"start": 20.0, "step": 40.0, **_LEVELS}),\n',
+        '    "staircase": ProcedureKind(',
+    ),
+    (
         "tactometry/trials/tasks.py",
         '    "oddity": TaskRows(INTERVAL, ("target", "standard_level"), "curve"),\n',
         '    "magnitude": TaskRows(',
@@ -108,6 +119,15 @@ between_sd_db = 0.0
 [inquiries.surface]
 form = "roughness"
 """
+APPROXIMATION = """[procedure]
+kind = "stochastic_approximation"
+start = 25
+step = 60
+low = -10
+high = 40
+
+"""
+APPROXIMATED_STUDY = f"{STUDY.partition('[procedure]')[0]}{APPROXIMATION}[limits]{STUDY.partition('[limits]')[2]}"
 GUESSED_STUDY = f"""{STUDY}
 [observer]
 kind = "guesser"
@@ -162,6 +182,10 @@ COMMANDS = (
     "validate odd",
     "replay odd",
     "analyse odd --report odd.html",
+    "simulate approximated.toml --participants 2 --seed 1 --out approximated",
+    "validate approximated",
+    "replay approximated",
+    "analyse approximated --report approximated.html",
     "simulate guessed.toml --participants 1 --seed 1 --out guessed",
     "run odd_once.toml --participant P01 --rig console --out asked",
     "validate asked",
@@ -193,6 +217,7 @@ def folder(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     files = {
         "odd": ODD_STUDY,
         "odd_once": ODD_LEVELS,
+        "approximated": APPROXIMATED_STUDY,
         "guessed": GUESSED_STUDY,
         "pressed": PRESSED_STUDY,
         "bench": BENCH,
@@ -241,6 +266,38 @@ def test_a_rig_is_a_file_a_function_and_a_line(folder: Path) -> None:
     rows = rows_of(folder / "hurried")
     assert {(row["rig"], row["response"], row["latency_s"]) for row in rows} == {("hurried", "1", "0")}
     assert any("a hand in a hurry" in file.read_text("utf-8") for file in (folder / "hurried").glob("data/*.json"))
+
+
+def test_a_procedure_is_a_file_and_a_line(folder: Path) -> None:
+    assert {row["procedure"] for row in rows_of(folder / "approximated")} == {"stochastic_approximation"}
+    page = (folder / "approximated.html").read_text(encoding="utf-8")
+    assert "Levels were chosen by stochastic approximation (first level 25 dB re 1 V" in page
+    fitted = table_of(folder / "approximated_tables" / "thresholds.csv")
+    assert {row["rule_note"] for row in fitted} == {"last level at a chance of 0.6"}
+
+
+KEYS_AND_REFUSAL = """
+import sys
+
+sys.path.insert(0, sys.argv[1])
+from tactometry.cli import main
+from tactometry.experiments.study.key_tables import procedure_tables
+from tactometry.experiments.study.keys import keys_of
+
+table = dict(procedure_tables())['`kind = "stochastic_approximation"`']
+print(*(f"{key.name}: {key.within or 'any'}" for key in keys_of(table)), sep="; ")
+main(["run", "mistyped.toml", "--participant", "P01", "--dry-run"])
+"""
+
+
+def test_the_keys_of_a_procedure_follow_from_its_line(tree: Path, folder: Path) -> None:
+    (folder / "mistyped.toml").write_text(APPROXIMATED_STUDY.replace("step = 60", "stepp = 60"), encoding="utf-8")
+    command = [sys.executable, "-W", "error", "-c", KEYS_AND_REFUSAL, str(tree)]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    assert done.stdout.strip() == "start: any; step: any; low: any; high: any; target: from 0 to 1; n_trials: any"
+    assert done.returncode == 2
+    assert "procedure.stepp: found an unknown key" in done.stderr
+    assert "did you mean 'step'" in done.stderr
 
 
 def test_an_observer_is_a_file_and_a_line(folder: Path) -> None:
