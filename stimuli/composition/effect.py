@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Protocol, Self, TypeVar
 
+from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 from tactometry.loading import resolve
 
@@ -154,8 +155,8 @@ class Effect:
     quantities that nothing gives how to add this effect.
 
     The quantities `reads` go to the value, which makes `gives` of them, in a stage that is called by the kind of the
-    effect, or by `stage_name`. A module that holds an effect imports no physics that the effect alone needs: that is
-    imported in the run.
+    effect, or by `stage_name`. Fields named in `positive` and `not_negative` are checked to be so. A module that holds
+    an effect imports no physics that the effect alone needs: that is imported in the run.
 
     Where it acts is the place of its line in `tactometry.stimuli.scenes.effects`.
 
@@ -180,6 +181,12 @@ class Effect:
     reads: ClassVar[tuple[str, ...]] = ()
     gives: ClassVar[str]
     stage_name: ClassVar[str] = ""
+    positive: ClassVar[tuple[str, ...]] = ()
+    not_negative: ClassVar[tuple[str, ...]] = ()
+
+    def __post_init__(self) -> None:
+        require.positive(type(self).__name__, **{name: getattr(self, name) for name in self.positive})
+        require.not_negative(type(self).__name__, **{name: getattr(self, name) for name in self.not_negative})
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         """What the effect needs and gives, and no more: the value itself, unless it says otherwise.

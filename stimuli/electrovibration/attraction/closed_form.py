@@ -1,4 +1,4 @@
-"""Voltage across the corneum and force in closed form, in the `sc_layer` law, of an insulator and a leaky corneum.
+"""Voltage across the corneum in closed form, of an insulator and a leaky corneum.
 
 A skin with a body resistance or tissue has more relaxations than one, and is refused here: `Solution` solves it.
 """
@@ -8,106 +8,24 @@ from math import inf
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
-from ..skin.relaxation import phi1
 from ..skin.skin import Skin
-from .force import force_per_square_volt_n
-
-
-@checked
-def step_voltage_v(t_s: ArrayLike, voltage_v: float, skin: Skin) -> FloatArray:
-    """Corneum voltage a time `t_s` (at least 0) after a step: ``k V0 exp(-t/tau)``."""
-    return np.asarray(_peak_v(voltage_v, skin) * np.exp(-_in_taus(t_s, skin)))
-
-
-@checked
-def step_impulse_n_s(voltage_v: float, skin: Skin, area_m2: float) -> float:
-    """Integral (N s) of the force after a step: ``b k^2 V0^2 tau/2``.
-
-    >>> round(step_impulse_n_s(100.0, Skin(), 1e-4) * 1e6, 8)
-    3.3494745
-    """
-    return force_per_square_volt_n(skin, area_m2) * _peak_v(voltage_v, skin) ** 2 * skin.tau_s / 2
-
-
-@checked
-def rise_peak_v(rise_s: ArrayLike, voltage_v: float, skin: Skin) -> FloatArray:
-    """Corneum voltage at the end of a linear rise: ``k V0 (tau/t_r)(1 - exp(-t_r/tau))``."""
-    return _peak_v(voltage_v, skin) * phi1(_in_taus(rise_s, skin))
 
 
 @checked
 def sine_voltage_v(t_s: ArrayLike, frequency_hz: float, voltage_v: float, skin: Skin) -> FloatArray:
     """Corneum voltage of ``V0 sin(w t)`` from rest: ``V0 |H| (sin(wt + phi) - sin(phi) exp(-t/tau))``."""
-    _check_one_relaxation(skin)
+    check_one_relaxation(skin)
     # the free decay starts at minus the steady voltage at time 0, so that the sum begins at rest
     response = complex(skin.response(frequency_hz))
     steady = response * np.exp(2j * np.pi * frequency_hz * np.asarray(t_s, dtype=np.float64))
-    return np.asarray(voltage_v * (steady.imag - response.imag * np.exp(-_in_taus(t_s, skin))))
+    return np.asarray(voltage_v * (steady.imag - response.imag * np.exp(-in_taus(t_s, skin))))
 
 
-@checked
-def sine_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float) -> FloatArray:
-    """Mean of the steady force of a sine, equal to the amplitude of its component at 2f: ``b V0^2 |H|^2/2``.
-
-    >>> (sine_mean_force_n([60.0, 240.0], 100.0, Skin(), 1e-4) * 1e3).round(7).tolist()
-    [0.1479612, 1.9583526]
-    """
-    _check_one_relaxation(skin)
-    return force_per_square_volt_n(skin, area_m2) * (voltage_v * skin.gain(frequency_hz)) ** 2 / 2
-
-
-@checked
-def square_edge_v(frequency_hz: ArrayLike, voltage_v: float, skin: Skin) -> FloatArray:
-    """Corneum voltage just after an edge of a steady square of +-V0: ``2 k V0/(1 + exp(-T/(2 tau)))``."""
-    half_periods = _in_taus(_period_s(frequency_hz) / 2, skin)
-    return 2 * _peak_v(voltage_v, skin) / (1 + np.exp(-half_periods))
-
-
-@checked
-def square_mean_force_n(frequency_hz: ArrayLike, voltage_v: float, skin: Skin, area_m2: float) -> FloatArray:
-    """Mean steady force of a square: ``b V+^2 (tau/T)(1 - exp(-T/tau))``, V+ from `square_edge_v`."""
-    periods = _in_taus(_period_s(frequency_hz), skin)
-    return force_per_square_volt_n(skin, area_m2) * square_edge_v(frequency_hz, voltage_v, skin) ** 2 * phi1(periods)
-
-
-@checked
-def square_harmonic_force_n(
-    n_harmonic: ArrayLike, frequency_hz: float, voltage_v: float, skin: Skin, area_m2: float
-) -> FloatArray:
-    """Amplitude of the steady force of a square at ``2 n f``, n from 1.
-
-    ``4 b V+^2 (1 - exp(-T/tau))/(T |2/tau + 4 pi i n f|)``.
-    """
-    n = np.asarray(n_harmonic, dtype=np.float64)
-    if ((n < 1) | (n != np.round(n))).any():
-        raise InvalidParameter(
-            f"square_harmonic_force_n.n_harmonic: found {n_harmonic!r}, expected whole numbers from 1 (the mean, at 0, "
-            "is square_mean_force_n)"
-        )
-    edge_force_n = force_per_square_volt_n(skin, area_m2) * square_edge_v(frequency_hz, voltage_v, skin) ** 2
-    require.positive("square_harmonic_force_n", frequency_hz=frequency_hz)
-    decay_per_s = 1 / skin.tau_s if skin.tau_s > 0 else inf
-    rate_per_s: FloatArray = np.abs(2 * decay_per_s + 4j * np.pi * n * frequency_hz)
-    charged = -np.expm1(-decay_per_s / frequency_hz)
-    return np.asarray(4 * edge_force_n * charged * frequency_hz / rate_per_s)
-
-
-def _period_s(frequency_hz: ArrayLike) -> FloatArray:
-    return 1 / require.positive_array("closed_form.frequency_hz", frequency_hz)
-
-
-def _peak_v(voltage_v: float, skin: Skin) -> float:
-    """Corneum voltage at once after a step."""
-    _check_one_relaxation(skin)
-    return skin.k * voltage_v
-
-
-def _check_one_relaxation(skin: Skin) -> None:
+def check_one_relaxation(skin: Skin) -> None:
     for name, neutral in (("body_resistance_ohm", 0.0), ("tissue", None)):
         if getattr(skin, name) != neutral:
             raise InvalidParameter(
@@ -116,7 +34,7 @@ def _check_one_relaxation(skin: Skin) -> None:
             )
 
 
-def _in_taus(t_s: ArrayLike, skin: Skin) -> FloatArray:
+def in_taus(t_s: ArrayLike, skin: Skin) -> FloatArray:
     """Time in units of tau."""
     t = np.asarray(t_s, dtype=np.float64)
     if (t < 0).any():

@@ -6,7 +6,6 @@ from typing import ClassVar
 
 import numpy as np
 
-from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 
 from ...arrays import FloatArray
@@ -40,13 +39,11 @@ class Polarity(Effect):
 
     kind = "polarity"
     slot = "polarity"
+    not_negative = ("positive_share",)
     excludes: ClassVar[Mapping[str, str]] = {"friction_lag": NO_FLOW, "finger_dynamics": NO_FLOW}
     reads, gives = ("electrostatic_force_n", "layer_voltage_v"), "electrostatic_force_n"
 
     positive_share: float
-
-    def __post_init__(self) -> None:
-        require.not_negative("Polarity", positive_share=self.positive_share)
 
     @checked
     def weighted(self, force_n: FloatArray, layer_v: FloatArray) -> FloatArray:

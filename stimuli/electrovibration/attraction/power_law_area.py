@@ -24,15 +24,13 @@ class PowerLawArea(Effect):
 
     kind = "contact_area"
     slot = "area"
+    positive = ("area_at_1n_m2",)
+    not_negative = ("exponent",)
     requires = ("contact",)
     assumes = ("the area is a power of the force, and no other after a time",)
 
     area_at_1n_m2: float = 1e-4
     exponent: float = 1 / 3
-
-    def __post_init__(self) -> None:
-        require.positive("PowerLawArea", area_at_1n_m2=self.area_at_1n_m2)
-        require.not_negative("PowerLawArea", exponent=self.exponent)
 
     @checked
     def area_m2(self, force_n: ArrayLike) -> FloatArray:

@@ -28,17 +28,13 @@ class FrictionLag(Effect):
 
     kind = "friction_lag"
     slot = "dynamics"
+    positive = ("floor_hz",)
+    not_negative = ("slope_hz_per_m_per_s", "intercept_hz")
     requires = ("friction", "sliding contact")
 
     slope_hz_per_m_per_s: float = 13_800.0
     intercept_hz: float = 0.0
     floor_hz: float = 100.0
-
-    def __post_init__(self) -> None:
-        require.not_negative(
-            "FrictionLag", slope_hz_per_m_per_s=self.slope_hz_per_m_per_s, intercept_hz=self.intercept_hz
-        )
-        require.positive("FrictionLag", floor_hz=self.floor_hz)
 
     @checked
     def cutoff_hz(self, speed_m_per_s: float) -> float:

@@ -3,8 +3,6 @@
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from tactometry.arguments import require
-
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Surroundings
 
@@ -22,13 +20,11 @@ class AirGap(Effect):
 
     kind = "air_gap"
     slot = "gap"
+    positive = ("gap_m",)
     reads, gives = ("skin",), "skin"
     assumes = ("the gap is even under the whole contact",)
 
     gap_m: float
-
-    def __post_init__(self) -> None:
-        require.positive("AirGap", gap_m=self.gap_m)
 
     def __call__(self, skin: "Skin") -> "Skin":
         return replace(skin, gap_m=self.gap_m)

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from math import inf, log10
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry.arguments import require
-
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
 from ..stages.truncation import n_frequencies_of_sound, n_modes, remainder
 
@@ -28,14 +26,12 @@ class AirborneSound(Effect):
 
     kind = "airborne_sound"
     slot = "sound"
+    positive = ("distance_m",)
     cures: ClassVar[Mapping[str, str]] = {"sound_level_dba": "add the effect airborne_sound"}
     requires = ("attenuation",)
     assumes = ("below coincidence a fixed share of 1 % is radiated: levels are for ranking",)
 
     distance_m: float = 0.3
-
-    def __post_init__(self) -> None:
-        require.positive("AirborneSound", distance_m=self.distance_m)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene

@@ -4,8 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tactometry.arguments import require
-
 from ...composition.effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
@@ -23,12 +21,10 @@ class Amplifier(Effect):
 
     kind = "amplifier"
     slot = "amplifier"
+    positive = ("cutoff_hz", "order")
 
     cutoff_hz: float = 60e3
     order: int = 1
-
-    def __post_init__(self) -> None:
-        require.positive("Amplifier", cutoff_hz=self.cutoff_hz, order=self.order)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene

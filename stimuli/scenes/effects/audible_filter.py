@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
@@ -23,13 +22,11 @@ class AudibleFilter(Effect):
 
     kind = "audible_filter"
     slot = "filter"
+    positive = ("cutoff_hz", "flank_hz")
     reads, gives = ("learnt",), "learnt"
 
     cutoff_hz: float = 20e3
     flank_hz: float = 2e3
-
-    def __post_init__(self) -> None:
-        require.positive("AudibleFilter", cutoff_hz=self.cutoff_hz, flank_hz=self.flank_hz)
 
     def __call__(self, learnt: "Responses") -> "Responses":
         from ...time_reversal.responses.responses import inaudible

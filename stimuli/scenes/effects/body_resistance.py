@@ -3,8 +3,6 @@
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from tactometry.arguments import require
-
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings
 from ..stages.circuit import circuit_stage
@@ -23,12 +21,10 @@ class BodyResistance(Effect):
 
     kind = "body_resistance"
     slot = "body"
+    positive = ("resistance_ohm",)
     reads, gives = ("skin",), "skin"
 
     resistance_ohm: float
-
-    def __post_init__(self) -> None:
-        require.positive("BodyResistance", resistance_ohm=self.resistance_ohm)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene

@@ -26,13 +26,14 @@ class Carrier(Effect):
 
     kind = "carrier"
     slot = "carrier"
+    positive = ("carrier_hz",)
     reads, gives = ("waveform",), "waveform"
 
     carrier_hz: float = 2_000.0
     modulation: Modulation = "square_root"
 
     def __post_init__(self) -> None:
-        require.positive("Carrier", carrier_hz=self.carrier_hz)
+        super().__post_init__()
         require.one_of("Carrier.modulation", self.modulation, get_args(Modulation))
 
     def __call__(self, tone: "Waveform") -> "Waveform":

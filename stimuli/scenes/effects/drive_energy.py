@@ -4,7 +4,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
@@ -27,12 +26,10 @@ class DriveEnergy(Effect):
 
     kind = "drive_energy"
     slot = "energy"
+    positive = ("capacitance_f",)
     cures: ClassVar[Mapping[str, str]] = dict.fromkeys(("energy_j", "power_w"), "add the effect drive_energy")
 
     capacitance_f: float = 5.31e-9
-
-    def __post_init__(self) -> None:
-        require.positive("DriveEnergy", capacitance_f=self.capacitance_f)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene

@@ -5,8 +5,6 @@ from dataclasses import dataclass
 from math import inf, log10
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry.arguments import require
-
 from ...composition.effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
@@ -26,14 +24,12 @@ class FocusDetection(Effect):
 
     kind = "focus_detection"
     slot = "detection"
+    positive = ("reference_m",)
     reads, gives = ("felt_at_1v_m", "voltage_v"), "sensation_db"
     cures: ClassVar[Mapping[str, str]] = {"sensation_db": "add the effect focus_detection"}
     assumes = ("every focus is felt as one event of displacement, whatever its course",)
 
     reference_m: float = 10e-6
-
-    def __post_init__(self) -> None:
-        require.positive("FocusDetection", reference_m=self.reference_m)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         loaded = scene.find("load") is not None

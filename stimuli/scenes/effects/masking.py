@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from tactometry.arguments import require
-
 from ...composition.effect import Effect, Stage, Surroundings
 
 
@@ -20,12 +18,10 @@ class Masking(Effect):
 
     kind = "masking"
     slot = "masking"
+    positive = ("level_db_re_threshold", "slope")
 
     level_db_re_threshold: float
     slope: float = 0.52
-
-    def __post_init__(self) -> None:
-        require.positive("Masking", level_db_re_threshold=self.level_db_re_threshold, slope=self.slope)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
@@ -26,13 +25,14 @@ class Movie(Effect):
 
     kind = "movie"
     slot = "movie"
+    positive = ("span_s",)
     cures: ClassVar[Mapping[str, str]] = dict.fromkeys(("movie_m", "frames_s"), "add the effect movie")
 
     n_frames: int = 61
     span_s: float = 0.5e-3
 
     def __post_init__(self) -> None:
-        require.positive("Movie", span_s=self.span_s)
+        super().__post_init__()
         if self.n_frames < 2:
             raise InvalidParameter(f"Movie.n_frames: found {self.n_frames}, expected at least 2")
 

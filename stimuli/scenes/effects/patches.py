@@ -4,7 +4,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
@@ -25,13 +24,11 @@ class Patches(Effect):
 
     kind = "patches"
     slot = "patches"
+    positive = ("side_m", "moment_n_per_v")
     assumes = ("patches have neither mass nor stiffness",)
 
     side_m: float = 10e-3
     moment_n_per_v: float = 8.2e-4
-
-    def __post_init__(self) -> None:
-        require.positive("Patches", side_m=self.side_m, moment_n_per_v=self.moment_n_per_v)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene

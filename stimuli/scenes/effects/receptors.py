@@ -4,8 +4,6 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry.arguments import require
-
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings
 
@@ -29,15 +27,13 @@ class Receptors(Effect):
 
     kind = "receptors"
     slot = "receptors"
+    positive = ("reference_force_n",)
     requires = ("friction",)
     reads, gives = ("components",), "channels_db"
     cures: ClassVar[Mapping[str, str]] = {"channels_db": "add the effects friction and receptors"}
     assumes = ("thresholds are those of force, without the mobility of the skin; nothing sums over time",)
 
     reference_force_n: float = 6.7e-6
-
-    def __post_init__(self) -> None:
-        require.positive("Receptors", reference_force_n=self.reference_force_n)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene

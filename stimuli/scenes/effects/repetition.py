@@ -27,13 +27,14 @@ class Repetition(Effect):
 
     kind = "repetition"
     slot = "repetition"
+    positive = ("repetition_hz", "duration_s")
 
     repetition_hz: float = 200.0
     duration_s: float = 50e-3
     envelope: Envelope = "rectangular"
 
     def __post_init__(self) -> None:
-        require.positive("Repetition", repetition_hz=self.repetition_hz, duration_s=self.duration_s)
+        super().__post_init__()
         require.one_of("Repetition.envelope", self.envelope, get_args(Envelope))
 
     @property

@@ -4,8 +4,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
-from tactometry.arguments import require
-
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Surroundings
 
@@ -28,6 +26,7 @@ class Sensitivity(Effect):
 
     kind = "sensitivity"
     slot = "sensitivity"
+    positive = ("reference_force_n",)
     requires = ("friction",)
     reads, gives = ("components",), "sensation_db"
     cures: ClassVar[Mapping[str, str]] = {"sensation_db": "add the effects friction and sensitivity, or receptors"}
@@ -37,9 +36,6 @@ class Sensitivity(Effect):
     assumes = ("the threshold is one of force, without the mobility of the skin; nothing sums over time",)
 
     reference_force_n: float = 6.7e-6
-
-    def __post_init__(self) -> None:
-        require.positive("Sensitivity", reference_force_n=self.reference_force_n)
 
     def __call__(self, components: "Components") -> float:
         """Level above threshold."""

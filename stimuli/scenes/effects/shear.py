@@ -3,8 +3,6 @@
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from tactometry.arguments import require
-
 from ...composition.effect import Effect
 
 if TYPE_CHECKING:
@@ -22,12 +20,10 @@ class Shear(Effect):
 
     kind = "shear"
     slot = "shear"
+    positive = ("factor",)
     reads, gives = ("screen",), "screen"
 
     factor: float = 5 / 6
-
-    def __post_init__(self) -> None:
-        require.positive("Shear", factor=self.factor)
 
     def __call__(self, screen: "Screen") -> "Screen":
         return replace(screen, shear_factor=self.factor)

@@ -3,8 +3,6 @@
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
-from tactometry.arguments import require
-
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings
 from ..stages.circuit import circuit_stage
@@ -23,13 +21,11 @@ class SkinLeakage(Effect):
 
     kind = "skin_leakage"
     slot = "leakage"
+    positive = ("corneum_resistivity_ohm_m",)
     reads, gives = ("skin",), "skin"
     assumes = ("the corneum is the same at all frequencies",)
 
     corneum_resistivity_ohm_m: float = 2.0e4
-
-    def __post_init__(self) -> None:
-        require.positive("SkinLeakage", corneum_resistivity_ohm_m=self.corneum_resistivity_ohm_m)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene

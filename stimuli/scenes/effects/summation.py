@@ -3,8 +3,6 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from tactometry.arguments import require
-
 from ...composition.effect import Effect
 
 if TYPE_CHECKING:
@@ -21,13 +19,11 @@ class Summation(Effect):
 
     kind = "summation"
     slot = "summation"
+    positive = ("reference_m2",)
     requires = ("receptors",)
     reads, gives = ("channels_db", "area_m2"), "channels_db"
 
     reference_m2: float = 2.9e-4
-
-    def __post_init__(self) -> None:
-        require.positive("Summation", reference_m2=self.reference_m2)
 
     def __call__(self, channels_db: "FloatArray", area_m2: float) -> "FloatArray":
         """The levels of the channels, P raised by the area."""

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from math import pi
 from typing import TYPE_CHECKING
 
-from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
 from ...composition.content import VoltageContent
@@ -25,13 +24,11 @@ class Texture(Effect):
 
     kind = "texture"
     slot = "texture"
+    positive = ("period_m",)
     requires = ("sliding contact",)
     assumes = ("the voltage follows the finger without delay",)
 
     period_m: float
-
-    def __post_init__(self) -> None:
-        require.positive("Texture", period_m=self.period_m)
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
         frequency_hz = self.frequency_hz(scene)

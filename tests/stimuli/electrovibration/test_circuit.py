@@ -2,11 +2,7 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
-from scipy.integrate import solve_ivp
-
-from tactometry.stimuli.electrovibration import Skin, electrostatic_force_n
-from tactometry.stimuli.electrovibration.attraction.closed_form import (
+from corneum_closed_form import (
     sine_mean_force_n,
     sine_voltage_v,
     square_edge_v,
@@ -14,6 +10,10 @@ from tactometry.stimuli.electrovibration.attraction.closed_form import (
     square_mean_force_n,
     step_voltage_v,
 )
+from hypothesis import given, strategies as st
+from scipy.integrate import solve_ivp
+
+from tactometry.stimuli.electrovibration import Skin, electrostatic_force_n
 from tactometry.stimuli.electrovibration.attraction.force import corneum_voltage_v, force_per_square_volt_n
 
 P0 = Skin()

@@ -2,6 +2,7 @@
 
 import re
 
+import corneum_closed_form as closed
 import numpy as np
 import pytest
 
@@ -25,7 +26,6 @@ from tactometry.stimuli.electrovibration import (
     sliding_many,
     stick_slip,
 )
-from tactometry.stimuli.electrovibration.attraction import closed_form as closed
 
 P0, AREA_M2 = Skin(), 1e-4
 FORM = force_form("sc_layer", P0, AREA_M2)

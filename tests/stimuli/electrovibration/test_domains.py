@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from corneum_closed_form import sine_voltage_v, square_edge_v, step_voltage_v
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import (
@@ -26,7 +27,6 @@ from tactometry.stimuli.electrovibration import (
     electrostatic_force_n_at,
     ellipse_area_m2,
 )
-from tactometry.stimuli.electrovibration.attraction.closed_form import sine_voltage_v, square_edge_v, step_voltage_v
 from tactometry.stimuli.electrovibration.skin.dispersive_layer import periodic_voltages_v, shares
 
 P0, AREA_M2 = Skin(), 1e-4

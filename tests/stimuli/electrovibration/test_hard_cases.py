@@ -5,6 +5,7 @@ from itertools import pairwise
 import mpmath as mp
 import numpy as np
 import pytest
+from corneum_closed_form import rise_peak_v, step_voltage_v
 from hard_cases import hard_case
 
 from tactometry.errors import InvalidParameter
@@ -24,7 +25,6 @@ from tactometry.stimuli.electrovibration import (
     electrostatic_force_n_at,
     sliding,
 )
-from tactometry.stimuli.electrovibration.attraction.closed_form import rise_peak_v, step_voltage_v
 from tactometry.stimuli.electrovibration.attraction.force import corneum_voltage_v, force_form
 from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations, high_passed
 

@@ -7,6 +7,7 @@ from inspect import getmembers, isclass, isfunction, signature
 from types import ModuleType
 from typing import Any
 
+import corneum_closed_form as closed_form
 import numpy as np
 import pytest
 
@@ -16,7 +17,7 @@ from tactometry.signal import Signal
 from tactometry.stimuli import electrovibration as ev
 from tactometry.stimuli.composition.effect import Effect
 from tactometry.stimuli.electrovibration import figures
-from tactometry.stimuli.electrovibration.attraction import closed_form, contact_area
+from tactometry.stimuli.electrovibration.attraction import contact_area
 from tactometry.stimuli.electrovibration.skin import dispersive_layer
 
 NAN, INF = float("nan"), float("inf")

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from corneum_closed_form import square_mean_force_n
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import (
@@ -13,7 +14,6 @@ from tactometry.stimuli.electrovibration import (
     electrostatic_force_n_at,
     periodic_force_n,
 )
-from tactometry.stimuli.electrovibration.attraction.closed_form import square_mean_force_n
 from tactometry.stimuli.electrovibration.skin.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
 from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
 

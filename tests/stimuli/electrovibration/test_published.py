@@ -2,9 +2,7 @@
 
 import numpy as np
 import pytest
-
-from tactometry.stimuli.electrovibration import Sine, Skin, Solution, Square, Step, electrostatic_force_n
-from tactometry.stimuli.electrovibration.attraction.closed_form import (
+from corneum_closed_form import (
     rise_peak_v,
     sine_mean_force_n,
     square_edge_v,
@@ -13,6 +11,8 @@ from tactometry.stimuli.electrovibration.attraction.closed_form import (
     step_impulse_n_s,
     step_voltage_v,
 )
+
+from tactometry.stimuli.electrovibration import Sine, Skin, Solution, Square, Step, electrostatic_force_n
 from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
 
 P0 = Skin()

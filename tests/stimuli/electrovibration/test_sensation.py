@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from corneum_closed_form import sine_mean_force_n
 from scipy.optimize import brentq
 
 from tactometry.contact import Contact
@@ -18,7 +19,6 @@ from tactometry.stimuli.electrovibration import (
     Sine,
     Skin,
 )
-from tactometry.stimuli.electrovibration.attraction.closed_form import sine_mean_force_n
 from tactometry.stimuli.perception import sensitivity_db
 
 MODEL = ElectrovibrationSensation()
