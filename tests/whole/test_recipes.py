@@ -90,6 +90,11 @@ LINES = (
         "from .sections.loss import LOSS\n",
     ),
     ("analysis/report/kinds.py", "    LATENCY,\n", "    LOSS,\n"),
+    (
+        "stimuli/scenes/effects/__init__.py",
+        '    "strips": "tactometry.stimuli.scenes.effects.strips:Strips",\n',
+        '    "force_law": ',
+    ),
 )
 """In which file, the line, and what stands behind it."""
 
@@ -177,6 +182,19 @@ release = false
 measured_on = 2026-11-20
 measured_by = "ZG"
 """
+COVERED_SCENE = """
+outputs = ["peak_force_n"]
+surface = { kind = "electrovibration", frequency_hz = 60.0, duration_s = 0.2 }
+given = { level_db_re_1v = 40.0 }
+
+[[effects]]
+kind = "force_law"
+law = "sc_layer"
+
+[[effects]]
+kind = "strips"
+share = 0.25
+"""
 COMMANDS = (
     "simulate odd.toml --participants 2 --seed 1 --out odd",
     "validate odd",
@@ -194,6 +212,7 @@ COMMANDS = (
     "replay hurried",
     "run pressed.toml --participant P01 --rig console --bench bench.toml --out pressed",
     "validate pressed",
+    "scene covered.toml --explain",
 )
 PROGRAM = """
 import sys
@@ -221,12 +240,14 @@ def folder(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
         "guessed": GUESSED_STUDY,
         "pressed": PRESSED_STUDY,
         "bench": BENCH,
+        "covered": COVERED_SCENE,
     }
     for name, text in files.items():
         (place / f"{name}.toml").write_text(text, encoding="utf-8")
     command = [sys.executable, "-W", "error", "-c", PROGRAM, str(tree), *COMMANDS]
     done = subprocess.run(command, cwd=place, capture_output=True, text=True, input="\n1" * 80, check=False)
     assert done.returncode == 0, done.stdout + done.stderr
+    (place / "said.txt").write_text(done.stdout, encoding="utf-8")
     return place
 
 
@@ -331,3 +352,11 @@ def test_a_kind_of_result_is_a_file_and_a_line(folder: Path) -> None:
     page = (folder / "odd.html").read_text(encoding="utf-8")
     assert "<h2>Times to answer</h2>" in page
     assert "Median of all answers: " in page
+
+
+def test_an_effect_is_a_file_and_a_line(folder: Path) -> None:
+    said = (folder / "said.txt").read_text(encoding="utf-8")
+    [row] = [line for line in said.splitlines() if line.startswith("strips")]
+    assert row.split()[1:5] == ["on", "for", "force_law", "exact"]
+    assert "share = 0.25" in said
+    assert "strips are much narrower than the contact" in said
