@@ -11,22 +11,9 @@ from dataclasses import replace
 from typing import TypeVar
 
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
+from ..session.answer_rules import value_at
 from ..session.event import EventLog
-from ..session.request import (
-    Adjust,
-    Choose,
-    Enter,
-    Facts,
-    Fill,
-    Play,
-    Press,
-    Rate,
-    Record,
-    Show,
-    Slide,
-    Wait,
-    value_at,
-)
+from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
 from ..trials.trial import outcome
 from .device_rig import DeviceRig, Equipment
 from .experimenter.supervisor import utc_text

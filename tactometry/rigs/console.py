@@ -130,12 +130,12 @@ class Console(DeviceRig):
             if ESCAPE in line:
                 raise self._stop("Escape was typed")
             try:
-                return read(line.strip()), *self._answered(onset_s)
+                return read(line.strip()), *self._timing(onset_s)
             except ValueError:
                 self._terminal.tell(f"found {line.strip()!r}, expected an answer to: {prompt}")
         raise self._stop(f"{N_TRIES} lines were no answers")
 
-    def _answered(self, onset_s: float) -> tuple[float, float, str]:
+    def _timing(self, onset_s: float) -> tuple[float, float, str]:
         now_s = time.perf_counter()
         return self._session_s(onset_s), round(now_s - onset_s, 6), utc_text(now_s)
 
@@ -159,10 +159,8 @@ class Console(DeviceRig):
 
     def _slide(self, request: Slide) -> Touched:
         speed_mm_per_s = 1e3 * request.speed_m_per_s
-        return self._touch(
-            request,
-            f"slide with {request.target_n:g} N at {speed_mm_per_s:g} mm/s for {request.duration_s:g} s",
-        )
+        at = f"at {speed_mm_per_s:g} mm/s for {request.duration_s:g} s"
+        return self._touch(request, f"slide with {request.target_n:g} N {at}")
 
     def _touch(self, request: Press | Slide, what: str) -> Touched:
         signal = self._signal(request)
@@ -192,7 +190,7 @@ class Console(DeviceRig):
     def _fill(self, request: Fill) -> Filled:
         onset_s = time.perf_counter()
         values = tuple(self._fill_one(request, question) for question in request.questions)
-        return Filled(values, *self._answered(onset_s))
+        return Filled(values, *self._timing(onset_s))
 
     def _fill_one(self, request: Fill, question: Question) -> float | None:
         statement, left, right = self._texts.question(question)

@@ -72,12 +72,7 @@ class DeviceRig(LiveRig):
     """
 
     def __init__(
-        self,
-        screen: Display,
-        equipment: Equipment,
-        texts: Texts,
-        terminal: ExperimenterTerminal,
-        log: EventLog | None,
+        self, screen: Display, equipment: Equipment, texts: Texts, terminal: ExperimenterTerminal, log: EventLog | None
     ) -> None:
         self._screen, self._equipment, self._texts, self._terminal = screen, equipment, texts, terminal
         limits, output = equipment.limits, equipment.output

@@ -4,21 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
-from ..session.request import (
-    A,
-    Adjust,
-    Choose,
-    Enter,
-    Fill,
-    Play,
-    Press,
-    Rate,
-    Record,
-    Request,
-    Show,
-    Slide,
-    Wait,
-)
+from ..session.request import A, Adjust, Choose, Enter, Fill, Play, Press, Rate, Record, Request, Show, Slide, Wait
 
 
 class LiveRig(ABC):

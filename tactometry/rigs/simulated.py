@@ -15,22 +15,8 @@ from ..observers.finger import Grip, SimulatedFinger
 from ..observers.observer import Observer
 from ..safety.limits import Limits
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
-from ..session.request import (
-    Adjust,
-    Choose,
-    Enter,
-    Facts,
-    Fill,
-    Play,
-    Press,
-    Question,
-    Rate,
-    Record,
-    Show,
-    Slide,
-    Wait,
-    value_at,
-)
+from ..session.answer_rules import value_at
+from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
 from ..signal import Signal, Stimulus
 from ..trials.trial import Trial
 from .judgement import broken_condition
@@ -47,12 +33,12 @@ class Sensation(Protocol):
 READING_S = 2.0
 
 
-def _placed(liking: float, low: float, high: float, steps: int | None) -> float:
+def _value_of(liking: float, scale: Rate | Fill) -> float:
     """A liking from -1 to 1 as an answer on a scale."""
     part = (1 + liking) / 2
-    return (
-        round(low + part * (high - low), 3) if steps is None else value_at(round(part * (steps - 1)), steps, low, high)
-    )
+    if scale.steps is None:
+        return round(scale.low + part * (scale.high - scale.low), 3)
+    return value_at(round(part * (scale.steps - 1)), scale.steps, scale.low, scale.high)
 
 
 def _moved(request: Press | Slide, grip: Grip) -> SpeedCompliance | None:
@@ -173,29 +159,25 @@ class SimulatedRig(LiveRig):
                 f"{len(self._felt)} stimuli, expected {n_expected}"
             )
         option = decision.decide(self._observer, self._felt, request, self._rng)
-        onset_s, latency_s = self._answered(1)
+        onset_s, latency_s = self._timing(1)
         return Chosen(option, onset_s, latency_s)
 
-    def _answered(self, n_questions: int) -> tuple[float, float]:
+    def _timing(self, n_questions: int) -> tuple[float, float]:
         """Onset and latency of so many questions that are answered one after the other."""
         latency_s = round(sum(self._observer.answer_time_s(self._rng) for _ in range(n_questions)), 6)
         return self._pass(latency_s), latency_s
 
     def _rate(self, request: Rate) -> Rated:
-        value = _placed(self._liking(), request.low, request.high, request.steps)
-        return Rated(value, *self._answered(1))
+        return Rated(_value_of(self._liking(), request), *self._timing(1))
 
     def _enter(self, request: Enter) -> Rated:
         value = max(self._observer.magnitude(self._last_db(), self._rng), request.low)
-        return Rated(value if request.high is None else min(value, request.high), *self._answered(1))
+        return Rated(value if request.high is None else min(value, request.high), *self._timing(1))
 
     def _fill(self, request: Fill) -> Filled:
-        values = tuple(self._filled(request, question) for question in request.questions)
-        return Filled(values, *self._answered(len(values)))
-
-    def _filled(self, request: Fill, question: Question) -> float:
-        liking = self._liking()
-        return _placed(-liking if question.reversed else liking, request.low, request.high, request.steps)
+        signs = [-1 if question.reversed else 1 for question in request.questions]
+        values = tuple(_value_of(sign * self._liking(), request) for sign in signs)
+        return Filled(values, *self._timing(len(values)))
 
     def _liking(self) -> float:
         return self._observer.liking(self._last_db(), self._rng)
@@ -209,7 +191,7 @@ class SimulatedRig(LiveRig):
         step, n_steps = (-1 if felt else 1), 0
         while self._feels(request, n_steps) == felt and request.low <= request.level(n_steps + step) <= request.high:
             n_steps += step
-            self._answered(1)
+            self._timing(1)
         return Adjusted(request.level(n_steps), begin_s, round(self._now_s - begin_s, 6))
 
     def _feels(self, request: Adjust, n_steps: int) -> bool:

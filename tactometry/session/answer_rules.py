@@ -1,6 +1,7 @@
 """Whether an answer is one that its request can have: one of the options, on the scale, within the bounds."""
 
 from collections.abc import Sequence
+from fractions import Fraction
 
 from ..trials.cell_rules import LARGEST_ANSWER
 from .answer import Adjusted, Chosen, Filled, Rated
@@ -39,3 +40,12 @@ def _beside(values: Sequence[float | None], low: float, high: float, slack: floa
         if value is not None and not least <= value <= most:
             return f"the value {value:g}, expected from {low:g} to {high:g}"
     return None
+
+
+def value_at(place: int, n_places: int, low: float, high: float) -> float:
+    """The value of a place (0..n_places-1) on a scale from `low` to `high`, correctly rounded: whole steps stay whole.
+
+    >>> value_at(2, 7, low=1, high=7), value_at(1, 11, low=0.0, high=1.0)
+    (3.0, 0.1)
+    """
+    return float(Fraction(low) + (Fraction(high) - Fraction(low)) * place / (n_places - 1))

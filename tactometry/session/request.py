@@ -5,7 +5,6 @@ A request *describes*: it names a stimulus and a level, never samples.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from fractions import Fraction
 from typing import Any, ClassVar, Generic, Protocol, TypeVar, get_args
 
 from ..trials.trial import Trial
@@ -212,12 +211,3 @@ class Record(Request[Done]):
 REQUESTS: Mapping[str, type[Request[Any]]] = {
     kind.__name__: kind for kind in (Play, Press, Slide, Choose, Rate, Enter, Fill, Adjust, Wait, Show, Record)
 }
-
-
-def value_at(place: int, n_places: int, low: float, high: float) -> float:
-    """The value of a place (0..n_places-1) on a scale from `low` to `high`, correctly rounded: whole steps stay whole.
-
-    >>> value_at(2, 7, low=1, high=7), value_at(1, 11, low=0.0, high=1.0)
-    (3.0, 0.1)
-    """
-    return float(Fraction(low) + (Fraction(high) - Fraction(low)) * place / (n_places - 1))

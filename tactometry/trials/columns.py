@@ -46,10 +46,7 @@ ALWAYS = (
     Column("latency_s", "From the onset of the question to the answer", "s"),
     Column("force_mean_n", "Mean applied force during the stimulus", "N"),
     Column("force_sd_n", "Standard deviation of the applied force during the stimulus", "N"),
-    Column(
-        "force_in_band",
-        "Part (0 to 1) of the stimulus in which the running mean force was in the target band",
-    ),
+    Column("force_in_band", "Part (0 to 1) of the stimulus in which the running mean force was in the target band"),
     Column("valid", "1 valid, 0 not: the touch broke its conditions; such a trial is asked again"),
     Column("timestamp_utc", "Coordinated universal time of the answer, ISO 8601; empty in simulated time"),
 )

@@ -8,6 +8,7 @@ from .page import EDGE, INK, Answer, Box, Button, Item, Page, Text
 ROWS = ("789", "456", "123", ".0<")
 POINT, ERASE = ".", "<"
 N_LONGEST = 9
+CONFIRM_BUTTON = Button(layout.CONFIRM, layout.CONTINUE_KEYS, 0.42, -0.21, 0.2, 0.09)
 KEYS = {
     POINT: ("period", "comma", "num_decimal", "num_separator"),
     ERASE: ("backspace", "delete"),
@@ -54,8 +55,5 @@ def entry_page(words: str, typed: str, hint: str, aspect: float, *, ready: bool)
             x, y = 0.16 * (column - 1), 0.12 - 0.11 * row
             items += [Box(x, y, 0.14, 0.09, line=EDGE), Text(symbol, x, y, layout.BODY)]
             buttons.append(Button(symbol, KEYS[symbol], x, y, 0.14, 0.09))
-    line = INK if ready else EDGE
-    items += [Box(0.42, -0.21, 0.2, 0.09, line=line), Text("OK", 0.42, -0.21, layout.BODY, line)]
-    items.append(layout.hint_line(hint, aspect))
-    confirm = Button(layout.CONFIRM, layout.CONTINUE_KEYS, 0.42, -0.21, 0.2, 0.09)
-    return Page(tuple(items), (*buttons, confirm))
+    items += [*layout.confirm_box(CONFIRM_BUTTON, ready=ready), layout.hint_line(hint, aspect)]
+    return Page(tuple(items), (*buttons, CONFIRM_BUTTON))

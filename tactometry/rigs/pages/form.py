@@ -4,21 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from . import layout
-from .page import (
-    ACCENT,
-    EDGE,
-    GOOD,
-    INK,
-    PAPER,
-    QUIET,
-    Answer,
-    Box,
-    Button,
-    Disc,
-    Item,
-    Page,
-    Text,
-)
+from .page import ACCENT, EDGE, GOOD, INK, PAPER, QUIET, Answer, Box, Button, Disc, Item, Page, Text
 
 WORDS = 0.03
 TOP, BOTTOM = 0.42, -0.24
@@ -26,6 +12,7 @@ SCALE_LENGTH = 0.52
 MOST_DIGITS = 9
 """Of a row with more rings no ring has a digit of its own."""
 NEXT, BEFORE = "next row", "row before"
+CONFIRM_BUTTON = Button(layout.CONFIRM, layout.CONTINUE_KEYS, 0, -0.32, 0.26, 0.09)
 
 
 @dataclass(frozen=True)
@@ -88,19 +75,13 @@ def after(form: Form, marks: Marks, answer: Answer) -> tuple[Marks, bool]:
     if answer in (NEXT, BEFORE):
         row = marks.row + (1 if answer == NEXT else -1)
         return replace(marks, row=min(max(row, 0), len(form.rows) - 1)), False
-    return marks.set(marks.row, _shift(marks.places[marks.row], answer, form.n_positions)), False
+    return marks.set(marks.row, layout.shift(marks.places[marks.row], answer, form.n_positions)), False
 
 
 def _leaving(marks: Marks) -> tuple[Marks, bool]:
     if marks.complete or marks.warned:
         return marks, True
     return replace(marks, row=marks.places.index(None), warned=True), False
-
-
-def _shift(place: int | None, answer: Answer, n_positions: int) -> int:
-    if place is None:  # the first arrow marks the middle, whichever it is
-        return n_positions // 2
-    return min(max(place + (1 if answer == layout.RIGHT else -1), 0), n_positions - 1)
 
 
 def form_page(form: Form, marks: Marks, aspect: float) -> Page:
@@ -160,21 +141,19 @@ def _places(form: Form, row: int, y: float, pitch: float) -> list[Button]:
 
 
 def _foot(words: str, marks: Marks, aspect: float) -> list[Item]:
-    line = INK if marks.complete or marks.warned else EDGE
+    colour = GOOD if marks.warned else QUIET
     return [
-        Box(0, -0.32, 0.26, 0.09, line=line),
-        Text("OK", 0, -0.32, layout.BODY, line),
-        Text(words, 0, -0.43, layout.HINT, GOOD if marks.warned else QUIET, layout.MARGIN * aspect),
+        *layout.confirm_box(CONFIRM_BUTTON, ready=marks.complete or marks.warned),
+        Text(words, 0, -0.43, layout.HINT, colour, layout.MARGIN * aspect),
     ]
 
 
 def _keys(form: Form) -> tuple[Button, ...]:
     digits = range(form.n_positions) if form.rings and form.n_positions <= MOST_DIGITS else ()
     return (
-        *(Button(k, (str(k + 1), f"num_{k + 1}")) for k in digits),
-        Button(layout.LEFT, ("left",)),
-        Button(layout.RIGHT, ("right",)),
+        *(Button(k, layout.digit_keys(k)) for k in digits),
+        *layout.ARROWS,
         Button(BEFORE, ("up",)),
         Button(NEXT, ("down", "tab")),
-        Button(layout.CONFIRM, layout.CONTINUE_KEYS, 0, -0.32, 0.26, 0.09),
+        CONFIRM_BUTTON,
     )

@@ -4,22 +4,9 @@ import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...session.request import Adjust, value_at
-from .page import (
-    ACCENT,
-    EDGE,
-    GOOD,
-    INK,
-    PAPER,
-    QUIET,
-    Answer,
-    Box,
-    Button,
-    Disc,
-    Item,
-    Page,
-    Text,
-)
+from ...session.answer_rules import value_at
+from ...session.request import Adjust
+from .page import ACCENT, EDGE, GOOD, INK, PAPER, QUIET, Answer, Box, Button, Disc, Item, Page, Text
 
 BODY, HEADING, HINT = 0.042, 0.056, 0.032
 """Heights of letters, in heights of the screen."""
@@ -31,6 +18,15 @@ WIDEST = 1.5
 
 CONTINUE_KEYS = ("space", "return", "num_enter")
 LEFT, RIGHT, UP, DOWN, CONFIRM = "left", "right", "up", "down", "confirm"
+ARROWS = (Button(LEFT, ("left",)), Button(RIGHT, ("right",)))
+CONFIRM_BUTTON = Button(CONFIRM, CONTINUE_KEYS, 0, -0.27, 0.26, 0.1)
+
+
+def shift(place: int | None, answer: Answer, n_places: int) -> int:
+    """The place that follows an arrow, within the scale; the first arrow marks the middle, whichever it is."""
+    if place is None:
+        return n_places // 2
+    return min(max(place + (answer == RIGHT) - (answer == LEFT), 0), n_places - 1)
 
 
 def heading(words: str, y: float, aspect: float) -> Text:
@@ -198,9 +194,7 @@ class Scale:
             return answer, False
         if answer == CONFIRM:
             return mark, True
-        if mark is None:
-            return self.n_positions // 2, False
-        return min(max(mark + (answer == RIGHT) - (answer == LEFT), 0), self.n_positions - 1), False
+        return shift(mark, answer, self.n_positions), False
 
     def value(self, mark: int, low: float, high: float) -> float:
         """The value of a mark on a scale from `low` to `high`, correctly rounded: whole steps stay whole.
@@ -222,13 +216,15 @@ def scale_page(scale: Scale, mark: int | None, aspect: float) -> Page:
         Text(scale.low, -length / 2 + 0.01, 0.13, BODY, wrap_width=length / 2, align="left"),
         Text(scale.high, length / 2 - 0.01, 0.13, BODY, wrap_width=length / 2, align="right"),
         *drawn,
-        *_confirm_box(mark is not None, scale.hint, aspect),
+        *confirm_box(CONFIRM_BUTTON, ready=mark is not None),
+        hint_line(scale.hint, aspect),
     )
-    buttons = [Button(k, _digit_keys(k) if scale.rings else (), x, 0, pitch, 0.16) for k, x in enumerate(places)]
-    return Page(items, (*buttons, *_scale_keys(ready=mark is not None)))
+    buttons = [Button(k, digit_keys(k) if scale.rings else (), x, 0, pitch, 0.16) for k, x in enumerate(places)]
+    return Page(items, (*buttons, *ARROWS) if mark is None else (*buttons, *ARROWS, CONFIRM_BUTTON))
 
 
-def _digit_keys(k: int) -> tuple[str, ...]:
+def digit_keys(k: int) -> tuple[str, ...]:
+    """The keys of a place, from 0."""
     return (str(k + 1), f"num_{k + 1}") if k < 9 else ()  # a tenth place has no digit of its own
 
 
@@ -250,18 +246,11 @@ def _line(length: float, places: Sequence[float], mark: int | None) -> list[Item
     return [Box(0, 0, length, 0.006, fill=INK), *ends, *marked]
 
 
-def _confirm_box(ready: bool, hint: str, aspect: float) -> list[Item]:
-    line, ink = (INK, INK) if ready else (EDGE, EDGE)
-    return [
-        Box(0, -0.27, 0.26, 0.1, line=line),
-        Text("OK", 0, -0.27, BODY, ink),
-        hint_line(hint, aspect),
-    ]
-
-
-def _scale_keys(*, ready: bool) -> tuple[Button, ...]:
-    arrows = (Button(LEFT, ("left",)), Button(RIGHT, ("right",)))
-    return (*arrows, Button(CONFIRM, CONTINUE_KEYS, 0, -0.27, 0.26, 0.1)) if ready else arrows
+def confirm_box(button: Button, *, ready: bool = True) -> tuple[Item, Item]:
+    """The box of a confirmation, faint while there is nothing to confirm."""
+    ink = INK if ready else EDGE
+    box = Box(button.x, button.y, button.width, button.height, line=ink)
+    return box, Text("OK", button.x, button.y, BODY, ink)
 
 
 def adjust_page(words: str, hint: str, aspect: float) -> Page:
@@ -273,12 +262,13 @@ def adjust_page(words: str, hint: str, aspect: float) -> Page:
         down,
         Text("+", up.x, up.y, 0.1),
         Text("−", down.x, down.y, 0.1),
-        *_confirm_box(True, hint, aspect),
+        *confirm_box(CONFIRM_BUTTON),
+        hint_line(hint, aspect),
     )
     buttons = (
         Button(UP, ("up", "right"), up.x, up.y, up.width, up.height),
         Button(DOWN, ("down", "left"), down.x, down.y, down.width, down.height),
-        Button(CONFIRM, CONTINUE_KEYS, 0, -0.27, 0.26, 0.1),
+        CONFIRM_BUTTON,
     )
     return Page(items, buttons)
 
