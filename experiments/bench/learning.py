@@ -82,14 +82,15 @@ def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterat
         If the excitation passes a limit.
     """
     rate_hz = microphone.reader.source.rate_hz
-    if learning.excitation.rate_hz != rate_hz or output.rate_hz not in (None, rate_hz):
+    excitation_hz, output_hz = learning.excitation.rate_hz, output.driver.rate_hz
+    if excitation_hz != rate_hz or output_hz not in (None, rate_hz):
         raise DeviceFailed(
-            f"calibrate: found an excitation at {learning.excitation.rate_hz:g} Hz, an output at {output.rate_hz} Hz "
-            f"and a sensor at {rate_hz:g} Hz, expected one rate; nothing was played"
+            f"calibrate: found an excitation at {excitation_hz:g} Hz, an output at {output_hz} Hz and a sensor at "
+            f"{rate_hz:g} Hz, expected one rate; nothing was played"
         )
     listener = microphone.reader.listen()
     for channel in learning.channels:
-        signal = _signal(learning, channel, output.n_channels or max(learning.channels) + 1)
+        signal = _signal(learning, channel, output.driver.n_channels or max(learning.channels) + 1)
         listener.read()  # what came before is not of this recording
         time.sleep(LEAD_S)
         onset_s = output.play(signal)

@@ -145,12 +145,12 @@ def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Itera
 
 def tone_of(output: Guarded) -> Signal:
     """A tone with ramps at a part of the voltage limit; for one bit, a thousand samples at the supply's voltage."""
-    n_channels, rate_hz = output.n_channels or 1, output.rate_hz or 48_000.0
+    n_channels, rate_hz = output.driver.n_channels or 1, output.driver.rate_hz or 48_000.0
     if output.driver.one_bit:
         bits = np.where(np.arange(1000) // 10 % 2, -1.0, 1.0)
-        return Signal(np.tile(bits, (n_channels, 1)) * output.full_scale_v, rate_hz, "V")
+        return Signal(np.tile(bits, (n_channels, 1)) * output.driver.full_scale_v, rate_hz, "V")
     limit_v = output.limits.voltage_peak_v if output.limits is not None else 0.0
-    voltage_v = TONE_PART * min(limit_v, output.full_scale_v)
+    voltage_v = TONE_PART * min(limit_v, output.driver.full_scale_v)
     return tone(voltage_v, n_channels, rate_hz, TONE_S, TONE_RAMP_S)
 
 

@@ -1,21 +1,25 @@
 """`tactometry calibrate`: output gain, force sensor, display, time-reversal responses."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import ExitStack
 from dataclasses import replace
 from datetime import date
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
 from ..errors import InvalidParameter
-from .output import figure_option, hands_off_option, json_option, path_option, say, writing
+from .output import figure_option, hands_are_off, hands_off_option, json_option, path_option, progress, say, writing
 
 if TYPE_CHECKING:
-    from tactometry.experiments.bench.bench_file import BenchFile
+    from tactometry.experiments.bench.bench_file import BenchFile, Devices
+    from tactometry.experiments.bench.learning import Learning
+    from tactometry.stimuli.time_reversal.responses.responses import Responses
 
     from ..devices.outputs.gain import Gain
+    from ..devices.outputs.guarded import Guarded
     from ..devices.sensors.reader import Reader
 
 bench_option = path_option("--bench", "bench_path", required=True, help="Bench file (TOML).")
@@ -28,7 +32,17 @@ def _somebody(ctx: click.Context, param: click.Parameter, by: str) -> str:
     return by.strip()
 
 
+def _numbers(ctx: click.Context, param: click.Parameter, text: str) -> list[float]:
+    """The numbers of an option; none where nothing was given."""
+    del ctx
+    try:
+        return [float(number) for number in text.split(",")] if text else []
+    except ValueError:
+        raise InvalidParameter(f"{param.opts[0]}: found {text!r}, expected numbers joined by commas") from None
+
+
 by_option = click.option("--by", required=True, callback=_somebody, help="Who measures: initials or a code.")
+numbers_option = partial(click.option, callback=_numbers)
 TODAY = date.today
 
 
@@ -40,11 +54,11 @@ def command() -> None:
 @command.command(epilog="Example: tactometry calibrate gain --bench bench.toml --by ZG")
 @bench_option
 @by_option
-@click.option("--parts", default="0.02,0.05,0.1", show_default=True, help="What to play, as parts of full scale.")
-@click.option("--measured-v", default="", metavar="V,V,...", help="What was measured, peak V; else asked for each.")
+@numbers_option("--parts", default="0.02,0.05,0.1", show_default=True, help="What to play, as parts of full scale.")
+@numbers_option("--measured-v", default="", metavar="V,V,...", help="What was measured, peak V; else asked for each.")
 @click.option("--tone-s", type=click.FloatRange(0.1, 30), default=3.0, show_default=True, help="How long each sounds.")
 @json_option
-def gain(bench_path: Path, by: str, parts: str, measured_v: str, tone_s: float) -> None:
+def gain(bench_path: Path, by: str, parts: list[float], measured_v: list[float], tone_s: float) -> None:
     """Output gain: play sines of 100 Hz on every channel, and type in the peak voltage at the known load.
 
     The limits and the gain that the bench file states hold while it plays: until it is measured, that of the data
@@ -53,26 +67,19 @@ def gain(bench_path: Path, by: str, parts: str, measured_v: str, tone_s: float) 
     from tactometry.experiments.bench.bench_file import load_bench
     from tactometry.experiments.bench.calibration import fit_gain, gain_toml
 
+    from ..arguments.require import expect
     from ..devices.outputs.gain import measured_anew, required_gain
 
     bench = load_bench(bench_path)
     before = required_gain(bench.output.gain, "output.gain")
     new = measured_anew(before, bench.output.settings.chain(), TODAY(), by)
-    units = _parts(parts)
-    volts = _numbers("--measured-v", measured_v) if measured_v else list(_played_v(bench, new, units, tone_s))
-    fit = fit_gain(units, volts)
+    for part in parts:
+        expect(0 < part <= 1, "--parts", f"{part:g}", "parts of full scale, above 0 and at most 1")
+    fit = fit_gain(parts, measured_v or list(_played_v(bench, new, parts, tone_s)))
     table = gain_toml(replace(new, volts_per_unit=fit.volts_per_unit / new.amplifier_gain))
     was = before.load_volts_per_unit
     text = f"{table}# residual rms {fit.residual_rms_v:.3g} V; the file stated {was:.6g} V per unit at the load"
     say(text, {"volts_per_unit": fit.volts_per_unit, "residual_rms_v": fit.residual_rms_v})
-
-
-def _parts(text: str) -> list[float]:
-    units = _numbers("--parts", text)
-    for part in units:
-        if not 0 < part <= 1:
-            raise InvalidParameter(f"--parts: found {part:g}, expected parts of full scale, above 0 and at most 1")
-    return units
 
 
 def _played_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: float) -> Iterator[float]:
@@ -81,19 +88,16 @@ def _played_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: floa
 
     from tactometry.experiments.bench.calibration import tone
 
-    if bench.limits is None:
-        raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
-    measured = replace(bench, force=None, output=replace(bench.output, gain=gain))
-    output = measured.devices(bench.limits, TODAY(), touched=False).output
-    if not math.isfinite(output.full_scale_v):
+    output = _devices(replace(bench, force=None, output=replace(bench.output, gain=gain))).output
+    if not math.isfinite(output.driver.full_scale_v):
         raise InvalidParameter(f"output: found {output.name!r}, which has no full scale, expected audio or ni")
     with ExitStack() as last_first:
         last_first.callback(output.close)
         output.open()
         for part in units:
             click.confirm(f"Play {part:g} of full scale; hands off the surface. Ready?", abort=True, err=True)
-            peak_v = part * output.full_scale_v
-            played = tone(peak_v, output.n_channels or 1, output.rate_hz or 48e3, tone_s, 0.1 * tone_s)
+            peak_v = part * output.driver.full_scale_v
+            played = tone(peak_v, output.driver.n_channels or 1, output.driver.rate_hz or 48e3, tone_s, 0.1 * tone_s)
             output.play(played)
             time.sleep(played.duration_s)
             yield click.prompt("Peak voltage at the load (V)", type=float, err=True)
@@ -102,8 +106,8 @@ def _played_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: floa
 @command.command(epilog="Example: tactometry calibrate force --bench bench.toml --by ZG --weights-kg 0,0.05,0.1,0.2")
 @bench_option
 @by_option
-@click.option("--weights-kg", required=True, metavar="KG,KG,...", help="The weights, in the order they are put on.")
-@click.option("--counts", default="", metavar="N,N,...", help="What the sensor counted; else it is read for each.")
+@numbers_option("--weights-kg", required=True, metavar="KG,KG,...", help="The weights, in the order they are put on.")
+@numbers_option("--counts", default="", metavar="N,N,...", help="What the sensor counted; else it is read for each.")
 @click.option("--sensor", default="", help="The bench file's sensor; default the one of [force], or the only one.")
 @click.option("--channel", type=int, default=0, show_default=True, help="Of the sensor, from 0.")
 @click.option("--degree", type=click.IntRange(1, 5), default=1, show_default=True, help="Of the polynomial.")
@@ -114,8 +118,8 @@ def force(
     *,
     bench_path: Path,
     by: str,
-    weights_kg: str,
-    counts: str,
+    weights_kg: list[float],
+    counts: list[float],
     sensor: str,
     channel: int,
     degree: int,
@@ -126,11 +130,16 @@ def force(
     from tactometry.experiments.bench.bench_file import load_bench
     from tactometry.experiments.bench.calibration import fit_force, force_toml
 
+    from ..arguments.require import expect, lookup
+
     bench = load_bench(bench_path)
     name = sensor or (bench.force.sensor if bench.force is not None else next(iter(bench.sensors), ""))
-    masses_kg, reader = _masses_kg(weights_kg, degree), _reader(bench, name, channel)
-    counted = _numbers("--counts", counts) if counts else _counted(reader, channel, masses_kg)
-    fit = fit_force(masses_kg, counted, degree=degree, gravity_m_per_s2=gravity_m_per_s2)
+    enough = f"at least {degree + 2} for a polynomial of degree {degree}"
+    expect(len(weights_kg) >= degree + 2, "--weights-kg", len(weights_kg), enough)
+    reader = lookup("--sensor", name, bench.sensors).reader()
+    reader.check_channels("--channel", channel)
+    counted = counts or _counted(reader, channel, weights_kg)
+    fit = fit_force(weights_kg, counted, degree=degree, gravity_m_per_s2=gravity_m_per_s2)
     weights = zip(fit.forces_n, fit.counts, fit.residuals_n, strict=True)
     rows = [f"# {f:8.4f} N  {c:12.2f} counts  residual {1e3 * r:+.2f} mN" for f, c, r in weights]
     table = force_toml(fit, name, channel, TODAY(), by)
@@ -141,23 +150,6 @@ def force(
 
         with writing(figure):
             force_figure(fit, figure)
-
-
-def _masses_kg(text: str, degree: int) -> list[float]:
-    masses_kg = _numbers("--weights-kg", text)
-    if len(masses_kg) < degree + 2:
-        raise InvalidParameter(
-            f"--weights-kg: found {len(masses_kg)}, expected at least {degree + 2} for a polynomial of degree {degree}"
-        )
-    return masses_kg
-
-
-def _reader(bench: "BenchFile", name: str, channel: int) -> "Reader":
-    from ..arguments.require import lookup
-
-    reader = lookup("--sensor", name, bench.sensors).reader()
-    reader.check_channels("--channel", channel)
-    return reader
 
 
 def _counted(reader: "Reader", channel: int, masses_kg: list[float]) -> list[float]:
@@ -228,19 +220,102 @@ def _shown_bar_m() -> float:
 @figure_option("Write response and spectra as PNG, PDF or SVG.")
 @hands_off_option
 @json_option
-def responses(**asked: object) -> None:
+def responses(**asked: Any) -> None:
     """Time-reversal learning: play on each channel, record the point to be touched, keep the impulse responses.
 
     A vibrometer's velocity becomes a displacement in the band that was played. The file is read by studies and by
     tactometry.stimuli.time_reversal.responses.measured.read.
     """
-    from .calibrate_responses import run
+    from tactometry.experiments.bench.bench_file import load_bench
+    from tactometry.stimuli.time_reversal.responses.learning import as_displacement
 
-    run(asked)
+    from ..arguments.require import expect, one_of
+
+    out = asked["out"]
+    in_place = out.suffix == ".npz" and out.parent.is_dir()
+    expect(in_place, "--out", repr(str(out)), "a name that ends in .npz, in a folder that exists")
+    bench = load_bench(asked["bench_path"])
+    one_of("--sensor", asked["sensor"], bench.sensors)
+    devices = _devices(bench)
+    reader = devices.readers[asked["sensor"]]
+    learning = _learning(asked, devices.output.driver.n_channels or 1, reader.source.rate_hz)
+    # the last question before anything plays: no gate of force stops a sweep
+    if bench.output.settings.connected and not (asked["hands_off"] or hands_are_off()):
+        raise InvalidParameter("--hands-off: found no word that hands are off, expected it; nothing was played")
+    learnt = _learnt(learning, devices.output, reader, asked)
+    responses = as_displacement(learnt, *asked["band_hz"])
+    provenance = _provenance(asked, learning, devices.output.name, reader.source.name)
+    provenance["recorded_quantity"] = learnt.quantity
+    _write(responses, provenance, out, asked["figure"])
+    kept = f"{responses.n_channels} responses of {responses.duration_s:g} s at {responses.rate_hz:g} Hz"
+    record = {"file": str(out), "n_channels": responses.n_channels, **provenance}
+    say(f"{out}: {kept}", record)
 
 
-def _numbers(name: str, text: str) -> list[float]:
-    try:
-        return [float(part) for part in text.split(",")]
-    except ValueError:
-        raise InvalidParameter(f"{name}: found {text!r}, expected numbers joined by commas") from None
+def _devices(bench: "BenchFile") -> "Devices":
+    """Those of a bench that no finger touches, within the limits that it states itself."""
+    if bench.limits is None:
+        raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
+    return bench.devices(bench.limits, TODAY(), touched=False)
+
+
+def _learning(asked: Mapping[str, Any], n_channels: int, rate_hz: float) -> "Learning":
+    """What is played, on which channels: a sweep a fifth beyond the band, or a sequence of maximum length."""
+    from tactometry.experiments.bench.learning import Learning
+    from tactometry.stimuli.time_reversal.responses.learning import sequence, sweep
+
+    low_hz, high_hz = asked["band_hz"]
+    if high_hz > rate_hz / 2:
+        raise InvalidParameter(
+            f"--band-hz: found up to {high_hz:g} Hz, expected at most {rate_hz / 2:g} Hz, half the rate of "
+            f"{asked['sensor']!r}"
+        )
+    if asked["sequence_order"] is None:
+        highest_hz = min(1.2 * high_hz, rate_hz / 2)
+        excitation = sweep(0.8 * low_hz, highest_hz, rate_hz=rate_hz, duration_s=asked["sweep_s"])
+    else:
+        excitation = sequence(asked["sequence_order"], rate_hz=rate_hz)
+    reference = asked["reference_output"]
+    channels = tuple(k for k in range(n_channels) if k != reference)
+    return Learning(excitation, asked["voltage_v"], channels, asked["duration_s"], asked["quantity"], reference)
+
+
+def _learnt(learning: "Learning", output: "Guarded", reader: "Reader", asked: Mapping[str, Any]) -> "Responses":
+    from tactometry.experiments.bench.learning import Microphone, join, learn
+
+    counts = asked["units_per_count"], asked["volts_per_count"]
+    microphone = Microphone(reader, asked["channel"], asked["reference"], *counts)
+    with ExitStack() as last_first:
+        reader.open()
+        last_first.callback(reader.close)
+        # the output is closed first, whatever went wrong: it is the one that plays
+        last_first.callback(output.close)
+        output.open()
+        each_channel = learn(learning, output, microphone)
+        return join(list(progress(each_channel, len(learning.channels), "learning")))
+
+
+def _provenance(asked: Mapping[str, Any], learning: "Learning", output: str, sensor: str) -> dict[str, Any]:
+    low_hz, high_hz = asked["band_hz"]
+    return {
+        "measured_on": str(TODAY()),
+        "measured_by": asked["by"],
+        "output": output,
+        "sensor": sensor,
+        "excitation": learning.excitation.name,
+        "voltage_v": asked["voltage_v"],
+        "band_hz": f"{low_hz:g} to {high_hz:g}",
+        "regularisation": learning.regularisation,
+    }
+
+
+def _write(responses: "Responses", provenance: Mapping[str, Any], path: Path, figure: Path | None) -> None:
+    from tactometry.stimuli.time_reversal.responses.learning import write_learnt
+
+    with writing(path):
+        write_learnt(responses, path, provenance)
+    if figure is not None:
+        from tactometry.experiments.bench.figures import responses_figure
+
+        with writing(figure):
+            responses_figure(responses, figure)

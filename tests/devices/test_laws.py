@@ -30,7 +30,7 @@ def output_of(name, limits=None):
 
 def one_bit(output, voltage_v=30.0):
     bits = np.where(np.random.default_rng(0).random((2, 500)) < 0.5, voltage_v, -voltage_v)
-    return Signal(bits, output.rate_hz or 48e3, "V")
+    return Signal(bits, output.driver.rate_hz or 48e3, "V")
 
 
 @pytest.fixture

@@ -117,7 +117,7 @@ def test_its_devices_are_guarded_calibrated_and_share_a_reader(tmp_path):
     devices = read(tmp_path, WHOLE).devices(STUDY, TODAY)
     assert devices.output.limits == Limits(100.0, current_peak_a=1e-3, duty=0.5, session_s=3600.0)
     assert devices.output.load.capacitance_f == 1e-9
-    assert (devices.output.n_channels, devices.output.rate_hz) == (2, 192e3)
+    assert (devices.output.driver.n_channels, devices.output.driver.rate_hz) == (2, 192e3)
     assert devices.force.name == devices.position.name == "lsl force"
     assert list(devices.readers) == ["hand"]
 
@@ -229,7 +229,7 @@ def test_a_gain_is_dated_signed_and_bound_to_its_output(kind, change, message):
 @per_kind
 def test_a_measured_gain_is_taken_on_the_last_day_of_its_age(kind):
     gain = {**gain_table(CHAINS[kind]), "measured_on": date(2025, 11, 21)}
-    assert bench_of(kind, gain).devices(STUDY, TODAY).output.full_scale_v == 100.0
+    assert bench_of(kind, gain).devices(STUDY, TODAY).output.driver.full_scale_v == 100.0
 
 
 def test_what_writes_files_needs_no_gain():

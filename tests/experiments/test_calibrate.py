@@ -171,7 +171,8 @@ class Played:
     limits, name = None, "plate"
 
     def __init__(self, device):
-        self.n_channels, self.rate_hz, self.play = device.responses.n_channels, device.rate_hz, device.play
+        self.driver, self.play = self, device.play
+        self.n_channels, self.rate_hz = device.responses.n_channels, device.rate_hz
 
 
 @pytest.mark.parametrize("quantity", ["displacement", "velocity"])

@@ -10,8 +10,8 @@ from typing import Any, ClassVar, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arguments.require import not_negative, positive
-from ...errors import DeviceFailed, InvalidParameter
+from ...arguments.require import expect, not_negative, positive
+from ...errors import DeviceFailed
 from ...signal import Signal
 from ..clock_map import ClockMap
 from ..portaudio import FULL_SCALE, end_stream, library, refuse_default
@@ -52,11 +52,9 @@ class AudioSettings:
         refuse_default("AudioSettings", self.device)
         positive("AudioSettings", rate_hz=self.rate_hz, block_s=self.block_s)
         not_negative("AudioSettings", latency_s=self.latency_s)
-        if not self.channels or min(self.channels) < 0 or len(set(self.channels)) < len(self.channels):
-            raise InvalidParameter(
-                f"AudioSettings.channels: found {list(self.channels)}, expected at least one outlet, each from 0 and "
-                "named once"
-            )
+        once = len(set(self.channels)) == len(self.channels) > 0 and min(self.channels) >= 0
+        outlets = "at least one outlet, each from 0 and named once"
+        expect(once, "AudioSettings.channels", list(self.channels), outlets)
 
     def driver(self, gain: Gain | None) -> "AudioOutput":
         return AudioOutput(self, required_gain(gain, "output.gain"))

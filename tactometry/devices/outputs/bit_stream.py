@@ -29,7 +29,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidParameter
+from ...arguments.require import expect
 from ...signal import Signal
 
 MAGIC: Final = b"TACT1BIT"
@@ -38,6 +38,7 @@ _FIELDS: Final = struct.Struct("<8sHHIddQI")
 _CHECKSUM: Final = struct.Struct("<I")
 HEADER_BYTES: Final = _FIELDS.size + _CHECKSUM.size
 MOST_CHANNELS: Final = 65_535
+_STREAM: Final = "packed stream"
 
 
 def word_bytes(n_channels: int) -> int:
@@ -66,11 +67,8 @@ def encode(signal: Signal) -> bytes:
     voltage_v = signal.peak
     one_size = np.all(np.abs(signal.samples) == voltage_v)
     is_zero = signal.samples.size > 0 and voltage_v == 0  # zeros are of one size too, and have no sign
-    if signal.unit != "V" or not one_size or is_zero:
-        raise InvalidParameter(
-            "packed stream: found samples of more than one size, expected +V and -V alone (a one-bit signal in volt, "
-            "without ramps)"
-        )
+    one_bit = "+V and -V alone (a one-bit signal in volt, without ramps)"
+    expect(signal.unit == "V" and one_size and not is_zero, _STREAM, "samples of more than one size", one_bit)
     bits = np.packbits(signal.samples.T > 0, axis=1, bitorder="little")
     return _header(signal, voltage_v, zlib.crc32(bits.tobytes())) + bits.tobytes()
 
@@ -85,12 +83,9 @@ def decode(stream: bytes) -> Signal:
     """
     n_channels, rate_hz, voltage_v, n_samples, checksum = _read_header(stream)
     payload = stream[HEADER_BYTES:]
-    if len(payload) != n_samples * word_bytes(n_channels):
-        raise InvalidParameter(
-            f"packed stream: found {len(payload)} bytes after the header, expected {n_samples * word_bytes(n_channels)}"
-        )
-    if zlib.crc32(payload) != checksum:
-        raise InvalidParameter("packed stream: found a payload whose checksum is wrong, expected it undamaged")
+    n_bytes = n_samples * word_bytes(n_channels)
+    expect(len(payload) == n_bytes, _STREAM, f"{len(payload)} bytes after the header", f"{n_bytes}")
+    expect(zlib.crc32(payload) == checksum, _STREAM, "a payload whose checksum is wrong", "it undamaged")
     words = np.frombuffer(payload, np.uint8).reshape(n_samples, word_bytes(n_channels))
     bits: NDArray[np.uint8] = np.unpackbits(words, axis=1, count=n_channels, bitorder="little")
     return Signal(np.where(bits.T == 1, voltage_v, -voltage_v), rate_hz, "V")
@@ -109,22 +104,17 @@ def _header(signal: Signal, voltage_v: float, checksum: int) -> bytes:
 
 
 def _check_channels(n_channels: int) -> None:
-    if not 1 <= n_channels <= MOST_CHANNELS:
-        raise InvalidParameter(f"packed stream: found {n_channels} channels, expected from 1 to {MOST_CHANNELS}")
+    expect(1 <= n_channels <= MOST_CHANNELS, _STREAM, f"{n_channels} channels", f"from 1 to {MOST_CHANNELS}")
 
 
 def _read_header(stream: bytes) -> tuple[int, float, float, int, int]:
-    if len(stream) < HEADER_BYTES or stream[:8] != MAGIC:
-        raise InvalidParameter(
-            f"packed stream: found no header, expected {HEADER_BYTES} bytes that begin with {MAGIC!r}"
-        )
+    begins = len(stream) >= HEADER_BYTES and stream[:8] == MAGIC
+    expect(begins, _STREAM, "no header", f"{HEADER_BYTES} bytes that begin with {MAGIC!r}")
     fields = stream[: _FIELDS.size]
     _, version, n_header, n_channels, rate_hz, voltage_v, n_samples, checksum = _FIELDS.unpack(fields)
-    if zlib.crc32(fields) != _CHECKSUM.unpack_from(stream, _FIELDS.size)[0]:
-        raise InvalidParameter("packed stream: found a header whose checksum is wrong, expected it undamaged")
-    if (version, n_header) != (VERSION, HEADER_BYTES):
-        raise InvalidParameter(
-            f"packed stream: found version {version}, header of {n_header} bytes, expected {VERSION} and {HEADER_BYTES}"
-        )
+    sound = zlib.crc32(fields) == _CHECKSUM.unpack_from(stream, _FIELDS.size)[0]
+    expect(sound, _STREAM, "a header whose checksum is wrong", "it undamaged")
+    known = (version, n_header) == (VERSION, HEADER_BYTES)
+    expect(known, _STREAM, f"version {version}, header of {n_header} bytes", f"{VERSION} and {HEADER_BYTES}")
     _check_channels(n_channels)
     return n_channels, rate_hz, voltage_v, n_samples, checksum

@@ -53,18 +53,6 @@ class Guarded:
     def name(self) -> str:
         return self.driver.name
 
-    @property
-    def n_channels(self) -> int | None:
-        return self.driver.n_channels
-
-    @property
-    def rate_hz(self) -> float | None:
-        return self.driver.rate_hz
-
-    @property
-    def full_scale_v(self) -> float:
-        return self.driver.full_scale_v
-
     def facts(self) -> dict[str, str | int | float | None]:
         return self.driver.facts()
 

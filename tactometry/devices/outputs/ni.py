@@ -15,8 +15,8 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arguments.require import positive
-from ...errors import DeviceFailed, InvalidParameter, needed
+from ...arguments.require import expect, positive
+from ...errors import DeviceFailed, needed
 from ...signal import Signal
 from ..deadline import CLOSE_WITHIN_S, within
 from .gain import Gain, SignalChain, required_gain
@@ -38,10 +38,8 @@ class NiSettings:
 
     def __post_init__(self) -> None:
         positive("NiSettings", rate_hz=self.rate_hz, range_v=self.range_v)
-        if not self.channels or len(set(self.channels)) < len(self.channels):
-            raise InvalidParameter(
-                f"NiSettings.channels: found {list(self.channels)}, expected at least one, each named once"
-            )
+        once = len(set(self.channels)) == len(self.channels) > 0
+        expect(once, "NiSettings.channels", list(self.channels), "at least one, each named once")
 
     def driver(self, gain: Gain | None) -> "NiOutput":
         return NiOutput(self, required_gain(gain, "output.gain"))

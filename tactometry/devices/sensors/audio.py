@@ -10,7 +10,7 @@ from ...arguments.require import not_negative, positive
 from ...errors import DeviceFailed
 from ..clock_map import ClockMap
 from ..portaudio import FULL_SCALE, end_stream, library, refuse_default
-from .reader import SampleBlock
+from .reader import SampleBlock, Source
 
 
 @dataclass(frozen=True)
@@ -33,13 +33,11 @@ class AudioInputSettings:
         return AudioInput(self)
 
 
-class AudioInput:
+class AudioInput(Source):
     """Blocks from a card; its frames are counted, and the least delayed of them tell the time."""
 
     def __init__(self, settings: AudioInputSettings) -> None:
-        self.name = f"audio {settings.device}"
-        self.rate_hz: float = settings.rate_hz
-        self.n_channels: int = settings.n_channels
+        super().__init__(f"audio {settings.device}", settings.rate_hz, settings.n_channels)
         self._settings = settings
         self._stream: Any = None
         self._n_overruns = self._n_frames = 0

@@ -7,7 +7,7 @@ from datetime import date
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arguments.require import not_zero
+from ...arguments.require import expect, given, not_zero
 from ...errors import InvalidParameter
 from ..measured import Measured, check_age
 
@@ -52,26 +52,19 @@ class ForceCalibration:
 
     def __post_init__(self) -> None:
         check_age("ForceCalibration", self.max_age_days)
-        forms = (self.newtons_per_count, self.polynomial, self.table_counts)
-        if sum(form is not None for form in forms) != 1:
-            raise InvalidParameter(
-                "ForceCalibration: found none or more than one of newtons_per_count, polynomial and table_counts, "
-                "expected exactly one"
-            )
+        forms = given({name: getattr(self, name) for name in ("newtons_per_count", "polynomial", "table_counts")})
+        several = "none or more than one of newtons_per_count, polynomial and table_counts"
+        expect(len(forms) == 1, "ForceCalibration", several, "exactly one")
         if self.newtons_per_count is not None:
             not_zero("ForceCalibration", newtons_per_count=self.newtons_per_count)
-        if self.polynomial is not None and (len(self.polynomial) < 2 or not np.isfinite(self.polynomial).all()):
-            raise InvalidParameter(
-                f"ForceCalibration.polynomial: found {self.polynomial}, expected at least two finite numbers"
-            )
         if self.polynomial is not None:
+            enough = len(self.polynomial) >= 2 and np.isfinite(self.polynomial).all()
+            expect(enough, "ForceCalibration.polynomial", self.polynomial, "at least two finite numbers")
             _check_turns(self.polynomial, self.count_low, self.count_high)
         if self.table_counts is not None:
             _check_table(self.table_counts, self.table_forces_n or ())
-        if not self.count_low < self.count_high:
-            raise InvalidParameter(
-                f"ForceCalibration.count_low: found {self.count_low}, expected below count_high, {self.count_high}"
-            )
+        rises = self.count_low < self.count_high
+        expect(rises, "ForceCalibration.count_low", self.count_low, f"below count_high, {self.count_high}")
 
     @property
     def measured(self) -> Measured:
@@ -91,19 +84,15 @@ class ForceCalibration:
 
 
 def _check_table(counts: tuple[float, ...], forces_n: tuple[float, ...]) -> None:
-    if len(counts) != len(forces_n) or len(counts) < 2 or not np.isfinite([counts, forces_n]).all():
-        raise InvalidParameter(
-            f"ForceCalibration.table_counts: found {len(counts)} counts and {len(forces_n)} table_forces_n, expected "
-            "as many of both, at least two, all finite"
-        )
-    if np.any(np.diff(counts) <= 0):
-        raise InvalidParameter("ForceCalibration.table_counts: found counts that do not rise, expected rising ones")
+    where = "ForceCalibration.table_counts"
+    paired = len(counts) == len(forces_n) >= 2 and np.isfinite([counts, forces_n]).all()
+    sizes = f"{len(counts)} counts and {len(forces_n)} table_forces_n"
+    expect(paired, where, sizes, "as many of both, at least two, all finite")
+    expect(np.all(np.diff(counts) > 0), where, "counts that do not rise", "rising ones")
     steps_n = np.diff(forces_n)
-    if not (np.all(steps_n > 0) or np.all(steps_n < 0)):
-        raise InvalidParameter(
-            "ForceCalibration.table_forces_n: found forces that neither rise nor fall with the counts, expected that; "
-            "measure them again"
-        )
+    follows = np.all(steps_n > 0) or np.all(steps_n < 0)
+    turns = "forces that neither rise nor fall with the counts"
+    expect(follows, "ForceCalibration.table_forces_n", turns, "that; measure them again")
 
 
 def _check_turns(polynomial: tuple[float, ...], low: float, high: float) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...arguments.require import positive
 from ...errors import DeviceFailed, needed
-from .reader import POLL_S, SampleBlock, now_s
+from .reader import POLL_S, SampleBlock, Source, now_s
 
 LONGEST_SEARCH_S = 5.0
 OTHERS_WITHIN_S = 0.5
@@ -43,16 +43,14 @@ class LslSettings:
         return LslSource(self)
 
 
-class LslSource:
+class LslSource(Source):
     """An inlet whose stamps are the outlet's, corrected by LSL's clock exchange and moved to our clock.
 
     An outlet that dies raises `DeviceFailed`; afterwards only one with its source id is opened, if it had one.
     """
 
     def __init__(self, settings: LslSettings) -> None:
-        self.name = f"lsl {settings.stream}"
-        self.rate_hz: float = settings.rate_hz
-        self.n_channels: int = settings.n_channels
+        super().__init__(f"lsl {settings.stream}", settings.rate_hz, settings.n_channels)
         self._settings, self._source_id = settings, settings.source_id
         self._inlet: Any = None
         self._correction_s: float | None = None

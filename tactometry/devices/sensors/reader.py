@@ -3,10 +3,10 @@
 import contextlib
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,30 +34,35 @@ class SampleBlock:
     values: FloatArray
 
 
-class Source(Protocol):
-    """What a reader reads. All but `name` and `rate_hz` is called from one thread at a time."""
+class Source(ABC):
+    """What a reader reads. All but `name` and `rate_hz` is called from one thread at a time.
 
-    @property
-    def name(self) -> str: ...
+    Parameters
+    ----------
+    name : str
+    rate_hz : float
+        The nominal rate.
+    n_channels : int
+    """
 
-    @property
-    def rate_hz(self) -> float:
-        """The nominal rate."""
+    def __init__(self, name: str, rate_hz: float, n_channels: int) -> None:
+        self.name, self.rate_hz, self.n_channels = name, rate_hz, n_channels
 
-    @property
-    def n_channels(self) -> int: ...
-
+    @abstractmethod
     def open(self) -> None:
         """Raises `DeviceFailed` if the device is not there."""
 
+    @abstractmethod
     def receive(self) -> SampleBlock | None:
         """The next samples; waits for about `POLL_S`, then None. Raises `DeviceFailed` if the device went away."""
 
+    @abstractmethod
     def close(self) -> None:
         """May be called more than once."""
 
     def facts(self) -> dict[str, str | int | float | None]:
         """Counts of what was damaged or lost, and the drift of the clock."""
+        return {}
 
 
 class Listener:

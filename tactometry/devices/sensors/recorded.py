@@ -13,7 +13,7 @@ from ...arguments.require import positive
 from ...errors import DeviceFailed, TactometryError
 from ...files.durable import read_file
 from ...files.samples import table_of_numbers
-from .reader import SampleBlock, now_s
+from .reader import SampleBlock, Source, now_s
 
 STEP_S = 0.005
 
@@ -34,18 +34,13 @@ class RecordedSettings:
         return RecordedSource(self)
 
 
-class RecordedSource:
+class RecordedSource(Source):
     """Hands out each sample at its time after opening; after the last one the sensor is silent."""
 
     def __init__(self, settings: RecordedSettings) -> None:
-        self.name = f"recorded {settings.path}"
-        self.rate_hz: float = settings.rate_hz
-        self.n_channels: int = settings.n_channels
+        super().__init__(f"recorded {settings.path}", settings.rate_hz, settings.n_channels)
         self._settings = settings
         self._n_read = 0
-
-    def facts(self) -> dict[str, str | int | float | None]:
-        return {}
 
     def open(self) -> None:
         table = _table(Path(self._settings.path), self.n_channels)

@@ -9,7 +9,7 @@ from ...arguments.require import positive
 from ...errors import DeviceFailed, needed
 from .counted_samples import CountedSamples
 from .framing import Framing
-from .reader import POLL_S, SampleBlock, now_s
+from .reader import POLL_S, SampleBlock, Source, now_s
 
 LARGEST_READ = 65_536
 
@@ -31,13 +31,11 @@ class SerialSettings:
         return SerialSource(self)
 
 
-class SerialSource:
+class SerialSource(Source):
     """Frames from a line; a line that is unplugged raises `DeviceFailed`, and may be opened again."""
 
     def __init__(self, settings: SerialSettings) -> None:
-        self.name = f"serial {settings.port}"
-        self.rate_hz: float = settings.rate_hz
-        self.n_channels: int = settings.n_channels
+        super().__init__(f"serial {settings.port}", settings.rate_hz, settings.n_channels)
         self._settings = settings
         self._line: Any = None
         self._framing, self._samples = Framing(self.n_channels), CountedSamples(1e-6, name=self.name)

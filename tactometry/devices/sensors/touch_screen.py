@@ -16,7 +16,7 @@ import numpy as np
 
 from ...arguments.require import positive
 from ...errors import DeviceFailed
-from .reader import SampleBlock, now_s
+from .reader import SampleBlock, Source, now_s
 
 EVENT: Final = struct.Struct("=qqHHi")
 # names of the kernel's header linux/input.h: EV_SYN, EV_REL, EV_ABS
@@ -76,14 +76,11 @@ class TrackedFinger:
         return replace(self, values=(x, y, pressure))
 
 
-class TouchSource:
+class TouchSource(Source):
     """Samples at each report, and every `HELD_S` while a finger rests; none while it is lifted."""
 
-    n_channels = 3
-
     def __init__(self, settings: TouchSettings) -> None:
-        self.name = f"touch {settings.path}"
-        self.rate_hz: float = settings.rate_hz
+        super().__init__(f"touch {settings.path}", settings.rate_hz, n_channels=3)
         self._path = Path(settings.path)
         self._file: int | None = None
         self._stamped = False

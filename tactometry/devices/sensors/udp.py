@@ -12,10 +12,10 @@ import struct
 from dataclasses import dataclass
 from typing import ClassVar, Final, NamedTuple
 
-from ...arguments.require import positive
-from ...errors import DeviceFailed, InvalidParameter
+from ...arguments.require import expect, positive
+from ...errors import DeviceFailed
 from .counted_samples import CountedSamples
-from .reader import POLL_S, SampleBlock, now_s
+from .reader import POLL_S, SampleBlock, Source, now_s
 
 BEGIN: Final = struct.pack(">HHI", 0x1234, 2, 0)
 END: Final = struct.pack(">HHI", 0x1234, 0, 0)
@@ -38,8 +38,7 @@ class UdpSettings:
 
     def __post_init__(self) -> None:
         positive("UdpSettings", rate_hz=self.rate_hz, sensor_rate_hz=self.sensor_rate_hz)
-        if not 0 < self.port < 2**16:
-            raise InvalidParameter(f"UdpSettings.port: found {self.port}, expected from 1 to {2**16 - 1}")
+        expect(0 < self.port < 2**16, "UdpSettings.port", self.port, f"from 1 to {2**16 - 1}")
 
     def source(self) -> "UdpSource":
         return UdpSource(self)
@@ -67,14 +66,11 @@ def records(datagram: bytes) -> list[UdpRecord]:
     return [UdpRecord(a, b, c, tuple(values)) for a, b, c, *values in RECORD.iter_unpack(datagram)]
 
 
-class UdpSource:
+class UdpSource(Source):
     """Asks the sensor to send, and takes what comes from its address; a status that is not sound is a lost sample."""
 
-    n_channels = 6
-
     def __init__(self, settings: UdpSettings) -> None:
-        self.name = f"udp {settings.address}:{settings.port}"
-        self.rate_hz: float = settings.rate_hz
+        super().__init__(f"udp {settings.address}:{settings.port}", settings.rate_hz, n_channels=6)
         self._settings = settings
         self._socket: socket.socket | None = None
         self._samples = CountedSamples(1 / settings.sensor_rate_hz, name=self.name)

@@ -7,7 +7,7 @@ from typing import ClassVar
 import numpy as np
 
 from ...arguments.require import positive
-from .reader import SampleBlock, now_s
+from .reader import SampleBlock, Source, now_s
 
 
 @dataclass(frozen=True)
@@ -19,19 +19,10 @@ class SpringSettings:
         positive("SpringSettings", rate_hz=self.rate_hz)
 
     def source(self) -> "SpringSource":
-        return SpringSource(self.rate_hz)
+        return SpringSource("spring", self.rate_hz, n_channels=1)
 
 
-class SpringSource:
-    name = "spring"
-    n_channels = 1
-
-    def __init__(self, rate_hz: float) -> None:
-        self.rate_hz = rate_hz
-
-    def facts(self) -> dict[str, str | int | float | None]:
-        return {}
-
+class SpringSource(Source):
     def open(self) -> None:
         self._told_s = now_s()
 
