@@ -387,6 +387,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 }.items()
             },
             "modal_forces": {"modes": MODAL, "sources": SCREEN.sources},
-            "border": {"plate": PLATE, "n_transducers": 4, "side_m": 0.01, "inset_m": 0.012},
+            "border": {"plate": PLATE, "n_transducers": 4, "side_m": 0.01, "inset_m": 0.012, "moment_n_per_v": 1e-3},
         },
     }  # fmt: skip

@@ -10,7 +10,7 @@ from ..stages.truncation import n_frequencies_of_sound, n_modes, remainder
 
 if TYPE_CHECKING:
     from ...time_reversal.screen.screen import Screen
-    from ..stages.emission import Emission
+    from ..stages.emission import EmittedSignal
 
 AUDIBLE_MAX_HZ = 20e3
 FEWEST_MORE = 1.1
@@ -51,15 +51,12 @@ class AirborneSound(Effect):
         return Size(settings, lost / ratio**3, n * (0.2 * surface.n_transducers + 30))
 
 
-def heard(modes_to_hz: float, distance_m: float) -> "Callable[[Screen, Emission], float]":
+def heard(modes_to_hz: float, distance_m: float) -> "Callable[[Screen, EmittedSignal], float]":
     """The level of an emission of 1 V."""
-    from tactometry.signal import Signal
-
     from ...time_reversal.field.sound import noise
 
-    def level_dba(screen: "Screen", emission: "Emission") -> float:
-        signal = Signal(emission.samples, emission.rate_hz, "V")
-        return noise(screen, signal, modes_to_hz, distance_m=distance_m).a_weighted_db
+    def level_dba(screen: "Screen", emission: "EmittedSignal") -> float:
+        return noise(screen, emission.at_1_v, modes_to_hz, distance_m=distance_m).a_weighted_db
 
     return level_dba
 

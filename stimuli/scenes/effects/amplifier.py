@@ -8,7 +8,7 @@ from ...composition.effect import Effect, Stage, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.responses.responses import Responses
-    from ..stages.emission import Emission
+    from ..stages.emission import EmittedSignal
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ def heard_through(cutoff_hz: float, order: int) -> "Callable[[Responses], Respon
     return lambda learnt: through(learnt, gain)
 
 
-def sent_through(cutoff_hz: float, order: int) -> "Callable[[Emission], Emission]":
+def sent_through(cutoff_hz: float, order: int) -> "Callable[[EmittedSignal], EmittedSignal]":
     """What leaves the amplifier."""
     from ...time_reversal.filters import Butterworth
     from ..stages.emission import through

@@ -10,7 +10,7 @@ from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
 from ..stages.truncation import MOST_MODES, n_modes, remainder
 
 if TYPE_CHECKING:
-    from ..stages.emission import Emission
+    from ..stages.emission import EmittedSignal
     from ..stages.motion import PlateMotion
 
 
@@ -64,13 +64,11 @@ def strained(static_to_hz: float) -> "Callable[[PlateMotion], float]":
     return lambda motion: motion.strain_energy_j(static_to_hz)
 
 
-def drawn(capacitance_f: float) -> "Callable[[Emission], float]":
+def drawn(capacitance_f: float) -> "Callable[[EmittedSignal], float]":
     """The mean power during an emission of 1 V."""
-    from tactometry.signal import Signal
-
     from ...time_reversal.field.merit import switched_power_w
 
-    return lambda emission: switched_power_w(Signal(emission.samples, emission.rate_hz, "V"), capacitance_f)
+    return lambda emission: switched_power_w(emission.at_1_v, capacitance_f)
 
 
 def grown() -> Callable[[float, float], float]:

@@ -1,7 +1,7 @@
 """Bonded patches in place of pushes at points."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
@@ -54,8 +54,4 @@ def bonded(
     """Patches along the border."""
     from ...time_reversal.screen.transducer import border
 
-    def placed(plate: "Plate") -> "tuple[ForceSource, ...]":
-        patches = border(plate, n_transducers, side_m, inset_m)
-        return tuple(replace(patch, moment_n_per_v=moment_n_per_v) for patch in patches)
-
-    return placed
+    return lambda plate: tuple(border(plate, n_transducers, side_m, inset_m, moment_n_per_v))

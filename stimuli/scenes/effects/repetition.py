@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 from tactometry.arguments import require
 
@@ -12,7 +12,7 @@ from ...composition.effect import Effect, Stage, Surroundings
 if TYPE_CHECKING:
     from ...time_reversal.focusing.quantiser import Quantiser
     from ...time_reversal.responses.responses import Responses
-    from ..stages.emission import Emission
+    from ..stages.emission import EmittedSignal
 
 Envelope = Literal["rectangular", "raised_cosine", "exponential", "sinc"]
 
@@ -64,24 +64,18 @@ class Repetition(Effect):
 
 def repeated(
     repetition_hz: float, duration_s: float, envelope: Envelope
-) -> "Callable[[Responses, Quantiser], Emission]":
+) -> "Callable[[Responses, Quantiser], EmittedSignal]":
     """A train of foci; its instant is that of the largest."""
     from ...time_reversal.focusing import pattern as patterns
-    from ..stages.emission import Emission
+    from ..stages.emission import EmittedSignal
 
-    shapes: dict[str, type[Any]] = {
-        "rectangular": patterns.Rectangular,
-        "raised_cosine": patterns.RaisedCosine,
-        "exponential": patterns.Exponential,
-        "sinc": patterns.Sinc,
-    }
-    train = patterns.Pattern(repetition_hz, duration_s, shapes[envelope]())
+    train = patterns.Pattern(repetition_hz, duration_s, patterns.ENVELOPES[envelope])
     largest = int(abs(train.weights).argmax())
 
-    def played(learnt: "Responses", quantiser: "Quantiser") -> "Emission":
+    def played(learnt: "Responses", quantiser: "Quantiser") -> "EmittedSignal":
         together = replace(learnt, samples=learnt.samples.sum(axis=0, keepdims=True))
         signal = patterns.pattern_drive(together, train, 1.0, quantiser)
         focus = int(patterns.focus_samples(train, learnt.rate_hz, learnt.n_samples)[largest])
-        return Emission(signal.samples, learnt.rate_hz, focus)
+        return EmittedSignal(signal.samples, learnt.rate_hz, focus)
 
     return played

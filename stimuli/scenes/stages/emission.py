@@ -5,15 +5,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
 
 from ...arrays import FloatArray
 from ...time_reversal.filters import Band, GainCurve
-from ...time_reversal.focusing.focusing import reversed_waveform
+from ...time_reversal.focusing.focusing import Emission, reversed_waveform
 from ...time_reversal.focusing.quantiser import Analogue, Quantiser
 from ...time_reversal.plate.modes import Modes
 from ...time_reversal.plate.plate import Plate
-from ...time_reversal.responses.responses import Responses, band_limited, impulse_responses
+from ...time_reversal.responses.responses import Responses
 from ...time_reversal.screen.attenuation import Attenuation
 from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import ForceSource, PointForce, border
@@ -22,12 +22,16 @@ Points = tuple[tuple[float, float], ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Emission:
+class EmittedSignal:
     """Samples (n_channels, n_samples) of the transducers per volt of peak; the focus comes at sample `focus`."""
 
     samples: FloatArray
     rate_hz: float
     focus: int
+
+    @property
+    def at_1_v(self) -> Signal:
+        return Signal(self.samples, self.rate_hz, "V")
 
 
 @dataclass(frozen=True)
@@ -77,12 +81,7 @@ def learning(
 ) -> Callable[[Screen, Points], Responses]:
     """What the transducers do at the foci: the modes of the band, over the reversal time."""
     band = Band(0.0, band_max_hz, flank_hz)
-
-    def learnt(screen: Screen, foci: Points) -> Responses:
-        raw = impulse_responses(screen, foci, rate_hz=rate_hz, duration_s=reversal_s, f_max_hz=band_max_hz)
-        return band_limited(raw, band)
-
-    return learnt
+    return Emission(band, reversal_s, rate_hz, modes_to_hz=band_max_hz).responses
 
 
 def analogue() -> Callable[[], Quantiser]:
@@ -90,25 +89,21 @@ def analogue() -> Callable[[], Quantiser]:
     return Analogue
 
 
-def quantised() -> Callable[[Responses, Quantiser], Emission]:
+def quantised() -> Callable[[Responses, Quantiser], EmittedSignal]:
     """The learnt responses, reversed, as the amplifier can emit them."""
 
-    def played(learnt: Responses, rule: Quantiser) -> Emission:
+    def played(learnt: Responses, rule: Quantiser) -> EmittedSignal:
         waveform = reversed_waveform(learnt)
-        if not waveform.shape[1]:
-            raise InvalidParameter(
-                "TimeReversal.reversal_s: found less than one sample, expected more; raise it or rate_hz"
-            )
-        return Emission(rule.quantise(waveform, learnt.rate_hz), learnt.rate_hz, waveform.shape[1] - 1)
+        return EmittedSignal(rule.quantise(waveform, learnt.rate_hz), learnt.rate_hz, waveform.shape[1] - 1)
 
     return played
 
 
-def in_band(band_max_hz: float, flank_hz: float, margin_s: float) -> Callable[[Emission], Emission]:
+def in_band(band_max_hz: float, flank_hz: float, margin_s: float) -> Callable[[EmittedSignal], EmittedSignal]:
     """What of an emission lies in the band, without a change of phase; what rings outside fades over `margin_s`."""
     band = Band(0.0, band_max_hz, flank_hz)
 
-    def limited(emission: Emission) -> Emission:
+    def limited(emission: EmittedSignal) -> EmittedSignal:
         wide = through(emission, band, margin_s)
         rise = np.sin(np.linspace(0, np.pi / 2, round(margin_s * emission.rate_hz))) ** 2
         flat = np.ones(emission.samples.shape[1])
@@ -117,7 +112,7 @@ def in_band(band_max_hz: float, flank_hz: float, margin_s: float) -> Callable[[E
     return limited
 
 
-def through(emission: Emission, gain: GainCurve, margin_s: float = 0.0) -> Emission:
+def through(emission: EmittedSignal, gain: GainCurve, margin_s: float = 0.0) -> EmittedSignal:
     """An emission behind a linear element."""
     from scipy.fft import next_fast_len
 

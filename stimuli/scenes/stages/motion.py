@@ -19,7 +19,7 @@ from ...time_reversal.plate.modes import Modes, values
 from ...time_reversal.responses.load import CHUNK, Receptances, contour
 from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import PointForce
-from .emission import Emission, Points
+from .emission import EmittedSignal, Points
 
 
 @dataclass(frozen=True, eq=False)
@@ -133,7 +133,7 @@ def moving(screen: Screen, modes_to_hz: float, static_to_hz: float) -> tuple[Osc
 
 def driven(
     modes_to_hz: float, static_to_hz: float, heard_to_hz: float, after_s: float
-) -> Callable[[Screen, Emission], PlateMotion]:
+) -> Callable[[Screen, EmittedSignal], PlateMotion]:
     """The motion until `after_s` behind the focus, at frequencies up to `heard_to_hz`."""
 
     if static_to_hz < modes_to_hz:
@@ -141,7 +141,7 @@ def driven(
             f"settings.motion.static_to_hz: found {static_to_hz}, expected at least modes_to_hz, {modes_to_hz}"
         )
 
-    def motion(screen: Screen, emission: Emission) -> PlateMotion:
+    def motion(screen: Screen, emission: EmittedSignal) -> PlateMotion:
         n_played, rate_hz = emission.samples.shape[1], emission.rate_hz
         n = max(emission.focus + 1 + round(after_s * rate_hz), n_played)
         s, growth, n_fft = contour(n, rate_hz)

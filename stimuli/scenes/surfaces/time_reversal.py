@@ -3,18 +3,18 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from math import ceil, pi, sqrt
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Size, Stage, Surface, Surroundings
+from ...time_reversal.plate.glass import GLASSES
+from ...time_reversal.plate.plate import Plate
+from ...time_reversal.screen.glass_panel import LEARNT_S, GlassPanel
 from ..effects import OF_TIME_REVERSAL
 from ..stages.scaling import at_voltage
 from ..stages.truncation import changed_wavenumber_rad_per_m, cut_of, n_frequencies, n_modes
-
-if TYPE_CHECKING:
-    from ...time_reversal.plate.plate import Plate
 
 EMISSION = "tactometry.stimuli.scenes.stages.emission"
 MOTION = "tactometry.stimuli.scenes.stages.motion"
@@ -27,7 +27,7 @@ MARGIN_FLANKS = 5.0
 
 
 @dataclass(frozen=True)
-class TimeReversal(Surface):
+class TimeReversal(GlassPanel, Surface):
     """A simply supported thin plate of glass without losses, pushed at points along its border by linear amplifiers.
 
     Every default is unverified. Displacements are those below `band_max_hz`, whatever a quantiser adds above.
@@ -74,34 +74,21 @@ class TimeReversal(Surface):
         "deflection": "a plate that moves by far less than its thickness",
     }
 
-    glass: str = "Borofloat 33"
-    length_m: float = 0.297
-    width_m: float = 0.210
-    thickness_m: float = 1.1e-3
-    n_transducers: int = 32
-    inset_m: float = 12e-3
     force_n_per_v: float = 1e-3
-    focus_x_m: float = 0.121
-    focus_y_m: float = 0.093
     band_max_hz: float = 60e3
     flank_hz: float = 6e3
-    rate_hz: float = 250e3
-    reversal_s: float = 7e-3
+    reversal_s: float = LEARNT_S
     after_s: float = 3e-3
 
     def __post_init__(self) -> None:
         require.positive("TimeReversal", **{k: v for k, v in vars(self).items() if k not in {"glass", "n_transducers"}})
-        if self.n_transducers < 1:
-            raise InvalidParameter(f"TimeReversal.n_transducers: found {self.n_transducers}, expected at least 1")
-        _check_glass(self.glass)
+        self._check_panel(highest_hz="band_max_hz")
         _check_place(self)
-        _check_band(self)
+        _check_times(self)
 
     @property
-    def plate(self) -> "Plate":
+    def plate(self) -> Plate:
         """The plate as it is without effects."""
-        from ...time_reversal.plate.glass import GLASSES
-
         return GLASSES[self.glass].plate(self.length_m, self.width_m, self.thickness_m, "SSSS")
 
     @property
@@ -263,12 +250,6 @@ def _check_rest(scene: Demand) -> None:
             )
 
 
-def _check_glass(glass: str) -> None:
-    from ...time_reversal.plate.glass import GLASSES
-
-    require.one_of("TimeReversal.glass", glass, tuple(GLASSES))
-
-
 def _check_place(surface: TimeReversal) -> None:
     if 2 * surface.inset_m >= min(surface.length_m, surface.width_m):
         raise InvalidParameter(
@@ -283,13 +264,13 @@ def _check_place(surface: TimeReversal) -> None:
             )
 
 
-def _check_band(surface: TimeReversal) -> None:
-    if 2 * surface.band_max_hz > surface.rate_hz:
-        raise InvalidParameter(
-            f"TimeReversal.band_max_hz: found {surface.band_max_hz}, expected at most half of rate_hz, "
-            f"{surface.rate_hz / 2}; lower it or raise rate_hz"
-        )
+def _check_times(surface: TimeReversal) -> None:
     if surface.flank_hz > surface.band_max_hz:
         raise InvalidParameter(
             f"TimeReversal.flank_hz: found {surface.flank_hz}, expected at most band_max_hz, {surface.band_max_hz}"
+        )
+    if round(surface.reversal_s * surface.rate_hz) < 1:
+        raise InvalidParameter(
+            f"TimeReversal.reversal_s: found {surface.reversal_s}, expected at least one sample of rate_hz, "
+            f"{1 / surface.rate_hz} s; raise it or rate_hz"
         )

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import positive
+from tactometry.arguments.require import given, positive
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
@@ -163,16 +163,21 @@ def _same_channels(signal: Signal, responses: Responses) -> None:
 @checked
 @dataclass(frozen=True)
 class Emission:
-    """How a focus is made: band, T, sampling and voltage, each above 0, and quantiser."""
+    """How a focus is made: band, T, sampling and voltage, each above 0, quantiser, and the highest frequency of a mode.
+
+    By default that is a tenth above the band, within the Nyquist frequency.
+    """
 
     band: Band
     reversal_s: float
     rate_hz: float
     voltage_v: float = 30.0
     quantiser: Quantiser | None = None
+    modes_to_hz: float | None = None
 
     def __post_init__(self) -> None:
         positive("Emission", reversal_s=self.reversal_s, rate_hz=self.rate_hz, voltage_v=self.voltage_v)
+        positive("Emission", **given({"modes_to_hz": self.modes_to_hz}))
         if samples_in("Emission.reversal_s", self.reversal_s, self.rate_hz) == 0:
             raise InvalidParameter(
                 f"Emission.reversal_s: found {self.reversal_s}, expected at least half a sample of 1 / {self.rate_hz} s"
@@ -185,8 +190,8 @@ class Emission:
 
     @property
     def f_max_hz(self) -> float:
-        """Modes up to a tenth above the band, within the Nyquist frequency."""
-        return min(1.1 * self.band.f_max_hz, self.rate_hz / 2)
+        """The highest frequency of a mode."""
+        return self.modes_to_hz or min(1.1 * self.band.f_max_hz, self.rate_hz / 2)
 
     def responses(self, screen: Screen, points: Sequence[Point], loads: Sequence[Attached] = ()) -> Responses:
         """Responses of the screen over T, within the band."""

@@ -19,6 +19,10 @@ MOMENT_N_PER_V: Final = 8.2e-4
 """Bending moment per length and volt of a patch; unverified default, set so that
 the one-bit drive of 0.2-60 kHz at 30 V makes a focus of 10 um on the A4 prototype."""
 
+SIDE_M: Final = 10e-3
+INSET_M: Final = 12e-3
+"""Side of a square patch, and how far from the edges its centre lies; unverified defaults."""
+
 MAX_TRANSDUCERS: Final = 10_000
 EDGE_TOLERANCE: Final = 1e-9
 
@@ -155,7 +159,13 @@ def modal_forces(modes: Modes, sources: Sequence[ForceSource]) -> FloatArray:
 
 
 @checked
-def border(plate: Plate, n_transducers: int, side_m: float = 10e-3, inset_m: float = 12e-3) -> list[Patch]:
+def border(
+    plate: Plate,
+    n_transducers: int,
+    side_m: float = SIDE_M,
+    inset_m: float = INSET_M,
+    moment_n_per_v: float = MOMENT_N_PER_V,
+) -> list[Patch]:
     """Square patches at equal steps along a rectangle `inset_m` inside the edges (unverified default layout).
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
@@ -170,7 +180,8 @@ def border(plate: Plate, n_transducers: int, side_m: float = 10e-3, inset_m: flo
     corners = np.array([0, a, a + b, 2 * a + b, 2 * (a + b)])
     x = inset_m + np.interp(along, corners, [0, a, a, 0, 0])
     y = inset_m + np.interp(along, corners, [0, 0, b, b, 0])
-    return [Patch(float(px), float(py), side_m, side_m) for px, py in zip(x, y, strict=True)]
+    places = zip(x, y, strict=True)
+    return [Patch(float(at_x), float(at_y), side_m, side_m, moment_n_per_v) for at_x, at_y in places]
 
 
 def _inside(plate: Plate, name: str, centre: tuple[float, float], half: tuple[float, float]) -> None:

@@ -2,26 +2,22 @@
 
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Final
 
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import given, one_of, positive
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import given, positive
 
-from ..plate.glass import BOROFLOAT_33, GLASSES
+from ..plate.glass import GLASSES
 from ..plate.plate import Plate
 from ..responses.responses import Point, Responses, impulse_responses, samples_in
 from ..screen.attenuation import Attenuation
+from ..screen.glass_panel import LEARNT_S, GlassPanel
 from ..screen.screen import TAU_S, Screen
-from ..screen.transducer import MOMENT_N_PER_V, border
-
-LEARNT_S: Final = 7e-3
-"""Length of the responses, twice the default tau; unverified default."""
+from ..screen.transducer import MOMENT_N_PER_V, SIDE_M, border
 
 
 @checked
 @dataclass(frozen=True)
-class Setup:
+class Setup(GlassPanel):
     """Plate, transducers at its border, losses, sampling and the focus. Every default is unverified: the thesis's
     prototype as far as it is known.
 
@@ -54,30 +50,20 @@ class Setup:
     'FFFF'
     """
 
-    glass: str = BOROFLOAT_33.name
-    length_m: float = 0.297
-    width_m: float = 0.210
-    thickness_m: float = 1.1e-3
     boundary: str = "SSSS"
-    n_transducers: int = 32
-    side_m: float = 10e-3
-    inset_m: float = 12e-3
+    side_m: float = SIDE_M
     moment_n_per_v: float = MOMENT_N_PER_V
     tau_s: float = TAU_S
-    focus_x_m: float = 0.121
-    focus_y_m: float = 0.093
-    rate_hz: float = 250e3
     modes_to_hz: float = 66e3
     learnt_s: float = LEARNT_S
     shear_factor: float | None = None
 
     def __post_init__(self) -> None:
-        one_of("Setup.glass", self.glass, tuple(GLASSES))
-        positive("Setup", modes_to_hz=self.modes_to_hz, rate_hz=self.rate_hz, learnt_s=self.learnt_s, tau_s=self.tau_s)
+        self._check_panel(highest_hz="modes_to_hz")
+        positive("Setup", learnt_s=self.learnt_s, tau_s=self.tau_s)
         positive("Setup", side_m=self.side_m, moment_n_per_v=self.moment_n_per_v)
         positive("Setup", **given({"shear_factor": self.shear_factor}))
         self.plate.check_holds("Setup.focus", self.focus_m)
-        _check_nyquist(self)
         _ = self.screen
 
     @property
@@ -86,13 +72,8 @@ class Setup:
 
     @property
     def screen(self) -> Screen:
-        patches = border(self.plate, self.n_transducers, self.side_m, self.inset_m)
-        sources = tuple(replace(patch, moment_n_per_v=self.moment_n_per_v) for patch in patches)
-        return Screen(self.plate, sources, Attenuation(self.tau_s), self.shear_factor)
-
-    @property
-    def focus_m(self) -> Point:
-        return self.focus_x_m, self.focus_y_m
+        patches = border(self.plate, self.n_transducers, self.side_m, self.inset_m, self.moment_n_per_v)
+        return Screen(self.plate, patches, Attenuation(self.tau_s), self.shear_factor)
 
     @property
     def heard_s(self) -> float:
@@ -107,14 +88,6 @@ class Setup:
         """The first `learnt_s` of the responses at the focus."""
         heard = self.responses_at(*self.focus_m)
         return replace(heard, samples=heard.samples[..., : samples_in("learnt_s", self.learnt_s, self.rate_hz)])
-
-
-def _check_nyquist(setup: Setup) -> None:
-    if 2 * setup.modes_to_hz > setup.rate_hz:
-        raise InvalidParameter(
-            f"Setup.modes_to_hz: found {setup.modes_to_hz}, above the Nyquist frequency {setup.rate_hz / 2}; "
-            "lower it or raise rate_hz"
-        )
 
 
 @lru_cache(maxsize=16)

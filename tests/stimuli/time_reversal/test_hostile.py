@@ -57,6 +57,7 @@ from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, Raise
 from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
 from tactometry.stimuli.time_reversal.responses.learning import Excitation
 from tactometry.stimuli.time_reversal.responses.plate_constants import MeasuredConstant
+from tactometry.stimuli.time_reversal.screen.glass_panel import GlassPanel
 from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
 
 HOSTILE: Mapping[str, Any] = {
@@ -118,6 +119,7 @@ def constructors() -> Iterator[tuple[str, object]]:
         ),
         "plate.plate": PLATE, "focusing.quantiser": (Analogue(), OneBit(), SigmaDelta(), PulseWidth(200.0)),
         "responses.responses": RESPONSES, "screen.screen": SCREEN,
+        "screen.glass_panel": GlassPanel(),
         "stimulus.sensation": (TimeReversalSensation(SETUP), FocusReading(SETUP)), "stimulus.setup": SETUP,
         "field.sound": NoiseSpectrum(np.array([10.0, 20.0]), np.array([1e-9, 1e-9])),
         "filters": (BAND, Butterworth(500.0), MeasuredGain((1.0, 2.0), (1.0, 1j)), Hold(1e3)),
