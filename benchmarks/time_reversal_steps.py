@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from time_reversal_rounds import interleaved, machine, row
 
 from tactometry.stimuli.time_reversal import Plate
+from tactometry.stimuli.time_reversal.focusing.modulator import modulate
 from tactometry.stimuli.time_reversal.focusing.quantiser import normalised
-from tactometry.stimuli.time_reversal.focusing.sigma_delta import modulate
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.oscillators.propagator import run_linear
 from tactometry.stimuli.time_reversal.plate.modes import modes_of

@@ -5,7 +5,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.stimuli.time_reversal.focusing.sigma_delta import modulate
+from tactometry.stimuli.time_reversal.focusing.modulator import modulate
 
 from ..cost.problem import Problem, Rung
 

@@ -18,13 +18,11 @@ if TYPE_CHECKING:
         focus_amplitudes as focus_amplitudes,
     )
     from .focusing.inverse_filter import inverse_filter_waveform as inverse_filter_waveform
+    from .focusing.one_bit import OneBit as OneBit
     from .focusing.pattern import Pattern as Pattern, pattern_drive as pattern_drive
-    from .focusing.quantiser import (
-        Analogue as Analogue,
-        OneBit as OneBit,
-        PulseWidth as PulseWidth,
-        SigmaDelta as SigmaDelta,
-    )
+    from .focusing.pulse_width import PulseWidth as PulseWidth
+    from .focusing.quantiser import Analogue as Analogue
+    from .focusing.sigma_delta import SigmaDelta as SigmaDelta
     from .plate.glass import A4_SCREEN as A4_SCREEN, Glass as Glass
     from .plate.plate import Plate as Plate
     from .responses.load import PlateLoad as PlateLoad, loaded_responses as loaded_responses

@@ -38,6 +38,8 @@ from time_reversal_parts import (
 )
 
 from tactometry.contact import Contact
+from tactometry.stimuli.composition.effect import Demand
+from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
 from tactometry.stimuli.time_reversal import (
     Analogue,
     Attenuation,
@@ -310,13 +312,16 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "degrees": {"plate": PLATE, **LOW},
         },
         "focusing.quantiser": {
-            **{
-                f"{type(rule).__name__}.quantise": {"self": rule, "waveform": FIELD, "rate_hz": 2e3}
-                for rule in (Analogue(), OneBit(), SigmaDelta(), PulseWidth(200.0))
-            },
+            "Analogue.quantise": {"self": Analogue(), "waveform": FIELD, "rate_hz": 2e3},
             "normalised": {"waveform": FIELD, "per_channel": True},
+            "one_bit": {},
         },
-
+        "focusing.one_bit": {"OneBit.quantise": {"self": OneBit(), "waveform": FIELD, "rate_hz": 2e3}},
+        "focusing.sigma_delta": {"SigmaDelta.quantise": {"self": SigmaDelta(), "waveform": FIELD, "rate_hz": 2e3}},
+        "focusing.pulse_width": {
+            "PulseWidth.quantise": {"self": PulseWidth(200.0), "waveform": FIELD, "rate_hz": 2e3},
+            "PulseWidth.size": {"self": PulseWidth(200.0), "demand": Demand(TimeReversal(), (), (), (), 0.1)},
+        },
         "responses.responses": {
             "through": {**heard, "gain": Hold(2e3)},
             "band_limited": {**heard, "band": BAND},

@@ -8,9 +8,12 @@ from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 
 from ...arrays import FloatArray
 from ..field.sound import NoiseSpectrum
+from ..focusing.modulator import modulate
+from ..focusing.one_bit import OneBit
 from ..focusing.pattern import PATTERNS, Pattern
-from ..focusing.quantiser import OneBit, PulseWidth, Quantiser, SigmaDelta
-from ..focusing.sigma_delta import modulate
+from ..focusing.pulse_width import PulseWidth
+from ..focusing.quantiser import Quantiser
+from ..focusing.sigma_delta import SigmaDelta
 from .style import BLACK, BLUE, ORANGE, colours, label, sheet
 
 

@@ -15,7 +15,7 @@ from ..field.sound import NoiseSpectrum, noise
 from ..filters import Band
 from ..finger import Contactor, force_loss
 from ..focusing.focusing import Emission
-from ..focusing.quantiser import SigmaDelta
+from ..focusing.sigma_delta import SigmaDelta
 from ..plate.glass import A4_SCREEN, BOROFLOAT_33
 from ..responses.responses import Point, impulse_responses
 from ..screen.attenuation import Attenuation

@@ -20,7 +20,7 @@ from ..filters import Band
 from ..responses.load import Attached, loaded_responses
 from ..responses.responses import Point, Responses, band_limited, samples_in
 from ..screen.screen import Screen
-from .quantiser import OneBit, Quantiser
+from .quantiser import Quantiser, one_bit
 
 
 @checked
@@ -99,7 +99,7 @@ def drive(
     """
     positive("drive", voltage_v=voltage_v)
     waveform = reversed_waveform(foci, reversal_s=reversal_s, weights=weights, window=window)
-    values = (quantiser or OneBit()).quantise(waveform, foci.rate_hz)
+    values = (quantiser or one_bit()).quantise(waveform, foci.rate_hz)
     return Signal(voltage_v * values, foci.rate_hz, "V")
 
 

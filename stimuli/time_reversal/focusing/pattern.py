@@ -20,7 +20,7 @@ from tactometry.signal import Signal
 from ...arrays import FloatArray, IntArray
 from ..responses.responses import MAX_SAMPLES, Responses
 from .focusing import reversed_waveform
-from .quantiser import OneBit, Quantiser
+from .quantiser import Quantiser, one_bit
 
 LOW_HZ: Final = 200.0
 HIGH_HZ: Final = 500.0
@@ -201,7 +201,7 @@ def pattern_drive(
     positive("pattern_drive", voltage_v=voltage_v)
     one_of("pattern_drive.modulation", modulation, MODULATIONS)
     rows = _rows(path, pattern.n_foci, foci.n_points)
-    rule = quantiser or OneBit()
+    rule = quantiser or one_bit()
     waves = {row: reversed_waveform(foci.at_point(row), reversal_s=reversal_s) for row in set(rows)}
     n = next(iter(waves.values())).shape[1]
     starts = _starts(pattern, foci.rate_hz)

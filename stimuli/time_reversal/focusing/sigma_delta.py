@@ -1,83 +1,57 @@
-"""Sigma-delta modulators of first and second order, all channels at once.
-
-Error feedback with two levels: y = u - e1 (first), y = u - 2 e1 + e2 (second), v = sign(y), e = v - y, so
-that V = U + (1 - z^-1)^L E. Time is the outer loop and channels the inner one: no channel waits for
-another, and the compiler fills its vectors.
-"""
+"""Sigma-delta modulation of the reversed responses."""
 
 from dataclasses import dataclass
-from typing import Final
 
-import numpy as np
-from numba import njit
-from numpy.typing import NDArray
-
-from tactometry.arguments.require import finite_array
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.annotations import Matrix
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import positive
+from tactometry.errors import InvalidParameter, LimitExceeded
 
 from ...arrays import FloatArray
-
-STATE_LIMIT: Final = {1: 2.0, 2: 10.0}
-"""Largest |y| of a sound modulator of each order: 2 is exact for |u| <= 1; of the second order it stays below 6 at
-|u| = 0.7 and goes above 10 at 0.9 (simulation, no theorem)."""
-FEEDBACK: Final = {1: (1.0, 0.0), 2: (2.0, -1.0)}
+from ...composition.effect import Quantity
+from .quantiser import normalised
 
 
-@dataclass(frozen=True, eq=False)
-class BitStream:
-    """What a modulator emitted.
-
-    `bits` (n_channels, n_samples) are -1 or +1, one byte each; `peak_state` is the largest |y|, and `limit` what a
-    sound modulator of this order keeps to: 2 exactly for the first order with |u| <= 1, 10 by simulation for the
-    second.
-    """
-
-    bits: NDArray[np.int8]
-    peak_state: float
-    limit: float
-
-    @property
-    def overloaded(self) -> bool:
-        return self.peak_state > self.limit * (1 + 1e-12)
-
-
-def modulate(signal: FloatArray, order: int) -> BitStream:
-    """The bit stream of each channel.
+@checked
+@dataclass(frozen=True)
+class SigmaDelta(Quantity):
+    """One bit per sample whose quantisation noise is pushed to high frequencies.
 
     Parameters
     ----------
-    signal : (n_channels, n_samples) array
-        Finite; |u| <= 1 for the first order and about 0.7 for the second keep the modulator sound. Memory in order of
-        time (the transpose of a contiguous (n_samples, n_channels) array) saves a copy.
     order : int
         1 or 2.
+    scale : float
+        Peak of the modulator's input, above 0; 0.7 keeps the second order stable up to a 20th of
+        the rate, and up to 1 the first.
 
-    Examples
-    --------
-    >>> modulate(np.full((1, 8), 0.5), 1).bits[0].mean()
-    np.float64(0.5)
+    Raises
+    ------
+    InvalidParameter
+        From the constructor, if the order or scale is not as stated.
+    LimitExceeded
+        From `quantise`, if the modulator overloads: nothing is emitted.
     """
-    if order not in (1, 2):
-        raise InvalidParameter(f"order: found {order}, expected 1 or 2")
-    by_time = np.ascontiguousarray(signal.T)
-    bits = np.empty(by_time.shape, np.int8)
-    peak, error = _modulate(by_time, bits, *FEEDBACK[order])
-    if not np.isfinite(error).all():  # nothing that is not finite ever leaves the feedback
-        finite_array("modulate.signal", signal)
-    return BitStream(bits.T, float(peak.max(initial=0.0)), STATE_LIMIT[order])
 
+    kind, slot, gives = "sigma_delta", "quantiser", "quantiser"
 
-@njit(cache=True, error_model="numpy")  # type: ignore[untyped-decorator]
-def _modulate(signal: FloatArray, bits: NDArray[np.int8], b1: float, b2: float) -> tuple[FloatArray, FloatArray]:
-    """y = u - b1 e1 - b2 e2; the largest |y| and the last e1 of each channel."""
-    n_samples, n_channels = signal.shape
-    e1, e2, peak = np.zeros(n_channels), np.zeros(n_channels), np.zeros(n_channels)
-    for t in range(n_samples):
-        now, emitted = signal[t], bits[t]
-        for c in range(n_channels):
-            y = now[c] - b1 * e1[c] - b2 * e2[c]
-            e2[c] = e1[c]
-            e1[c] = (1.0 if y >= 0 else -1.0) - y
-            peak[c] = abs(y) if abs(y) > peak[c] else peak[c]
-            emitted[c] = 1 if y >= 0 else -1
-    return peak, e1
+    order: int = 2
+    scale: float = 0.7
+
+    def __post_init__(self) -> None:
+        if self.order not in (1, 2):
+            raise InvalidParameter(f"SigmaDelta.order: found {self.order}, expected 1 or 2")
+        positive("SigmaDelta", scale=self.scale)
+
+    def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
+        from .modulator import modulate
+
+        del rate_hz
+        stream = modulate(self.scale * normalised(waveform), self.order)
+        if stream.overloaded:
+            raise LimitExceeded(
+                f"SigmaDelta(order={self.order}, scale={self.scale}): found a state of "
+                f"{stream.peak_state:.3g}, the limit is {stream.limit:.3g}: the modulator overloads; "
+                "lower scale (0.7 bears a sine up to a 20th of the rate), or raise the rate; nothing is emitted"
+            )
+        return stream.bits.astype(float)

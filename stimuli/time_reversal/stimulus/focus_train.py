@@ -15,6 +15,7 @@ from tactometry.signal import Signal
 
 from ..filters import Band
 from ..focusing.focusing import emitted
+from ..focusing.one_bit import OneBit
 from ..focusing.pattern import (
     ENVELOPES,
     MODULATIONS,
@@ -26,7 +27,8 @@ from ..focusing.pattern import (
     focus_samples,
     pattern_drive,
 )
-from ..focusing.quantiser import Analogue, OneBit, Quantiser, SigmaDelta
+from ..focusing.quantiser import Analogue, Quantiser
+from ..focusing.sigma_delta import SigmaDelta
 from ..responses.responses import Responses, band_limited, samples_in
 from .setup import Setup
 

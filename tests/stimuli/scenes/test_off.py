@@ -38,7 +38,7 @@ OWNERS = {
     "time_reversal.focusing.pattern": {"repetition"},
     "time_reversal.rectangle.ritz": {"edges"},
     "time_reversal.stimulus.sensation": {"focus_detection"},
-    "time_reversal.focusing.sigma_delta": {"sigma_delta"},
+    "time_reversal.focusing.modulator": {"sigma_delta"},
     "time_reversal.field.sound": {"airborne_sound"},
 }
 """Physics that some effects alone need."""

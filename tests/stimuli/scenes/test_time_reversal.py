@@ -35,7 +35,7 @@ from tactometry.stimuli.time_reversal.field.merit import deformation_energy_j
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
-from tactometry.stimuli.time_reversal.focusing.quantiser import OneBit
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
 from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses
@@ -323,7 +323,7 @@ def test_an_effect_outside_of_its_domain_is_refused(kind, values, message):
     [
         ("patches", {"side_m": 0.03}, r"patches: .*raise inset_m to 0\.015 or lower side_m"),
         ("audible_filter", {}, r"audible_filter: .*lower cutoff_hz or raise band_max_hz"),
-        ("pulse_width", {"carrier_hz": 20e3}, r"pulse_width: .*lower it or raise rate_hz"),
+        ("pulse_width", {"carrier_hz": 20e3}, r"PulseWidth\.carrier_hz: .*lower it or raise rate_hz"),
     ],
 )
 def test_an_effect_that_does_not_fit_the_screen_is_refused_with_the_cure(kind, values, message):

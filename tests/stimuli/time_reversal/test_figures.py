@@ -22,7 +22,7 @@ from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger import LossRow
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS
-from tactometry.stimuli.time_reversal.focusing.quantiser import SigmaDelta
+from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 

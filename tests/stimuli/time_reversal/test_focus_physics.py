@@ -31,7 +31,9 @@ from tactometry.stimuli.time_reversal.field.merit import (
 from tactometry.stimuli.time_reversal.field.sound import noise
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, emitted, focus_amplitude
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
+from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.plate.dispersion import (
     group_velocity_m_per_s,
     mindlin_wavenumber_rad_per_m,

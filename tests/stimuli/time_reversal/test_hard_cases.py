@@ -20,8 +20,10 @@ from tactometry.stimuli.time_reversal.field.field import field
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude, focus_amplitudes
 from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
-from tactometry.stimuli.time_reversal.focusing.sigma_delta import modulate
+from tactometry.stimuli.time_reversal.focusing.modulator import modulate
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
+from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.oscillators.propagator import run_impulses
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33

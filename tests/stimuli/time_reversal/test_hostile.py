@@ -86,8 +86,7 @@ INNER = frozenset(
         "oscillators.propagator",
         "rectangle.rectangle",
         "rectangle.ritz",
-        "rectangle.separable",
-        "focusing.sigma_delta",
+        "focusing.modulator",
     }
 )
 """Numerical kernels: their arguments are arrays that the public functions make."""
@@ -117,7 +116,8 @@ def constructors() -> Iterator[tuple[str, object]]:
         "focusing.pattern": (
             Rectangular(), RaisedCosine(), Exponential(), Sinc(), Table((0.0, 1.0)), Pattern(200.0, 0.05),
         ),
-        "plate.plate": PLATE, "focusing.quantiser": (Analogue(), OneBit(), SigmaDelta(), PulseWidth(200.0)),
+        "plate.plate": PLATE, "focusing.quantiser": Analogue(),
+        "focusing.one_bit": OneBit(), "focusing.sigma_delta": SigmaDelta(), "focusing.pulse_width": PulseWidth(200.0),
         "responses.responses": RESPONSES, "screen.screen": SCREEN,
         "screen.glass_panel": GlassPanel(),
         "stimulus.sensation": (TimeReversalSensation(SETUP), FocusReading(SETUP)), "stimulus.setup": SETUP,

@@ -30,7 +30,9 @@ from tactometry.stimuli.time_reversal.field.sound import (
 )
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
+from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses, inaudible
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation

@@ -8,13 +8,11 @@ from hard_cases import exact_case, hard_case
 from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter, LimitExceeded
-from tactometry.stimuli.time_reversal.focusing.quantiser import (
-    Analogue,
-    OneBit,
-    PulseWidth,
-    SigmaDelta,
-)
-from tactometry.stimuli.time_reversal.focusing.sigma_delta import modulate
+from tactometry.stimuli.time_reversal.focusing.modulator import modulate
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
+from tactometry.stimuli.time_reversal.focusing.pulse_width import PulseWidth
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
+from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 
 N = 1 << 16
 

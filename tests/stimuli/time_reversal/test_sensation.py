@@ -14,8 +14,10 @@ from tactometry.stimuli.perception.sensitivity import sensitivity_db
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import drive as reversed_drive, emitted
+from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS, focus_samples
-from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue, OneBit, SigmaDelta
+from tactometry.stimuli.time_reversal.focusing.quantiser import Analogue
+from tactometry.stimuli.time_reversal.focusing.sigma_delta import SigmaDelta
 from tactometry.stimuli.time_reversal.responses.load import PlateLoad, loaded_responses
 from tactometry.stimuli.time_reversal.responses.responses import band_limited
 from tactometry.stimuli.time_reversal.screen.transducer import MOMENT_N_PER_V

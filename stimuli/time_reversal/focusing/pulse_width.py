@@ -1,0 +1,47 @@
+"""Pulse-width modulation of the reversed responses."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from tactometry.arguments.annotations import Matrix
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import positive, within
+from tactometry.errors import InvalidParameter
+
+from ...arrays import FloatArray
+from ...composition.effect import Demand, Quantity, Size
+from .quantiser import normalised
+
+
+@checked
+@dataclass(frozen=True)
+class PulseWidth(Quantity):
+    """Pulse-width modulation with natural sampling: the sign of the waveform minus a triangular carrier."""
+
+    kind, slot, gives = "pulse_width", "quantiser", "quantiser"
+
+    carrier_hz: float
+    scale: float = 1.0
+
+    def __post_init__(self) -> None:
+        positive("PulseWidth", carrier_hz=self.carrier_hz, scale=self.scale)
+        within("PulseWidth", 0.0, 1.0, scale=self.scale)
+
+    def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
+        self._check_rate(rate_hz)
+        turns = np.arange(waveform.shape[-1]) * (self.carrier_hz / rate_hz) % 1
+        carrier = 1 - 4 * np.abs(turns - 0.5)
+        return np.where(self.scale * normalised(waveform) >= carrier, 1.0, -1.0)
+
+    def size(self, demand: Demand) -> Size:
+        """Refuse a carrier that the clock of the surface is too slow for."""
+        self._check_rate(demand.surface.rate_hz)
+        return Size()
+
+    def _check_rate(self, rate_hz: float) -> None:
+        if 4 * self.carrier_hz > rate_hz:
+            raise InvalidParameter(
+                f"PulseWidth.carrier_hz: found {self.carrier_hz}, expected at most a quarter of the rate, "
+                f"{rate_hz / 4} Hz; lower it or raise rate_hz"
+            )
