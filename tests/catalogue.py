@@ -71,7 +71,7 @@ from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.stimuli.hybrid import Hybrid
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
-from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid as HybridScreen
+from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen
 from tactometry.stimuli.time_reversal.responses.responses import Responses
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup

@@ -12,7 +12,7 @@ from tactometry.stimuli.composition.effect import Effect, FingerContact
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
-from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid
+from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen
 from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
 
 SLIDING = (FingerContact(2.0, speed_m_per_s=0.05),)
@@ -184,7 +184,7 @@ def hybrids(draw: st.DrawFn) -> Scene:
     borne = FOCUSED if rested.find("load") else FOCUSED[:-1]
     return replace(
         rested,
-        surface=Hybrid(tone, plate),
+        surface=HybridScreen(tone, plate),
         effects=(*rested.effects, *rubbed),
         outputs=("t_s", *borne, "sliding_t_s", *slid),
         contacts=tuple(draw(st.permutations((*rested.contacts, slides)))),

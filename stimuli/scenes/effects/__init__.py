@@ -8,7 +8,7 @@ from collections.abc import Mapping
 OF_ELECTROVIBRATION: Mapping[str, str] = {
     "carrier": "tactometry.stimuli.scenes.effects.carrier:Carrier",
     "dc_offset": "tactometry.stimuli.scenes.effects.dc_offset:DcOffset",
-    "texture": "tactometry.stimuli.scenes.effects.texture:Texture",
+    "texture": "tactometry.stimuli.electrovibration.textures.cosine_grating:CosineGrating",
     "body_resistance": "tactometry.stimuli.scenes.effects.body_resistance:BodyResistance",
     "skin_leakage": "tactometry.stimuli.scenes.effects.skin_leakage:SkinLeakage",
     "air_gap": "tactometry.stimuli.scenes.effects.air_gap:AirGap",

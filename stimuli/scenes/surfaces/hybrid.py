@@ -17,7 +17,7 @@ ELECTRODE_V = "electrode_voltage_v"
 
 
 @dataclass(frozen=True)
-class Hybrid(Surface):
+class HybridScreen(Surface):
     """A plate that focuses, with an electrode on it.
 
     Fingers that rest feel the focus, the first that slides feels friction. To the plate all are loads at their places,
@@ -30,7 +30,7 @@ class Hybrid(Surface):
     time_reversal : TimeReversal
 
     >>> from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
-    >>> Hybrid(Electrovibration(frequency_hz=240.0)).given
+    >>> HybridScreen(Electrovibration(frequency_hz=240.0)).given
     ('voltage_v', 'level_db_re_1v')
     """
 

@@ -121,6 +121,7 @@ def test_a_texture_is_a_share_of_the_force_along_the_path():
     plain = run(panel(outputs=outputs, accuracy=1e-4))
     without = np.interp(got["t_s"], plain["t_s"], plain["electrostatic_force_n"])
     share = (1 + np.cos(2 * np.pi * 0.05 * got["t_s"] / 1e-3)) / 2
+    np.testing.assert_allclose(texture.force_share(0.05 * got["t_s"]), share, atol=1e-12)
     np.testing.assert_allclose(got["electrostatic_force_n"], without * share, atol=2e-4 * without.max())
 
 

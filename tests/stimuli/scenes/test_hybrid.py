@@ -16,14 +16,16 @@ from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.result import computed
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
-from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid
+from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen
 
 TONE = Electrovibration(60.0, duration_s=0.05, ramp_s=0.01)
 REST, SLIDE = FingerContact(2.0), FingerContact(2.0, speed_m_per_s=0.05, x_m=0.09, y_m=0.06)
 GIVEN = {"voltage_v": 30.0, "level_db_re_1v": 40.0}
 FOCUS = (effect("attenuation", tau_s=2e-3), effect("one_bit"), effect("finger_load"))
 FRICTION = (effect("force_law", law="sc_layer"), effect("skin_leakage"), effect("friction"))
-HYBRID = Scene(Hybrid(TONE, small_screen()), (*FOCUS, *FRICTION), ("peak_m", "friction_force_n"), 0.01, (SLIDE, REST))
+HYBRID = Scene(
+    HybridScreen(TONE, small_screen()), (*FOCUS, *FRICTION), ("peak_m", "friction_force_n"), 0.01, (SLIDE, REST)
+)
 
 
 def run(scene):

@@ -1,4 +1,4 @@
-"""Hybrid scenes keep the accuracy that is asked for, on both sides, and cost less when it is loosened."""
+"""HybridScreen scenes keep the accuracy that is asked for, on both sides, and cost less when it is loosened."""
 
 from dataclasses import replace
 
@@ -24,7 +24,7 @@ from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.electrovibration import PowerLawArea, Sine, Skin, electrostatic_force_n_at
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
-from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid
+from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted
@@ -43,7 +43,7 @@ EFFECTS = (
     effect("force_law", law="sc_layer"), effect("skin_leakage"), effect("contact_area"), effect("friction"),
 )  # fmt: skip
 SCENE = Scene(
-    Hybrid(Electrovibration(60.0, duration_s=0.05, ramp_s=0.01), small_screen()),
+    HybridScreen(Electrovibration(60.0, duration_s=0.05, ramp_s=0.01), small_screen()),
     EFFECTS,
     ("t_s", *FOCUSED, "sliding_t_s", *RUBBED),
     contacts=(SLIDE, REST),

@@ -33,7 +33,7 @@ from tactometry.stimuli.scenes.explain import explained
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
-from tactometry.stimuli.scenes.surfaces.hybrid import Hybrid
+from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen
 
 PANEL = (
     "t_s", "voltage_v", "electrostatic_force_n", "peak_force_n", "friction_force_n", "skin_displacement_m",
@@ -57,7 +57,7 @@ BARE = {
     "electrovibration": Scene(Electrovibration(5.0, 0.4, 0.05), (), ("voltage_v",), 0.05, SLIDING),
     "time_reversal": Scene(small_screen(), (), ("peak_m",), 0.1, RESTING),
     "hybrid": Scene(
-        Hybrid(Electrovibration(5.0, 0.4, 0.05), small_screen()),
+        HybridScreen(Electrovibration(5.0, 0.4, 0.05), small_screen()),
         (),
         ("peak_m",),
         0.1,

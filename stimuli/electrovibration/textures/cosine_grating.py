@@ -1,25 +1,26 @@
-"""A sinusoidal grating on the screen: the voltage follows the position of the finger, exactly."""
+"""A sinusoidal grating: the voltage follows the position of the finger, exactly."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import pi
-from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import ArrayLike
 
 from tactometry.errors import InvalidParameter
 
+from ...arrays import FloatArray
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings
-
-if TYPE_CHECKING:
-    from ...electrovibration.waveforms.pieces import Pieces
+from ..waveforms.pieces import Pieces
 
 
 @dataclass(frozen=True)
-class Texture(Effect):
+class CosineGrating(Effect):
     """A grating of `period_m`: the force goes with ``(1 + cos(2 pi x/period))/2``, the voltage with its root.
 
-    >>> Texture(period_m=1e-3).slot
-    'texture'
+    >>> CosineGrating(period_m=1e-3).force_share([0.0, 0.25e-3, 0.5e-3]).round(9).tolist()
+    [1.0, 0.5, 0.0]
     """
 
     kind = "texture"
@@ -30,25 +31,27 @@ class Texture(Effect):
 
     period_m: float
 
-    def in_voltage(self, scene: Surroundings) -> VoltageContent:
-        frequency_hz = self.frequency_hz(scene)
-        return VoltageContent(frequency_hz / 2, kinks_rad_per_s=pi * frequency_hz)
+    def force_share(self, x_m: ArrayLike) -> FloatArray:
+        """Share (0..1) of the full electrostatic force, of the shape of `x_m` (m)."""
+        return np.asarray((1 + np.cos(2 * pi * np.asarray(x_m, float) / self.period_m)) / 2)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        settings = {"frequency_hz": self.frequency_hz(scene)}
-        needs, target = ("unit_voltage",), f"{__name__}:met"
-        return (Stage("texture", needs, "unit_voltage", target, settings),)
+        settings = {"frequency_hz": self._frequency_hz(scene)}
+        return (Stage("texture", ("unit_voltage",), "unit_voltage", f"{__name__}:modulation", settings),)
 
-    def frequency_hz(self, scene: Surroundings) -> float:
+    def in_voltage(self, scene: Surroundings) -> VoltageContent:
+        frequency_hz = self._frequency_hz(scene)
+        return VoltageContent(frequency_hz / 2, kinks_rad_per_s=pi * frequency_hz)
+
+    def _frequency_hz(self, scene: Surroundings) -> float:
         """Periods per second under the finger."""
         return scene.contacts[0].speed_m_per_s / self.period_m
 
 
-def met(frequency_hz: float) -> "Callable[[Pieces], Pieces]":
+def modulation(frequency_hz: float) -> Callable[[Pieces], Pieces]:
     """A voltage times ``|cos(pi f t)|``: each sinusoid becomes two, the sign alternates from zero to zero."""
-    import numpy as np
 
-    def modulated(voltage: "Pieces") -> "Pieces":
+    def modulated(voltage: Pieces) -> Pieces:
         if voltage.slopes_v_per_s.any():
             raise InvalidParameter("texture: found a voltage with slopes, expected one of constants and sinusoids")
         zeros_s = (np.arange(np.ceil(voltage.end_s * frequency_hz - 0.5)) + 0.5) / frequency_hz
