@@ -1,10 +1,8 @@
 """From trials to estimates, figures and reports.
 
 The whole way is `analyse` and `write_report`; what `tactometry analyse` does beside them is in `docs/analysis.md`. The
-functions below are its steps, each to be had alone: read a table, fit thresholds, compare conditions. A function that
-bears the name of its module is imported from there: `mixed_model.mixed_model`, `mixed_anova.mixed_anova`,
-`censored_model.censored_model`, `equivalence.equivalence`, `group_pairs.group_pairs`, `bradley_terry.bradley_terry`,
-`ratings.ratings`.
+functions below are its steps, each to be had alone: read a table, fit thresholds, compare conditions. `docs/analysis.md`
+names more of them, with their modules.
 
 A name is imported when it is first asked for.
 """

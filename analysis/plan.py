@@ -20,7 +20,7 @@ from .reading.study_file import study_table
 class AnalysisPlan:
     """Rules of exclusion, and per factor the bound within which its levels count as equivalent (in the unit of the
     threshold; `equivalence`). `hierarchical`: whether all participants are also fitted at once. `primary`: the analysis
-    that answers (the others are checks); by default a rule chooses it (`analysis.primary`).
+    that answers (the others are checks); by default a rule chooses it (`outcomes.findings.primary_analysis`).
 
     Raises
     ------

@@ -18,8 +18,8 @@ from scipy.stats import t as student
 from tactometry.analysis.anova.censored import censored_anova
 from tactometry.analysis.anova.contrasts import ContrastEffect, contrasts, permutation_p
 from tactometry.analysis.anova.design import UndefinedStatistic
+from tactometry.analysis.anova.group_means import DIFFERENCE, within_variances
 from tactometry.analysis.anova.post_hoc import all_together
-from tactometry.analysis.anova.within_intervals import DIFFERENCE, within_variances
 
 N, SEED = 10, 1
 DESIGNS = {"4": ((4,), (0,)), "3 x 4": ((3, 4), (0, 1))}

@@ -1,6 +1,6 @@
 """Analysis of variance of values of which some are bounds or missing: nobody is left out.
 
-The model is that of `anova.repeated_measures` and `mixed_anova.mixed_anova` (`strata`), and so are F, degrees of
+The model is that of `anova.repeated_measures` and `split_plot.mixed_anova` (`strata`), and so are F, degrees of
 freedom, corrections and sizes of effects where all values are known. A bound counts as a value below or above it, a
 missing value as one that could be any (missing at random, which a bound is not).
 """
@@ -20,10 +20,9 @@ from ..arrays import Array
 from .bounded_design import BoundedDesign, bounded_design
 from .contrasts import Sphericity, Tested, epsilons
 from .design import DesignStatus, UndefinedStatistic
-from .effect_size import INTERVAL
+from .group_means import within_variances
 from .strata import LEAST_VARIANCE, StrataFit, fit_strata
-from .within_intervals import within_variances
-from .within_subjects import MAX_FACTORS, effect_table
+from .within_subjects import INTERVAL, MAX_FACTORS, effect_table
 
 WIDEST_SE = 10.0
 """A mean of a larger standard error, in standard deviations of the known values, is not held by them."""

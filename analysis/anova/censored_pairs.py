@@ -1,6 +1,6 @@
 """Which conditions and groups differ, where some values are bounds: contrasts of `censored_anova`.
 
-They equal `post_hoc.pairs` and `group_pairs.group_pairs` where all values are known.
+They equal `post_hoc.pairs` and `split_plot.group_pairs` where all values are known.
 """
 
 from collections.abc import Sequence
@@ -13,8 +13,7 @@ from scipy.stats import t as student
 
 from ..arrays import Array
 from .censored import CensoredAnova
-from .equivalence import told_equivalent, two_one_sided
-from .post_hoc import all_together
+from .post_hoc import all_together, told_equivalent, two_one_sided
 
 LEAST_SD = 1e-7
 """In standard deviations of the values: the root of what a variance keeps of rounding."""

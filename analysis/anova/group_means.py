@@ -1,4 +1,14 @@
-"""Mean of a dependent value per condition, with its intervals, or how many bounds there are."""
+"""Mean of a dependent value per condition, with its intervals, or how many bounds there are.
+
+Intervals of the means of conditions within participants: without what participants differ by in all conditions.
+
+An interval between participants says where the mean of a condition may lie; it says little about the differences
+between conditions, from which what participants share drops out. An interval within participants says that: Cousineau's
+(2005, Tutorials in Quantitative Methods for Psychology 1, 42-45) with Morey's correction (2008, the same journal 4,
+61-64), from values less the participant's own mean. Of two conditions the interval of the difference is sqrt(2) times
+as wide; so two means differ where such intervals, shortened by sqrt(1 / 2), do not meet (Baguley 2012, Behavior
+Research Methods 44, 158-175). Of more conditions both hold on average over the pairs.
+"""
 
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -7,11 +17,10 @@ import numpy as np
 import pandas as pd
 from scipy.stats import t as student
 
-from ..arrays import size_of
+from ..arrays import Array, size_of
 from ..conditions import parts
 from ..means import mean_with_interval
 from ..wording.numbers import interval_text
-from .within_intervals import within_variances
 
 BOUNDS: Mapping[str, tuple[str, str]] = {
     "threshold": ("interval_low", "interval_high"),
@@ -22,6 +31,11 @@ BOUNDS: Mapping[str, tuple[str, str]] = {
 LOW, HIGH = "lower_bound", "upper_bound"
 LEVELS = ("threshold", "pse")
 """Values whose bound is an end of the levels."""
+MEANS = ("mean", "mean_low", "mean_high", "sd", "within_low", "within_high")
+_SIDES = ((HIGH, LOW), (LOW, HIGH))
+MODEL = "censored model"
+DIFFERENCE = float(np.sqrt(0.5))
+"""What shortens an interval so that two which do not meet tell a difference (Baguley 2012)."""
 
 
 def group_table(
@@ -97,9 +111,6 @@ def _halves(wide: pd.DataFrame, interval: float) -> dict[tuple[object, ...], flo
     return dict(zip(names, halves.tolist(), strict=True))
 
 
-MEANS = ("mean", "mean_low", "mean_high", "sd", "within_low", "within_high")
-
-
 def _group(
     part: pd.DataFrame, dependent: str, interval: float, half: float | None, model: "pd.Series[float] | None"
 ) -> dict[str, object]:
@@ -119,10 +130,6 @@ def _group(
     return row | {"text": _text(row, len(part), "the levels" if dependent in LEVELS else "a bound")}
 
 
-_SIDES = ((HIGH, LOW), (LOW, HIGH))
-MODEL = "censored model"
-
-
 def _text(row: Mapping[str, Any], n: int, where: str) -> str:
     sides = [f"{row[f'n_{side}']} {side}" for side in ("below", "above") if row[f"n_{side}"]]
     beside = [f"{', '.join(sides)} {where}"] if sides else []
@@ -132,3 +139,17 @@ def _text(row: Mapping[str, Any], n: int, where: str) -> str:
         return f"of {n}: {', '.join(beside)}" if beside else f"none ({n} missing)"
     counts = ", ".join([f"n = {row['n']}", *(["all alike"] if row["sd"] == 0 else []), *beside])
     return f"{interval_text(row['mean'], row['mean_low'], row['mean_high'])} ({counts})"
+
+
+def within_variances(covariance: Array) -> Array:
+    """The variance of each condition without what participants share, from the covariance (condition, condition);
+    missing for one condition.
+
+    >>> within_variances(np.array([[5.0, 4.0], [4.0, 6.0]])).tolist()
+    [1.5, 1.5]
+    """
+    k = len(covariance)
+    if k < 2:
+        return np.full(k, np.nan)
+    centre = np.eye(k) - 1 / k
+    return np.asarray(np.diagonal(centre @ covariance @ centre) * k / (k - 1))

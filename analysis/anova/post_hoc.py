@@ -1,6 +1,11 @@
-"""Which conditions differ: paired comparisons, Holm's correction, simultaneous intervals, sizes, Bayes factors."""
+"""Which conditions differ: paired comparisons, Holm's correction, simultaneous intervals, sizes, Bayes factors.
 
-from collections.abc import Sequence
+Equivalence: two one-sided tests (Schuirmann 1987) against a bound that is stated before the data are seen.
+
+That a test finds no difference does not show that there is none; this does, up to the bound.
+"""
+
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -19,6 +24,7 @@ CORRECTIONS = ("holm", "bonferroni", "sidak", "fdr_bh", "none")
 SPREADS = 12.0
 DIGITS = 12
 """Of a difference in units of the largest value: what is equal but for rounding is tied."""
+_TESTED = ("difference_low", "difference_high", "t", "p_unc", "dz", "dz_low", "dz_high", "bf10")
 
 
 @dataclass(frozen=True)
@@ -176,9 +182,6 @@ def _row(pair: Pair, by: str | None, interval: float) -> dict[str, object]:
     return row | dict(zip(_TESTED, tested, strict=True)) | {"status": "ok"}
 
 
-_TESTED = ("difference_low", "difference_high", "t", "p_unc", "dz", "dz_low", "dz_high", "bf10")
-
-
 def dz_interval(t: float, n: int, interval: float) -> tuple[float, float]:
     """The ends of the standardised mean difference: noncentralities of t over the root of n (Cumming 2012)."""
     tail = (1 - interval) / 2
@@ -240,3 +243,72 @@ def evidence(bf10: float) -> str:
     grades: Sequence[tuple[float, str]] = ((100, "extreme"), (30, "very strong"), (10, "strong"), (3, "moderate"))
     word = next((word for bound, word in grades if size > bound), "anecdotal")
     return f"{word} evidence for {side}"
+
+
+def equivalence(
+    table: pd.DataFrame,
+    *,
+    dependent: str,
+    factor: str,
+    subject: str,
+    bound: float,
+    by: str | None = None,
+    alpha: float = 0.05,
+) -> pd.DataFrame:
+    """Two one-sided paired t-tests between all levels of `factor`: is the difference within +-`bound`?
+
+    Returns
+    -------
+    DataFrame
+        Per pair: `difference` (b less a) with its 1 - 2 alpha interval, `t_low` and `t_high` of the two tests, the
+        larger `p`, and whether they are `equivalent`. `attrs["p_all"]` is the largest p: the claim that *all* pairs are
+        equivalent needs no correction (Berger 1982), and holds at alpha if it is below alpha.
+
+    Raises
+    ------
+    InvalidParameter
+        If `bound` is not above 0 or alpha not between 0 and 0.5; else as `repeated_measures`.
+
+    >>> values = [20.1, 20.3, 22.0, 21.9, 18.7, 18.9, 21.1, 20.9]
+    >>> table = pd.DataFrame({"who": list("aabbccdd"), "force_n": [0.5, 1] * 4, "y": values})
+    >>> found = equivalence(table, dependent="y", factor="force_n", subject="who", bound=1.0)
+    >>> found[["difference", "p", "equivalent"]].round(4).values.tolist()
+    [[0.025, 0.0013, True]]
+    """
+    if not (np.isfinite(bound) and bound > 0):
+        raise InvalidParameter(f"bound: found {bound}, expected a difference above 0, in the unit of {dependent}")
+    if not 0 < alpha < 0.5:
+        raise InvalidParameter(f"alpha: found {alpha}, expected a chance between 0 and 0.5")
+    compared, notes = compare(table, dependent, factor, subject, by, "equivalence")
+    result = told_equivalent([_equivalence_row(pair, by, bound, alpha) for pair in compared], bound, alpha)
+    result.attrs["notes"] = notes
+    return result
+
+
+def told_equivalent(rows: Sequence[Mapping[str, object]], bound: float, alpha: float) -> pd.DataFrame:
+    """A table of pairs with the verdict on each, and that on all of them in `attrs`."""
+    result = pd.DataFrame(rows)
+    result["equivalent"] = result["p"] < alpha
+    result.attrs |= {"p_all": float(result["p"].max()), "bound": bound, "alpha": alpha}
+    return result
+
+
+def _equivalence_row(pair: Pair, by: str | None, bound: float, alpha: float) -> dict[str, object]:
+    d = pair.differences
+    start: dict[str, object] = {} if by is None else {by: pair.by}
+    start |= {"a": pair.names[0], "b": pair.names[1], "difference": float(d.mean()) * pair.size}
+    error = float(d.std(ddof=1)) / np.sqrt(len(d)) if has_error(pair) else 0.0
+    tested = two_one_sided(float(d.mean()), error, len(d) - 1, bound / pair.size, alpha)
+    tested |= {name: tested[name] * pair.size for name in ("low", "high")}
+    return start | tested | {"bound": bound, "n": len(d)}
+
+
+def two_one_sided(difference: float, error: float, df: float, bound: float, alpha: float) -> dict[str, float]:
+    """The tests of a difference with a standard error; without one it is what it is."""
+    if error == 0:
+        p = float(abs(difference) >= bound)
+        return {"low": difference, "high": difference, "t_low": np.inf, "t_high": -np.inf, "p": p}
+    t_low, t_high = (difference + bound) / error, (difference - bound) / error
+    half = float(student.isf(alpha, df)) * error
+    p = max(float(student.sf(t_low, df)), float(student.cdf(t_high, df)))
+    return {"low": difference - half, "high": difference + half, "t_low": t_low, "t_high": t_high, "p": p}

@@ -21,8 +21,7 @@ from tactometry.psychometric import SHAPES, Shape
 from ..arrays import Array, Expansion, Indices
 from ..threshold.chances import by_point, expected_information
 from ..threshold.counts import checked
-from .laplace import ClusteredModel, MixedFit, maximise
-from .quadrature import maximise_by_quadrature
+from .laplace import ClusteredModel, MixedFit, maximise, maximise_by_quadrature
 
 LINKS = MappingProxyType({"probit": "normal", "logit": "logistic"})
 START_SD = 0.5

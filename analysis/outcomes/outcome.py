@@ -15,18 +15,15 @@ from ..anova.censored import CensoredAnova, censored_anova
 from ..anova.censored_pairs import censored_equivalence, censored_group_pairs, censored_pairs
 from ..anova.complete_design import SubDesign, largest_complete, largest_known
 from ..anova.design import DesignStatus, UndefinedStatistic
-from ..anova.equivalence import equivalence
 from ..anova.group_means import HIGH, LOW, bounds_of, group_table
-from ..anova.group_pairs import group_pairs
-from ..anova.post_hoc import all_together, pairs
+from ..anova.post_hoc import all_together, equivalence, pairs
 from ..anova.simple_effects import Analysis, interacting, simple_effects
-from ..anova.split_plot import mixed_anova
+from ..anova.split_plot import group_pairs, mixed_anova
 from ..anova.within_subjects import MAX_FACTORS, permutation_test, repeated_measures
 from ..mixed_models.censored import censored_model
 from ..mixed_models.linear import MixedModel, mixed_model
 from ..wording.cross_table import cross_table
-from .findings import FORCE, Outcome
-from .primary import TITLES, Primary, chosen
+from .findings import FORCE, TITLES, Outcome, Primary, primary_analysis
 
 MEASURED = "log2 of the measured force"
 PERMUTATION_SEED = 20_170_522
@@ -37,7 +34,7 @@ INTERVAL = 0.95
 
 @dataclass(frozen=True)
 class Given:
-    """The estimates with their bounds (`group.LOW`, `group.HIGH`), and how the factors that have two levels vary."""
+    """The estimates with their bounds (`group_means.LOW`, `HIGH`), and how the factors that have two levels vary."""
 
     table: pd.DataFrame
     dependent: str
@@ -234,7 +231,7 @@ def _model(data: pd.DataFrame, arguments: Mapping[str, Any], *, is_known: bool) 
 
 
 def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outcome:
-    primary, reason = chosen(named, is_whole=is_whole)
+    primary, reason = primary_analysis(named, is_whole=is_whole)
     if primary not in result.analyses():
         note = f"no primary analysis: {TITLES[primary]} ({reason}) has no answer here"
         return replace(result, notes=(*result.notes, note))

@@ -15,9 +15,8 @@ from ..reading.study_file import forms_of
 from ..reading.trials import Trials, asked_rows
 from ..wording.labels import value_of
 from ..wording.numbers import interval_text
-from .findings import Outcome
+from .findings import Outcome, Primary
 from .outcome import outcome
-from .primary import Primary
 
 PATTERN, REFERENCE = "pattern", "P0"
 

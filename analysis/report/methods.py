@@ -5,8 +5,7 @@ from importlib.metadata import version
 
 import pandas as pd
 
-from ..outcomes.findings import Outcome
-from ..outcomes.primary import RULE, Primary
+from ..outcomes.findings import RULE, Outcome, Primary
 from ..outcomes.ratings import Ratings
 from ..plan import AnalysisPlan
 from ..result import Analysis

@@ -11,9 +11,8 @@ import pandas as pd
 from ..anova.post_hoc import evidence
 from ..hierarchical.fitting import FactorEffect, HierarchicalFit
 from ..mixed_models.linear import MixedModel
-from ..outcomes.findings import Outcome
+from ..outcomes.findings import Outcome, Primary
 from ..outcomes.hierarchical_outcome import HierarchicalOutcome
-from ..outcomes.primary import Primary
 from ..outcomes.ratings import REFERENCE, Ratings
 from ..wording.labels import in_unit, level_of, value_of
 from ..wording.numbers import interval_texts, number_text, p_text, percent_text, share_text

@@ -1,21 +1,23 @@
 """The fits of many data sets by one method: statuses from the data, numbers from the method, and where it has none (no
-curvature at its mode, a step, a bound) from the posterior."""
+curvature at its mode, a step, a bound) from the posterior.
+
+Intervals of a threshold by profile likelihood and by parametric bootstrap.
+"""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import ndtri
+from scipy.special import ndtr, ndtri
+from scipy.stats import chi2
 
 from tactometry.psychometric import Shape
 
 from ..arrays import Array, Bools, Indices
-from . import intervals
 from .counts import Counts
-from .evidence import verdict_shares
-from .likelihood import LOG_WIDTH, THRESHOLD, log_likelihood, saturated_log_likelihood
-from .marginals import Marginals
-from .mode import Mode, find_mode, find_overdispersed_mode
+from .likelihood import GUESS, LOG_WIDTH, THRESHOLD, log_chances, log_likelihood, saturated_log_likelihood
+from .mode import Mode, climb, find_mode, find_overdispersed_mode
+from .posterior import Marginals
 from .prior import Prior
 from .result import ThresholdFit
 from .shared_grid import batched_marginals
@@ -24,11 +26,13 @@ from .status import (
     NOTES,
     TOO_NARROW,
     Status,
+    StepFit,
+    best_step,
     proportion_interval,
     stand_as_after_a_track,
     statuses,
+    verdict_shares,
 )
-from .step import StepFit, best_step
 
 Statuses = NDArray[np.object_]
 ON_LIKELIHOOD = ("ml", "profile")
@@ -40,6 +44,11 @@ WIDEST_SD = 0.5
 curvature so weak is none to rest on."""
 WIDEST_LOG_SD = 1.5
 """Of the logarithm of a width: an interval from a twentieth to twenty times the width says nothing."""
+MAX_BISECTIONS = 60
+FARTHEST = 16.0
+"""In ranges of the levels: a profile that has not fallen until there has no end."""
+SAME = 1e-9
+"""The same answers drawn again may be fitted that far off."""
 
 
 @dataclass(frozen=True)
@@ -146,8 +155,8 @@ class Fitting:
         """The intervals that cost more than a Hessian."""
         sets, prior = self.counts[chosen], self.prior[chosen]
         if rng is not None and self.method == "bootstrap":
-            return intervals.bootstrap(self.curve, sets, prior, basis, self.interval, n_resamples, rng)
-        return intervals.profile(self.curve, sets, replace(prior, on_curve=False), basis, self.interval)
+            return bootstrap(self.curve, sets, prior, basis, self.interval, n_resamples, rng)
+        return profile(self.curve, sets, replace(prior, on_curve=False), basis, self.interval)
 
     def _deviance(self, basis: Mode) -> Array:
         best = saturated_log_likelihood(self.counts)
@@ -251,3 +260,86 @@ class _Findings:
 
 def _finite(value: float) -> float | None:
     return value if np.isfinite(value) else None
+
+
+def profile(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> Array:
+    """Where the log-likelihood, maximised over all but the threshold, is chi2(interval)/2 below its maximum.
+
+    Shape (n_sets, 2), on the scale of `Counts.u`; infinite where the profile has no end on that side.
+    """
+    floor = mode.log_density - chi2.ppf(interval, 1) / 2
+    sides = [_profile_end(shape, counts, prior, mode, floor, side) for side in (-1.0, 1.0)]
+    return np.stack(sides, axis=1)
+
+
+def _profile_end(shape: Shape, counts: Counts, prior: Prior, mode: Mode, floor: Array, side: float) -> Array:
+    inner = mode.theta[:, THRESHOLD].copy()
+    reach = np.maximum(2 * mode.threshold_sd, 1e-3)
+    outer, start = inner + side * reach, mode.theta
+    for _ in range(MAX_BISECTIONS):
+        above, start = _is_above(shape, counts, prior, outer, start, floor)
+        if not (above & (np.abs(outer) < FARTHEST)).any():
+            break
+        inner, outer = np.where(above, outer, inner), np.where(above, outer + side * reach, outer)
+        reach = 2 * reach
+    endless = above
+    # Every climb begins where the last one ended: neighbouring thresholds have neighbouring summits.
+    for _ in range(MAX_BISECTIONS):
+        middle = (inner + outer) / 2
+        above, start = _is_above(shape, counts, prior, middle, start, floor)
+        inner, outer = np.where(above, middle, inner), np.where(above, outer, middle)
+        if (np.abs(outer - inner) <= 1e-9 * np.maximum(mode.threshold_sd, 1e-9)).all():
+            break
+    return np.where(endless, side * np.inf, (inner + outer) / 2)
+
+
+def _is_above(
+    shape: Shape, counts: Counts, prior: Prior, threshold: Array, start: Array, floor: Array
+) -> tuple[Bools, Array]:
+    at_threshold = climb(shape, counts, replace(prior, threshold=threshold), start)
+    return at_threshold.log_density > floor, at_threshold.theta
+
+
+def bootstrap(
+    shape: Shape,
+    counts: Counts,
+    prior: Prior,
+    mode: Mode,
+    interval: float,
+    n_resamples: int,
+    rng: np.random.Generator,
+) -> Array:
+    """Bias-corrected percentiles of the mode's threshold over answers drawn from the fitted function.
+
+    Shape (n_sets, 2), on the scale of `Counts.u` (Efron 1981, bias-corrected percentile method).
+    """
+    ends = []
+    for i, theta in enumerate(mode.theta):
+        here = slice(i, i + 1)
+        ends.append(_bootstrap_one(shape, counts[here], prior[here], theta, interval, n_resamples, rng))
+    return np.stack(ends)
+
+
+def _bootstrap_one(
+    shape: Shape,
+    counts: Counts,
+    prior: Prior,
+    theta: Array,
+    interval: float,
+    n_resamples: int,
+    rng: np.random.Generator,
+) -> Array:
+    same = np.zeros(n_resamples, dtype=np.int64)
+    chance = np.exp(log_chances(shape, counts.u[0], theta)[0])
+    drawn = rng.binomial(counts.n_trials[0].astype(np.int64), np.minimum(chance, 1.0), (n_resamples, len(chance)))
+    # Catch trials are answers too: what is known of a free guess rate varies with them.
+    alarms = rng.binomial(int(prior.n_catch[0]), theta[GUESS], n_resamples).astype(np.float64)
+    resampled = counts[same].with_yes(drawn.astype(np.float64))
+    start = np.broadcast_to(theta, (n_resamples, len(theta)))
+    refits = climb(shape, resampled, replace(prior[same], n_false_alarms=alarms), start).theta[:, THRESHOLD]
+    away = refits - theta[THRESHOLD]
+    n_below = np.sum(away < -SAME) + 0.5 * np.sum(np.abs(away) <= SAME)
+    # Half a draw more on each side keeps the bias finite where all draws lie on one side.
+    bias = ndtri((n_below + 0.5) / (n_resamples + 1))
+    tails = ndtri((1 + interval * np.array([-1.0, 1.0])) / 2)
+    return np.asarray(np.quantile(refits, ndtr(2 * bias + tails)))

@@ -11,9 +11,9 @@ import numpy as np
 from tactometry.psychometric import Shape
 
 from ..arrays import Array, Bools, Expansion, Indices, Which
-from .beta_binomial import BINOMIAL_BELOW, LARGEST, log_prior_of, overdispersed_expansion
 from .counts import Counts
 from .likelihood import (
+    BINOMIAL_BELOW,
     GUESS,
     LAPSE,
     LOG_WIDTH,
@@ -21,9 +21,10 @@ from .likelihood import (
     THRESHOLD,
     expansion,
     log_likelihood,
+    overdispersed_expansion,
     saturated_log_likelihood,
 )
-from .prior import Prior, log_prior, prior_expansion
+from .prior import LARGEST_ETA, Prior, log_prior, log_prior_of, prior_expansion
 from .starts import Starts, grid_starts, step_starts
 
 MAX_STEPS = 80
@@ -266,7 +267,7 @@ def find_overdispersed_mode(shape: Shape, counts: Counts, prior: Prior) -> tuple
 
     densities = np.stack([at(np.full(len(counts), eta)).log_density for eta in nodes], axis=1)
     best = densities.argmax(axis=1)
-    low, high = nodes[np.maximum(best - 1, 0)], np.append(nodes, LARGEST)[best + 1]
+    low, high = nodes[np.maximum(best - 1, 0)], np.append(nodes, LARGEST_ETA)[best + 1]
     for _ in range(N_GOLDEN):
         left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
         to_left = at(left).log_density >= at(right).log_density

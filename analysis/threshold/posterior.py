@@ -3,23 +3,26 @@
 Threshold and log width lie on equidistant nodes (the trapezoidal rule converges faster than any power where a
 density dies out inside the box), the rates on Gauss-Legendre nodes. The box starts around the mode, grows
 where a face still holds density and shrinks where none is left, before the final grid is laid.
+
+What a posterior says of a psychometric function: means, medians, central intervals, its evidence, and how much of it
+lies beyond the levels; from masses on a grid of threshold and log width.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 from functools import cache
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from tactometry.psychometric import Shape, log_mixture
 
-from ..arrays import Array, Which
-from .beta_binomial import BINOMIAL_BELOW, LARGEST, log_prior_of, log_weight
+from ..arrays import Array, Bools, Indices, Which
 from .chances import linear, weighted
 from .counts import Counts
-from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
-from .marginals import Marginals, beyond_levels, described, log_cell
+from .likelihood import BINOMIAL_BELOW, GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, log_weight
 from .mode import Mode
-from .prior import Prior, log_mass, log_prior_axes
+from .prior import LARGEST_ETA, Prior, log_mass, log_prior_axes, log_prior_of
 
 NEGLIGIBLE = 14.0
 """A log density this far below the mode's is outside."""
@@ -40,6 +43,36 @@ SMALLEST_RATE = 1e-18
 """A product of `FACTORS` smaller ones is no float."""
 START_SD = np.array([10.0, 10.0, 6.0, 6.0])
 MAX_SEARCHES = 12
+
+
+@dataclass(frozen=True)
+class Marginals:
+    """Posterior means (n_sets, 4), with the width itself in place of its logarithm, and central intervals.
+
+    `threshold` and `width` have the shape (n_sets, 2), `median` that of threshold and width too; all on the scale of
+    `Counts.u`. `overdispersion` (n_sets,) is the posterior mean of eta, 0 for the binomial. `log_evidence` (n_sets,) is
+    the logarithm of the likelihood's mean over the prior; `beyond` (n_sets, 2) the posterior's share of curves whose
+    rise lies below, and above, all levels tested.
+    """
+
+    mean: Array
+    median: Array
+    threshold: Array
+    width: Array
+    overdispersion: Array
+    log_evidence: Array
+    beyond: Array
+
+    @classmethod
+    def empty(cls, n: int) -> "Marginals":
+        median, threshold, width, beyond = (np.full((n, 2), np.nan) for _ in range(4))
+        mean = np.full((n, N_PARAMETERS), np.nan)
+        return cls(mean, median, threshold, width, np.zeros(n), np.full(n, np.nan), beyond)
+
+    def put(self, places: Indices, other: "Marginals", which: Bools) -> None:
+        """Write those of another into some places of this one."""
+        for field in fields(self):
+            getattr(self, field.name)[places] = getattr(other, field.name)[which]
 
 
 @dataclass(frozen=True)
@@ -72,11 +105,11 @@ def _eta_nodes(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> tuple[
     if prior.overdispersion is None:
         return np.zeros(1), np.ones(1)
     axes = [mode.theta[0, place, None] for place in range(N_PARAMETERS)]
-    tried = np.linspace(0.005, LARGEST, 100)
+    tried = np.linspace(0.005, LARGEST_ETA, 100)
     along = np.array([_log_density_grid(shape, counts, prior, axes, eta).item() for eta in tried])
     kept = along + log_prior_of(tried) > mode.log_density[0] - NEGLIGIBLE
     # The other parameters stand still at their mode here; free, they let eta reach somewhat farther.
-    end = min(LARGEST, 1.3 * float(tried[kept].max(initial=0.005)))
+    end = min(LARGEST_ETA, 1.3 * float(tried[kept].max(initial=0.005)))
     unit, weights = rate_rule(ETA_NODES)
     nodes = end * unit
     return nodes, weights * np.exp(log_prior_of(nodes))
@@ -263,3 +296,50 @@ def _marginal_densities(
     beyond = (beyond_levels(shape, counts, axes) * curve).sum(axis=(1, 2)) / curve.sum()
     mean_eta = float((along_eta * etas[0]).sum() / along_eta.sum())
     return mean, along[THRESHOLD], along[LOG_WIDTH], mean_eta, log_total, beyond
+
+
+def described(
+    mean: Array,
+    ends: list[tuple[Array, Array, Array]],
+    eta: Array,
+    log_evidence: Array,
+    beyond: Array,
+    interval: float,
+) -> Marginals:
+    """From densities of threshold and log width, each (n_sets, n_nodes) on equidistant nodes with their ends."""
+    shares = np.array([(1 - interval) / 2, 0.5, (1 + interval) / 2])
+    threshold, width = quantiles(*ends[0], shares), np.exp(quantiles(*ends[1], shares))
+    median, both = np.stack([threshold[:, 1], width[:, 1]], axis=1), [0, 2]
+    return Marginals(mean, median, threshold[:, both], width[:, both], eta, log_evidence, beyond)
+
+
+def quantiles(density: Array, low: Array, high: Array, shares: Array) -> Array:
+    """Quantiles (n_sets, n_shares) of densities (n_sets, n_nodes) on equidistant nodes from `low` to `high`,
+    by the integral of their cubic splines."""
+    n_nodes = density.shape[1]
+    fine = np.linspace(0, n_nodes - 1, 40 * n_nodes)
+    integral = CubicSpline(np.arange(n_nodes), density, axis=1).antiderivative()(fine)
+    # A spline may dip below 0 between two nodes, and what is inverted below has to rise.
+    cumulated = np.maximum.accumulate(integral, axis=1)
+    places = np.array([np.interp(shares * row[-1], row, fine) for row in cumulated])
+    return np.asarray(low[:, None] + (high - low)[:, None] * places / (n_nodes - 1))
+
+
+def log_cell(prior: Prior, low: Array, high: Array, sizes: Sequence[int]) -> float:
+    """The logarithm of the volume of a cell of the grid; the weights of a free rate sum to 2."""
+    size = high - low
+    steps = [size[place] / (n - 1) for place, n in zip((THRESHOLD, LOG_WIDTH), sizes, strict=True)]
+    rates = [size[place] / 2 for place in prior.free if place in (LAPSE, GUESS)]
+    return float(np.log([*steps, *rates]).sum())
+
+
+def beyond_levels(shape: Shape, counts: Counts, axes: Sequence[Array]) -> Array:
+    """The part of each cell (2, n_thresholds, n_widths) in which the curve's rise, from its 0.05 to its 0.95 point,
+    ends below the lowest level, and in which it begins above the highest, of one data set."""
+    used = counts.u[0, counts.n_trials[0] > 0]
+    m, width = axes[THRESHOLD][:, None], np.exp(axes[LOG_WIDTH])
+    down, up = shape.rise
+    inside = np.stack([m + up * width - used.min(), used.max() - (m - down * width)])
+    step = axes[THRESHOLD][1] - axes[THRESHOLD][0]
+    # A cell through which the edge runs counts in part, so that the shares do not jump with the grid.
+    return np.asarray(np.clip(0.5 - inside / step, 0, 1))

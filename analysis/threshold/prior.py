@@ -24,6 +24,7 @@ WIDTH_NODES = 400
 NARROWEST = 0.05
 """A scale-free width is not narrower than this part of the range: two levels that a track left close together say
 nothing of it."""
+LARGEST_ETA = 0.99
 
 
 @dataclass(frozen=True)
@@ -207,3 +208,8 @@ def log_prior_axes(prior: Prior, axes: Sequence[Array]) -> list[Array]:
         n_no = prior.n_catch - prior.n_false_alarms
         along[GUESS] = log_rate(axes[GUESS], prior.n_false_alarms, n_no, prior.rate_beta)[0]
     return along
+
+
+def log_prior_of(eta: Array | float) -> Array:
+    """Beta(1, 10) without its constant."""
+    return np.asarray((BETA_B - 1) * np.log1p(-eta))

@@ -17,9 +17,8 @@ from ..arrays import Array, Bools
 from .chances import linear
 from .counts import Counts
 from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
-from .marginals import Marginals, beyond_levels, described, log_cell
 from .mode import Mode
-from .posterior import NEGLIGIBLE, marginals, rate_rule
+from .posterior import NEGLIGIBLE, Marginals, beyond_levels, described, log_cell, marginals, rate_rule
 from .prior import Prior, log_mass, log_prior_axes
 from .starts import same_rows
 

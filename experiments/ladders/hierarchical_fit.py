@@ -6,8 +6,7 @@ import numpy as np
 
 from tactometry.analysis.hierarchical.layout import Layout
 from tactometry.analysis.hierarchical.model import mixed_model
-from tactometry.analysis.mixed_models.laplace import ClusteredModel, inner_mode
-from tactometry.analysis.mixed_models.quadrature import log_marginal_by_quadrature
+from tactometry.analysis.mixed_models.laplace import ClusteredModel, inner_mode, log_marginal_by_quadrature
 from tactometry.psychometric import shape_named
 
 from ..cost.problem import Problem, Rung

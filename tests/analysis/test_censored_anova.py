@@ -18,8 +18,7 @@ from tactometry.analysis.anova.censored import censored_anova
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
 from tactometry.analysis.anova.group_means import group_table
 from tactometry.analysis.anova.split_plot import mixed_anova
-from tactometry.analysis.anova.strata import BoundedValues, fit_strata
-from tactometry.analysis.anova.truncated_normal import between
+from tactometry.analysis.anova.strata import BoundedValues, fit_strata, truncated_normal
 from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.analysis.mixed_models.censored import censored_model
 from tactometry.errors import InvalidParameter
@@ -111,7 +110,7 @@ def test_the_likelihood_is_that_of_the_integral() -> None:
 def test_points_between_ends_have_the_moments_of_the_truncated_normal(low, high) -> None:
     from scipy.stats import truncnorm
 
-    found = between(np.zeros(1), np.eye(1), np.array([low]), np.array([high]))
+    found = truncated_normal(np.zeros(1), np.eye(1), np.array([low]), np.array([high]))
     peer = truncnorm(low, high)
     assert found.log_chance == pytest.approx(float(peer.logcdf(high) + _log_mass(low, high)), abs=1e-9)
     mean = float(found.weights @ found.points[:, 0])
@@ -131,7 +130,7 @@ def _log_mass(low: float, high: float) -> float:
 def test_values_between_ends_move_little_as_an_end_does() -> None:
     """They jumped as the end of the second value passed its mean: the search found no rest (8 of 60 studies of six)."""
     covariance, ends = np.array([[1.0, 0.5], [0.5, 1.0]]), (np.zeros(2), np.full(2, np.inf))
-    one, other = (between(np.full(2, x), covariance, *ends).points for x in (-1e-6, 1e-6))
+    one, other = (truncated_normal(np.full(2, x), covariance, *ends).points for x in (-1e-6, 1e-6))
     assert np.abs(one - other).max() < 1e-4
 
 

@@ -17,11 +17,10 @@ from tactometry.analysis.mixed_models.censored import (
     _refuse_endless,
     _value,
     censored_model,
+    endless_direction,
 )
-from tactometry.analysis.mixed_models.held import endless_direction
-from tactometry.analysis.mixed_models.laplace import ClusteredModel as Clusters, inner_mode
+from tactometry.analysis.mixed_models.laplace import ClusteredModel as Clusters, inner_mode, log_marginal_by_quadrature
 from tactometry.analysis.mixed_models.linear import ModelStatus, design_matrix, mixed_model
-from tactometry.analysis.mixed_models.quadrature import log_marginal_by_quadrature
 from tactometry.errors import InvalidParameter
 
 GIVEN = {"dependent": "y", "low": "low", "high": "high", "subject": "who"}

@@ -9,9 +9,8 @@ from open_ends import GIVEN, cut, open_ended
 
 from tactometry.analysis.anova.censored import CensoredAnova, censored_anova
 from tactometry.analysis.anova.censored_pairs import censored_equivalence, censored_group_pairs, censored_pairs
-from tactometry.analysis.anova.equivalence import equivalence
-from tactometry.analysis.anova.group_pairs import group_pairs
-from tactometry.analysis.anova.post_hoc import pairs
+from tactometry.analysis.anova.post_hoc import equivalence, pairs
+from tactometry.analysis.anova.split_plot import group_pairs
 
 COMPARED = ["difference", "difference_low", "simultaneous_high", "t", "df", "p_unc", "p_corr"]
 

@@ -14,8 +14,14 @@ from soak import SOAK
 
 from tactometry.analysis.anova.contrasts import ContrastEffect, Sphericity, effects, permutation_p
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic, WithinDesign
-from tactometry.analysis.anova.effect_size import eta_squared, noncentrality
-from tactometry.analysis.anova.within_subjects import effect_row, permutation_test, repeated_measures, singular_note
+from tactometry.analysis.anova.within_subjects import (
+    effect_row,
+    eta_squared,
+    noncentrality,
+    permutation_test,
+    repeated_measures,
+    singular_note,
+)
 from tactometry.errors import InvalidParameter
 
 

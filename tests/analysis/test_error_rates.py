@@ -15,8 +15,8 @@ from soak import SOAK
 
 from tactometry.analysis.anova.censored import censored_anova
 from tactometry.analysis.anova.contrasts import ContrastEffect, contrasts
+from tactometry.analysis.anova.group_means import DIFFERENCE, within_variances
 from tactometry.analysis.anova.post_hoc import pairs
-from tactometry.analysis.anova.within_intervals import DIFFERENCE, within_variances
 
 pytestmark = pytest.mark.slow
 

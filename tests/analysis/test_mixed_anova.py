@@ -9,8 +9,7 @@ from grouped_design import study
 from hard_cases import exact_case, hard_case
 
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
-from tactometry.analysis.anova.group_pairs import group_pairs
-from tactometry.analysis.anova.split_plot import mixed_anova
+from tactometry.analysis.anova.split_plot import group_pairs, mixed_anova
 from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.analysis.report.sentences import outcome_sentences

@@ -8,10 +8,9 @@ from hypothesis import given, settings, strategies as st
 from places import SHARED
 from scipy.stats import betabinom, binom
 
-from tactometry.analysis.threshold.beta_binomial import log_weight, overdispersed_expansion
 from tactometry.analysis.threshold.counts import normalised
 from tactometry.analysis.threshold.fitting import fit
-from tactometry.analysis.threshold.likelihood import expansion
+from tactometry.analysis.threshold.likelihood import expansion, log_weight, overdispersed_expansion
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import SHAPES, PsychometricFunction
 

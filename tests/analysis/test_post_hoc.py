@@ -13,9 +13,8 @@ from scipy.stats import f as f_distribution
 from soak import SOAK
 
 from tactometry.analysis.anova.design import UndefinedStatistic
-from tactometry.analysis.anova.equivalence import equivalence
 from tactometry.analysis.anova.nonparametric import aligned_rank_transform, art_contrasts, friedman
-from tactometry.analysis.anova.post_hoc import dz_interval, evidence, pairs, rank_pairs
+from tactometry.analysis.anova.post_hoc import dz_interval, equivalence, evidence, pairs, rank_pairs
 from tactometry.errors import InvalidParameter
 
 

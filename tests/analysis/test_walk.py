@@ -13,9 +13,8 @@ from scipy.special import ndtr
 from soak import SOAK
 
 from tactometry.analysis.anova.assumptions import checks
-from tactometry.analysis.anova.equivalence import equivalence
 from tactometry.analysis.anova.nonparametric import aligned_rank_transform, art_contrasts, friedman
-from tactometry.analysis.anova.post_hoc import pairs, rank_pairs
+from tactometry.analysis.anova.post_hoc import equivalence, pairs, rank_pairs
 from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
 from tactometry.analysis.mixed_models.linear import mixed_model
 from tactometry.analysis.threshold.fitting import METHODS, fit, fit_many

@@ -161,7 +161,11 @@ BAD = (
     ("stimuli/scenes/effects", "import tactometry.stimuli.scenes.effects.edges"),
 )
 BACK_UP = (
-    ("analysis/threshold/beta_binomial.py", "from .mode import Mode"),
+    ("analysis/threshold/starts.py", "from .mode import Mode"),
+    ("analysis/anova/design.py", "from .contrasts import effects"),
+    ("analysis/mixed_models/laplace.py", "from .linear import Counts"),
+    ("analysis/hierarchical/model.py", "from .starts import Alone"),
+    ("analysis/outcomes/findings.py", "from .ratings import Ratings"),
     ("analysis/threshold/likelihood.py", "from .prior import Prior"),
     ("analysis/result.py", "from .report import page"),
     ("analysis/conditions.py", "from .means import mean_row"),
