@@ -90,6 +90,28 @@ def needed(refusal: str) -> Iterator[None]:
         raise DeviceFailed(refusal.format(error=error)) from None
 
 
+@contextmanager
+def attempt(where: object, act: str, expected: str) -> Iterator[None]:
+    """A call of the system: where it fails, one sentence says where, what could not be done and why.
+
+    Raises
+    ------
+    DeviceFailed
+        If the body raises an `OSError`.
+
+    Examples
+    --------
+    >>> with attempt("/nowhere/f", "cannot write", "a place to write to"):
+    ...     open("/nowhere/f", "xb")
+    Traceback (most recent call last):
+    tactometry.errors.DeviceFailed: /nowhere/f: cannot write (No such file or directory), expected a place to write to
+    """
+    try:
+        yield
+    except OSError as error:
+        raise DeviceFailed(f"{where}: {act} ({error.strerror}), expected {expected}") from None
+
+
 def nearest(found: str, names: Iterable[str]) -> str:
     """A hint for a mistyped name.
 

@@ -12,7 +12,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, Self
 
-from .arguments.require import lookup, one_of, repeated, some, whole
+from .arguments.require import first_repeat, lookup, one_of, some, whole
 from .config.strict import build
 from .config.toml import located, table_of
 from .errors import InvalidParameter
@@ -226,7 +226,7 @@ def _check_pair(words: Sequence[str], path: str, what: str) -> None:
 def _check_order(form: Questionnaire) -> None:
     for key in ("id", "order"):
         values = [getattr(item, key) for item in form.items]
-        index = repeated(values)
+        index = first_repeat(values)
         if index is not None:
             raise InvalidParameter(f"items[{index}].{key}: found {values[index]!r} twice, expected each {key} once")
 

@@ -13,7 +13,7 @@ import numpy as np
 import pandas as pd
 
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
-from tactometry.files.durable import listed
+from tactometry.files.durable import files_in
 from tactometry.records.data_set import keys_of
 from tactometry.records.formats import ADDED
 from tactometry.trials.cell_rules import PARTICIPANT, CellRule
@@ -180,7 +180,7 @@ def trial_files(path: Path, forms: Sequence[str] = OWN_FILES) -> list[Path]:
     files = next((files for form in forms if (files := _visible_files(path.glob(form)))), [])
     if not files:
         for folder in (path, path / "data"):
-            listed(folder)  # a glob keeps silent about one that may not be read
+            files_in(folder)  # a glob keeps silent about one that may not be read
         raise InvalidFile(
             f"{path}: found no {forms[0]}, expected a data set's folder, a CSV file of trials, or a column map "
             "(--columns) and a folder of another program's tables"

@@ -95,7 +95,7 @@ def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterat
         time.sleep(LEAD_S)
         onset_s = output.play(signal)
         end_s = onset_s + signal.duration_s + learning.duration_s + LEAD_S
-        yield _response(learning, microphone, _recorded(listener, microphone, end_s))
+        yield _response(learning, microphone, _record(listener, microphone, end_s))
 
 
 def join(responses: Sequence[Responses]) -> Responses:
@@ -116,7 +116,7 @@ def _signal(learning: Learning, channel: int, n_channels: int) -> Signal:
     return Signal(samples, learning.excitation.rate_hz, "V")
 
 
-def _recorded(listener: Listener, microphone: Microphone, end_s: float) -> FloatArray:
+def _record(listener: Listener, microphone: Microphone, end_s: float) -> FloatArray:
     """(n_channels, n_samples) from the last reading of the listener to `end_s`, without a break."""
     source = microphone.reader.source
     values: list[FloatArray] = []

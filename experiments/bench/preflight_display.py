@@ -37,10 +37,10 @@ def display(screen: DisplayTable, folder: Path) -> Iterator[Finding]:
         for _ in range(N_FRAMES):
             window.refresh(page)
         facts, timing = window.facts(), timing_of(window.frame_intervals_s(), window.period_s)
-        pressed = _pressed(window, screen.language, folder)
+        pressed = _try_keys(window, screen.language, folder)
     finally:
         window.close()
-    yield from _shown(screen, facts, timing)
+    yield from _screen_findings(screen, facts, timing)
     yield pressed
 
 
@@ -67,7 +67,7 @@ def key_to_record_s(
     return delays_s
 
 
-def _pressed(screen: Display, language: str, folder: Path) -> Finding:
+def _try_keys(screen: Display, language: str, folder: Path) -> Finding:
     words = texts_in(language, {}).message("key_test", {"n_keys": N_KEYS, "within_s": KEYS_WITHIN_S})
     try:
         with recorder(folder) as record:
@@ -84,7 +84,7 @@ def _pressed(screen: Display, language: str, folder: Path) -> Finding:
     return Finding("display", "key to record", words, limit, median_s <= KEY_TO_RECORD_AT_MOST_S)
 
 
-def _shown(screen: DisplayTable, facts: Facts, timing: Mapping[str, int | float | None]) -> Iterator[Finding]:
+def _screen_findings(screen: DisplayTable, facts: Facts, timing: Mapping[str, int | float | None]) -> Iterator[Finding]:
     size = f"{facts['display_width_px']} x {facts['display_height_px']} px"
     yield Finding("display", "size", size, fine=True)
     height = "not measured" if screen.height_m is None else f"{screen.height_m:g} m"

@@ -12,7 +12,7 @@ from itertools import groupby
 from pathlib import Path
 
 from tactometry.errors import InvalidFile, TactometryError
-from tactometry.files.durable import drafts, listed, read_file
+from tactometry.files.durable import drafts, files_in, read_file
 from tactometry.provenance import sha256
 from tactometry.records.agreement import REBUILD, disagreement
 from tactometry.records.data_set import keys_of, participants, sessions
@@ -63,7 +63,7 @@ def validate(path: Path) -> Soundness:
 def _data_set(root: Path) -> Soundness:
     experiment, unsound = _study(root)
     notes = [*_alike(root), *_drafts(root)]
-    files, journals = listed(root / "data", "*.csv"), sessions(root)
+    files, journals = files_in(root / "data", "*.csv"), sessions(root)
     contents = {file: content for file in files if (content := _read(file, f"data/{file.name}", unsound)) is not None}
     unsound += _guarded(root, NAME, _description(root, contents))
     if not files:

@@ -13,7 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from tactometry.config.quantity import unit_in
-from tactometry.config.strict import build, is_required, settable, words_of
+from tactometry.config.strict import build, fields_of, is_required, words_of
 from tactometry.errors import TactometryError
 
 ASKED = "table"
@@ -83,7 +83,7 @@ def keys_of(table: KeyTable) -> tuple[Key, ...]:
     (Key(name='n_intervals', holds='a whole number', unit='', within='2, 3 or 4', otherwise='2'),)
     """
     hints = typing.get_type_hints(table.reads)
-    fields = {name: one for name, one in settable(table.reads).items() if name not in table.given}
+    fields = {name: one for name, one in fields_of(table.reads).items() if name not in table.given}
     keys = [_key(table, one, hints[name]) for name, one in fields.items() if not _in_python_only(hints[name])]
     return tuple(sorted(keys, key=lambda key: not key.required))
 

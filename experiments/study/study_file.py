@@ -7,7 +7,7 @@ from math import isfinite, prod
 from pathlib import Path
 from typing import Any
 
-from tactometry.arguments.require import given, one_of, positive, repeated
+from tactometry.arguments.require import first_repeat, given, one_of, positive
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build
 from tactometry.config.toml import LARGEST_FILE, located, table_of
@@ -162,7 +162,7 @@ def _check_levels(name: str, levels: Levels) -> None:
             raise InvalidParameter(
                 f"factors.{name}[{n}]: found {level!r}, expected a text of one line that says something"
             )
-    n_again = repeated(_texts(levels))
+    n_again = first_repeat(_texts(levels))
     if n_again is not None:
         raise InvalidParameter(f"factors.{name}[{n_again}]: found {levels[n_again]!r} twice, expected each level once")
 

@@ -7,7 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tactometry.arguments.require import numbers, repeated, some
+from tactometry.arguments.require import first_repeat, numbers, some
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import shape_named
 
@@ -128,7 +128,7 @@ def _check(name: str, values: tuple[float, ...], low: float, high: float) -> Non
         if not low < value < high:
             where = "" if low == -math.inf else f" between {max(low, 0):g} and {high:g}"
             raise InvalidParameter(f"ParameterGrid.{name}[{n}]: found {value}, expected a finite number{where}")
-    place = repeated(values)
+    place = first_repeat(values)
     if place is not None:
         raise InvalidParameter(
             f"ParameterGrid.{name}[{place}]: found {values[place]:g} twice, expected each value once"

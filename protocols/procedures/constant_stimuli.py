@@ -5,7 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from tactometry.arguments.require import numbers, repeated, some, whole
+from tactometry.arguments.require import first_repeat, numbers, some, whole
 from tactometry.errors import InvalidParameter, counted
 
 from .procedure import MOST_TRIALS, Ending, FixedOrder, Rule, RuleThreshold, Run, checked_outcome
@@ -41,7 +41,7 @@ class ConstantStimuli(Rule["ConstantStimuliRun"], FixedOrder):
         numbers("ConstantStimuli.levels", self.levels)
         whole("ConstantStimuli", lowest=1, repeats=self.repeats)
         some("ConstantStimuli.levels", self.levels)
-        n = repeated(self.levels)
+        n = first_repeat(self.levels)
         if n is not None:
             raise InvalidParameter(
                 f"ConstantStimuli.levels[{n}]: found {self.levels[n]:g} twice, expected each level once; raise repeats "

@@ -39,18 +39,18 @@ def checked(thing: T) -> T:
     tactometry.errors.InvalidParameter: twice.length_m: found 10000000000.0, expected a number of at most 1e+09
     """
     if not isinstance(thing, type):
-        return cast(T, _guarded(thing, thing.__qualname__))
+        return cast(T, _with_check(thing, thing.__qualname__))
     for name, member in list(vars(thing).items()):
         if name == "__init__":
-            setattr(thing, name, _guarded(member, thing.__name__))
+            setattr(thing, name, _with_check(member, thing.__name__))
         elif not name.startswith("_") and inspect.isfunction(member):
-            setattr(thing, name, _guarded(member, member.__qualname__))
+            setattr(thing, name, _with_check(member, member.__qualname__))
         elif not name.startswith("_") and isinstance(member, classmethod):
-            setattr(thing, name, classmethod(_guarded(member.__func__, member.__func__.__qualname__)))
+            setattr(thing, name, classmethod(_with_check(member.__func__, member.__func__.__qualname__)))
     return thing
 
 
-def _guarded(function: Callable[..., Any], owner: str) -> Callable[..., Any]:
+def _with_check(function: Callable[..., Any], owner: str) -> Callable[..., Any]:
     names = tuple(inspect.signature(function).parameters)
 
     @functools.cache
@@ -70,13 +70,13 @@ def _guarded(function: Callable[..., Any], owner: str) -> Callable[..., Any]:
                 raise _refusal(f"{owner}.{name}", value, by_name[name])
         if not (makes_arrays and any(isinstance(value, list | tuple) for value in (*args, *kwargs.values()))):
             return function(*args, **kwargs)
-        named = {name: _arranged(by_name.get(name), value) for name, value in kwargs.items()}
-        return function(*map(_arranged, by_place, args), *args[len(names) :], **named)
+        named = {name: _as_array(by_name.get(name), value) for name, value in kwargs.items()}
+        return function(*map(_as_array, by_place, args), *args[len(names) :], **named)
 
     return guarded
 
 
-def _arranged(rule: AnnotationRule | None, value: Any) -> Any:
+def _as_array(rule: AnnotationRule | None, value: Any) -> Any:
     """A list as the array that the annotation wants."""
     if rule is not None and rule.dtype is not None and isinstance(value, list | tuple):
         return np.asarray(value, rule.dtype)
@@ -91,12 +91,12 @@ def _refusal(where: str, value: Any, rule: AnnotationRule) -> InvalidParameter:
                 return _refusal(f"{where}[{place!r}]", part, rule.part)
     found = as_array(value)
     if rule.good is not None and found is not None and found.dtype.kind in "iufc":
-        return _refused_numbers(where, found, rule, rule.good(found))
+        return _refusal_of_numbers(where, found, rule, rule.good(found))
     hint = nearest(value, rule.choices) if isinstance(value, str) else ""
     return InvalidParameter(f"{where}: found {shown(value)}, expected {rule.words}{hint}")
 
 
-def _refused_numbers(
+def _refusal_of_numbers(
     where: str, found: NDArray[Any], rule: AnnotationRule, good: NDArray[np.bool_]
 ) -> InvalidParameter:
     if good.all():

@@ -49,7 +49,7 @@ def finite(owner: str, /, **values: object) -> None:
     for name, value in values.items():
         high = domain(name)[1]
         if not (is_number(value) and -high <= value <= high):
-            raise _refused(owner, name, value, _sized(0.0, high) if is_number(value) else "a finite number")
+            raise _refusal(owner, name, value, _size_words(0.0, high) if is_number(value) else "a finite number")
 
 
 def positive(owner: str, /, **values: object) -> None:
@@ -71,7 +71,7 @@ def positive(owner: str, /, **values: object) -> None:
         low, high = domain(name)
         if not (is_number(value) and value > 0 and low <= value <= high):
             above = is_number(value) and value > 0
-            raise _refused(owner, name, value, _sized(low, high) if above else "a finite number above 0")
+            raise _refusal(owner, name, value, _size_words(low, high) if above else "a finite number above 0")
 
 
 def not_negative(owner: str, /, **values: object) -> None:
@@ -88,8 +88,8 @@ def not_negative(owner: str, /, **values: object) -> None:
         low, high = domain(name)
         if not (is_number(value) and (value == 0 or low <= value <= high)):
             above = is_number(value) and value > 0
-            sized = f"{'0 or ' if low else ''}{_sized(low, high)}"
-            raise _refused(owner, name, value, sized if above else "a finite number, at least 0")
+            sized = f"{'0 or ' if low else ''}{_size_words(low, high)}"
+            raise _refusal(owner, name, value, sized if above else "a finite number, at least 0")
 
 
 def within(owner: str, low: float, high: float, /, **values: object) -> None:
@@ -101,7 +101,7 @@ def within(owner: str, low: float, high: float, /, **values: object) -> None:
     """
     for name, value in values.items():
         if not (is_number(value) and low <= value <= high):
-            raise _refused(owner, name, value, f"a number from {low:g} to {high:g}")
+            raise _refusal(owner, name, value, f"a number from {low:g} to {high:g}")
 
 
 def not_zero(owner: str, /, **values: object) -> None:
@@ -113,14 +113,14 @@ def not_zero(owner: str, /, **values: object) -> None:
     """
     for name, value in values.items():
         if not (is_number(value) and value != 0):
-            raise _refused(owner, name, value, "a finite number but 0")
+            raise _refusal(owner, name, value, "a finite number but 0")
 
 
 def between(owner: str, low: float, high: float, /, **values: object) -> None:
     """Each is a number above `low` and below `high`."""
     for name, value in values.items():
         if not (is_number(value) and low < value < high):
-            raise _refused(owner, name, value, f"a number above {low:g} and below {high:g}")
+            raise _refusal(owner, name, value, f"a number above {low:g} and below {high:g}")
 
 
 def below_1(owner: str, /, **values: object) -> None:
@@ -132,7 +132,7 @@ def below_1(owner: str, /, **values: object) -> None:
     """
     for name, value in values.items():
         if not (is_number(value) and 0 <= value < 1):
-            raise _refused(owner, name, value, "a number from 0 to below 1")
+            raise _refusal(owner, name, value, "a number from 0 to below 1")
 
 
 def whole(owner: str, /, *, lowest: int = -LARGEST_COUNT, highest: int = LARGEST_COUNT, **values: Any) -> None:
@@ -146,14 +146,14 @@ def whole(owner: str, /, *, lowest: int = -LARGEST_COUNT, highest: int = LARGEST
         known = isinstance(value, int | np.integer) and not isinstance(value, bool)
         if not known or not lowest <= value <= highest:
             limit = f"at most {highest}" if known and value > lowest else f"at least {lowest}"
-            raise _refused(owner, name, value, f"a whole number, {limit}")
+            raise _refusal(owner, name, value, f"a whole number, {limit}")
 
 
 def truth(owner: str, /, **values: object) -> None:
     """Each is True or False."""
     for name, value in values.items():
         if not isinstance(value, bool | np.bool_):
-            raise _refused(owner, name, value, "True or False")
+            raise _refusal(owner, name, value, "True or False")
 
 
 def of_kind(owner: str, kind: Any, /, **values: object) -> None:
@@ -165,7 +165,7 @@ def of_kind(owner: str, kind: Any, /, **values: object) -> None:
     """
     for name, value in values.items():
         if not isinstance(value, kind):
-            raise _refused(owner, name, value, class_names(kind if isinstance(kind, tuple) else (kind,)))
+            raise _refusal(owner, name, value, class_names(kind if isinstance(kind, tuple) else (kind,)))
 
 
 def at_most(where: str, found: float, highest: float) -> None:
@@ -175,8 +175,7 @@ def at_most(where: str, found: float, highest: float) -> None:
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: modes below f_max_hz: found 2e+06, expected at most 1e+06
     """
-    if not found <= highest:
-        raise InvalidParameter(f"{where}: found {found:.6g}, expected at most {highest:.6g}")
+    expect(found <= highest, where, f"{found:.6g}", f"at most {highest:.6g}")
 
 
 def given(values: Mapping[str, Any]) -> dict[str, Any]:
@@ -213,14 +212,13 @@ def lookup(where: str, name: object, choices: Mapping[str, V]) -> V:
 
 def some(where: str, found: Sequence[object] | Mapping[Any, object]) -> None:
     """`found` holds something."""
-    if len(found) == 0:
-        raise InvalidParameter(f"{where}: found none, expected at least one")
+    expect(len(found) > 0, where, "none", "at least one")
 
 
-def repeated(values: Iterable[Hashable]) -> int | None:
+def first_repeat(values: Iterable[Hashable]) -> int | None:
     """The place of the first value that stood before; None where each stands once.
 
-    >>> repeated((3.0, 1, 3)), repeated("abc")
+    >>> first_repeat((3.0, 1, 3)), first_repeat("abc")
     (2, None)
     """
     seen: set[Hashable] = set()
@@ -263,7 +261,7 @@ def finite_array(where: str, values: ArrayLike) -> NDArray[np.float64]:
     """
     found, high = array(where, values), domain(where)[1]
     if not np.abs(found).max(initial=0.0) <= high:
-        raise _first_wrong(where, found, np.abs(found) <= high, "a finite number", _sized(0.0, high))
+        raise _first_wrong(where, found, np.abs(found) <= high, "a finite number", _size_words(0.0, high))
     return found
 
 
@@ -274,31 +272,28 @@ def positive_array(where: str, values: ArrayLike, *, infinite: bool = False) -> 
     """
     low, high = domain(where)
     ends = (low or TINY, inf if infinite else high)
-    return _bounded(where, values, ends, "a finite number above 0", _sized(low, high))
+    return _in_bounds(where, values, ends, "a finite number above 0", _size_words(low, high))
 
 
 def not_negative_array(where: str, values: ArrayLike, *, infinite: bool = False) -> NDArray[np.float64]:
     """As `positive_array`, of numbers of at least 0, as small as they like."""
     high = domain(where)[1]
     ends = (0.0, inf if infinite else high)
-    return _bounded(where, values, ends, "a finite number, at least 0", _sized(0.0, high))
+    return _in_bounds(where, values, ends, "a finite number, at least 0", _size_words(0.0, high))
 
 
 def samples(where: str, values: ArrayLike) -> NDArray[np.float64]:
     """`values` as an array (..., n_samples) of finite numbers, with at least one sample."""
     found = finite_array(where, values)
-    if found.ndim == 0 or found.size == 0:
-        raise InvalidParameter(f"{where}: found shape {found.shape}, expected (..., n_samples), at least one sample")
+    expect(found.ndim > 0 and found.size > 0, where, f"shape {found.shape}", "(..., n_samples), at least one sample")
     return found
 
 
 def ascending(where: str, values: ArrayLike) -> NDArray[np.float64]:
     """`values` as a row of two or more finite numbers, each above the one before."""
     found = finite_array(where, values)
-    if found.ndim != 1 or len(found) < 2 or not (np.diff(found) > 0).all():
-        raise InvalidParameter(
-            f"{where}: found shape {found.shape} not ascending, expected two or more ascending numbers"
-        )
+    rises = found.ndim == 1 and len(found) >= 2 and (np.diff(found) > 0).all()
+    expect(rises, where, f"shape {found.shape} not ascending", "two or more ascending numbers")
     return found
 
 
@@ -317,10 +312,8 @@ def shaped(where: str, values: ArrayLike, shape: tuple[int | None, ...]) -> None
 
 def in_range(where: str, result: NDArray[np.float64]) -> NDArray[np.float64]:
     """A result, if a double can hold it."""
-    if not np.isfinite(result).all():
-        raise InvalidParameter(
-            f"{where}: found a result beyond the range of a double, expected arguments of smaller magnitude"
-        )
+    beyond = "a result beyond the range of a double"
+    expect(np.isfinite(result).all(), where, beyond, "arguments of smaller magnitude")
     return result
 
 
@@ -334,7 +327,7 @@ def class_names(kinds: Iterable[type]) -> str:
     return " or ".join("None" if kind is NoneType else f"a {kind.__name__}" for kind in kinds)
 
 
-def _bounded(
+def _in_bounds(
     where: str, values: ArrayLike, ends: tuple[float, float], expected: str, sized: str
 ) -> NDArray[np.float64]:
     found, (low, high) = array(where, values), ends
@@ -359,9 +352,9 @@ def _no_choice(where: str, found: object, choices: Iterable[object]) -> InvalidP
     return InvalidParameter(f"{where}: found {shown(found)}, expected one of {', '.join(names)}{hint}")
 
 
-def _refused(owner: str, name: str, value: object, expected: str) -> InvalidParameter:
+def _refusal(owner: str, name: str, value: object, expected: str) -> InvalidParameter:
     return InvalidParameter(f"{owner}.{name}: found {shown(value)}, expected {expected}")
 
 
-def _sized(low: float, high: float) -> str:
+def _size_words(low: float, high: float) -> str:
     return f"a number from {low:g} to {high:g}" if low else f"a number of at most {high:g}"

@@ -45,7 +45,7 @@ def command(
     from tactometry.experiments.data_sets.rule_estimates import replay_of
 
     factors = None if within is None else [name.strip() for name in within.split(",") if name.strip()]
-    found = analyse(
+    analysis = analyse(
         path,
         report=report,
         pdf=pdf,
@@ -57,10 +57,10 @@ def command(
         warnings=edit_warnings(path),
         replay=replay_of(path),
     )
-    say(summary_text(found), summary(found))
+    say(summary_text(analysis), summary(analysis))
 
 
-def summary_text(found: "Analysis") -> str:
+def summary_text(analysis: "Analysis") -> str:
     """Warnings, group tables and analyses of variance for a terminal."""
     from rich.console import Console
 
@@ -68,14 +68,14 @@ def summary_text(found: "Analysis") -> str:
 
     console = Console(width=None)
     with console.capture() as capture:
-        for warning in found.warnings:
+        for warning in analysis.warnings:
             console.print(f"! {warning}", markup=False, highlight=False)
-        for table, sentences in tables(found):
+        for table, sentences in tables(analysis):
             console.print(table)
             for sentence in sentences:
                 console.print(sentence, markup=False, highlight=False)
-        if found.figures_folder is not None:
-            console.print(f"figures: {found.figures_folder}", markup=False, soft_wrap=True)
-        if found.report is not None:
-            console.print(f"report: {found.report}\ntables: {found.tables_folder}", markup=False, soft_wrap=True)
+        if analysis.figures_folder is not None:
+            console.print(f"figures: {analysis.figures_folder}", markup=False, soft_wrap=True)
+        if analysis.report is not None:
+            console.print(f"report: {analysis.report}\ntables: {analysis.tables_folder}", markup=False, soft_wrap=True)
     return capture.get().rstrip("\n")

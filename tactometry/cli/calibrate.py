@@ -75,14 +75,14 @@ def gain(bench_path: Path, by: str, parts: list[float], measured_v: list[float],
     new = measured_anew(before, bench.output.settings.chain(), TODAY(), by)
     for part in parts:
         expect(0 < part <= 1, "--parts", f"{part:g}", "parts of full scale, above 0 and at most 1")
-    fit = fit_gain(parts, measured_v or list(_played_v(bench, new, parts, tone_s)))
+    fit = fit_gain(parts, measured_v or list(_play_and_ask_v(bench, new, parts, tone_s)))
     table = gain_toml(replace(new, volts_per_unit=fit.volts_per_unit / new.amplifier_gain))
     was = before.load_volts_per_unit
     text = f"{table}# residual rms {fit.residual_rms_v:.3g} V; the file stated {was:.6g} V per unit at the load"
     say(text, {"volts_per_unit": fit.volts_per_unit, "residual_rms_v": fit.residual_rms_v})
 
 
-def _played_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: float) -> Iterator[float]:
+def _play_and_ask_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: float) -> Iterator[float]:
     import math
     import time
 
@@ -138,7 +138,7 @@ def force(
     expect(len(weights_kg) >= degree + 2, "--weights-kg", len(weights_kg), enough)
     reader = lookup("--sensor", name, bench.sensors).reader()
     reader.check_channels("--channel", channel)
-    counted = counts or _counted(reader, channel, weights_kg)
+    counted = counts or _count_weights(reader, channel, weights_kg)
     fit = fit_force(weights_kg, counted, degree=degree, gravity_m_per_s2=gravity_m_per_s2)
     weights = zip(fit.forces_n, fit.counts, fit.residuals_n, strict=True)
     rows = [f"# {f:8.4f} N  {c:12.2f} counts  residual {1e3 * r:+.2f} mN" for f, c, r in weights]
@@ -152,18 +152,18 @@ def force(
             force_figure(fit, figure)
 
 
-def _counted(reader: "Reader", channel: int, masses_kg: list[float]) -> list[float]:
+def _count_weights(reader: "Reader", channel: int, masses_kg: list[float]) -> list[float]:
     """Mean counts over a second with each weight on."""
     from tactometry.experiments.bench.calibration import mean_counts
 
     with ExitStack() as last_first:
         reader.open()
         last_first.callback(reader.close)
-        found = []
+        counts = []
         for mass_kg in masses_kg:
             click.confirm(f"Put {mass_kg:g} kg on the sensor and let it rest. Ready?", abort=True, err=True)
-            found.append(mean_counts(reader, channel))
-        return found
+            counts.append(mean_counts(reader, channel))
+        return counts
 
 
 @command.command(epilog="Example: tactometry calibrate display --bar-m 0.149")
@@ -176,11 +176,11 @@ def display(bar_m: float | None) -> None:
     """
     from tactometry.experiments.bench.calibration import display_height_m, display_toml
 
-    height_m = display_height_m(_shown_bar_m() if bar_m is None else bar_m)
+    height_m = display_height_m(_ask_bar_m() if bar_m is None else bar_m)
     say(display_toml(height_m), {"height_m": height_m})
 
 
-def _shown_bar_m() -> float:
+def _ask_bar_m() -> float:
     """The bar is seen first, alone; then the terminal asks, which a full screen may have hidden."""
     from tactometry.experiments.bench.calibration import show_bar
 
@@ -242,7 +242,7 @@ def responses(**asked: Any) -> None:
     # the last question before anything plays: no gate of force stops a sweep
     if bench.output.settings.connected and not (asked["hands_off"] or hands_are_off()):
         raise InvalidParameter("--hands-off: found no word that hands are off, expected it; nothing was played")
-    learnt = _learnt(learning, devices.output, reader, asked)
+    learnt = _learn(learning, devices.output, reader, asked)
     responses = as_displacement(learnt, *asked["band_hz"])
     provenance = _provenance(asked, learning, devices.output.name, reader.source.name)
     provenance["recorded_quantity"] = learnt.quantity
@@ -280,7 +280,7 @@ def _learning(asked: Mapping[str, Any], n_channels: int, rate_hz: float) -> "Lea
     return Learning(excitation, asked["voltage_v"], channels, asked["duration_s"], asked["quantity"], reference)
 
 
-def _learnt(learning: "Learning", output: "Guarded", reader: "Reader", asked: Mapping[str, Any]) -> "Responses":
+def _learn(learning: "Learning", output: "Guarded", reader: "Reader", asked: Mapping[str, Any]) -> "Responses":
     from tactometry.experiments.bench.learning import Microphone, join, learn
 
     counts = asked["units_per_count"], asked["volts_per_count"]

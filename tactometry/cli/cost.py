@@ -48,9 +48,9 @@ def _write(climbs: "list[Climb]", out: Path) -> None:
     from tactometry.experiments.cost.report import write_csv
 
     write_csv(climbs, out / "cost.csv")
-    for found in climbs:
-        figure = error_against_price(found, peers_of(found))
-        figure.savefig(out / f"{found.problem.name}.png", dpi=150)
+    for climb in climbs:
+        figure = error_against_price(climb, peers_of(climb))
+        figure.savefig(out / f"{climb.problem.name}.png", dpi=150)
 
 
 def _write_page(climbs: "list[Climb]", path: Path) -> None:
@@ -67,12 +67,12 @@ def _record(climbs: "list[Climb]") -> dict[str, object]:
     from tactometry.experiments.cost.report import answers, machine
 
     ladders = {
-        found.problem.name: {
-            "points": [_plain(asdict(point)) for point in found.points],
-            "reference_error": found.floor,
-            "cheapest": answers(found),
+        climb.problem.name: {
+            "points": [_plain(asdict(point)) for point in climb.points],
+            "reference_error": climb.floor,
+            "cheapest": answers(climb),
         }
-        for found in climbs
+        for climb in climbs
     }
     return {"machine": machine(), "ladders": ladders}
 

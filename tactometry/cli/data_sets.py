@@ -37,11 +37,11 @@ def validate(path: Path) -> int:
     """Check the data set or trials file PATH. Exit status 1 if it has defects; each is named with file and row."""
     from tactometry.experiments.data_sets import validation
 
-    found = validation.validate(path)
-    verdict = counted(sum(defect.n_rows for defect in found.defects), "defect") if found.defects else "sound"
-    summary = f"{path}: {verdict}; {counted(found.n_sessions, 'session')}, {counted(found.n_trials, 'row')}"
-    say("\n".join([*map(str, found.defects), *found.notes, summary]), asdict(found))
-    return 1 if found.defects else 0
+    report = validation.validate(path)
+    verdict = counted(sum(defect.n_rows for defect in report.defects), "defect") if report.defects else "sound"
+    summary = f"{path}: {verdict}; {counted(report.n_sessions, 'session')}, {counted(report.n_trials, 'row')}"
+    say("\n".join([*map(str, report.defects), *report.notes, summary]), asdict(report))
+    return 1 if report.defects else 0
 
 
 @click.command(epilog="Example: tactometry rebuild demo")

@@ -27,7 +27,7 @@ def command(out: Path, seed: int) -> None:
     _, content = load(STUDY)
     simulation = Simulation(content, STUDY, out, N_PARTICIPANTS, seed, resume=True)
     sessions = list(progress(simulate(simulation), N_PARTICIPANTS, "simulating"))
-    found = analyse(out, report=out / "report.html", replay=replay_of(out))
+    analysis = analyse(out, report=out / "report.html", replay=replay_of(out))
     n_trials = sum(session.n_trials for session in sessions)
     where = f"data set: {out} ({N_PARTICIPANTS} simulated participants, {n_trials} trials)"
-    say(f"{summary_text(found)}\n{where}", {"data_set": str(out), "trials": n_trials, **summary(found)})
+    say(f"{summary_text(analysis)}\n{where}", {"data_set": str(out), "trials": n_trials, **summary(analysis)})

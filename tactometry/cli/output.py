@@ -4,13 +4,13 @@ import json
 import math
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import Any, Final, TypeVar
 
 import click
 
-from ..errors import DeviceFailed, InvalidParameter
+from ..errors import InvalidParameter, attempt
 
 T = TypeVar("T")
 F = TypeVar("F", bound=Callable[..., object])
@@ -69,13 +69,9 @@ def _finite(value: object) -> object:
     return [_finite(part) for part in value] if isinstance(value, list | tuple) else value
 
 
-@contextmanager
-def writing(path: Path) -> Iterator[None]:
+def writing(path: Path) -> AbstractContextManager[None]:
     """A file that cannot be written is one sentence."""
-    try:
-        yield
-    except OSError as error:
-        raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a place to write to") from None
+    return attempt(path, "cannot write", "a place to write to")
 
 
 def progress(items: Iterable[T], total: int, what: str) -> Iterator[T]:

@@ -123,7 +123,7 @@ def _report(root: Path, recorded: "Recorded") -> int:
     failed = bool(UNFINISHED & counts.keys())
     whole = not failed or bool(counts.keys() - UNFINISHED)
     advice = f"tactometry analyse {root}" if whole else "mend what made the touches invalid: no block came to its end"
-    text = f"{recorded.trials}: {recorded.tally}{_ended(counts)}; next: {advice}"
+    text = f"{recorded.trials}: {recorded.tally}{_ending_words(counts)}; next: {advice}"
     result = {
         "data_set": str(root),
         "trials_file": str(recorded.trials),
@@ -135,10 +135,10 @@ def _report(root: Path, recorded: "Recorded") -> int:
     return int(failed)
 
 
-def _ended(counts: dict[str, int]) -> str:
+def _ending_words(counts: dict[str, int]) -> str:
     """How the procedures of a session ended, in words.
 
-    >>> _ended({"trials": 2, "aborted": 1})
+    >>> _ending_words({"trials": 2, "aborted": 1})
     '; 3 procedures: 2 came to their last trial, 1 aborted'
     """
     if not counts:

@@ -33,23 +33,23 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
     from tactometry.stimuli.scenes.explain import explained, values_for
     from tactometry.stimuli.scenes.file import load_scene
 
-    found = load_scene(path_of(file))
+    scene_file = load_scene(path_of(file))
     if explain:
         with located(file):
-            text = explained(found.scene, found.given)
+            text = explained(scene_file.scene, scene_file.given)
         say(text, {"plan": text.splitlines()})
     if figure is not None or not explain:
         with located(file):
-            plan = found.scene.resolve()
-            given = values_for(plan, found.given)
+            plan = scene_file.scene.resolve()
+            given = values_for(plan, scene_file.given)
         result = _result(plan, given, cache)
     if figure is not None:
-        _draw(result, found, figure)
+        _draw(result, scene_file, figure)
     if movie is not None:
-        _film(found, movie)
+        _film(scene_file, movie)
     if not explain:
         record = _record(result)
-        say(_text(found, record, result), record)
+        say(_text(scene_file, record, result), record)
 
 
 def _result(plan: "Plan", given: dict[str, float], cache: Path | None) -> "Result":
@@ -63,9 +63,9 @@ def _result(plan: "Plan", given: dict[str, float], cache: Path | None) -> "Resul
         return cached(plan, given, cache)
 
 
-def _draw(result: "Result", found: "SceneFile", path: Path) -> None:
+def _draw(result: "Result", scene_file: "SceneFile", path: Path) -> None:
     with writing(path):
-        _figure(result, found.title).savefig(path, dpi=150)
+        _figure(result, scene_file.title).savefig(path, dpi=150)
 
 
 def _figure(result: "Result", title: str) -> Any:
@@ -89,7 +89,7 @@ def _figure(result: "Result", title: str) -> Any:
     return courses(result, title)
 
 
-def _film(found: "SceneFile", path: Path) -> None:
+def _film(scene_file: "SceneFile", path: Path) -> None:
     """The scene with a movie as its only output, no finer than a film shows."""
     from dataclasses import replace
 
@@ -98,7 +98,7 @@ def _film(found: "SceneFile", path: Path) -> None:
     from tactometry.stimuli.scenes.figures.film import write_film
     from tactometry.stimuli.scenes.result import computed
 
-    scene = found.scene
+    scene = scene_file.scene
     if Movie.kind not in scene.surface.effects:
         raise InvalidParameter(
             f"--movie: found a scene on {scene.surface.kind!r}, which has no wave, expected one on a plate: "
@@ -108,9 +108,9 @@ def _film(found: "SceneFile", path: Path) -> None:
     outputs = ("x_m", "y_m", "frames_s", "movie_m")
     filmed = replace(scene, effects=effects, outputs=outputs, accuracy=max(scene.accuracy, FILM_ACCURACY), settings={})
     plan = filmed.resolve()
-    result = computed(plan, values_for(plan, found.given))
+    result = computed(plan, values_for(plan, scene_file.given))
     with writing(path):
-        write_film(result, found.title, path)
+        write_film(result, scene_file.title, path)
 
 
 def _record(result: "Result") -> dict[str, Any]:
@@ -143,20 +143,20 @@ def _record(result: "Result") -> dict[str, Any]:
     }
 
 
-def _text(found: "SceneFile", record: dict[str, Any], result: "Result") -> str:
+def _text(scene_file: "SceneFile", record: dict[str, Any], result: "Result") -> str:
     from tactometry.stimuli.scenes.explain import error_in_words
 
-    lines = [found.title] if found.title else []
+    lines = [scene_file.title] if scene_file.title else []
     for name, value in record["outputs"].items():
         unit = result.unit(name)
         words = f"{value:.6g}" if isinstance(value, float) else _range(value)
         lines.append(f"{name:<24}{words} {unit}".rstrip())
     error = error_in_words(result.plan)
     times = f"{result.prepared_s:.3g} s to prepare, {result.elapsed_s:.2g} s a run"
-    return "\n".join([*lines, *_lifted(record), f"predicted error {error}, {times}"])
+    return "\n".join([*lines, *_lift_notes(record), f"predicted error {error}, {times}"])
 
 
-def _lifted(record: dict[str, Any]) -> list[str]:
+def _lift_notes(record: dict[str, Any]) -> list[str]:
     return [
         f"note: finger {n} pulls by up to {pull_n:.2g} N more than presses it: a real one would lift off, which no "
         "effect computes"

@@ -17,6 +17,7 @@ from .toml import located, read_table
 
 T = TypeVar("T")
 K = TypeVar("K")
+_WORDS = {float: "a number", int: "a whole number", str: "a text", bool: "true or false", date: "a date"}
 _AT = re.compile(r"^(.*?)(?: - at `\$(.*)`)?$")
 
 
@@ -31,7 +32,7 @@ def build(kind: type[T], table: object, path: str, **given: object) -> T:
     """
     table = as_table(table, path)
     hints = typing.get_type_hints(kind)
-    fields = settable(kind)
+    fields = fields_of(kind)
     names = [name for name in fields if name not in given]
     check_keys(table, names, path)
     for name in names:
@@ -41,7 +42,7 @@ def build(kind: type[T], table: object, path: str, **given: object) -> T:
     try:
         return kind(**values, **given)
     except InvalidParameter as error:
-        raise InvalidParameter(_relocated(str(error), kind.__name__, path)) from None
+        raise InvalidParameter(_relocate(str(error), kind.__name__, path)) from None
 
 
 def build_kind(table: Mapping[str, Any], path: str, targets: Mapping[str, str]) -> Any:
@@ -143,11 +144,11 @@ def convert(kind: Any, value: object, path: str) -> Any:
         inner = (match[2] or "") if match else ""
         found = _at(value, inner)
         raise InvalidParameter(
-            f"{path}{inner}: found {_shown(found)}, expected {words_of(kind) if not inner else _expected(str(error))}"
+            f"{path}{inner}: found {_in_toml(found)}, expected {words_of(kind) if not inner else _expected(str(error))}"
         ) from None
 
 
-def settable(kind: type) -> dict[str, dataclasses.Field[Any]]:
+def fields_of(kind: type) -> dict[str, dataclasses.Field[Any]]:
     """The fields of a class that a table of a file may set, by name."""
     found = dataclasses.fields(kind)
     return {field.name: field for field in found if field.init and field.name[0] != "_"}
@@ -170,11 +171,11 @@ def _at(value: object, inner: str) -> object:
 
 def _expected(error: str) -> str:
     match = re.match(r"Expected `([^`]*)`", error)
-    words = {"float": "a number", "int": "a whole number", "str": "a text", "bool": "true or false"}
+    words = {kind.__name__: name for kind, name in _WORDS.items()}
     return " or ".join(words.get(name, name) for name in match[1].split(" | ")) if match else error
 
 
-def _shown(value: object) -> str:
+def _in_toml(value: object) -> str:
     return "true" if value is True else "false" if value is False else repr(value)
 
 
@@ -184,9 +185,8 @@ def words_of(kind: Any) -> str:
     >>> words_of(float), words_of(tuple[str, ...]), words_of(int | None)
     ('a number', 'a list of texts', 'a whole number')
     """
-    simple = {float: "a number", int: "a whole number", str: "a text", bool: "true or false", date: "a date"}
-    if kind in simple:
-        return simple[kind]
+    if kind in _WORDS:
+        return _WORDS[kind]
     origin, inner = typing.get_origin(kind), typing.get_args(kind)
     if origin is typing.Literal:
         return "one of " + ", ".join(map(str, inner))
@@ -197,6 +197,6 @@ def words_of(kind: Any) -> str:
     return "a table"
 
 
-def _relocated(message: str, name: str, path: str) -> str:
+def _relocate(message: str, name: str, path: str) -> str:
     """A refusal of a class, said in terms of the file."""
     return path + message.removeprefix(name) if message.startswith(name) else f"{path}: {message}"

@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Final
 
-from ..errors import DeviceFailed, InvalidFile
+from ..errors import DeviceFailed, InvalidFile, attempt
 
 LARGEST_BYTES: Final = 2**30
 """Of a file that is read at once (unverified default)."""
@@ -49,7 +49,7 @@ def read_file(path: Path, what: str, largest: int = LARGEST_BYTES) -> bytes:
         raise InvalidFile(f"{path}: cannot be read ({failure.strerror}), expected {what}") from None
 
 
-def listed(folder: Path, pattern: str = "*") -> list[Path]:
+def files_in(folder: Path, pattern: str = "*") -> list[Path]:
     """What a folder holds of this pattern, sorted, without hidden names; nothing where there is no folder.
 
     Raises
@@ -76,10 +76,8 @@ def open_private(path: Path, flags: int) -> int:
     InvalidFile
         If it is no file.
     """
-    try:
+    with attempt(path, "cannot open", "a folder that can be written"):
         file = os.open(path, flags | os.O_CREAT | _NOT_WAITING | _BINARY, PRIVATE_FILE)
-    except OSError as error:
-        raise DeviceFailed(f"{path}: cannot open ({error.strerror}), expected a folder that can be written") from None
     _refuse_others(file, path, "a file that can be written")
     return file
 
@@ -176,16 +174,12 @@ def draft(path: Path, content: bytes) -> Iterator[tuple[int, Path]]:
 
 def put_in_place(beside: Path, path: Path) -> None:
     """Make a draft the file: whoever is killed meanwhile leaves the old one or the new one."""
-    try:
+    with attempt(path, "cannot write", "room on the disk; make room and try again"):
         beside.replace(path)
         sync_folder(path.parent)
-    except OSError as error:
-        raise DeviceFailed(
-            f"{path}: cannot write ({error.strerror}), expected room on the disk; make room and try again"
-        ) from None
 
 
-def replaced(path: Path, content: bytes) -> int:
+def replace_file(path: Path, content: bytes) -> int:
     """A file in the place of another, open at its end: a reader sees the old content or the new.
 
     Raises
@@ -199,8 +193,8 @@ def replaced(path: Path, content: bytes) -> int:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """As `replaced`, and the file is closed."""
-    os.close(replaced(path, content))
+    """As `replace_file`, and the file is closed."""
+    os.close(replace_file(path, content))
 
 
 def write_first(path: Path, content: bytes) -> None:

@@ -49,15 +49,15 @@ def _own_dataset(file: Any, name: str, largest_bytes: int) -> Any:
 
     if not isinstance(file.get(name, getlink=True), h5py.HardLink):
         raise ValueError(f"{name}: found a link, or nothing, expected a dataset of this file")
-    found = file[name]
-    if not isinstance(found, h5py.Dataset):
+    dataset = file[name]
+    if not isinstance(dataset, h5py.Dataset):
         raise ValueError(f"{name}: found a group, expected a dataset of this file")
-    if found.is_virtual or found.external:
+    if dataset.is_virtual or dataset.external:
         raise ValueError(f"{name}: found values of another file, expected a dataset of this file")
-    n_bytes = math.prod(found.shape or (0,)) * found.dtype.itemsize
+    n_bytes = math.prod(dataset.shape or (0,)) * dataset.dtype.itemsize
     if n_bytes > largest_bytes:
         raise ValueError(f"{name}: found {n_bytes} bytes, expected at most {largest_bytes}")
-    return found
+    return dataset
 
 
 def _written(path: str, largest_bytes: int) -> bytes:

@@ -152,10 +152,10 @@ class Npz:
         ValueError
             As for an array, and if it is not one text.
         """
-        found = self._array(name, LARGEST_WORDS)
-        if found.ndim or found.dtype.kind != "U":
-            raise ValueError(f"{name}: found an array of shape {found.shape}, expected one text")
-        return str(found)
+        array = self._array(name, LARGEST_WORDS)
+        if array.ndim or array.dtype.kind != "U":
+            raise ValueError(f"{name}: found an array of shape {array.shape}, expected one text")
+        return str(array)
 
     def number(self, name: str) -> float:
         """A number.
@@ -165,10 +165,10 @@ class Npz:
         ValueError
             As for an array, and if it is not one number.
         """
-        found = self._array(name, LARGEST_WORDS)
-        if found.ndim or found.dtype.kind not in "iuf":
-            raise ValueError(f"{name}: found an array of shape {found.shape}, expected one number")
-        return float(found)
+        array = self._array(name, LARGEST_WORDS)
+        if array.ndim or array.dtype.kind not in "iuf":
+            raise ValueError(f"{name}: found an array of shape {array.shape}, expected one number")
+        return float(array)
 
     def _array(self, name: str, largest: int) -> NDArray[Any]:
         if name not in self:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, fields
 from pathlib import Path
 
 from ..errors import InvalidFile, InvalidParameter
-from ..files.durable import listed, make_folder, read_file, write_first
+from ..files.durable import files_in, make_folder, read_file, write_first
 from ..trials.cell_rules import PARTICIPANT
 from ..trials.cells import cell, csv_bytes
 from ..trials.columns import Column
@@ -133,5 +133,5 @@ def sessions(root: Path) -> list[Path]:
     InvalidFile
         If their folder may not be read.
     """
-    files = (path for path in listed(root / "journals", "*.jsonl") if path.is_file())
+    files = (path for path in files_in(root / "journals", "*.jsonl") if path.is_file())
     return [path for path in files if not path.name.endswith("_interruptions.jsonl")]

@@ -12,7 +12,7 @@ from typing import Any, Final
 import msgspec
 
 from ..errors import InvalidFile, InvalidParameter, counted
-from ..files.durable import drafts, read_file, replaced, write_whole
+from ..files.durable import drafts, read_file, replace_file, write_whole
 from ..provenance import sha256
 from ..safety.limits import Exposure
 from ..session.event import COLUMNS, Event, decode_event, events_tsv
@@ -202,7 +202,7 @@ class OpenSession:
             self._keep_surplus(path, content)
         self._keep_surplus(self._session.events(self._root), events_tsv(recording.event_rows, self._events_columns))
         describe_columns(self._session.sidecar(self._root), self._columns)
-        self._file = replaced(self.trials, content)
+        self._file = replace_file(self.trials, content)
         if recording.event_rows:
             self._events_file = self._new_events(recording.event_rows)
         for folder in (self.trials.parent, self.journal.path.parent):
@@ -239,7 +239,7 @@ class OpenSession:
     def _new_events(self, events: Sequence[Event]) -> int:
         path = self._session.events(self._root)
         describe_columns(path.with_suffix(".json"), self._events_columns)
-        return replaced(path, events_tsv(events, self._events_columns))
+        return replace_file(path, events_tsv(events, self._events_columns))
 
 
 def _refuse_alike(root: Path, session: Session) -> None:

@@ -10,7 +10,7 @@ from command_line import call
 from tutorial_session import live
 
 from tactometry.errors import DeviceFailed, InvalidFile
-from tactometry.files.durable import drafts, make_folder, read_file, replaced, write_atomically, write_first
+from tactometry.files.durable import drafts, make_folder, read_file, replace_file, write_atomically, write_first
 
 
 def mode(path):
@@ -90,7 +90,7 @@ def test_a_reader_sees_the_old_content_or_the_new_one(tmp_path):
     path = tmp_path / "f"
     write_atomically(path, b"old")
     with path.open("rb") as reader:
-        os.close(replaced(path, b"newer"))
+        os.close(replace_file(path, b"newer"))
         assert (reader.read(), path.read_bytes()) == (b"old", b"newer")
 
 

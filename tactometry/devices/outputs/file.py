@@ -7,7 +7,7 @@ from typing import IO, ClassVar, Literal
 
 import numpy as np
 
-from ...errors import DeviceFailed, InvalidParameter
+from ...errors import DeviceFailed, InvalidParameter, attempt
 from ...files.durable import read_file
 from ...files.samples import Npz, wav_of
 from ...signal import Signal
@@ -51,13 +51,8 @@ class FileOutput(Driver):
         return {"n_files": self._n_written}
 
     def open(self) -> None:
-        try:
+        with attempt(self._folder, "cannot write", "a folder that may be written; nothing was played"):
             self._folder.mkdir(parents=True, exist_ok=True)
-        except OSError as error:
-            raise DeviceFailed(
-                f"{self._folder}: cannot write ({error.strerror}), expected a folder that may be written; nothing was "
-                "played"
-            ) from None
         self._n_written = sum(1 for _ in self._folder.glob(f"[0-9]*.{self._format}"))
 
     def final(self, signal: Signal) -> Signal:
@@ -70,11 +65,8 @@ class FileOutput(Driver):
     def play(self, signal: Signal) -> float:
         onset_s = time.perf_counter()
         path = self._folder / f"{self._n_written + 1:04d}.{self._format}"
-        try:
-            with path.open("xb") as file:
-                _WRITERS[self._format](file, self.final(signal))
-        except OSError as error:
-            raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a new file") from None
+        with attempt(path, "cannot write", "a new file"), path.open("xb") as file:
+            _WRITERS[self._format](file, self.final(signal))
         self._n_written += 1
         return onset_s
 

@@ -15,7 +15,7 @@ from typing import ClassVar, Final
 import numpy as np
 
 from ...arguments.require import positive
-from ...errors import DeviceFailed
+from ...errors import DeviceFailed, attempt
 from .reader import SampleBlock, Source, now_s
 
 EVENT: Final = struct.Struct("=qqHHi")
@@ -89,12 +89,8 @@ class TouchSource(Source):
         return {"stamped_by": "kernel" if self._stamped else "arrival"}
 
     def open(self) -> None:
-        try:
+        with attempt(self.name, "cannot open it", "an event device that may be read"):
             self._file = os.open(self._path, os.O_RDONLY | os.O_NONBLOCK)
-        except OSError as error:
-            raise DeviceFailed(
-                f"{self.name}: cannot open it ({error.strerror}), expected an event device that may be read"
-            ) from None
         self._stamped = _set_clock(self._file)
         self._finger = self._reported = TrackedFinger()
         self._rest = b""
