@@ -139,6 +139,10 @@ def test_no_sample_is_lost_and_the_gate_never_opens_early(loop_of, log, profile,
     assert log.count("play 5 V") == 3
 
 
+OUTAGE_S = 4.0
+"""So long that a held force is found within a part of it, on a busy machine too."""
+
+
 def test_a_sensor_that_is_unplugged_in_a_trial_stops_the_output_and_the_next_trial_waits_for_it(loop_of, log):
     loop = loop_of("1:100")
     unplugged_s = []
@@ -156,11 +160,11 @@ def test_a_sensor_that_is_unplugged_in_a_trial_stops_the_output_and_the_next_tri
     thread.join()
     assert not touched.valid
     assert log[-1] == "output.stop"
-    assert ended_s - unplugged_s[0] < 10.0
-    threading.Timer(1.0, loop.device.plug).start()
-    touched, onset_s = loop.press(replace(PRESS, timeout_s=0.6))
+    assert ended_s - unplugged_s[0] < 25.0  # of the 30 s of the stimulus
+    threading.Timer(OUTAGE_S, loop.device.plug).start()
+    touched, onset_s = loop.press(replace(PRESS, timeout_s=0.6 * OUTAGE_S))  # no time counts while the sensor is away
     assert touched.valid
-    assert onset_s > unplugged_s[0] + 1.0
+    assert onset_s > unplugged_s[0] + OUTAGE_S
     assert loop.device.reader.facts()["n_outages"] >= 1
 
 

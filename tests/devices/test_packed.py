@@ -15,6 +15,7 @@ from emulated import wait_for
 from hard_cases import exact_case
 from hypothesis import given, strategies as st
 from packed_bits import RATE_HZ, bits, volts
+from patience import LONGEST_WAIT_S
 from sampled import Sampled
 
 from tactometry.devices.outputs.bit_stream import HEADER_BYTES, decode, encode, stop_stream, word_bytes
@@ -330,10 +331,8 @@ def test_a_process_ends_by_a_signal_whatever_its_board_does(board):
         process.stdin.flush()
         assert process.stdout.readline() == b"sends\n"
         process.send_signal(signal.SIGTERM)
-        begin_s = time.perf_counter()
-        status = process.wait(20)
-        ended_s = time.perf_counter() - begin_s
-        assert (status, ended_s < 2.0) == (143, True), process.stderr.read()
+        # a busy machine may take its time, but the process does not wait for the 60 s of its stream
+        assert process.wait(30) == 143, process.stderr.read()
     assert not board.wakes_and_ends_with().startswith(SILENCE + b"TACT")
 
 
@@ -346,8 +345,9 @@ class Bits:
         return LONG if level else SHORT
 
 
+@pytest.mark.usefixtures("unhurried_sensors")
 @pytest.mark.parametrize("level", [0.0, 1.0], ids=["the stream waits in the pipe", "the stream is being sent"])
-def test_escape_ends_a_session_whose_board_hangs(board, watched, participant, level):
+def test_escape_ends_a_session_whose_board_hangs(board, watched, hands, in_background, monkeypatch, level):
     """A stimulus of a minute, pressed with a force: the output, the sensor and the screen are closed in time."""
     output, seen = settings_of(board).driver(Gain(30.0, 1.0)), []
     sensor = streamed_force(Reader(Sampled(lambda time_s: 1.0, seen)), 0, ForceCalibration(newtons_per_count=1.0))
@@ -358,7 +358,13 @@ def test_escape_ends_a_session_whose_board_hangs(board, watched, participant, le
         watched, Equipment(guard, {"bits": Bits()}, sensor=sensor, ramp_s=0.0, release=False), texts_in("en", {})
     )
     board.hang()
-    participant.answers(1.0, "Escape")
+    monkeypatch.setattr("tactometry.devices.outputs.packed.SEND_BESIDE_S", LONGEST_WAIT_S)  # Escape comes first
+
+    def escape_as_it_sends():
+        wait_for(lambda: not output._line.was_read(0.0))
+        hands.tap("Escape")
+
+    in_background(escape_as_it_sends)
     begin_s = time.perf_counter()
     with pytest.raises(TactometryError) as ended:
         bench.answer(Press("bits", level, 60.0, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=60.0))

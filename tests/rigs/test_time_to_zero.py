@@ -46,6 +46,7 @@ def test_a_force_that_is_lost(scene, in_background, force_n):
     assert N_HEARD < scene.heard() <= scene.driver.n_given + 2 * 240
 
 
+@pytest.mark.usefixtures("unhurried_sensors")
 def test_escape(scene, in_background, hands):
     in_background(scene.when_heard, hands.tap, "Escape")
     with pytest.raises(Stopped, match="Escape was pressed"):
@@ -53,6 +54,7 @@ def test_escape(scene, in_background, hands):
     assert N_HEARD < scene.heard() <= scene.driver.n_given + 2 * 240
 
 
+@pytest.mark.usefixtures("unhurried_sensors")
 def test_an_error(scene, in_background):
     in_background(scene.when_heard, scene.screen.fails.set)
     with pytest.raises(BadError):
@@ -60,6 +62,7 @@ def test_an_error(scene, in_background):
     assert N_HEARD < scene.heard() <= scene.driver.n_given + 2 * 240
 
 
+@pytest.mark.usefixtures("unhurried_sensors")
 def test_the_end_of_the_touch(scene):
     """The time limit: a stimulus ends with its touch, at rest."""
     assert scene.bench.answer(Press("short", 1.0, 0.5, 1.0, 0.2, hold_s=0.1, timeout_s=30.0)).valid
