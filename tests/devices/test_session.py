@@ -13,6 +13,7 @@ import pytest
 from benches import gain_toml
 from emulated import Emulator, wait_for
 from force_bench import BENCH, N_TRIALS, study_in
+from tables import trial_rows
 from window_sitting import any_keys, sit, tactometry
 
 from tactometry.devices.outputs.audio import AudioSettings
@@ -54,8 +55,7 @@ def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, t
     ):
         assert told in errors
     assert status == 0, errors
-    [trials] = (tmp_path / "data" / "data").glob("*_data.csv")
-    rows = list(csv.DictReader(trials.read_text(encoding="utf-8").splitlines()))
+    rows = trial_rows(tmp_path / "data")
     counted = [row for row in rows if row["invalid_reason"] not in HELD_UP]
     assert sorted(row["valid"] for row in counted) == ["0", *["1"] * N_TRIALS]
     assert {(row["force_mean_n"], row["force_in_band"]) for row in counted} == {("1", "1")}
@@ -143,8 +143,7 @@ def test_a_network_sensor_that_dies_in_a_trial_pauses_the_session_until_it_is_ba
         device.close()
     assert (status, errors.count("\n")) == (0, 1)
     assert errors.startswith("bench file, force.release = false: a force sensor that is stuck")
-    [trials] = (data / "data").glob("*_data.csv")
-    rows = list(csv.DictReader(trials.read_text(encoding="utf-8").splitlines()))
+    rows = trial_rows(data)
     assert [(row["valid"], row["attempt"]) for row in rows] == [("0", "1"), ("1", "2")]
     assert rows[0]["force_mean_n"] in ("1", "")  # it may die before its first sample in the stimulus
     assert rows[1]["force_mean_n"] == "1"

@@ -1,6 +1,5 @@
 """Data sets for other programs: BIDS as its validator takes it, PsychoPy's form and back, a table for R."""
 
-import csv
 import json
 import re
 import shutil
@@ -14,6 +13,7 @@ import pytest
 from bids import VALIDATOR, issues_of
 from click.testing import CliRunner
 from hard_cases import exact_case
+from tables import rows_of
 
 from tactometry.analysis.attrakdiff.scoring import scores
 from tactometry.analysis.reading.column_map import read_column_map
@@ -51,11 +51,6 @@ def answers(tmp_path_factory) -> Path:
     return path
 
 
-def table(path: Path) -> list[dict[str, str]]:
-    with path.open(newline="") as text:
-        return list(csv.DictReader(text, delimiter="\t" if path.suffix == ".tsv" else ","))
-
-
 # --- every form
 
 
@@ -71,10 +66,10 @@ def test_every_trial_is_exported_once_and_the_data_set_stays(data_set, tmp_path,
     before = {path: path.read_bytes() for path in data_set.rglob("*") if path.is_file()}
     written = export(data_set, form, tmp_path / "out")
     rows = [
-        row for path in written if path.suffix in (".csv", ".tsv") and "sub-" not in path.name for row in table(path)
+        row for path in written if path.suffix in (".csv", ".tsv") and "sub-" not in path.name for row in rows_of(path)
     ]
     if form == "bids":
-        rows = [row for path in written if path.name.endswith("_events.tsv") for row in table(path)]
+        rows = [row for path in written if path.name.endswith("_events.tsv") for row in rows_of(path)]
     assert len(rows) == len(read_trials(data_set).rows)
     assert before == {path: path.read_bytes() for path in data_set.rglob("*") if path.is_file()}
     exact_case("export of a data set in any form", against="each trial once, the same bytes before")
@@ -159,7 +154,7 @@ def test_events_begin_with_onset_and_duration_and_every_column_is_described(data
     events = [path for path in written if path.name.endswith("_events.tsv")]
     assert [path.name for path in events] == [f"sub-P0{n}_ses-1_task-tutorial_run-01_events.tsv" for n in (1, 2)]
     for path in events:
-        rows, told = table(path), json.loads(path.with_suffix(".json").read_text())
+        rows, told = rows_of(path), json.loads(path.with_suffix(".json").read_text())
         assert list(rows[0])[:2] == ["onset", "duration"]
         assert set(rows[0]) <= set(told)
         assert all(re.fullmatch(r"-?[\d.]+(e-?\d+)?", row["onset"]) for row in rows)
@@ -168,9 +163,9 @@ def test_events_begin_with_onset_and_duration_and_every_column_is_described(data
 
 def test_answers_become_items_and_scores(answers, tmp_path) -> None:
     export(answers, "bids", tmp_path / "bids")
-    items = table(tmp_path / "bids/sub-P1/ses-2/beh/sub-P1_ses-2_task-attrakdiff_beh.tsv")
+    items = rows_of(tmp_path / "bids/sub-P1/ses-2/beh/sub-P1_ses-2_task-attrakdiff_beh.tsv")
     assert len(items) == 2 * 28
-    people = table(tmp_path / "bids/phenotype/attrakdiff.tsv")
+    people = rows_of(tmp_path / "bids/phenotype/attrakdiff.tsv")
     own = scores(pd.read_csv(answers), within=["session", "pattern"])
     truth = own[(own["participant"] == "P2") & (own["session"] == 1) & (own["pattern"] == "P3")]["ATT"].iloc[0]
     assert [row["participant_id"] for row in people] == ["sub-P1", "sub-P2"]
@@ -196,9 +191,9 @@ def test_a_trial_in_which_nothing_was_played_is_behaviour_and_no_event(data_set,
     rows.to_csv(file, index=False)
     export(file, "bids", tmp_path / "bids")
     folder = tmp_path / "bids/sub-P01/ses-1/beh"
-    (left,) = table(folder / "sub-P01_ses-1_task-tutorial_beh.tsv")
+    (left,) = rows_of(folder / "sub-P01_ses-1_task-tutorial_beh.tsv")
     assert left["trial"] == rows.loc[3, "trial"]
-    assert len(table(folder / "sub-P01_ses-1_task-tutorial_run-01_events.tsv")) == len(rows) - 1
+    assert len(rows_of(folder / "sub-P01_ses-1_task-tutorial_run-01_events.tsv")) == len(rows) - 1
 
 
 def test_no_key_of_a_description_of_events_is_a_text(data_set, tmp_path) -> None:
@@ -213,7 +208,7 @@ def test_a_touch_that_led_to_no_answers_stands_beside_them_and_has_no_score(answ
     failed = "P1,1,patterns,1,1,P0,attrakdiff,,rating,,,0"
     (tmp_path / "a.csv").write_text("\n".join([header, failed, *rows]) + "\n")
     export(tmp_path / "a.csv", "bids", tmp_path / "bids")
-    found = table(tmp_path / "bids/sub-P1/ses-1/beh/sub-P1_ses-1_task-attrakdiff_beh.tsv")
+    found = rows_of(tmp_path / "bids/sub-P1/ses-1/beh/sub-P1_ses-1_task-attrakdiff_beh.tsv")
     assert (found[0]["item"], found[0]["valid"], len(found)) == ("n/a", "0", 2 * 28 + 1)
     export(answers, "bids", tmp_path / "without")
     scores_of = [(tmp_path / name / "phenotype/attrakdiff.tsv").read_bytes() for name in ("bids", "without")]
@@ -270,7 +265,7 @@ def test_psychopys_form_is_read_back_through_its_column_map(data_set, tmp_path) 
         np.testing.assert_array_equal(used_rows(again)[name], used_rows(own)[name])
     (file, *_) = sorted((tmp_path / "pp/data").glob("P01*.csv"))
     exact_case("PsychoPy's form and back", against="the rows")
-    assert table(file)[0]["trials.thisN"] == "0"
+    assert rows_of(file)[0]["trials.thisN"] == "0"
 
 
 # --- R
@@ -278,7 +273,7 @@ def test_psychopys_form_is_read_back_through_its_column_map(data_set, tmp_path) 
 
 def test_the_table_for_r_has_no_empty_cell(data_set, tmp_path) -> None:
     export(data_set, "r", tmp_path / "r")
-    rows = table(tmp_path / "r/trials.csv")
+    rows = rows_of(tmp_path / "r/trials.csv")
     assert "" not in {cell for row in rows for cell in row.values()}
     script = (tmp_path / "r/trials.R").read_text()
     assert all(f'"{name}" = ' in script for name in rows[0])

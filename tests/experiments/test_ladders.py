@@ -7,10 +7,10 @@ from dataclasses import asdict, replace
 from functools import partial
 
 import pytest
+from command_line import status
 from places import DOCS
 from soak import SOAK
 
-from tactometry.cli import main
 from tactometry.experiments.cost.figures import error_against_price, frontier
 from tactometry.experiments.cost.measure import cheapest, climb
 from tactometry.experiments.cost.page import digit
@@ -34,12 +34,6 @@ def reduced(problem: Problem) -> Problem:
 @pytest.fixture(scope="module", params=LADDERS)
 def found(request):
     return climb(reduced(resolve(LADDERS[request.param])()), n_rounds=0)
-
-
-def call(*arguments):
-    with pytest.raises(SystemExit) as ended:
-        main([str(argument) for argument in arguments])
-    return ended.value.code
 
 
 # --- laws of every ladder
@@ -203,7 +197,7 @@ def test_a_peer_costs_what_it_would_on_this_machine(tmp_path):
 
 
 def test_the_command_prints_writes_and_draws(tmp_path, capsys):
-    assert call("cost", "skin-propagator", "--rounds", 1, "--out", tmp_path / "cost") == 0
+    assert status("cost", "skin-propagator", "--rounds", 1, "--out", tmp_path / "cost") == 0
     assert "1.00%:" in capsys.readouterr().out
     with (tmp_path / "cost" / "cost.csv").open(encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
@@ -214,29 +208,29 @@ def test_the_command_prints_writes_and_draws(tmp_path, capsys):
 
 
 def test_the_command_writes_a_page(tmp_path):
-    assert call("cost", "spectral-sensitivity", "--rounds", 1, "--page", tmp_path / "all.md") == 0
+    assert status("cost", "spectral-sensitivity", "--rounds", 1, "--page", tmp_path / "all.md") == 0
     text = (tmp_path / "all.md").read_text(encoding="utf-8")
     assert "## spectral-sensitivity" in text
     assert "| 0.1 s | 8.3e-02 | 0.1 |" in text
     assert "![error against price](all/spectral-sensitivity.svg)" in text
     assert (tmp_path / "all" / "spectral-sensitivity.svg").read_text(encoding="utf-8").startswith("<?xml")
     (tmp_path / "file").write_text("", encoding="utf-8")
-    assert call("cost", "spectral-sensitivity", "--rounds", 1, "--page", tmp_path / "file" / "all.md") == 3
+    assert status("cost", "spectral-sensitivity", "--rounds", 1, "--page", tmp_path / "file" / "all.md") == 3
 
 
 def test_the_command_as_json(capsys):
-    assert call("cost", "reversal-time-amplitude", "--rounds", 1, "--json") == 0
+    assert status("cost", "reversal-time-amplitude", "--rounds", 1, "--json") == 0
     said = json.loads(capsys.readouterr().out)
     assert "numpy" in said["machine"]
     assert len(said["ladders"]["reversal-time-amplitude"]["points"]) == 6
 
 
 def test_an_unknown_ladder_names_the_nearest(capsys):
-    assert call("cost", "skin-propagater") == 2
+    assert status("cost", "skin-propagater") == 2
     assert "did you mean 'skin-propagator'?" in capsys.readouterr().err
 
 
 def test_a_place_that_cannot_be_written_is_one_sentence(tmp_path, capsys):
     (tmp_path / "file").write_text("", encoding="utf-8")
-    assert call("cost", "reversal-time-amplitude", "--rounds", 1, "--out", tmp_path / "file") == 3
+    assert status("cost", "reversal-time-amplitude", "--rounds", 1, "--out", tmp_path / "file") == 3
     assert "cannot write" in capsys.readouterr().err

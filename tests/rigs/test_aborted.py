@@ -1,13 +1,13 @@
 """What ends unfinished is told at once, and by the closing summary and the exit status; questionnaires between blocks
 keep their condition, and are no trials."""
 
-import csv
 import json
 
 import pytest
 from command_line import call
 from places import RECORDED
 from study_texts import changed
+from tables import event_rows, trial_rows
 
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.study_file import load
@@ -31,16 +31,6 @@ def run(capsys, folder, *more, **changes):
     return call(capsys, *words, "--out", folder / "d", *more)
 
 
-def rows_of(root):
-    [path] = (root / "data").glob("*.csv")
-    return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
-
-
-def events_of(root):
-    [path] = (root / "journals").glob("*_events.tsv")
-    return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines(), delimiter="\t"))
-
-
 def recording_of(root):
     return read(next((root / "journals").glob("*.jsonl")))
 
@@ -57,8 +47,8 @@ def test_a_session_that_came_to_its_end_has_status_0(tmp_path, capsys):
 def test_one_block_of_several_that_is_aborted_is_told_by_summary_status_and_events(tmp_path, capsys):
     status, _, out = run(capsys, tmp_path)
     assert status == 1
-    [abort] = [event for event in events_of(tmp_path / "d") if event["trial_type"] == "abort"]
-    lost = [row for row in rows_of(tmp_path / "d") if row["valid"] == "0"]
+    [abort] = [event for event in event_rows(tmp_path / "d") if event["trial_type"] == "abort"]
+    lost = [row for row in trial_rows(tmp_path / "d") if row["valid"] == "0"]
     assert [(row["block"], row["trial"], row["attempt"]) for row in lost] == [
         (abort["block"], abort["trial"], abort["attempt"])
     ]
@@ -81,23 +71,19 @@ def test_where_no_block_came_to_its_end_the_advice_is_another(tmp_path, capsys):
 
 def test_what_a_resumed_session_lost_of_its_table_of_events_is_written_anew(tmp_path, capsys):
     run(capsys, tmp_path)
-    events = events_of(tmp_path / "d")
+    events = event_rows(tmp_path / "d")
     next((tmp_path / "d" / "journals").glob("*_events.tsv")).unlink()
     assert next(each.text for each in validate(tmp_path / "d").defects).startswith(
         "found no such file, expected the events"
     )
     run(capsys, tmp_path, "--resume")
-    assert events_of(tmp_path / "d") == events
+    assert event_rows(tmp_path / "d") == events
 
 
 def test_simulate_tells_what_was_aborted(tmp_path, capsys):
     words = ("simulate", study_in(tmp_path), "--participants", 2, "--seed", 2, "--out", tmp_path / "d")
     status, _, out = call(capsys, *words)
-    n_aborted = sum(
-        event["trial_type"] == "abort"
-        for path in (tmp_path / "d" / "journals").glob("*.tsv")
-        for event in csv.DictReader(path.read_text().splitlines(), delimiter="\t")
-    )
+    n_aborted = sum(event["trial_type"] == "abort" for event in event_rows(tmp_path / "d"))
     assert status == 0
     assert n_aborted > 0
     assert "2 simulated participants, " in out
@@ -116,7 +102,7 @@ def test_parts_for_which_there_was_no_time_are_told(tmp_path, capsys, longest_s)
 def test_a_block_that_lasts_too_long_says_so(tmp_path, capsys):
     status, _, _ = run(capsys, tmp_path, **{**STEADY, "n_attempts = 2": "longest_s = 2.0"})
     assert status == 1
-    texts = [event["text"] for event in events_of(tmp_path / "d")]
+    texts = [event["text"] for event in event_rows(tmp_path / "d")]
     assert texts == [f"block {n} is aborted: it has lasted longer than 2 s" for n in (1, 3)]
 
 
@@ -136,7 +122,7 @@ def asked(tmp_path_factory):
 
 
 def test_a_questionnaire_after_a_block_has_its_condition_and_one_after_the_session_none(asked):
-    rows = rows_of(asked)
+    rows = trial_rows(asked)
     felt = {row["block"]: row["frequency_hz"] for row in rows if row["task"] == "yes_no"}
     after_blocks = [row for row in rows if row["procedure"] == "pleasantness-vas"]
     assert [row["frequency_hz"] for row in after_blocks] == [felt[str(int(row["block"]) - 1)] for row in after_blocks]

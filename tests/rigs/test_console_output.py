@@ -1,6 +1,5 @@
 """The console with and without an output: what plays, what counts as delivered, and which key stops it."""
 
-import csv
 import io
 import itertools
 import json
@@ -18,6 +17,7 @@ from benches import file_bench
 from command_line import call
 from sampled import Sampled
 from study_texts import tutorial_in
+from tables import event_rows, trial_rows
 
 from tactometry.devices.outputs.file import FileOutput, FileSettings
 from tactometry.devices.outputs.guarded import Guarded
@@ -47,14 +47,8 @@ def run(capsys, monkeypatch, folder, *more, answers="1\n" * 40, duty=1.0, change
     return call(capsys, *words, *more)
 
 
-def rows_of(root):
-    [path] = (root / "data").glob("*.csv")
-    return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
-
-
 def kinds(root):
-    [path] = (root / "journals").glob("*_events.tsv")
-    return [row["trial_type"] for row in csv.DictReader(path.read_text().splitlines(), delimiter="\t")]
+    return [row["trial_type"] for row in event_rows(root)]
 
 
 def test_without_an_output_it_says_first_that_it_plays_nothing_and_nothing_counts_as_delivered(
@@ -63,10 +57,10 @@ def test_without_an_output_it_says_first_that_it_plays_nothing_and_nothing_count
     status, _, out = run(capsys, monkeypatch, tmp_path)
     assert status == 0
     assert out.startswith("This terminal plays nothing: ")
-    assert {(row["rig"], row["level_delivered"], row["valid"]) for row in rows_of(tmp_path / "d")} == {
+    assert {(row["rig"], row["level_delivered"], row["valid"]) for row in trial_rows(tmp_path / "d")} == {
         ("console", "", "1")
     }
-    assert {row["level"] for row in rows_of(tmp_path / "d")} == {"10", "18", "26", "34"}
+    assert {row["level"] for row in trial_rows(tmp_path / "d")} == {"10", "18", "26", "34"}
     assert not list((tmp_path / "d" / "journals").glob("*_events.tsv"))
     _, _, out = call(capsys, "analyse", tmp_path / "d", "--json")
     assert (
@@ -80,10 +74,10 @@ def test_with_an_output_every_stimulus_plays_through_its_guard(tmp_path, capsys,
     assert status == 0
     assert out.startswith(f"Stimuli play through file {tmp_path / 'played'}.")
     assert len(list((tmp_path / "played").glob("*.npz"))) == 32
-    assert all(row["level_delivered"] == row["level"] for row in rows_of(tmp_path / "d"))
+    assert all(row["level_delivered"] == row["level"] for row in trial_rows(tmp_path / "d"))
     assert kinds(tmp_path / "d") == ["stimulus"] * 32
     assert "nothing was played" not in call(capsys, "analyse", tmp_path / "d", "--json")[2]
-    onsets_s = [float(row["onset_s"]) for row in rows_of(tmp_path / "d")]
+    onsets_s = [float(row["onset_s"]) for row in trial_rows(tmp_path / "d")]
     assert min(b - a for a, b in itertools.pairwise(onsets_s)) >= 0.12
 
 
@@ -246,6 +240,6 @@ def test_a_session_at_a_real_terminal_stops_with_each_of_them(tmp_path, key, sta
         os.close(master)
     assert b"what was recorded is safe" in seen
     assert b"Traceback" not in seen
-    assert len(rows_of(tmp_path / "d")) == 2
+    assert len(trial_rows(tmp_path / "d")) == 2
     head = json.loads(next((tmp_path / "d" / "journals").glob("*.jsonl")).read_text().splitlines()[0])
     assert head["facts"]["terminal"] is True

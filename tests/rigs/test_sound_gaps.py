@@ -1,6 +1,5 @@
 """Gaps in the sound belong to the stimulus that they tear: through PortAudio and a sound server that is held up."""
 
-import csv
 import os
 import signal
 import threading
@@ -11,6 +10,7 @@ import pytest
 from benches import gain_toml
 from emulated import Emulator, wait_for
 from force_bench import BENCH, study_in
+from tables import trial_rows
 from window_sitting import any_keys, sit, tactometry
 
 from tactometry.devices.outputs.audio import AudioOutput, AudioSettings
@@ -55,8 +55,7 @@ def test_a_gap_in_a_stimulus_makes_its_touch_invalid_and_stands_in_its_row(
         tearing.join()
         device.close()
     assert status in (0, 1), errors  # 1: a busy computer tears all five attempts
-    [trials] = (tmp_path / "data" / "data").glob("*_data.csv")
-    rows = list(csv.DictReader(trials.read_text(encoding="utf-8").splitlines()))
+    rows = trial_rows(tmp_path / "data")
     torn = [row for row in rows if row["n_gaps"] not in ("", "0")]
     assert torn
     assert {row["valid"] for row in torn} == {"0"}

@@ -5,9 +5,22 @@ import pytest
 from tactometry.cli import main
 
 
-def call(capsys, *arguments):
-    """The exit status of a command line and what it said on standard error."""
+def status(*arguments):
+    """The exit status of a command line."""
     with pytest.raises(SystemExit) as ended:
         main(list(map(str, arguments)))
+    return ended.value.code
+
+
+def call(capsys, *arguments):
+    """The exit status of a command line, what it said on standard error, and its output."""
+    code = status(*arguments)
     said = capsys.readouterr()
-    return ended.value.code, said.err.strip(), said.out
+    return code, said.err.strip(), said.out
+
+
+def output(capsys, *arguments):
+    """The output of a command line that succeeds."""
+    code, said, out = call(capsys, *arguments)
+    assert code == 0, said
+    return out

@@ -12,17 +12,10 @@ import time
 from pathlib import Path
 
 import pytest
+from command_line import output
 from places import ROOT
 
 from tactometry.cli import COMMANDS, demo, main
-
-
-def call(capsys, *arguments):
-    with pytest.raises(SystemExit) as ended:
-        main(list(map(str, arguments)))
-    said = capsys.readouterr()
-    assert ended.value.code == 0, said.err
-    return said.out
 
 
 def files(root):
@@ -42,39 +35,39 @@ PARTS = {"calibrate": ("gain", "force", "display", "responses")}
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_every_command_has_help_with_an_example(capsys, command):
-    assert f"Example: tactometry {command}" in call(capsys, command, "--help")
+    assert f"Example: tactometry {command}" in output(capsys, command, "--help")
     for words in ([command, part] for part in PARTS[command]) if command in PARTS else [[command]]:
-        assert "--json" in call(capsys, *words, "--help")
+        assert "--json" in output(capsys, *words, "--help")
 
 
 @pytest.mark.parametrize("command", COMMANDS)
 def test_the_list_of_commands_says_what_each_one_is(capsys, command):
-    assert re.search(rf"^  {command} +\w", call(capsys, "--help"), re.MULTILINE)
+    assert re.search(rf"^  {command} +\w", output(capsys, "--help"), re.MULTILINE)
 
 
 @pytest.mark.parametrize("number", ["SIGTERM", "SIGHUP"])
 def test_a_session_ends_in_good_order_where_the_system_or_a_closed_terminal_ends_it(capsys, number):
-    call(capsys, "studies")
+    output(capsys, "studies")
     with pytest.raises(SystemExit) as ended:
         signal.raise_signal(getattr(signal, number))
     assert ended.value.code == 128 + getattr(signal, number)
 
 
 def test_studies_are_listed(capsys):
-    assert set(json.loads(call(capsys, "studies", "--json"))) >= {"electrovibration-threshold", "tutorial"}
+    assert set(json.loads(output(capsys, "studies", "--json"))) >= {"electrovibration-threshold", "tutorial"}
 
 
 def test_a_copied_study_runs(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    call(capsys, "new", "tutorial", "--out", "mine.toml")
-    call(capsys, "run", "mine.toml", "--participant", "P01", "--rig", "simulated", "--out", "d")
-    assert "sound" in call(capsys, "validate", "d")
-    assert "rows agree" in call(capsys, "replay", "d")
+    output(capsys, "new", "tutorial", "--out", "mine.toml")
+    output(capsys, "run", "mine.toml", "--participant", "P01", "--rig", "simulated", "--out", "d")
+    assert "sound" in output(capsys, "validate", "d")
+    assert "rows agree" in output(capsys, "replay", "d")
 
 
 def test_a_dry_run_counts_one_trial_as_one_and_never_promises_too_short_a_session(capsys):
-    planned = json.loads(call(capsys, "run", "time-reversal-patterns", "--participant", "P17", "--dry-run", "--json"))
-    said = call(capsys, "run", "time-reversal-patterns", "--participant", "P17", "--dry-run")
+    planned = json.loads(output(capsys, "run", "time-reversal-patterns", "--participant", "P17", "--dry-run", "--json"))
+    said = output(capsys, "run", "time-reversal-patterns", "--participant", "P17", "--dry-run")
     assert "at most 1 trial, 28 items" in said
     longest = int(said.rsplit("at most ", 1)[1].split()[0])
     assert longest - 1 < planned["minutes_at_most"] <= longest
@@ -92,16 +85,16 @@ def test_a_dry_run_counts_one_trial_as_one_and_never_promises_too_short_a_sessio
 )
 def test_results_come_as_json(tmp_path, capsys, monkeypatch, arguments):
     monkeypatch.chdir(tmp_path)
-    assert json.loads(call(capsys, *arguments, "--json"))
+    assert json.loads(output(capsys, *arguments, "--json"))
 
 
 def test_validate_replay_and_analyse_give_json(tmp_path, capsys):
-    call(capsys, "simulate", "tutorial", "--participants", 2, "--seed", 1, "--out", tmp_path / "d")
-    assert json.loads(call(capsys, "validate", tmp_path / "d", "--json"))["defects"] == []
-    assert [session["complete"] for session in json.loads(call(capsys, "replay", tmp_path / "d", "--json"))] == [
+    output(capsys, "simulate", "tutorial", "--participants", 2, "--seed", 1, "--out", tmp_path / "d")
+    assert json.loads(output(capsys, "validate", tmp_path / "d", "--json"))["defects"] == []
+    assert [session["complete"] for session in json.loads(output(capsys, "replay", tmp_path / "d", "--json"))] == [
         True
     ] * 2
-    assert json.loads(call(capsys, "analyse", tmp_path / "d", "--json"))
+    assert json.loads(output(capsys, "analyse", tmp_path / "d", "--json"))
 
 
 @pytest.mark.parametrize("options", [["--jobs", "2"], ["--jobs", "-1"]])
@@ -165,7 +158,7 @@ def interruptible():
 def test_an_interrupted_simulation_leaves_whole_files_and_goes_on(tmp_path, capsys):
     whole, stopped = tmp_path / "whole", tmp_path / "stopped"
     words = ["simulate", "electrovibration-threshold", "--participants", "2", "--seed", "5"]
-    call(capsys, *words, "--out", whole)
+    output(capsys, *words, "--out", whole)
     child = subprocess.Popen(
         [sys.executable, "-m", "tactometry", *words, "--out", stopped],
         stderr=subprocess.PIPE,
@@ -180,18 +173,18 @@ def test_an_interrupted_simulation_leaves_whole_files_and_goes_on(tmp_path, caps
         130,
         "tactometry: interrupted; what was recorded is safe: go on with --resume",
     )
-    call(capsys, *words, "--out", stopped, "--resume")
+    output(capsys, *words, "--out", stopped, "--resume")
     kept = {name: content for name, content in files(stopped).items() if "_interruptions" not in name}
     assert kept == files(whole)
 
 
 def test_the_sine_variant_is_one_line_and_its_censored_cells_stay_bounds(tmp_path, capsys, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    call(capsys, "new", "electrovibration-threshold", "--out", "sine.toml")
+    output(capsys, "new", "electrovibration-threshold", "--out", "sine.toml")
     study = Path("sine.toml").read_text("utf-8")
     Path("sine.toml").write_text(study.replace('kind = "amplitude_modulated"', 'kind = "sine"'), "utf-8")
-    call(capsys, "simulate", "sine.toml", "--participants", 6, "--seed", 2, "--out", "d")
-    out = call(capsys, "analyse", "d")
+    output(capsys, "simulate", "sine.toml", "--participants", 6, "--seed", 2, "--out", "d")
+    out = output(capsys, "analyse", "d")
     assert re.search(r" 30 │ .*of 6: \d above the", out)
     assert "95 % interval between participants" in out
     assert re.search(r"analysis of variance of values and bounds\s+\(by the rule", out)
@@ -203,7 +196,7 @@ def test_the_main_job_end_to_end(tmp_path, capsys, monkeypatch, n_participants):
     """As people call it with ten participants, and otherwise alike with four."""
     if n_participants != demo.N_PARTICIPANTS:
         monkeypatch.setattr(demo, "N_PARTICIPANTS", n_participants)
-    out = call(capsys, "demo", "--out", tmp_path / "demo")
+    out = output(capsys, "demo", "--out", tmp_path / "demo")
     assert (tmp_path / "demo" / "report.html").stat().st_size > 100_000
     assert "report:" in out
     assert len(list((tmp_path / "demo" / "data").glob("*.csv"))) == n_participants
@@ -223,7 +216,7 @@ def test_the_commands_of_the_readme_work_as_printed(tmp_path, capsys, monkeypatc
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "stdin", io.StringIO())
     for _, *words in commands:
-        call(capsys, *words)
+        output(capsys, *words)
 
 
 def test_the_command_is_on_the_path(tmp_path):

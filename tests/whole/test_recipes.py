@@ -1,6 +1,5 @@
 """Each thing is added as CONTRIBUTING says, to a copy of the tree, and is met where a user meets it."""
 
-import csv
 import json
 import shutil
 import subprocess
@@ -10,6 +9,7 @@ from pathlib import Path
 import pytest
 from places import ROOT
 from source_tree import copy_tree
+from tables import rows_of, trial_rows
 
 NEW_FILES = ROOT / "tests" / "recipes"
 HURRIED = """
@@ -251,16 +251,8 @@ def folder(tree: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-def rows_of(data_set: Path) -> list[dict[str, str]]:
-    return [row for file in sorted(data_set.glob("data/*.csv")) for row in table_of(file)]
-
-
-def table_of(file: Path) -> list[dict[str, str]]:
-    return list(csv.DictReader(file.read_text(encoding="utf-8").splitlines()))
-
-
 def test_a_task_is_two_files_and_a_line(folder: Path) -> None:
-    rows = [row for row in rows_of(folder / "odd") if row["task"] == "oddity" and row["valid"] == "1"]
+    rows = [row for row in trial_rows(folder / "odd") if row["task"] == "oddity" and row["valid"] == "1"]
     assert len(rows) == 2 * 4 * 10
     assert {row["target"] for row in rows} <= {"1", "2", "3"}
     assert {row["standard_level"] for row in rows} == {"12"}
@@ -272,28 +264,28 @@ def test_a_task_is_two_files_and_a_line(folder: Path) -> None:
         "Rate correct",
     ):
         assert said in page
-    fitted = table_of(folder / "odd_tables" / "thresholds.csv")
+    fitted = rows_of(folder / "odd_tables" / "thresholds.csv")
     assert {row["task"] for row in fitted} == {"oddity"}
     assert {row["guess_rate"][:6] for row in fitted} == {"0.3333"}
 
 
 def test_people_are_asked_in_a_new_task_when_each_language_has_its_words(folder: Path) -> None:
-    rows = rows_of(folder / "asked")
+    rows = trial_rows(folder / "asked")
     assert len(rows) == 4 * 4
     assert {(row["task"], row["rig"], row["response"]) for row in rows} == {("oddity", "console", "1")}
 
 
 def test_a_rig_is_a_file_a_function_and_a_line(folder: Path) -> None:
-    rows = rows_of(folder / "hurried")
+    rows = trial_rows(folder / "hurried")
     assert {(row["rig"], row["response"], row["latency_s"]) for row in rows} == {("hurried", "1", "0")}
     assert any("a hand in a hurry" in file.read_text("utf-8") for file in (folder / "hurried").glob("data/*.json"))
 
 
 def test_a_procedure_is_a_file_and_a_line(folder: Path) -> None:
-    assert {row["procedure"] for row in rows_of(folder / "approximated")} == {"stochastic_approximation"}
+    assert {row["procedure"] for row in trial_rows(folder / "approximated")} == {"stochastic_approximation"}
     page = (folder / "approximated.html").read_text(encoding="utf-8")
     assert "Levels were chosen by stochastic approximation (first level 25 dB re 1 V" in page
-    fitted = table_of(folder / "approximated_tables" / "thresholds.csv")
+    fitted = rows_of(folder / "approximated_tables" / "thresholds.csv")
     assert {row["rule_note"] for row in fitted} == {"last level at a chance of 0.6"}
 
 
@@ -328,14 +320,14 @@ def test_an_observer_is_a_file_and_a_line(folder: Path) -> None:
 
 
 def test_a_questionnaire_is_a_file(folder: Path) -> None:
-    rows = [row for row in rows_of(folder / "odd") if row["procedure"] == "roughness"]
+    rows = [row for row in trial_rows(folder / "odd") if row["procedure"] == "roughness"]
     assert [(row["task"], row["item"]) for row in rows] == [("rating", "rough")] * 2
     page = (folder / "odd.html").read_text(encoding="utf-8")
     assert "Roughness of the surface" in page
 
 
 def test_a_sensor_is_a_file_and_a_line(folder: Path) -> None:
-    assert {row["force_mean_n"] for row in rows_of(folder / "pressed")} == {"1"}
+    assert {row["force_mean_n"] for row in trial_rows(folder / "pressed")} == {"1"}
 
 
 def test_an_output_is_a_file_and_a_line(folder: Path) -> None:
@@ -345,7 +337,7 @@ def test_an_output_is_a_file_and_a_line(folder: Path) -> None:
         peak_v, duration = signal.split(" V, ")
         assert duration == "0.10 s"
         assert 18.0 < float(peak_v) <= 10 ** (26 / 20)
-    assert [row["valid"] for row in rows_of(folder / "pressed")] == ["1", "1"]
+    assert [row["valid"] for row in trial_rows(folder / "pressed")] == ["1", "1"]
 
 
 def test_a_kind_of_result_is_a_file_and_a_line(folder: Path) -> None:

@@ -9,9 +9,10 @@ from pathlib import Path
 
 import pytest
 from bids import VALIDATOR, issues_of
-from command_line import call
+from command_line import call, status
 from patience import LONGEST_PROGRAM_S
 from study_texts import changed
+from tables import rows_of, trial_rows
 
 from tactometry.experiments.study.study_file import builtin
 
@@ -47,16 +48,8 @@ def data_set(request, tmp_path_factory) -> Path:
     text = builtin()[request.param].read_text(encoding="utf-8")
     (root / "study.toml").write_text(changed(text, SMALLER[request.param]) + FINGER, encoding="utf-8")
     arguments = ["simulate", root / "study.toml", "--participants", "2", "--seed", "7", "--out", root / "data"]
-    assert _status(arguments) == 0
+    assert status(*arguments) == 0
     return root / "data"
-
-
-def _status(arguments) -> int:
-    from tactometry.cli import main
-
-    with pytest.raises(SystemExit) as ended:
-        main([str(argument) for argument in arguments])
-    return int(ended.value.code or 0)
 
 
 @pytest.fixture(scope="module")
@@ -64,16 +57,8 @@ def exported(data_set) -> Path:
     """The data set in every form."""
     for form in ("bids", "psych-ds", "psychopy", "r"):
         arguments = ["export", data_set, "--to", form, "--out", data_set.parent / form]
-        assert _status([*arguments, "--author", "Ada Lovelace", "--author", "Alan Turing"]) == 0
+        assert status(*arguments, "--author", "Ada Lovelace", "--author", "Alan Turing") == 0
     return data_set.parent
-
-
-def rows_of(files) -> list[dict[str, str]]:
-    found = []
-    for file in files:
-        with file.open(newline="", encoding="utf-8") as text:
-            found += csv.DictReader(text, delimiter="\t" if file.suffix == ".tsv" else ",")
-    return found
 
 
 def test_every_built_in_study_goes_the_whole_way():
@@ -81,7 +66,7 @@ def test_every_built_in_study_goes_the_whole_way():
 
 
 def test_it_has_invalid_touches_and_is_sound(data_set, capsys):
-    rows = rows_of((data_set / "data").glob("*.csv"))
+    rows = trial_rows(data_set)
     assert {row["valid"] for row in rows} == {"0", "1"}
     status, _, out = call(capsys, "validate", data_set)
     assert status == 0, out
@@ -102,15 +87,15 @@ def test_it_is_analysed(data_set, capsys):
 
 @pytest.mark.parametrize("form", ["psych-ds", "psychopy", "r"])
 def test_every_row_is_exported_once(data_set, exported, form):
-    own = len(rows_of((data_set / "data").glob("*.csv")))
-    assert len(rows_of((exported / form).rglob("*.csv"))) == own
+    own = len(trial_rows(data_set))
+    assert len(rows_of(*(exported / form).rglob("*.csv"))) == own
 
 
 def test_every_row_is_in_one_table_of_bids(data_set, exported):
-    own = rows_of((data_set / "data").glob("*.csv"))
+    own = trial_rows(data_set)
     tables = [*(exported / "bids").rglob("*_events.tsv"), *(exported / "bids").rglob("*_beh.tsv")]
-    assert len(rows_of(tables)) == len(own)
-    assert sum(row["valid"] == "0" for row in rows_of(tables)) == sum(row["valid"] == "0" for row in own)
+    assert len(rows_of(*tables)) == len(own)
+    assert sum(row["valid"] == "0" for row in rows_of(*tables)) == sum(row["valid"] == "0" for row in own)
 
 
 def test_the_schema_of_psych_ds_holds(data_set, exported):

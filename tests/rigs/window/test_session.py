@@ -1,12 +1,12 @@
 """A whole session through the command line in a real window: stopped with Escape, resumed, validated, replayed."""
 
-import csv
 import json
 from dataclasses import dataclass
 from pathlib import Path
 
 import pytest
 from hard_cases import exact_case
+from tables import trial_rows
 from window_sitting import any_keys, sit, tactometry
 
 from tactometry.experiments.data_sets.replaying import replay_data_set
@@ -37,8 +37,7 @@ class Sitting:
 
     @property
     def rows(self):
-        [path] = (self.data / "data").glob("*_data.csv")
-        return list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+        return trial_rows(self.data)
 
 
 @pytest.fixture(scope="module")

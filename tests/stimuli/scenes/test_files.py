@@ -8,9 +8,9 @@ from dataclasses import replace
 import click
 import pytest
 from click.testing import CliRunner
+from command_line import status
 from places import DOCS
 
-from tactometry.cli import main
 from tactometry.cli.output import json_option, say
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.scenes import names, path_of
@@ -27,12 +27,6 @@ LAW = {"kind": "force_law", "law": "sc_layer"}
 
 def table(**changes):
     return {"outputs": ["t_s", "electrostatic_force_n"], "surface": TONE, "effects": [LAW], **changes}
-
-
-def call(*arguments):
-    with pytest.raises(SystemExit) as ended:
-        main([str(argument) for argument in arguments])
-    return ended.value.code
 
 
 @pytest.mark.parametrize(
@@ -82,7 +76,7 @@ def test_no_error_is_told_of_a_scene_with_a_setting_of_ones_own(capsys, tmp_path
     """It said "predicted error inf"."""
     page = (DOCS / "scenes.md").read_text("utf-8")
     (tmp_path / "s.toml").write_text(page.partition("```toml\n")[2].partition("```")[0])
-    assert call("scene", tmp_path / "s.toml") == 0
+    assert status("scene", tmp_path / "s.toml") == 0
     assert "predicted error not known (a setting is given)" in capsys.readouterr().out
 
 
@@ -95,7 +89,7 @@ def test_settings_that_no_memory_holds_are_one_sentence():
 
 
 def test_a_film_of_a_scene_without_a_plate_is_refused(capsys):
-    assert call("scene", "electrovibration-panel", "--movie", "a.gif") == 2
+    assert status("scene", "electrovibration-panel", "--movie", "a.gif") == 2
     assert "--movie: found a scene on 'electrovibration', which has no wave" in capsys.readouterr().err
 
 
@@ -138,7 +132,7 @@ def test_the_command_names_the_file_that_holds_what_is_wrong(tmp_path, capsys, o
         encoding="utf-8",
     )
     for explain in ([], ["--explain"]):
-        assert call("scene", file, *explain) == 2
+        assert status("scene", file, *explain) == 2
         assert capsys.readouterr().err.startswith(f"tactometry: {file}, {place}: found")
 
 
@@ -149,7 +143,7 @@ def test_a_file_that_is_no_toml_or_is_absent_is_one_sentence(tmp_path):
         load_scene(bad)
     with pytest.raises(InvalidFile, match=r"cannot be read"):
         load_scene(tmp_path / "absent.toml")
-    assert call("scene", "electrovibration-panell") == 2
+    assert status("scene", "electrovibration-panell") == 2
 
 
 def roughly(name):
@@ -214,9 +208,9 @@ def test_a_finger_that_a_linear_contact_pulls_is_said_to_lift_off(tmp_path, caps
         file = tmp_path / f"{force_n}.toml"
         contact = f"[[contacts]]\nforce_n = {force_n}\n"
         file.write_text(f'accuracy = 0.1\noutputs = ["t_s", "contact_force_n"]\n{plate}{contact}{rest}')
-        assert call("scene", file) == 0
+        assert status("scene", file) == 0
         assert ("note: finger 1 pulls by up to" in capsys.readouterr().out) == (force_n < 1)
-        assert call("scene", file, "--json") == 0
+        assert status("scene", file, "--json") == 0
         told = json.loads(capsys.readouterr().out)
         pulled[force_n] = told["pulls_n"][0]
         assert pulled[force_n] == pytest.approx(max(-told["outputs"]["contact_force_n"]["min"] - force_n, 0.0))
@@ -269,30 +263,30 @@ def test_a_run_without_what_it_takes_is_refused(tmp_path, capsys):
         'ramp_s = 0.01\n[[effects]]\nkind = "force_law"\nlaw = "sc_layer"\n',
         encoding="utf-8",
     )
-    assert call("scene", file) == 2
+    assert status("scene", file) == 2
     assert "given.level_db_re_1v: found no such key" in capsys.readouterr().err
     file.write_text(file.read_text(encoding="utf-8") + "[given]\nlevel_db_re_1v = 40.0\n", encoding="utf-8")
-    assert call("scene", file, "--json") == 0
+    assert status("scene", file, "--json") == 0
     said = json.loads(capsys.readouterr().out)
     assert said["units"] == {"peak_force_n": "N"}
     assert 0.02 < said["outputs"]["peak_force_n"] < 0.022
     for outputs in ('["peak_force_n"]', '["t_s", "peak_force_n"]'):
         file.write_text(file.read_text(encoding="utf-8").replace('["peak_force_n"]', outputs), encoding="utf-8")
-        assert call("scene", file, "--figure", tmp_path / "a.png") == 2
+        assert status("scene", file, "--figure", tmp_path / "a.png") == 2
         assert "add it to outputs" in capsys.readouterr().err
     wave = file.read_text(encoding="utf-8").replace('"peak_force_n"]', '"electrostatic_force_n"]')
     file.write_text(wave, encoding="utf-8")
-    assert call("scene", file, "--explain", "--figure", tmp_path / "a.png") == 0
+    assert status("scene", file, "--explain", "--figure", tmp_path / "a.png") == 0
     assert "one more digit" in capsys.readouterr().out
     assert (tmp_path / "a.png").stat().st_size > 10_000
 
 
 def test_the_figure_is_drawn(tmp_path, capsys):
-    assert call("scene", "electrovibration-panel", "--figure", tmp_path / "a.png") == 0
+    assert status("scene", "electrovibration-panel", "--figure", tmp_path / "a.png") == 0
     assert (tmp_path / "a.png").stat().st_size > 20_000
     assert "sensation" in capsys.readouterr().out
-    assert call("scene", "electrovibration-panel", "--figure", tmp_path / "a.doc") == 2
-    assert call("scene", "electrovibration-panel", "--figure", tmp_path / "no" / "a.png") == 3
+    assert status("scene", "electrovibration-panel", "--figure", tmp_path / "a.doc") == 2
+    assert status("scene", "electrovibration-panel", "--figure", tmp_path / "no" / "a.png") == 3
 
 
 @pytest.mark.parametrize("name", names())

@@ -1,0 +1,22 @@
+"""Tables of data sets as rows of text."""
+
+import csv
+
+
+def rows_of(*paths):
+    """The rows of files, one after the other: with commas, or with tabs where the name ends in tsv."""
+    rows = []
+    for path in paths:
+        with path.open(newline="", encoding="utf-8") as text:
+            rows += csv.DictReader(text, delimiter="\t" if path.suffix == ".tsv" else ",")
+    return rows
+
+
+def trial_rows(root):
+    """The trials of a data set, session after session."""
+    return rows_of(*sorted((root / "data").glob("*.csv")))
+
+
+def event_rows(root):
+    """What happened in the sessions of a data set."""
+    return rows_of(*sorted((root / "journals").glob("*_events.tsv")))
