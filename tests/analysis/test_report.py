@@ -364,8 +364,13 @@ def rated(patterns, tmp_path_factory) -> Analysis:
     return analyse(patterns, report=tmp_path_factory.mktemp("rated") / "r.html")
 
 
-def test_a_figure_has_the_same_bytes_again(rated) -> None:
-    one, other = (figures_of(rated)[1].drawing for _ in range(2))
+@pytest.fixture(scope="module")
+def drawn_once(rated) -> list:
+    return figures_of(rated)
+
+
+def test_a_figure_has_the_same_bytes_again(rated, drawn_once) -> None:
+    one, other = (figures[1].drawing for figures in (drawn_once, figures_of(rated)))
     assert (one.svg, one.png()) == (other.svg, other.png())
 
 
@@ -381,10 +386,10 @@ def test_a_study_of_a_questionnaire_alone_is_reported(rated) -> None:
     assert summary(found)["questionnaires"]["attrakdiff"][0]["condition"] == "P0"
 
 
-def test_word_pairs_are_compared_by_frequency_and_envelope_beside_the_single_focus(rated) -> None:
+def test_word_pairs_are_compared_by_frequency_and_envelope_beside_the_single_focus(rated, drawn_once) -> None:
     """Figures 5.9 to 5.13 of the thesis."""
     (form,) = rated.forms
-    names = {figure.name.removeprefix("attrakdiff_") for figure in figures_of(rated)}
+    names = {figure.name.removeprefix("attrakdiff_") for figure in drawn_once}
     by = {"word_pairs_by_frequency", "word_pairs_by_envelope", "word_pairs_low_frequency", "word_pairs_high_frequency"}
     assert names == by | {"scores", "portfolio", "frequency_by_envelope"}
     means = form.grouped.set_index(["of", "condition", "item"])["mean"]

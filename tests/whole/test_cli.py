@@ -191,11 +191,14 @@ def test_the_sine_variant_is_one_line_and_its_censored_cells_stay_bounds(tmp_pat
     assert re.search(r"values and bounds\s+leaves\s+out\s+frequency\s+=\s+30\s+Hz", out)
 
 
-@pytest.mark.parametrize("n_participants", [4, pytest.param(10, marks=pytest.mark.slow)])
-def test_the_main_job_end_to_end(tmp_path, capsys, monkeypatch, n_participants):
-    """As people call it with ten participants, and otherwise alike with four."""
-    if n_participants != demo.N_PARTICIPANTS:
-        monkeypatch.setattr(demo, "N_PARTICIPANTS", n_participants)
+@pytest.mark.parametrize(
+    ("study", "n_participants"),
+    [("tutorial", 4), pytest.param(demo.STUDY, demo.N_PARTICIPANTS, marks=pytest.mark.slow)],
+)
+def test_the_main_job_end_to_end(tmp_path, capsys, monkeypatch, study, n_participants):
+    """As people call it, and with a short study: those of the README take the long one the same way."""
+    monkeypatch.setattr(demo, "STUDY", study)
+    monkeypatch.setattr(demo, "N_PARTICIPANTS", n_participants)
     out = output(capsys, "demo", "--out", tmp_path / "demo")
     assert (tmp_path / "demo" / "report.html").stat().st_size > 100_000
     assert "report:" in out
