@@ -230,9 +230,30 @@ def _asked(skin: SkinState, contact: ContactConstants) -> float:
 
 
 @compiled
-def _changed(skin: SkinState, contact: ContactConstants) -> SkinState:
-    """From slip to stick, or from stick to slip where friction pulls: there the skin is as fast as the finger."""
+def _carried(skin: SkinState, contact: ContactConstants) -> SkinState:
+    """A skin that sticks is as fast as the finger."""
+    rate = skin.rate_m_per_s if skin.direction != 0 else _speed(contact, skin.time_s)
+    return SkinState(skin.stretch_m, rate, skin.direction, skin.time_s)
+
+
+@compiled
+def _gives_way(skin: SkinState, contact: ContactConstants, limit_n: float) -> bool:
+    """Whether a skin that sticks is asked for more friction than it can bear."""
+    return skin.direction == 0 and abs(_asked(skin, contact)) > limit_n * (1 + 1e-14)
+
+
+@compiled
+def _after(skin: SkinState, stretch: FloatArray, reached: float, unit_s: float, passed_s: float) -> SkinState:
+    """The skin behind `reached` of a step, which is the time `passed_s`."""
+    rate_m_per_s = _slope(stretch, reached) / unit_s
+    return SkinState(_value(stretch, reached), rate_m_per_s, skin.direction, skin.time_s + passed_s)
+
+
+@compiled
+def _change(skin: SkinState, contact: ContactConstants, events: FloatArray, n: int) -> SkinState:
+    """From slip to stick, or from stick to slip where friction pulls, event n: the skin is as fast as the finger."""
     direction = 0.0 if skin.direction != 0 else (1.0 if _asked(skin, contact) > 0 else -1.0)
+    events[n] = skin.time_s, direction
     return SkinState(skin.stretch_m, _speed(contact, skin.time_s), direction, skin.time_s)
 
 
@@ -312,43 +333,37 @@ def _flow(
     heights: Heights, phases: Phases, layers: Layers, steps: Steps, contact: ContactConstants, start: float, most: Pair
 ) -> tuple[FloatArray, FloatArray, int, float]:
     out, events = np.zeros((len(phases.piece), 6)), np.empty((most[0], 2))
-    piece, lengths, longest, moves = phases.piece, steps.lengths, steps.longest, steps.moves
     (circuit, series), free = _empty(layers), np.zeros(len(layers.gains))
     skin, held, n_events, n_here, n_steps = SkinState(start, contact.speed_m_per_s, 0.0, 0.0), -1, 0, 0, 0
     for i in range(len(phases.piece)):
-        while held < piece[i]:
+        while held < phases.piece[i]:
             held += 1
             enter(held, i, heights, phases, free)
         _settle(i, free, heights, phases, circuit)
-        rest, noted = lengths[i] if i < len(lengths) else 0.0, False
+        rest, noted = steps.lengths[i] if i < len(steps.lengths) else 0.0, False
         while rest > 0 or not noted:
-            h = min(rest, longest[0 if skin.direction == 0 else 1, i])
+            h = min(rest, steps.longest[0 if skin.direction == 0 else 1, i])
             unit, n_steps = max(h, 1e-300), n_steps + 1
-            _force_series(circuit, layers, moves[i], unit, series)
+            _force_series(circuit, layers, steps.moves[i], unit, series)
             limit = _strongest(contact, series.force)
-            if skin.direction == 0:
-                skin = SkinState(skin.stretch_m, _speed(contact, skin.time_s), 0.0, skin.time_s)
-                if abs(_asked(skin, contact)) > limit[0] * (1 + 1e-14) and n_events < most[0]:
-                    skin = _changed(skin, contact)
-                    events[n_events] = skin.time_s, skin.direction
-                    n_events, n_here = n_events + 1, n_here + 1
-                    continue  # a step of one that slips may be shorter
+            skin = _carried(skin, contact)
+            if _gives_way(skin, contact, limit[0]) and n_events < most[0]:
+                skin = _change(skin, contact, events, n_events)
+                n_events, n_here = n_events + 1, n_here + 1
+                continue  # a step of one that slips may be shorter
             _push_series(skin, contact, series)
             if not noted:
                 out[i], noted = _row(skin, contact, series), True
             if rest <= 0:
                 break
             place = _next_event(skin, contact, unit, series, limit)
-            reached = min(place, 1.0)
-            passed = reached * h
+            reached, passed = min(place, 1.0), min(place, 1.0) * h
             _go_on(circuit, layers, series, reached, passed)
             rest = rest - passed if place <= 1 else (0.0 if h >= rest else rest - h)
             n_here = n_here if passed <= 1e-14 * skin.time_s else 0
-            rate = _slope(series.stretch, reached) / unit
-            skin = SkinState(_value(series.stretch, reached), rate, skin.direction, skin.time_s + passed)
+            skin = _after(skin, series.stretch, reached, unit, passed)
             if place <= 1 and n_events < most[0]:
-                skin = _changed(skin, contact)
-                events[n_events] = skin.time_s, skin.direction
+                skin = _change(skin, contact, events, n_events)
                 n_events, n_here = n_events + 1, n_here + 1
             failure = _failure(n_events, n_here, n_steps, most)
             if failure:
