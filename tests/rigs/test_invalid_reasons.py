@@ -14,7 +14,7 @@ from tactometry.observers.finger import SimulatedFinger
 from tactometry.protocols import Sliding
 from tactometry.protocols.block import run_block
 from tactometry.protocols.tasks.task import Reply, TrialOutcome, reply
-from tactometry.rigs.judgement import broken
+from tactometry.rigs.judgement import broken_condition
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.session.answer import Adjusted, Chosen, Touched
 from tactometry.session.run import run
@@ -71,8 +71,8 @@ def test_the_reason_is_the_side_on_which_the_force_or_the_speed_was():
 
 def test_the_force_is_named_before_the_speed():
     slide = GATED.request("tone", 5.0, None)
-    assert broken(slide, Compliance(2.0, 0.0, 0.0), SpeedCompliance(0.1, 0.0)) == "too_heavy"
-    assert broken(slide, Compliance(1.0, 0.0, 0.8), SpeedCompliance(0.1, 0.8)) is None
+    assert broken_condition(slide, Compliance(2.0, 0.0, 0.0), SpeedCompliance(0.1, 0.0)) == "too_heavy"
+    assert broken_condition(slide, Compliance(1.0, 0.0, 0.8), SpeedCompliance(0.1, 0.8)) is None
 
 
 TOUCHED = Touched(1.0, 5.0, "0")
