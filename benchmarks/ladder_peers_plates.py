@@ -11,8 +11,7 @@ from scipy import sparse
 from tactometry.experiments.cost.problem import Rung
 from tactometry.experiments.ladders import boundary_basis, plate_modes
 from tactometry.stimuli.time_reversal.plate.plate import Plate
-from tactometry.stimuli.time_reversal.rectangle.axis import LegendreAxis
-from tactometry.stimuli.time_reversal.rectangle.legendre import Family
+from tactometry.stimuli.time_reversal.rectangle.axis import Family, LegendreAxis
 from tactometry.stimuli.time_reversal.rectangle.ritz import ellipse, pencil
 
 Real = NDArray[np.float64]

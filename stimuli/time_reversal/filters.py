@@ -25,6 +25,18 @@ class GainCurve(Protocol):
 
 
 @checked
+def filtered(samples: FloatArray, rate_hz: float, gain: GainCurve) -> FloatArray:
+    """Samples (..., n) behind a linear element; what rings beyond the end, or before the beginning, is cut off."""
+    from scipy.fft import next_fast_len
+
+    positive("filtered", rate_hz=rate_hz)
+    n = samples.shape[-1]
+    n_fft = int(next_fast_len(max(2 * n, 1), real=True))  # what wraps round falls into zeros that are cut off
+    frequency_hz = np.asarray(np.fft.rfftfreq(n_fft, 1 / rate_hz), float)
+    return np.asarray(np.fft.irfft(np.fft.rfft(samples, n_fft) * gain.at(frequency_hz), n_fft)[..., :n])
+
+
+@checked
 @dataclass(frozen=True)
 class Band:
     """Passes f_min..f_max without a change of phase; raised-cosine flanks of `flank_hz` lie inside the band.

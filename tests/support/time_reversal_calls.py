@@ -365,6 +365,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "velocity_spectrum": driven,
         },
         "filters": {
+            "filtered": {"samples": FIELD, "rate_hz": 2e3, "gain": Hold(2e3)},
             **{
                 f"{type(gain).__name__}.at": {"self": gain, "frequency_hz": np.array([0.0, 50.0])}
                 for gain in (BAND, Butterworth(500.0), MeasuredGain((1.0, 2.0), (1.0, 1j)), Hold(1e3))

@@ -1,20 +1,22 @@
 """Losses: every mode decays."""
 
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from tactometry.arguments import require
 
 from ...composition.content import PlateContent
 from ...composition.effect import Effect, Surroundings
-from ...time_reversal.screen.attenuation import Attenuation
-from ...time_reversal.screen.screen import TAU_S, Screen
+
+if TYPE_CHECKING:
+    from ...time_reversal.screen.screen import Screen
 
 
 @dataclass(frozen=True)
-class Losses(Attenuation, Effect):
-    """The attenuation of a screen; 3.5 ms is an unverified default.
+class Losses(Effect):
+    """``tau(f) = tau (f/reference)^-exponent``: constant with exponent 0; 3.5 ms is an unverified default.
 
-    >>> round(1 / float(Losses(exponent=0.5).rate_per_s(40e3)), 9)
+    >>> Losses(exponent=0.5).tau_at_s(40e3)
     0.00175
     """
 
@@ -22,15 +24,22 @@ class Losses(Attenuation, Effect):
     slot = "attenuation"
     reads, gives = ("screen",), "screen"
 
-    tau_s: float = TAU_S
+    tau_s: float = 3.5e-3
+    exponent: float = 0.0
+    reference_hz: float = 10e3
 
     def __post_init__(self) -> None:
-        require.positive("Attenuation", tau_s=self.tau_s)  # no loss at all is a screen without this effect
-        super().__post_init__()
+        require.positive("Attenuation", tau_s=self.tau_s, reference_hz=self.reference_hz)
+        require.not_negative("Attenuation", exponent=self.exponent)
 
-    def __call__(self, screen: Screen) -> Screen:
-        return replace(screen, attenuation=self)
+    def __call__(self, screen: "Screen") -> "Screen":
+        from ...time_reversal.screen.attenuation import Attenuation
+
+        return replace(screen, attenuation=Attenuation(**vars(self)))
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
-        at_top_s = 1 / float(self.rate_per_s(scene.surface.band_max_hz))
-        return PlateContent(tau_s=at_top_s, ringing_s=3 * self.tau_s)
+        return PlateContent(tau_s=self.tau_at_s(scene.surface.band_max_hz), ringing_s=3 * self.tau_s)
+
+    def tau_at_s(self, frequency_hz: float) -> float:
+        """The time constant at a frequency."""
+        return float(self.tau_s * (frequency_hz / self.reference_hz) ** -self.exponent)

@@ -7,11 +7,11 @@ import numpy as np
 
 from tactometry.errors import InvalidParameter
 
-from ...arrays import ComplexArray
+from ...arrays import ComplexArray, real_product
 from ...time_reversal.responses.load import PlateLoad, carried
 from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import PointForce
-from .motion import PlateMotion, answer, moving, times
+from .motion import PlateMotion, answer, moving
 
 Numbers = tuple[float, ...]
 
@@ -26,7 +26,9 @@ def bearing(contacts: Sequence[PlateLoad]) -> Callable[[PlateMotion], PlateMotio
         forces = _forces(motion, screen, contacts)
         oscillators, at = moving(screen, motion.modes_to_hz, motion.static_to_hz)
         pushed = np.ascontiguousarray(at[:, -len(places) :])
-        amplitude = answer(oscillators, screen.plate.mass_kg, motion.s, lambda part: times(pushed, -forces[:, part]))
+        amplitude = answer(
+            oscillators, screen.plate.mass_kg, motion.s, lambda part: real_product(pushed, -forces[:, part])
+        )
         amplitude += motion.amplitude
         return replace(motion, screen=screen, amplitude=amplitude, played=np.vstack([motion.played, -forces]))
 

@@ -8,7 +8,7 @@ import numpy as np
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray
-from ...time_reversal.filters import Band, GainCurve
+from ...time_reversal.filters import Band, GainCurve, filtered
 from ...time_reversal.focusing.focusing import Emission, reversed_waveform
 from ...time_reversal.focusing.quantiser import Analogue, Quantiser
 from ...time_reversal.plate.modes import Modes
@@ -114,12 +114,6 @@ def in_band(band_max_hz: float, flank_hz: float, margin_s: float) -> Callable[[E
 
 def through(emission: EmittedSignal, gain: GainCurve, margin_s: float = 0.0) -> EmittedSignal:
     """An emission behind a linear element."""
-    from scipy.fft import next_fast_len
-
     margin = round(margin_s * emission.rate_hz)
     wide = np.pad(emission.samples, ((0, 0), (margin, margin)))
-    n = wide.shape[1]
-    n_fft = int(next_fast_len(2 * n, real=True))  # what wraps round falls into zeros that are cut off
-    frequency_hz = np.asarray(np.fft.rfftfreq(n_fft, 1 / emission.rate_hz), float)
-    samples = np.fft.irfft(np.fft.rfft(wide, n_fft) * gain.at(frequency_hz), n_fft)[:, :n]
-    return replace(emission, samples=samples, focus=emission.focus + margin)
+    return replace(emission, samples=filtered(wide, emission.rate_hz, gain), focus=emission.focus + margin)

@@ -13,7 +13,7 @@ import numpy as np
 
 from tactometry.errors import InvalidParameter
 
-from ...arrays import ComplexArray, FloatArray
+from ...arrays import ComplexArray, FloatArray, real_product
 from ...time_reversal.oscillators.oscillators import Oscillators
 from ...time_reversal.plate.modes import Modes, values
 from ...time_reversal.responses.load import CHUNK, Receptances, contour
@@ -78,8 +78,8 @@ class PlateMotion:
         n = len(self.amplitude)
         still = shapes[:, n:] @ self.following + self._beyond(points)
         inert = shapes[:, n:] @ (self.following / self.stiffness_n_per_m[:, None]) * self.screen.plate.mass_kg
-        moving = times(shapes[:, :n], self.amplitude) + times(still, self.played)
-        return moving - times(inert, self.played * self.s**2)
+        moving = real_product(shapes[:, :n], self.amplitude) + real_product(still, self.played)
+        return moving - real_product(inert, self.played * self.s**2)
 
     def course(self, spectrum: ComplexArray, oversampling: int) -> FloatArray:
         """(..., n): the course of a spectrum (..., n_frequencies) at `oversampling` times the rate."""
@@ -148,7 +148,7 @@ def driven(
         s = s[: int(heard_to_hz * n_fft / rate_hz) + 1]
         played = np.fft.rfft(emission.samples / growth[:n_played], n_fft)[:, : len(s)]
         oscillators, forces = moving(screen, modes_to_hz, static_to_hz)
-        amplitude = answer(oscillators, screen.plate.mass_kg, s, lambda part: times(forces, played[:, part]))
+        amplitude = answer(oscillators, screen.plate.mass_kg, s, lambda part: real_product(forces, played[:, part]))
         return PlateMotion(screen, modes_to_hz, static_to_hz, amplitude, played, s, n_fft, rate_hz, emission.focus, n)
 
     return motion
@@ -186,11 +186,6 @@ def course_times() -> Callable[[PlateMotion, int], FloatArray]:
 def focus_course() -> Callable[[PlateMotion, Points, int], FloatArray]:
     """The displacement of the first focus over time (m/V)."""
     return lambda motion, foci, oversampling: motion.course(motion.of_points(foci[:1])[0], oversampling)
-
-
-def times(real: FloatArray, numbers: ComplexArray) -> ComplexArray:
-    """A real by a complex matrix, without making the real one complex."""
-    return np.asarray(np.ascontiguousarray(real) @ np.ascontiguousarray(numbers).view(float)).view(complex)
 
 
 def _real(numbers: ComplexArray, turning: ComplexArray) -> FloatArray:

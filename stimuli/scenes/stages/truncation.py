@@ -109,10 +109,8 @@ def _tails(scene: Surroundings, one: float) -> list[Tail]:
 
 
 def _turning(scene: Surroundings) -> float:
-    surface = scene.surface
-    wavenumber_rad_per_m = sqrt(4 * pi * n_modes(scene, surface.band_max_hz) / surface.plate.area_m2)
     distance_m = _distance_m(scene)
-    return TURNING / (wavenumber_rad_per_m * distance_m) if distance_m else inf
+    return TURNING / (wavenumber_rad_per_m(scene, scene.surface.band_max_hz) * distance_m) if distance_m else inf
 
 
 def _distance_m(scene: Surroundings) -> float:
@@ -135,17 +133,15 @@ def _heard(error: float) -> float:
 
 def n_modes(scene: Surroundings, frequency_hz: float) -> float:
     """About how many modes there are below a frequency."""
+    return float(scene.surface.plate.area_m2 * wavenumber_rad_per_m(scene, frequency_hz) ** 2 / (4 * pi))
+
+
+def wavenumber_rad_per_m(scene: Surroundings, frequency_hz: float) -> float:
+    """Of the waves at a frequency: those of a thin plate, unless an effect changes them."""
     plate = scene.surface.plate
-    wavenumber_rad_per_m = changed_wavenumber_rad_per_m(scene, frequency_hz)
-    if wavenumber_rad_per_m is None:
-        return float(plate.modal_density_s * frequency_hz)
-    return float(plate.area_m2 * wavenumber_rad_per_m**2 / (4 * pi))
-
-
-def changed_wavenumber_rad_per_m(scene: Surroundings, frequency_hz: float) -> float | None:
-    """Of waves that an effect changes, None of those of a thin plate."""
-    changed = (effect.wavenumber_rad_per_m(scene.surface.plate, frequency_hz) for effect in scene.effects)
-    return next((wavenumber for wavenumber in changed if wavenumber is not None), None)
+    changed = (effect.wavenumber_rad_per_m(plate, frequency_hz) for effect in scene.effects)
+    thin = sqrt(2 * pi * frequency_hz / plate.wave_constant_m2_per_s)
+    return next((wavenumber for wavenumber in changed if wavenumber is not None), thin)
 
 
 def n_frequencies(scene: Surroundings, ends: Cut) -> int:

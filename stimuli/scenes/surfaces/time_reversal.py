@@ -8,13 +8,13 @@ from typing import Any, ClassVar
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ...composition.effect import Demand, Size, Stage, Surface, Surroundings
+from ...composition.effect import Demand, Size, Stage, Surface
 from ...time_reversal.plate.glass import GLASSES
 from ...time_reversal.plate.plate import Plate
 from ...time_reversal.screen.glass_panel import LEARNT_S, GlassPanel
 from ..effects import OF_TIME_REVERSAL
 from ..stages.scaling import at_voltage
-from ..stages.truncation import changed_wavenumber_rad_per_m, cut_of, n_frequencies, n_modes
+from ..stages.truncation import cut_of, n_frequencies, n_modes, wavenumber_rad_per_m
 
 EMISSION = "tactometry.stimuli.scenes.stages.emission"
 MOTION = "tactometry.stimuli.scenes.stages.motion"
@@ -128,15 +128,10 @@ class TimeReversal(GlassPanel, Surface):
         )
 
     def _motion_size(self, demand: Demand) -> Size:
-        found = demand.once(cut_of)
-        settings = {
-            "modes_to_hz": found.modes_to_hz,
-            "static_to_hz": found.static_to_hz,
-            "heard_to_hz": found.heard_to_hz,
-            "after_s": self.after_s,
-        }
+        ends = vars(demand.once(cut_of)) | {"after_s": self.after_s}
+        error = ends.pop("error")
         work = demand.once(_moved) * (PRODUCT * self.n_transducers + DIVISION)
-        return Size(settings, found.error, work)
+        return Size(ends, error, work)
 
     def _courses(self) -> tuple[Stage, ...]:
         needs = ("motion", "foci_m", "oversampling")
@@ -186,7 +181,7 @@ class TimeReversal(GlassPanel, Surface):
         InvalidParameter
             If they are too many.
         """
-        step_m = sqrt(8 * demand.error) / self._wavenumber_rad_per_m(demand)
+        step_m = sqrt(8 * demand.error) / wavenumber_rad_per_m(demand, self.band_max_hz)
         n_x, n_y = ceil(self.length_m / step_m) + 1, ceil(self.width_m / step_m) + 1
         if n_x * n_y > MOST_POINTS:
             raise InvalidParameter(
@@ -199,18 +194,13 @@ class TimeReversal(GlassPanel, Surface):
         """Of straight lines between the points, relative to the largest of a map."""
         n_x, n_y = demand.once(self.grid)
         step_m = max(self.length_m / (n_x - 1), self.width_m / (n_y - 1))
-        return (self._wavenumber_rad_per_m(demand) * step_m) ** 2 / 8
-
-    def _wavenumber_rad_per_m(self, scene: Surroundings) -> float:
-        """Of the shortest wave in the band."""
-        changed = changed_wavenumber_rad_per_m(scene, self.band_max_hz)
-        return sqrt(2 * pi * self.band_max_hz / self.plate.wave_constant_m2_per_s) if changed is None else changed
+        return (wavenumber_rad_per_m(demand, self.band_max_hz) * step_m) ** 2 / 8
 
 
 def _moved(demand: Demand) -> float:
     """Numbers of the motion: modes that move, at every frequency."""
-    found = demand.once(cut_of)
-    return n_modes(demand, found.modes_to_hz) * n_frequencies(demand, found)
+    ends = demand.once(cut_of)
+    return n_modes(demand, ends.modes_to_hz) * n_frequencies(demand, ends)
 
 
 def _oversampling(demand: Demand) -> int:
@@ -227,9 +217,8 @@ def _per_sample(n_operations: float) -> Callable[[Demand], Size]:
     """The size of a stage that does as many operations with each sample of a course."""
 
     def size(demand: Demand) -> Size:
-        surface: Any = demand.surface
-        found, factor = demand.once(cut_of), demand.once(_oversampling)
-        n = n_frequencies(demand, found) * surface.rate_hz / found.heard_to_hz * factor
+        ends, factor = demand.once(cut_of), demand.once(_oversampling)
+        n = n_frequencies(demand, ends) * demand.surface.rate_hz / ends.heard_to_hz * factor
         return Size(n_operations=n_operations * n)
 
     return size

@@ -11,7 +11,6 @@ from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
 from ...composition.effect import Demand, Quantity, Size
-from .quantiser import normalised
 
 
 @checked
@@ -29,6 +28,8 @@ class PulseWidth(Quantity):
         within("PulseWidth", 0.0, 1.0, scale=self.scale)
 
     def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
+        from .quantiser import normalised
+
         self._check_rate(rate_hz)
         turns = np.arange(waveform.shape[-1]) * (self.carrier_hz / rate_hz) % 1
         carrier = 1 - 4 * np.abs(turns - 0.5)

@@ -9,7 +9,6 @@ from tactometry.errors import InvalidParameter, LimitExceeded
 
 from ...arrays import FloatArray
 from ...composition.effect import Quantity
-from .quantiser import normalised
 
 
 @checked
@@ -45,6 +44,7 @@ class SigmaDelta(Quantity):
 
     def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
         from .modulator import modulate
+        from .quantiser import normalised
 
         del rate_hz
         stream = modulate(self.scale * normalised(waveform), self.order)

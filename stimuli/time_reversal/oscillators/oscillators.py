@@ -6,7 +6,6 @@ over-damped modes use the slow rate omega^2 / (1/tau + w), which is not a differ
 rigid-body modes are the limits of the same formula.
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final
 
@@ -71,7 +70,7 @@ class Oscillators:
             out[swings] = self.of(swings)._swinging(rate_hz, start, stop, quantity)
         if not swings.all():
             time_s = np.arange(start, stop) / rate_hz
-            out[~swings] = _CREEPING[quantity](self.of(~swings), time_s)
+            out[~swings] = _creeping(self.of(~swings), time_s, quantity)
         return out
 
     def impulse_at(self, time_s: ArrayLike, quantity: str = "displacement") -> FloatArray:
@@ -82,7 +81,7 @@ class Oscillators:
         swings = self.oscillates
         swinging = self.of(swings)
         out[swings] = (swinging._phasor(time, 1.0) * swinging._weight(quantity)[:, None]).imag
-        out[~swings] = _CREEPING[quantity](self.of(~swings), time)
+        out[~swings] = _creeping(self.of(~swings), time, quantity)
         return out
 
     def step(self, step_s: float) -> tuple[FloatArray, FloatArray]:
@@ -173,26 +172,16 @@ def _ramp(distance: FloatArray, time_s: FloatArray) -> FloatArray:
     return np.asarray(time_s * ratio)
 
 
-def _creeping_displacement(modes: Oscillators, time_s: FloatArray) -> FloatArray:
+def _creeping(modes: Oscillators, time_s: FloatArray, quantity: str) -> FloatArray:
+    """(n, n_times): the response of modes that do not oscillate."""
     slow, distance = _rates(modes)
-    return np.asarray(np.exp(-slow * time_s) * _ramp(distance, time_s))
-
-
-def _creeping_velocity(modes: Oscillators, time_s: FloatArray) -> FloatArray:
-    slow, distance = _rates(modes)
-    return np.asarray(np.exp(-slow * time_s) * (np.exp(-distance * time_s) - slow * _ramp(distance, time_s)))
-
-
-def _creeping_acceleration(modes: Oscillators, time_s: FloatArray) -> FloatArray:
-    displacement, velocity = _creeping_displacement(modes, time_s), _creeping_velocity(modes, time_s)
-    return -2 * modes.decay_per_s[:, None] * velocity - modes.omega_rad_per_s[:, None] ** 2 * displacement
-
-
-_CREEPING: Final[dict[str, Callable[[Oscillators, FloatArray], FloatArray]]] = {
-    "displacement": _creeping_displacement,
-    "velocity": _creeping_velocity,
-    "acceleration": _creeping_acceleration,
-}
+    decayed, ramp = np.exp(-slow * time_s), _ramp(distance, time_s)
+    displacement = decayed * ramp
+    velocity = decayed * (np.exp(-distance * time_s) - slow * ramp)
+    if quantity == "acceleration":
+        stiffness = modes.omega_rad_per_s[:, None] ** 2
+        return np.asarray(-2 * modes.decay_per_s[:, None] * velocity - stiffness * displacement)
+    return np.asarray(displacement if quantity == "displacement" else velocity)
 
 
 def check_sampling(rate_hz: float, n_samples: int) -> None:

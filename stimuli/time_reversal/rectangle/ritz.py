@@ -2,7 +2,7 @@
 
 K v = lambda M v is turned round, M v = theta (K + s M) v with theta = 1 / (lambda + s): the wanted low
 modes are then the largest eigenvalues and keep all their digits, where `eigh(K, M)` loses them to eps *
-lambda_max / lambda_1. Basis: `legendre`. Products i, j are kept where (i / p_x)^2 + (j / p_y)^2 <= 1.
+lambda_max / lambda_1. Basis: `axis`. Products i, j are kept where (i / p_x)^2 + (j / p_y)^2 <= 1.
 Checked against converged values of the literature in `tests/stimuli/time_reversal/test_ritz.py`.
 """
 
@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from ...arrays import FloatArray, IntArray
-from .legendre import Family, families
+from .axis import Family, families
 from .rectangle import Rectangle
 
 SHIFT: Final = 1.0

@@ -18,7 +18,7 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import not_negative, positive, shaped, whole
 from tactometry.errors import InvalidParameter
 
-from ...arrays import ComplexArray, FloatArray
+from ...arrays import ComplexArray, FloatArray, real_product
 from ..oscillators.oscillators import Oscillators
 from ..screen.screen import Screen
 from .responses import Point, Responses, impulse_responses, values_at
@@ -144,7 +144,7 @@ class Receptances:
         for toward, taken in zip(carried(self.between(to, at), self.among(at), stiffness), out, strict=True):
             for start in range(0, len(stiffness), CHUNK):
                 part = slice(start, start + CHUNK)
-                taken[:, part] = _times(of.T, _times(at, toward[:, part]) * self.compliance[:, part])
+                taken[:, part] = real_product(of.T, real_product(at, toward[:, part]) * self.compliance[:, part])
 
     def among(self, at: FloatArray) -> ComplexArray:
         """(n_frequencies, k, k): `between(at, at)`, each pair once by reciprocity."""
@@ -164,7 +164,7 @@ class Receptances:
     def _pairs(self, weights: FloatArray) -> ComplexArray:
         """(..., n_frequencies) from weights (n_modes, ...) of pairs."""
         flat = weights.reshape(len(weights), math.prod(weights.shape[1:]))
-        return _times(flat.T, self.compliance).reshape(*weights.shape[1:], self.compliance.shape[1])
+        return real_product(flat.T, self.compliance).reshape(*weights.shape[1:], self.compliance.shape[1])
 
 
 @checked
@@ -268,11 +268,6 @@ def _check_pins(loads: Sequence[Attached]) -> None:
     pins = [(load.x_m, load.y_m) for load in points if math.isinf(load.stiffness_n_per_m)]
     if len(set(pins)) < len(pins):
         raise InvalidParameter(COINCIDENT_PINS)
-
-
-def _times(real: FloatArray, numbers: ComplexArray) -> ComplexArray:
-    """A product of a real and a complex matrix, without making the real one complex."""
-    return np.asarray(real @ np.ascontiguousarray(numbers).view(float)).view(complex)
 
 
 def _balance(stiffness: ComplexArray, size: FloatArray) -> tuple[ComplexArray, ComplexArray]:

@@ -11,7 +11,7 @@ from tactometry.arguments.require import one_of, whole
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
-from ..filters import AUDIBLE_MAX_HZ, Band, GainCurve
+from ..filters import AUDIBLE_MAX_HZ, Band, GainCurve, filtered
 from ..oscillators.oscillators import QUANTITIES, check_sampling
 from ..plate.modes import values
 from ..screen.screen import Screen
@@ -210,11 +210,7 @@ def through(responses: Responses, gain: GainCurve) -> Responses:
     >>> np.round(through(h, Butterworth(10.0)).samples[0, 0, :2], 3)
     array([0.031, 0.065])
     """
-    n = responses.n_samples
-    n_fft = _fast_length(2 * n)  # what rings beyond the end, or before time 0, wraps into zeros that are cut off
-    frequency_hz = np.fft.rfftfreq(n_fft, 1 / responses.rate_hz)
-    spectrum = np.fft.rfft(responses.samples, n_fft) * gain.at(np.asarray(frequency_hz, float))
-    return replace(responses, samples=np.fft.irfft(spectrum, n_fft)[..., :n])
+    return replace(responses, samples=filtered(responses.samples, responses.rate_hz, gain))
 
 
 @checked
@@ -240,9 +236,3 @@ def inaudible(responses: Responses, cutoff_hz: float = AUDIBLE_MAX_HZ, flank_hz:
     quantise.
     """
     return band_limited(responses, Band(cutoff_hz, responses.rate_hz / 2, flank_hz))
-
-
-def _fast_length(n: int) -> int:
-    from scipy.fft import next_fast_len
-
-    return int(next_fast_len(max(n, 1), real=True))

@@ -79,7 +79,6 @@ HOSTILE: Mapping[str, Any] = {
 INNER = frozenset(
     {
         "rectangle.axis",
-        "rectangle.legendre",
         "plate.mindlin",
         "oscillators.modal_sum",
         "oscillators.oscillators",
