@@ -12,10 +12,10 @@ LONGEST_SENTENCE: Final = 4000
 _LONG_WORD = re.compile(rf"\S{{{LONGEST_WORD},}}")
 
 
-def shortened(text: str, longest: int) -> str:
+def shorten(text: str, longest: int) -> str:
     """A text with its middle left out where it is longer.
 
-    >>> shortened("a" * 40, 10)
+    >>> shorten("a" * 40, 10)
     'aaaaa... (30 letters) ...aaaaa'
     """
     end = longest // 2
@@ -28,8 +28,8 @@ class TactometryError(Exception):
     exit_status = 2
 
     def __str__(self) -> str:
-        words = _LONG_WORD.sub(lambda word: shortened(word[0], LONGEST_WORD // 2), super().__str__())
-        return shortened(words, LONGEST_SENTENCE)
+        words = _LONG_WORD.sub(lambda word: shorten(word[0], LONGEST_WORD // 2), super().__str__())
+        return shorten(words, LONGEST_SENTENCE)
 
 
 class InvalidParameter(TactometryError, ValueError):  # noqa: N818

@@ -9,13 +9,13 @@ DISTRIBUTIONS = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingo
 
 def versions() -> dict[str, str]:
     """Versions of Python, the system and the packages that data depend on; what is not installed is left out."""
-    found = {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()}
+    by_name = {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()}
     for name in DISTRIBUTIONS:
         try:
-            found[name] = metadata.version(name)
+            by_name[name] = metadata.version(name)
         except metadata.PackageNotFoundError:
             continue
-    return found
+    return by_name
 
 
 def sha256(content: bytes) -> str:

@@ -14,7 +14,7 @@ from typing import Any, Self
 
 from .arguments.require import first_repeat, lookup, one_of, some, whole
 from .config.strict import build
-from .config.toml import located, table_of
+from .config.toml import errors_in, table_of
 from .errors import InvalidParameter
 
 SUFFIX = ".toml"
@@ -263,7 +263,7 @@ def parse(content: bytes, where: str) -> Questionnaire:
         If the bytes are no TOML, or the questionnaire holds anything unknown, missing or impossible.
     """
     table = table_of(content, where, "a questionnaire")
-    with located(where):
+    with errors_in(where):
         return questionnaire_of(table, "")
 
 
@@ -279,10 +279,10 @@ def questionnaires_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Ques
 
 
 @cache
-def shipped() -> tuple[str, ...]:
+def shipped_names() -> tuple[str, ...]:
     """The names of the questionnaires that are shipped.
 
-    >>> "attrakdiff" in shipped()
+    >>> "attrakdiff" in shipped_names()
     True
     """
     names = (entry.name for entry in files("tactometry.questionnaires").iterdir())
@@ -298,5 +298,5 @@ def load(name: str) -> Questionnaire:
     InvalidParameter
         If there is none of that name.
     """
-    one_of("questionnaire", name, shipped())
+    one_of("questionnaire", name, shipped_names())
     return parse((files("tactometry.questionnaires") / f"{name}{SUFFIX}").read_bytes(), f"questionnaire {name}")

@@ -11,7 +11,7 @@ import pandas as pd
 
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter, nearest
-from tactometry.questionnaire import Questionnaire, load, shipped
+from tactometry.questionnaire import Questionnaire, load, shipped_names
 from tactometry.trials.columns import RESERVED, stated_factors
 
 from ..anova.group_means import MEANS, group_table
@@ -106,7 +106,7 @@ def _form(table: pd.DataFrame, questionnaire: str | Questionnaire) -> Questionna
         return questionnaire
     if questionnaire:
         return load(questionnaire)
-    named = sorted(set(table["procedure"]) & set(shipped())) if "procedure" in table.columns else []
+    named = sorted(set(table["procedure"]) & set(shipped_names())) if "procedure" in table.columns else []
     expect(len(named) <= 1, "procedure", ", ".join(named), "one questionnaire; score them apart")
     return load(named[0] if named else NAME)
 

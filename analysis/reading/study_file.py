@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from tactometry.arguments.require import expect
-from tactometry.config.toml import located, read_table
-from tactometry.questionnaire import Questionnaire, load, questionnaires_of, shipped
+from tactometry.config.toml import errors_in, read_table
+from tactometry.questionnaire import Questionnaire, load, questionnaires_of, shipped_names
 
 T = TypeVar("T")
 
@@ -31,7 +31,7 @@ def study_table(path: Path, name: str, read: Callable[[Mapping[str, Any]], T]) -
     """
     file = path / "study.toml"
     table = read_table(file, "the study that ran").get(name, {}) if file.is_file() else {}
-    with located(file):
+    with errors_in(file):
         expect(isinstance(table, Mapping), name, f"{table!r:.60}", "a table")
         return read(table)
 
@@ -47,4 +47,4 @@ def forms_of(path: Path) -> Mapping[str, Questionnaire]:
     >>> "attrakdiff" in forms_of(Path("no data set"))
     True
     """
-    return {name: load(name) for name in shipped()} | study_table(path, "forms", questionnaires_of)
+    return {name: load(name) for name in shipped_names()} | study_table(path, "forms", questionnaires_of)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tactometry.config.quantity import as_si
-from tactometry.config.toml import located, read_table
+from tactometry.config.toml import errors_in, read_table
 from tactometry.trials.tasks import TASKS
 
 from ..reading.study_file import StudyText
@@ -82,7 +82,7 @@ def study_text(path: Path, unit: str) -> StudyText:
     if not file.is_file():
         return StudyText()
     study = read_table(file, "the study that ran")
-    with located(file):
+    with errors_in(file):
         touch = as_si(dict(_table(study, "touch")), "touch")
     force = touch.get("force_n") if isinstance(touch, dict) else None
     if not isinstance(force, int | float) or "force_n" in _table(study, "factors"):

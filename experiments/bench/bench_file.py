@@ -10,7 +10,7 @@ from typing import Any
 from tactometry.arguments.require import expect, not_zero, one_of, some
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import as_table, build, build_kind, check_keys
-from tactometry.config.toml import located, read_table
+from tactometry.config.toml import errors_in, read_table
 from tactometry.devices.kinds import OUTPUTS, SENSORS, OutputSettings, SensorSettings
 from tactometry.devices.measured import Measured
 from tactometry.devices.outputs.gain import Gain, required_gain
@@ -266,7 +266,7 @@ def load_bench(path: Path | None) -> BenchFile:
     if path is None:
         return BenchFile()
     tables = read_table(path, "a bench file")
-    with located(path):
+    with errors_in(path):
         return parse_bench(tables)
 
 

@@ -15,7 +15,7 @@ from tactometry.devices.sensors.reader import Reader
 from tactometry.errors import DeviceFailed, InvalidParameter, Stopped
 from tactometry.rigs.pages.layout import bar_page
 from tactometry.rigs.pages.page import Display, Input
-from tactometry.rigs.pages.presenter import Presenter, ending
+from tactometry.rigs.pages.presenter import Presenter, reason_to_end
 from tactometry.rigs.texts import texts_in
 from tactometry.signal import Signal
 
@@ -139,7 +139,7 @@ def show_bar(screen: Display) -> None:
 
 
 def _give_up(events: tuple[Input, ...]) -> bool:
-    why = ending(events)
+    why = reason_to_end(events)
     if why is not None:
         raise Stopped(f"{why}; nothing was measured")
     return False

@@ -21,7 +21,7 @@ from tactometry.records.formats import ADDED, columns_in
 from tactometry.records.journal import Recording, read
 from tactometry.records.sittings import changes, heads
 from tactometry.session.event import COLUMNS, events_tsv
-from tactometry.trials.row_rules import Defect, defects, grouped
+from tactometry.trials.row_rules import Defect, defects, merge_alike
 from tactometry.trials.trial import tally
 
 from ..study.experiment import Experiment, wire
@@ -57,7 +57,7 @@ def validate(path: Path) -> Soundness:
     n_trials, unsound = n_rows(content), list(defects(content, path.name))
     if not unsound and n_trials == 0:
         unsound = [Defect(path.name, None, "found a header alone, expected a row for each trial")]
-    return Soundness(1, n_trials, tuple(grouped(unsound)), ())
+    return Soundness(1, n_trials, tuple(merge_alike(unsound)), ())
 
 
 def _data_set(root: Path) -> Soundness:
@@ -74,7 +74,7 @@ def _data_set(root: Path) -> Soundness:
     unsound += _mixed(journals)
     for journal in journals:
         unsound += _guarded(root, f"journals/{journal.name}", _session(root, journal, experiment, notes))
-    return Soundness(len(files), sum(map(n_rows, contents.values())), tuple(grouped(unsound)), tuple(notes))
+    return Soundness(len(files), sum(map(n_rows, contents.values())), tuple(merge_alike(unsound)), tuple(notes))
 
 
 def _guarded(root: Path, name: str, unsound: Iterator[Defect]) -> Iterator[Defect]:

@@ -10,7 +10,7 @@ from typing import Any
 from tactometry.arguments.require import first_repeat, given, one_of, positive
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build
-from tactometry.config.toml import LARGEST_FILE, located, table_of
+from tactometry.config.toml import LARGEST_FILE, errors_in, table_of
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.files.durable import read_file
 from tactometry.observers.finger import SimulatedFinger
@@ -224,7 +224,7 @@ def parse(content: bytes, where: str) -> Study:
         with the place, what was found, what was expected and the nearest valid name.
     """
     table = table_of(content, where, "a study file")
-    with located(where):
+    with errors_in(where):
         return build(Study, as_si(table, ""), "")
 
 

@@ -11,7 +11,7 @@ from tactometry.loading import resolve
 from tactometry.observers.decisions import Decision
 from tactometry.protocols.block_state import BlockOptions
 from tactometry.protocols.tasks.task import Over, Task, TaskKind
-from tactometry.questionnaire import Questionnaire, load, questionnaires_of, shipped
+from tactometry.questionnaire import Questionnaire, load, questionnaires_of, shipped_names
 from tactometry.trials.tasks import TASKS as TASK_ROWS
 
 from .study_file import Study
@@ -34,7 +34,7 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
     """
     if name in study.forms:
         return questionnaires_of({name: study.forms[name]})[name]
-    one_of(path, name, (*study.forms, *shipped()))
+    one_of(path, name, (*study.forms, *shipped_names()))
     return load(name)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build, build_kind, check_keys, convert
-from tactometry.config.toml import located, read_table
+from tactometry.config.toml import errors_in, read_table
 from tactometry.errors import InvalidParameter
 
 from ..composition.effect import Effect, FingerContact, Setting
@@ -49,7 +49,7 @@ def load_scene(path: Path) -> SceneFile:
         sentence opens with the file and the key path.
     """
     table = read_table(path, "a scene file")
-    with located(path):
+    with errors_in(path):
         return scene_of(table)
 
 

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from ..config.toml import located
+from ..config.toml import errors_in
 from ..errors import InvalidParameter
 from .output import figure_option, json_option, path_option, say, writing
 
@@ -35,11 +35,11 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
 
     scene_file = load_scene(path_of(file))
     if explain:
-        with located(file):
+        with errors_in(file):
             text = explained(scene_file.scene, scene_file.given)
         say(text, {"plan": text.splitlines()})
     if figure is not None or not explain:
-        with located(file):
+        with errors_in(file):
             plan = scene_file.scene.resolve()
             given = values_for(plan, scene_file.given)
         result = _result(plan, given, cache)

@@ -13,7 +13,7 @@ import msgspec
 
 from ..errors import InvalidParameter, nearest
 from ..loading import resolve
-from .toml import located, read_table
+from .toml import errors_in, read_table
 
 T = TypeVar("T")
 K = TypeVar("K")
@@ -114,7 +114,7 @@ def read_toml(kind: type[T], path: Path, what: str) -> T:
         If it cannot be read, is no TOML, or `build` refuses it.
     """
     table = read_table(path, what)
-    with located(path):
+    with errors_in(path):
         return build(kind, table, "")
 
 

@@ -68,7 +68,7 @@ def _refuse_vast(table: dict[str, Any], where: str, what: str) -> None:
 
 
 @contextmanager
-def located(where: str | Path) -> Iterator[None]:
+def errors_in(where: str | Path) -> Iterator[None]:
     """What is wrong with the content of a file, with its place: `where` before the key path.
 
     Raises
@@ -78,7 +78,7 @@ def located(where: str | Path) -> Iterator[None]:
 
     Examples
     --------
-    >>> with located("s.toml"):
+    >>> with errors_in("s.toml"):
     ...     raise InvalidFile("accuracy: found 2, expected at most 1")
     Traceback (most recent call last):
     tactometry.errors.InvalidFile: s.toml, accuracy: found 2, expected at most 1

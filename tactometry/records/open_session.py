@@ -63,17 +63,17 @@ def stimuli(journal: Path) -> Iterator[Event]:
                 continue
 
 
-def exposure_before(own: Path, others: list[Path], elapsed_s: float, window_s: float) -> Exposure:
+def exposure_before(journal: Path, others: list[Path], elapsed_s: float, window_s: float) -> Exposure:
     """What counts when a session goes on, or another of the same participant begins, on `time.perf_counter`.
 
-    Stimuli of the last `window_s` of all journals; the time (`elapsed_s`) and the charge of the session's `own`. A
-    stimulus that was stopped counts as long as it was to be. One that is yet to come by the wall clock, which was set
-    back, has just begun.
+    Stimuli of the last `window_s` of all journals; the time (`elapsed_s`) and the charge of the session's own
+    `journal`. A stimulus that was stopped counts as long as it was to be. One that is yet to come by the wall clock,
+    which was set back, has just begun.
     """
     # the wall clock is what sittings share: `perf_counter` begins somewhere else in each
     now_s, now_utc_s = time.perf_counter(), time.time()
-    of_session = list(stimuli(own))
-    of_others = [event for journal in others for event in stimuli(journal)]
+    of_session = list(stimuli(journal))
+    of_others = [event for other in others for event in stimuli(other)]
     intervals_s = []
     for event in (*of_session, *of_others):
         utc_s = _utc_s(event)
@@ -110,8 +110,8 @@ class OpenSession:
     """
 
     def __init__(self, root: Path, design: StudyDescription, session: Session, rig: str, *, resume: bool) -> None:
-        own = session.journal(root)
-        goes_on = resume and own.is_file() and own.stat().st_size > 0
+        path = session.journal(root)
+        goes_on = resume and path.is_file() and path.stat().st_size > 0
         if not goes_on:  # one that goes on is held against its own head
             refuse_mixing(root, rig)
         prepare(root, design)
@@ -122,7 +122,7 @@ class OpenSession:
         self.recorded_s: float | None = None
         """When the last trial was on the disk, on `time.perf_counter`."""
         _refuse_alike(root, session)
-        self.journal = Journal(own, resume=resume)
+        self.journal = Journal(path, resume=resume)
         try:
             _refuse_other(self.journal, session, design)
             head = self.journal.head
@@ -145,11 +145,11 @@ class OpenSession:
 
     def exposure(self, window_s: float) -> Exposure:
         """What reached this participant before, in this session and in others of the data set."""
-        own, code = self.journal.path, self._session.participant
+        journal, code = self.journal.path, self._session.participant
         others = [
-            path for path in sessions(self._root) if path != own and keys_of(path.stem).get("participant") == code
+            path for path in sessions(self._root) if path != journal and keys_of(path.stem).get("participant") == code
         ]
-        return exposure_before(own, others, self.replay.elapsed_s, window_s)
+        return exposure_before(journal, others, self.replay.elapsed_s, window_s)
 
     def note(self, event: Event) -> None:
         """Keep what happened unasked, in the journal and in the events file; from any thread."""

@@ -154,7 +154,7 @@ class DeviceRig(LiveRig):
         """The final samples of what is asked for, within all limits; None for a blank."""
         if self._equipment.limits is not None and not isinstance(request, Play):
             self._equipment.limits.check_force(request.target_n, request.tolerance)
-        return self._emitter.fitting(request.stimulus, request.level, request.duration_s)
+        return self._emitter.for_interval(request.stimulus, request.level, request.duration_s)
 
     def _in_session(self, felt: Felt) -> Felt:
         """An answer whose onset was on `time.perf_counter`, with that in the session."""

@@ -39,7 +39,7 @@ class Emitter:
         self._output.check(signal)
         return signal
 
-    def fitting(self, name: str, level: float | None, duration_s: float) -> Signal | None:
+    def for_interval(self, name: str, level: float | None, duration_s: float) -> Signal | None:
         """As `final`, for an interval of `duration_s`; None for a blank.
 
         Raises
@@ -67,7 +67,7 @@ class Emitter:
         """Whether anything comes of what is played: nothing does of a null output."""
         return self._output.emits
 
-    def delivered(self, level: float | None) -> float | None:
+    def level_delivered(self, level: float | None) -> float | None:
         """The level that reaches whoever touches: none where nothing is emitted."""
         return level if self.emits else None
 

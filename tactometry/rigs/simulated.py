@@ -41,7 +41,7 @@ def _value_of(liking: float, scale: Rate | Fill) -> float:
     return value_at(round(part * (scale.steps - 1)), scale.steps, scale.low, scale.high)
 
 
-def _moved(request: Press | Slide, grip: Grip) -> SpeedCompliance | None:
+def _speed_compliance(request: Press | Slide, grip: Grip) -> SpeedCompliance | None:
     """How the speed was kept, where it is gated."""
     if isinstance(request, Press) or request.speed_tolerance is None:
         return None
@@ -127,7 +127,7 @@ class SimulatedRig(LiveRig):
         signal = self._signal(request.stimulus, request.level)
         grip = self._finger.hold(request, self._rng)
         force = compliance(grip.times_s, grip.forces_n, request.target_n, request.tolerance)
-        speed = _moved(request, grip)
+        speed = _speed_compliance(request, grip)
         reason = broken_condition(request, force, speed)
         self._feel(request.stimulus, signal, Contact(force.mean_n, grip.speed_m_per_s))
         self._pass(request.hold_s)

@@ -82,11 +82,11 @@ class Texts:
                 f"{', '.join(sorted(self.messages))}{nearest(name, self.messages)}"
             )
         try:
-            return _filled(name, self.messages[name], values or {})
+            return _fill_in(name, self.messages[name], values or {})
         except InvalidParameter:
             if self.messages[name] == self.shipped.get(name, self.messages[name]):
                 raise
-            return _filled(name, self.shipped[name], values or {})
+            return _fill_in(name, self.shipped[name], values or {})
 
     def page(self, request: Show, left_s: int = 0) -> str:
         """The text of a page that is shown, with the seconds that are left of it and what stops the session.
@@ -103,7 +103,7 @@ class Texts:
         return self.labels.get(word, word)
 
 
-def _filled(name: str, text: str, values: Mapping[str, str | int | float]) -> str:
+def _fill_in(name: str, text: str, values: Mapping[str, str | int | float]) -> str:
     try:
         for _, _, form, _ in string.Formatter().parse(text):
             if form is not None and _WIDE.search(form):

@@ -52,7 +52,7 @@ def rows_text(row: int | None, others: Sequence[int] = (), n_rows: int = 1) -> s
     return f", row {row}{more if n_rows > 1 else ''}"
 
 
-def grouped(found: Iterable[Defect]) -> list[Defect]:
+def merge_alike(found: Iterable[Defect]) -> list[Defect]:
     """Defects of one kind in one file as one, in the place of the first."""
     kinds: dict[object, list[Defect]] = {}
     for n, defect in enumerate(found):
@@ -116,7 +116,7 @@ def defects(content: bytes, file: str) -> Iterator[Defect]:
             continue
         row = dict(zip(header, cells, strict=True))
         yield from _row_defects(row, file, number)
-        yield from _doubled(row, seen, file, number) if row.get("trial") else ()
+        yield from _repetitions(row, seen, file, number) if row.get("trial") else ()
 
 
 def _header_defects(header: Sequence[str], file: str) -> Iterator[Defect]:
@@ -139,12 +139,12 @@ def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Def
                 file, number, f"column {name!r}: found {text!r}, expected {rule.words}", f"{name} {rule.words}"
             )
     if row.get("catch") == "1" and row.get("level"):
-        found = f"column 'level': found {row['level']!r} in a catch trial, expected nothing"
-        yield Defect(file, number, found, "catch")
+        text = f"column 'level': found {row['level']!r} in a catch trial, expected nothing"
+        yield Defect(file, number, text, "catch")
     if row.get("valid") == "1" and row.get("invalid_reason"):
         reason = row["invalid_reason"]
-        found = f"column 'invalid_reason': found {reason!r} in a valid trial, expected nothing"
-        yield Defect(file, number, found, "reason")
+        text = f"column 'invalid_reason': found {reason!r} in a valid trial, expected nothing"
+        yield Defect(file, number, text, "reason")
 
 
 def _response_rule(row: Mapping[str, str]) -> CellRule | None:
@@ -153,7 +153,7 @@ def _response_rule(row: Mapping[str, str]) -> CellRule | None:
     return None if task is None else task.response
 
 
-def _doubled(row: Mapping[str, str], seen: dict[tuple[str, ...], int], file: str, number: int) -> Iterator[Defect]:
+def _repetitions(row: Mapping[str, str], seen: dict[tuple[str, ...], int], file: str, number: int) -> Iterator[Defect]:
     key = tuple(row.get(name, "") for name in ("participant", "session", "trial", "attempt", "item"))
     if key in seen:
         yield Defect(file, number, f"found the trial of row {seen[key]} again, expected each trial once", "doubled")

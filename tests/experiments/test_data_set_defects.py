@@ -11,7 +11,7 @@ from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.sessions.recording import RigKind, record, simulated
 from tactometry.records.data_set import Session
 from tactometry.records.journal import checksum, encode, read
-from tactometry.trials.row_rules import Defect, defects, grouped
+from tactometry.trials.row_rules import Defect, defects, merge_alike
 
 
 def found(root):
@@ -140,7 +140,7 @@ def test_defects_of_different_kinds_stay_apart():
     one, other = Defect("a.csv", 2, "x", "level"), Defect("a.csv", 3, "y", "task")
     alike = [Defect("a.csv", n, "x", "level") for n in range(4, 10)]
     apart = [Defect("b.csv", 2, "x", "level"), Defect("a.csv", 1, "x"), Defect("a.csv", 1, "x")]
-    found = grouped([one, other, *alike, *apart])
+    found = merge_alike([one, other, *alike, *apart])
     assert [str(each) for each in found] == [
         "a.csv, row 2 and 6 more (4, 5, 6, 7, ...): x",
         "a.csv, row 3: y",

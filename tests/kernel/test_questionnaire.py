@@ -8,14 +8,14 @@ from hypothesis import given, strategies as st
 from places import SHARED
 
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.questionnaire import Item, load, parse, shipped
+from tactometry.questionnaire import Item, load, parse, shipped_names
 
 FULL = load("attrakdiff")
 PUBLISHED = [
     *("PQ1", "HQI1", "ATT1", "HQS1", "PQ2", "HQI2", "ATT2", "PQ3", "ATT3", "PQ4", "HQI3", "PQ5", "HQI4", "HQI5"),
     *("HQI6", "HQI7", "ATT4", "HQS2", "ATT5", "PQ6", "ATT6", "HQS3", "HQS4", "HQS5", "HQS6", "ATT7", "HQS7", "PQ7"),
 ]
-per_form = pytest.mark.parametrize("form", [load(name) for name in shipped()], ids=shipped())
+per_form = pytest.mark.parametrize("form", [load(name) for name in shipped_names()], ids=shipped_names())
 raw_answers = st.fixed_dictionaries({name: st.integers(1, 7) for name in PUBLISHED})
 
 SMALL = """

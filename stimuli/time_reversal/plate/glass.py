@@ -7,7 +7,7 @@ from typing import Final
 from tactometry.arguments.checked import checked
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build
-from tactometry.config.toml import located, read_table
+from tactometry.config.toml import errors_in, read_table
 from tactometry.errors import InvalidParameter, nearest
 
 from .plate import Plate
@@ -72,7 +72,7 @@ def read_plate(path: Path) -> Plate:
         If the file cannot be read, a key is unknown or missing, or a value is out of range.
     """
     table = read_table(path, "a plate")
-    with located(path):
+    with errors_in(path):
         return build(Plate, as_si({**_glass(table.pop("glass", None)), **table}, ""), "plate")
 
 

@@ -9,7 +9,7 @@ from ...errors import Stopped
 from ...session.event import Event, EventLog, Kind
 from ...session.request import Fact
 from ..pages.page import Display, Input, Page
-from ..pages.presenter import ending
+from ..pages.presenter import reason_to_end
 from .terminal import HELP, ExperimenterTerminal, Order
 
 EXPERIMENTER = "the experimenter"
@@ -96,7 +96,7 @@ class Supervisor:
         self._mute(on=False)
 
     def _look(self, events: tuple[Input, ...]) -> None:
-        why = ending(events)
+        why = reason_to_end(events)
         if why is not None:
             raise self.stop(why)
         for order in self.terminal.orders():

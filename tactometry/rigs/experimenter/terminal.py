@@ -75,14 +75,14 @@ class ExperimenterTerminal:
 
     def orders(self) -> list[Order]:
         """What was typed since the last call; a line that is no order is answered with what would be one."""
-        found = []
+        orders = []
         while not self._lines.empty():
             line = self._lines.get()
             try:
-                found.append(order_of(line))
+                orders.append(order_of(line))
             except InvalidParameter as error:
                 self.tell(str(error))
-        return found
+        return orders
 
     def add(self, words: str) -> None:
         """Some more words on the line of this trial."""

@@ -68,17 +68,17 @@ def after(form: Form, marks: Marks, answer: Answer) -> tuple[Marks, bool]:
     if isinstance(answer, tuple):
         return marks.set(*answer), False
     if isinstance(answer, int):
-        marked = marks.set(marks.row, answer)
-        return replace(marked, row=min(marked.row + 1, len(form.rows) - 1)), False
+        answered = marks.set(marks.row, answer)
+        return replace(answered, row=min(answered.row + 1, len(form.rows) - 1)), False
     if answer == layout.CONFIRM:
-        return _leaving(marks)
+        return _leave(marks)
     if answer in (NEXT, BEFORE):
         row = marks.row + (1 if answer == NEXT else -1)
         return replace(marks, row=min(max(row, 0), len(form.rows) - 1)), False
     return marks.set(marks.row, layout.shift(marks.places[marks.row], answer, form.n_positions)), False
 
 
-def _leaving(marks: Marks) -> tuple[Marks, bool]:
+def _leave(marks: Marks) -> tuple[Marks, bool]:
     if marks.complete or marks.warned:
         return marks, True
     return replace(marks, row=marks.places.index(None), warned=True), False

@@ -242,8 +242,8 @@ def _rings(places: Sequence[float], pitch: float, mark: int | None) -> list[Item
 
 def _line(length: float, places: Sequence[float], mark: int | None) -> list[Item]:
     ends = [Box(side * length / 2, 0, 0.006, 0.08, fill=INK) for side in (-1, 1)]
-    marked = [Box(places[mark], 0, 0.014, 0.12, fill=GOOD)] if mark is not None else []
-    return [Box(0, 0, length, 0.006, fill=INK), *ends, *marked]
+    mark_box = [Box(places[mark], 0, 0.014, 0.12, fill=GOOD)] if mark is not None else []
+    return [Box(0, 0, length, 0.006, fill=INK), *ends, *mark_box]
 
 
 def confirm_box(button: Button, *, ready: bool = True) -> tuple[Item, Item]:

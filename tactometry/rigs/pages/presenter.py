@@ -18,10 +18,10 @@ def as_it_is(page: Page, now_s: float) -> Page:
     return page
 
 
-def ending(events: tuple[Input, ...]) -> str | None:
+def reason_to_end(events: tuple[Input, ...]) -> str | None:
     """What of it ends a session, in words: the Escape key, or the window that was closed.
 
-    >>> ending((KeyDown("y", 1.0), Closed(2.0))), ending((KeyDown("escape", 1.0),)), ending(())
+    >>> reason_to_end((KeyDown("y", 1.0), Closed(2.0))), reason_to_end((KeyDown("escape", 1.0),)), reason_to_end(())
     ('the window was closed', 'Escape was pressed', None)
     """
     for event in events:

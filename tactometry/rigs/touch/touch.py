@@ -32,11 +32,11 @@ def moving_cue(request: Slide, display_height_m: float, places: Trace) -> Dress:
     begin_s = time.perf_counter()
     length = request.length_m / display_height_m
 
-    def dressed(page: Page, now_s: float) -> Page:
+    def with_track(page: Page, now_s: float) -> Page:
         phase = (now_s - begin_s) * request.speed_m_per_s / request.length_m
         return layout.track_page(page, layout.sweep(phase), length, _finger(places, request.length_m))
 
-    return dressed
+    return with_track
 
 
 def _finger(places: Trace, length_m: float) -> float | None:
@@ -146,7 +146,7 @@ class TouchCourse:
     ) -> Touched:
         return Touched(
             onset_s,
-            self.setup.emitter.delivered(self.request.level),
+            self.setup.emitter.level_delivered(self.request.level),
             self.setup.emitter.digest(signal),
             valid=reason is None,
             invalid_reason=reason,

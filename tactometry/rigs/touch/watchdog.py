@@ -80,7 +80,7 @@ def play_to_end(setup: TouchSetup, request: Play, page: Page, signal: Signal | N
                 break
             begin_s = presenter.present(page)
     digest = emitter.digest(signal) or ""
-    return Played(onset_s, emitter.delivered(request.level), digest, emitter.n_gaps(signal))
+    return Played(onset_s, emitter.level_delivered(request.level), digest, emitter.n_gaps(signal))
 
 
 class RepeatedStimulus:
@@ -99,11 +99,11 @@ class RepeatedStimulus:
             return
         signal = self._emitter.final(self._request.stimulus, self._request.level(n_steps))
         self._emitter.stop()
-        self._n_before = self._counted(0.0)
+        self._n_before = self._gaps_so_far(0.0)
         self._n_steps, self._signal = n_steps, signal
         self._end_s = self._emitter.emit(signal) + signal.duration_s
 
-    def _counted(self, longest_wait_s: float) -> int | None:
+    def _gaps_so_far(self, longest_wait_s: float) -> int | None:
         """Gaps up to now; those of the signal that plays are the output's."""
         now = self._emitter.n_gaps(self._signal, longest_wait_s)
         return self._n_before if now is None else (self._n_before or 0) + now
@@ -111,4 +111,4 @@ class RepeatedStimulus:
     @property
     def n_gaps(self) -> int | None:
         """Gaps in all that was played; None where the output cannot tell."""
-        return self._counted(LONGEST_WORD_S)
+        return self._gaps_so_far(LONGEST_WORD_S)
