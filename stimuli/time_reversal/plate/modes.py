@@ -7,7 +7,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -35,7 +35,8 @@ OnAxis = Callable[[Axis], FloatArray]
 
 
 @checked
-class Modes:
+@runtime_checkable
+class Modes(Protocol):
     """Natural frequencies and shapes, sorted by frequency."""
 
     plate: Plate
