@@ -15,7 +15,7 @@ import pandas as pd
 from tactometry.errors import InvalidFile, InvalidParameter, nearest
 from tactometry.files.durable import files_in
 from tactometry.records.data_set import keys_of
-from tactometry.records.formats import ADDED
+from tactometry.records.head import ADDED
 from tactometry.trials.cell_rules import PARTICIPANT, CellRule
 from tactometry.trials.columns import MAY_BE_FACTORS, RESERVED, stated_factors
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS, rows_text

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from tactometry.errors import InvalidParameter, TactometryError
+from tactometry.rigs.rendering import render
 from tactometry.signal import Stimulus
 
 from ..study.experiment import Experiment
@@ -40,7 +41,7 @@ def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimu
     for strongest in experiment.strongest():
         try:
             bank[strongest.name] = suited(strongest.stimulus)
-            bank[strongest.name].at(strongest.level)
+            render(bank, strongest.name, strongest.level, limits=None)
         except TactometryError as error:
             raise InvalidParameter(f"time_reversal.responses, {learnt.responses}, {strongest.name}: {error}") from None
     return bank

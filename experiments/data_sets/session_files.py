@@ -5,8 +5,7 @@ from pathlib import Path
 
 from tactometry.files.durable import read_file
 from tactometry.records.data_set import Session, trials_csv
-from tactometry.records.formats import columns_in
-from tactometry.records.head import Head
+from tactometry.records.head import Head, columns_in
 from tactometry.records.journal import Recording
 
 from ..study.experiment import Experiment

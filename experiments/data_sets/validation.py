@@ -17,7 +17,7 @@ from tactometry.provenance import sha256
 from tactometry.records.agreement import REBUILD, disagreement
 from tactometry.records.data_set import keys_of, participants, sessions
 from tactometry.records.description import NAME, SIMULATED
-from tactometry.records.formats import ADDED, columns_in
+from tactometry.records.head import ADDED, columns_in
 from tactometry.records.journal import Recording, read
 from tactometry.records.sittings import changes, heads
 from tactometry.session.event import COLUMNS, events_tsv

@@ -1,17 +1,26 @@
-"""The head of a sitting: its line of a journal says who, what, where and on what."""
+"""The head of a sitting: its line of a journal says who, what, where and on what, and in which format.
+
+A session goes on in the format that it began with. Format 1 has one head, no reason why a track ends or a trial is not
+valid, and questionnaires after a block without its condition; its tables lack the columns `ADDED`.
+"""
 
 import re
-from dataclasses import dataclass, field
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
 from math import isfinite
+from typing import Any, Final
 
 import msgspec
 
-from ..session.request import Fact
+from ..session.request import Fact, Record, Request
 from ..trials.cell_rules import PARTICIPANT, STUDY, is_time
-from ..trials.columns import RIGS
+from ..trials.columns import RIGS, Column
 from .data_set import LARGEST_NUMBER
-from .formats import FORMAT
 
+FORMAT: Final = 2
+ADDED: Final = frozenset(("rig", "speed_in_band", "invalid_reason", "n_gaps"))
+ADDED_FACTS: Final = frozenset(("charge_c",))
+"""Columns of trials, and of events, that came with format 2."""
 LARGEST_SEED = 2**63 - 1
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 
@@ -73,3 +82,22 @@ def _conditions(head: Head) -> dict[str, object]:
         "started_utc": head.started_utc is None or is_time(head.started_utc),
         "begun_s": isfinite(head.begun_s) and head.begun_s >= 0,
     }
+
+
+def as_kept(request: Request[Any], journal_format: int) -> Request[Any]:
+    """A request as a journal of this format keeps it.
+
+    >>> from tactometry.trials.trial import Trial
+    >>> trial = Trial(1, 1, {"force_n": 1.0}, "sus", None, "", "rating", 3.0)
+    >>> as_kept(Record(trial, aborted="too late"), 1) == Record(replace(trial, factors={"force_n": ""}))
+    True
+    """
+    if journal_format > 1 or not isinstance(request, Record):
+        return request
+    trial = replace(request.trial, invalid_reason=None, n_gaps=None)
+    return Record(replace(trial, factors=dict.fromkeys(trial.factors, "")) if trial.is_form else trial)
+
+
+def columns_in(columns: Sequence[Column], journal_format: int) -> tuple[Column, ...]:
+    """Those of the columns of a table that sessions of this format have."""
+    return tuple(column for column in columns if journal_format > 1 or column.name not in ADDED | ADDED_FACTS)

@@ -25,8 +25,7 @@ from ..session.event import Event, decode_event
 from ..session.replay import Replay
 from ..session.request import REQUESTS, Fact, Record, Request
 from ..trials.trial import Trial
-from .formats import FORMAT, as_kept
-from .head import Head, head_of
+from .head import FORMAT, Head, as_kept, head_of
 
 T = TypeVar("T")
 _KEYS: Final = {

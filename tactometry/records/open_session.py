@@ -23,7 +23,7 @@ from ..trials.trial import tally
 from .agreement import is_beginning
 from .data_set import Session, keys_of, participants, prepare, row, sessions, trials_csv
 from .description import NAME, SIMULATED, StudyDescription, describe, describe_columns, read_description, says_simulated
-from .formats import FORMAT, as_kept, columns_in
+from .head import FORMAT, as_kept, columns_in
 from .journal import Entry, abortion
 from .open_journal import Journal
 from .sittings import heads

@@ -52,17 +52,16 @@ def rows_text(row: int | None, others: Sequence[int] = (), n_rows: int = 1) -> s
     return f", row {row}{more if n_rows > 1 else ''}"
 
 
-def merge_alike(found: Iterable[Defect]) -> list[Defect]:
+def merge_alike(defects: Iterable[Defect]) -> list[Defect]:
     """Defects of one kind in one file as one, in the place of the first."""
     kinds: dict[object, list[Defect]] = {}
-    for n, defect in enumerate(found):
+    for n, defect in enumerate(defects):
         kinds.setdefault((defect.file, defect.kind) if defect.kind else n, []).append(defect)
-    return [_as_one(alike) for alike in kinds.values()]
-
-
-def _as_one(alike: Sequence[Defect]) -> Defect:
-    others = tuple(defect.row for defect in alike[1:MOST_NAMED] if defect.row is not None)
-    return replace(alike[0], n_rows=len(alike), others=others)
+    merged = []
+    for first, *rest in kinds.values():
+        others = tuple(defect.row for defect in rest[: MOST_NAMED - 1] if defect.row is not None)
+        merged.append(replace(first, n_rows=1 + len(rest), others=others))
+    return merged
 
 
 _COUNT = CellRule("a whole number from 1", whole_number())
