@@ -34,8 +34,20 @@ class FactorAxis:
         return cls(along, tuple(name for name in factors if name != along))
 
     def place(self, axes: "Axes", table: pd.DataFrame) -> dict[object, float]:
-        """Where the values of the factor along x lie, on an axis made for them; without one, all at one place."""
-        return place(axes, ["all"] if self.along is None else table[self.along], self.along)
+        """Put the values of the factor along x on that axis, a logarithmic one where they span much, and say where each
+        lies; without a factor all rows lie at one place."""
+        from matplotlib.ticker import NullLocator
+
+        levels: list[Any] = ["all"] if self.along is None else sorted(set(table[self.along]))
+        axes.set_xlabel("" if self.along is None else title_of(self.along))
+        if not all(isinstance(level, int | float | np.number) for level in levels):
+            axes.set_xticks(range(len(levels)), [str(level) for level in levels])
+            return {level: float(n) for n, level in enumerate(levels)}
+        if levels[0] > 0 and levels[-1] / levels[0] > LOG_RANGE:
+            axes.set_xscale("log")
+            axes.xaxis.set_minor_locator(NullLocator())
+        axes.set_xticks([float(level) for level in levels], [f"{level:g}" for level in levels])
+        return {level: float(level) for level in levels}
 
     def x(self, rows: pd.DataFrame, where: Mapping[object, float]) -> Array:
         """Where these rows lie."""
@@ -58,23 +70,6 @@ def series(table: pd.DataFrame, names: Sequence[str]) -> list[tuple[str, pd.Data
         return [("", table)]
     grouped = table.groupby(list(names), sort=True, observed=True)
     return [(condition_name(names, key), rows) for key, rows in grouped]
-
-
-def place(axes: "Axes", values: Any, name: str | None) -> dict[object, float]:
-    """Put the factor's values on the x axis (logarithmic where they span much) and say where each lies."""
-    from matplotlib.ticker import NullLocator
-
-    levels = sorted(set(values))
-    axes.set_xlabel("" if name is None else title_of(name))
-    numeric = all(isinstance(v, int | float | np.number) for v in levels)
-    if not numeric or name is None:
-        axes.set_xticks(range(len(levels)), [str(v) for v in levels])
-        return {v: float(i) for i, v in enumerate(levels)}
-    if levels[0] > 0 and levels[-1] / levels[0] > LOG_RANGE:
-        axes.set_xscale("log")
-        axes.xaxis.set_minor_locator(NullLocator())
-    axes.set_xticks([float(v) for v in levels], [f"{v:g}" for v in levels])
-    return {v: float(v) for v in levels}
 
 
 def means_with_intervals(axes: "Axes", x: NDArray[Any], means: pd.DataFrame, **style: Any) -> None:

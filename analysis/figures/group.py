@@ -1,6 +1,6 @@
 """Figures of a group: means by condition, rates and numbers against the level, losses."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -18,6 +18,8 @@ ROOM = 1.05
 MOST_INSIDE = 4
 """More series than these have their legend beside the figure."""
 OPEN = {"mfc": "none", "alpha": 0.8}
+RATES = (-0.03, 1.03)
+"""An axis of rates, with room for dots at 0 and 1."""
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -86,43 +88,28 @@ def _draw_individuals(
 def rate_figure(rates: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
     """Detection rate against level, one panel per series (force), one line per value of the main factor
     (frequency)."""
-
-    def scale(axes: "Axes") -> None:
-        axes.set_ylim(-0.03, 1.03)
-
-    label = CURVES[str(rates["task"].iloc[0])].rate_label
-    return _level_figure(rates, factors, "rate", (level_label(unit), label), scale, height_in=2.5)
+    labels = level_label(unit), CURVES[str(rates["task"].iloc[0])].rate_label
+    return _level_figure(rates, factors, "rate", labels, 2.5, ylim=RATES)
 
 
 def growth_figure(growth: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
     """Of magnitude estimates, geometric means against the level: a panel per series, a line per value of the main
     factor; the numbers on a logarithmic axis, and the levels unless they are in decibels."""
-
-    def scale(axes: "Axes") -> None:
-        axes.set_yscale("log")
-        if not unit.startswith("dB"):
-            axes.set_xscale("log")
-
     labels = level_label(unit), "Magnitude (geometric mean)"
-    return _level_figure(growth, factors, "geometric_mean", labels, scale, height_in=2.7)
+    of_levels = "linear" if unit.startswith("dB") else "log"
+    return _level_figure(growth, factors, "geometric_mean", labels, 2.7, yscale="log", xscale=of_levels)
 
 
 def _level_figure(
-    table: pd.DataFrame,
-    factors: Sequence[str],
-    column: str,
-    labels: tuple[str, str],
-    scale: "Callable[[Axes], None]",
-    *,
-    height_in: float,
+    table: pd.DataFrame, factors: Sequence[str], column: str, labels: tuple[str, str], height_in: float, **scales: Any
 ) -> Drawing:
-    """A column against the level; `scale` says how far its axes reach."""
+    """A column against the level; `scales` are limits and scales of the axes."""
     axis = FactorAxis.of(table, factors)
 
     def draw(axes: "Axes", panel: pd.DataFrame) -> None:
         for name, line, colour in axis.lines(panel):
             axes.plot(line["level"], line[column], "o-", color=colour, label=name, markersize=3)
-        scale(axes)
+        axes.set(**scales)
 
     return panels(table, axis, draw, labels=labels, height_in=height_in, share_x=True)
 
@@ -137,7 +124,7 @@ def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> Drawing:
         for n, (name, line) in enumerate(lines):
             axes.plot(axis.x(line, where), line["rate"], label=name, **look(n))
         axes.set_ylabel(CURVES[str(rates["task"].iloc[0])].rate_label + ", all levels")
-        axes.set_ylim(-0.03, 1.03)
+        axes.set_ylim(*RATES)
         _legend(axes, len(lines) if axis.series else 0)
         return drawing_of(figure)
 

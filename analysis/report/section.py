@@ -76,11 +76,11 @@ class Details:
 
     kind: ClassVar = "details"
     title: str
-    blocks: "tuple[PageBlock, ...]"
+    blocks: "tuple[Content, ...]"
     is_open: bool = False
 
 
-PageBlock = Lead | Heading | TableBlock | Sentences | FoldedSentences | Figure | Details
+Content = Lead | Heading | TableBlock | Sentences | FoldedSentences | Figure | Details
 
 
 @dataclass(frozen=True)
@@ -88,7 +88,7 @@ class Section:
     """A part of the page; without a title it goes on with the one before."""
 
     title: str
-    blocks: tuple[PageBlock, ...]
+    blocks: tuple[Content, ...]
 
     def figures(self) -> list[Figure]:
         """Those in its blocks and in what these unfold."""

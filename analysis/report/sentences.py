@@ -155,8 +155,9 @@ def _anova_sentence(row: "pd.Series[Any]") -> str:
         f"partial eta squared = {share_text(row['np2'])}, {INTERVAL_OF_ETA} CI [{share_text(row['np2_low'])}, "
         f"{share_text(row['np2_high'])}], generalised eta squared = {share_text(row['ng2'])}"
     )
-    how = f" (Chi-Muller, epsilon = {row['eps_CM']:.2f})" if row["eps_CM"] < 1 else ""
-    return f"{row['Source']}: {_f_text(row)}, {p_text(row['p_CM_corr'])}, {size}{how}"
+    f = f_text(row["F"], row["ddof1"], row["ddof2"], row["eps_CM"])
+    corrected = f" (Chi-Muller, epsilon = {row['eps_CM']:.2f})" if row["eps_CM"] < 1 else ""
+    return f"{row['Source']}: {f}, {p_text(row['p_CM_corr'])}, {size}{corrected}"
 
 
 def simple_sentences(effects: pd.DataFrame, by: str) -> list[str]:
@@ -166,19 +167,14 @@ def simple_sentences(effects: pd.DataFrame, by: str) -> list[str]:
     >>> simple_sentences(pd.DataFrame([row | {"np2": 0.536, "note": ""}]), "hz")
     ['hz 60: force, F(2, 14) = 8.10, p = .009 (Holm), partial eta squared = .536']
     """
-    return [
-        f"{value_of(by, row[by])}: {row['Source']}, "
-        + (
-            f"{_f_text(row)}, {p_text(row['p_corr'])} (Holm), partial eta squared = {share_text(row['np2'])}"
-            if pd.notna(row["F"])
-            else f"not tested, {row['note'] or 'the error is 0'}"
-        )
-        for _, row in effects.iterrows()
-    ]
+    return [f"{value_of(by, row[by])}: {row['Source']}, {_simple_effect(row)}" for _, row in effects.iterrows()]
 
 
-def _f_text(row: "pd.Series[Any]") -> str:
-    return f_text(row["F"], row["ddof1"], row["ddof2"], row["eps_CM"])
+def _simple_effect(row: "pd.Series[Any]") -> str:
+    if pd.isna(row["F"]):
+        return f"not tested, {row['note'] or 'the error is 0'}"
+    f = f_text(row["F"], row["ddof1"], row["ddof2"], row["eps_CM"])
+    return f"{f}, {p_text(row['p_corr'])} (Holm), partial eta squared = {share_text(row['np2'])}"
 
 
 def f_text(f: float, first: float, second: float, epsilon: float = 1.0) -> str:

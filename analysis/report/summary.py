@@ -1,7 +1,5 @@
 """The result as plain values for JSON."""
 
-from collections.abc import Iterator
-
 from ..result import Analysis
 from .kinds import KINDS
 
@@ -15,6 +13,7 @@ ORDER = (
 def summary(analysis: Analysis) -> dict[str, object]:
     """The result as plain values for JSON."""
     of_kinds = {name: value for kind in KINDS for name, value in kind.values(analysis)}
+    places = {"report": analysis.report, "tables": analysis.tables_folder, "figures": analysis.figures_folder}
     return {
         "path": str(analysis.trials.path),
         "n_trials": len(analysis.trials.rows),
@@ -26,10 +25,5 @@ def summary(analysis: Analysis) -> dict[str, object]:
         "warnings": list(analysis.warnings),
         **{name: of_kinds.pop(name) for name in ORDER},
         **of_kinds,
-        **dict(_places(analysis)),
+        **{name: None if place is None else str(place) for name, place in places.items()},
     }
-
-
-def _places(analysis: Analysis) -> Iterator[tuple[str, str | None]]:
-    places = {"report": analysis.report, "tables": analysis.tables_folder, "figures": analysis.figures_folder}
-    return ((name, None if place is None else str(place)) for name, place in places.items())

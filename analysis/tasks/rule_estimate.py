@@ -2,7 +2,7 @@
 reversals or the mean of a posterior."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from itertools import pairwise
 from statistics import fmean, stdev
 
@@ -25,10 +25,10 @@ class RuleEstimate:
     """The estimate of one run, its spread (standard deviation of the reversals, or of the posterior), from how many
     reversals or answers, and what it is or why there is none."""
 
-    estimate: float | None
-    sd: float | None
-    n: int | None
-    note: str
+    estimate: float | None = None
+    sd: float | None = None
+    n: int | None = None
+    note: str = ""
 
 
 Replay = Callable[[pd.DataFrame], Mapping[str, RuleEstimate]]
@@ -42,7 +42,7 @@ def rule_columns(
     runs the means of estimates and spreads, and all reversals or answers."""
     runs = _runs(answers[~answers["is_catch"]], factors, replay)
     keys = ((one.cell.participant, *one.cell.condition, one.cell.task) for one in estimates)
-    return pd.DataFrame([_together(runs.get(key, [])) for key in keys], columns=list(COLUMNS))
+    return pd.DataFrame([astuple(_mean_estimate(runs.get(key, []))) for key in keys], columns=list(COLUMNS))
 
 
 def _runs(
@@ -71,15 +71,16 @@ def _groups(rows: pd.DataFrame, keys: Sequence[str]) -> Iterator[tuple[tuple[obj
         yield from rows.groupby(list(keys), sort=True, observed=True, dropna=False)
 
 
-def _together(runs: Sequence[RuleEstimate]) -> tuple[float | None, float | None, int | None, str]:
-    known = [(run.estimate, run.sd, run.n) for run in runs if run.estimate is not None]
+def _mean_estimate(runs: Sequence[RuleEstimate]) -> RuleEstimate:
+    """That of several runs."""
+    known = [(run.estimate, run.sd, run.n or 0) for run in runs if run.estimate is not None]
     notes = "; ".join(dict.fromkeys(run.note for run in runs)) or "no trial of a rule"
     if not known:
-        return None, None, None, notes
+        return RuleEstimate(note=notes)
     estimates, sds, n = zip(*known, strict=True)
     several = f"mean of {len(known)} of {len(runs)} runs: " if len(runs) > 1 else ""
     spreads = [sd for sd in sds if sd is not None]
-    return fmean(estimates), fmean(spreads) if spreads else None, sum(filter(None, n)), several + notes
+    return RuleEstimate(fmean(estimates), fmean(spreads) if spreads else None, sum(n), several + notes)
 
 
 def from_rows(run: pd.DataFrame) -> RuleEstimate:
@@ -87,11 +88,11 @@ def from_rows(run: pd.DataFrame) -> RuleEstimate:
     names = set(run["procedure"]) if "procedure" in run.columns else set()
     name = str(next(iter(names))) if len(names) == 1 else ""
     if not name:
-        return RuleEstimate(None, None, None, "no rule: the table does not say which chose the levels")
+        return RuleEstimate(note="no rule: the table does not say which chose the levels")
     if name in FIXED:
-        return RuleEstimate(None, None, None, f"no rule: the levels of {name} do not depend on the answers")
+        return RuleEstimate(note=f"no rule: the levels of {name} do not depend on the answers")
     if "stair" not in name.lower():
-        return RuleEstimate(None, None, None, f"the parameters of {name} are not known: no study.toml beside the table")
+        return RuleEstimate(note=f"the parameters of {name} are not known: no study.toml beside the table")
     return of_reversals(reversals(run["x"].tolist()), "seen in the levels")
 
 
@@ -109,7 +110,7 @@ def of_reversals(turns: Sequence[float], where: str) -> RuleEstimate:
     """The mean of reversals without the first two, made even in number."""
     kept = turns[DISCARDED + (len(turns) - DISCARDED) % 2 :]  # as many peaks as valleys
     if len(kept) < 2:
-        return RuleEstimate(None, None, None, f"too few reversals: {len(turns)} {where}")
+        return RuleEstimate(note=f"too few reversals: {len(turns)} {where}")
     return RuleEstimate(fmean(kept), stdev(kept), len(kept), f"mean of reversals {where}")
 
 

@@ -65,7 +65,7 @@ class _Replay:
 
 
 def _absent(why: str) -> RuleEstimate:
-    return RuleEstimate(None, None, None, why)
+    return RuleEstimate(note=why)
 
 
 def _text(value: Any) -> str:

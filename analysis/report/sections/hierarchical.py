@@ -8,18 +8,7 @@ from ...result import Analysis
 from ...tasks.kinds import CURVES
 from ...wording.cross_table import cross_table
 from ...wording.labels import dependent_name, dependent_title, with_unit
-from ..section import (
-    Details,
-    Figure,
-    Lead,
-    PageBlock,
-    ResultKind,
-    Section,
-    Sentences,
-    TableBlock,
-    TextTable,
-    plain_rows,
-)
+from ..section import Content, Details, Figure, Lead, ResultKind, Section, Sentences, TableBlock, TextTable, plain_rows
 from ..sentences import hierarchical_sentences
 
 MEANS = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean_high"}
@@ -32,7 +21,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         yield Section(f"All participants at once{task}", tuple(_blocks(outcome, analysis)))
 
 
-def _blocks(outcome: HierarchicalOutcome, analysis: Analysis) -> Iterator[PageBlock]:
+def _blocks(outcome: HierarchicalOutcome, analysis: Analysis) -> Iterator[Content]:
     sentences = Sentences(hierarchical_sentences(outcome, analysis.unit))
     if outcome.fit is None:
         yield sentences

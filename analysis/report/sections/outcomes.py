@@ -16,11 +16,11 @@ from ...wording.numbers import p_text
 from ..captions import figure_text, means_sentence, means_text
 from ..grid import TextGrid, grid
 from ..section import (
+    Content,
     Figure,
     FoldedSentences,
     Heading,
     Lead,
-    PageBlock,
     ResultKind,
     Section,
     Sentences,
@@ -46,7 +46,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         yield Section(f"{title} ({unit})" if unit else title, tuple(_blocks(outcome, analysis)))
 
 
-def _blocks(outcome: Outcome, analysis: Analysis) -> Iterator[PageBlock]:
+def _blocks(outcome: Outcome, analysis: Analysis) -> Iterator[Content]:
     factors = analysis.factors
     yield Lead(means_sentence(outcome.group))
     yield TableBlock.of(outcome.cross, analysis)
@@ -63,7 +63,7 @@ def _blocks(outcome: Outcome, analysis: Analysis) -> Iterator[PageBlock]:
     yield FoldedSentences(sentences, n_open=2)
 
 
-def _amplitudes(outcome: Outcome, analysis: Analysis) -> Iterator[PageBlock]:
+def _amplitudes(outcome: Outcome, analysis: Analysis) -> Iterator[Content]:
     """The group table in the unit that decibels refer to, where there are decibels and a mean."""
     unit = outcome.unit(analysis.unit)
     if not is_decibel(unit) or outcome.group["mean"].isna().all():

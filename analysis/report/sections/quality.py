@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from ...result import Analysis
-from ..section import Heading, Lead, PageBlock, ResultKind, Section, TableBlock, rows_of
+from ..section import Content, Heading, Lead, ResultKind, Section, TableBlock, rows_of
 
 COLUMNS = {
     "n_rows": "rows", "n_practice": "practice", "n_invalid": "invalid", "n_repeated": "asked again",
@@ -22,7 +22,7 @@ def _table(analysis: Analysis, name: str) -> TableBlock:
     return TableBlock.of(analysis.tables[name].rename(columns=COLUMNS), analysis)
 
 
-def _blocks(analysis: Analysis) -> Iterator[PageBlock]:
+def _blocks(analysis: Analysis) -> Iterator[Content]:
     yield _table(analysis, "quality")
     if "goodness" in analysis.tables:
         yield from (Heading("Goodness of fit"), Lead(GOODNESS), _table(analysis, "goodness"))

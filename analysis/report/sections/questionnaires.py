@@ -11,7 +11,7 @@ from ...outcomes.ratings import REFERENCE, Ratings
 from ...result import Analysis
 from ..captions import figure_text, means_of, means_sentence, means_text
 from ..grid import TextGrid
-from ..section import Figure, FoldedSentences, Lead, PageBlock, ResultKind, Section, TableBlock, TextTable, plain_rows
+from ..section import Content, Figure, FoldedSentences, Lead, ResultKind, Section, TableBlock, TextTable, plain_rows
 from ..sentences import form_sentences
 
 MOST_LINES = 7
@@ -23,7 +23,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         yield Section(form.form.title, tuple(_blocks(form)))
 
 
-def _blocks(form: Ratings) -> Iterator[PageBlock]:
+def _blocks(form: Ratings) -> Iterator[Content]:
     low, high, cross = form.form.score_low, form.form.score_high, form.cross()
     yield Lead(f"Scores from {low:g} to {high:g}. {means_sentence(form.summary)}")
     yield TableBlock(TextGrid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None))))
