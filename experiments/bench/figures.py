@@ -4,7 +4,8 @@ from pathlib import Path
 
 import numpy as np
 
-from tactometry.stimuli.time_reversal.figures.style import BLUE, ORANGE, label, save, sheet
+from tactometry.palette import BLUE, ORANGE
+from tactometry.stimuli.time_reversal.figures.style import label, save, sheet
 from tactometry.stimuli.time_reversal.responses.responses import Responses
 
 from .calibration import ForceFit

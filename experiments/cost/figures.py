@@ -10,10 +10,11 @@ from matplotlib.text import Annotation
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 from matplotlib.transforms import BboxBase
 
+from tactometry.palette import COLOURS
+
 from .measure import GOALS, Climb, Point
 
-BLUE, GREY = "#0072B2", "#666666"
-COLOURS = (BLUE, "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9")
+GREY = "#666666"
 MARKERS = ("o", "s", "^", "D", "v", "P")
 TOP = 2.0
 LABEL = {False: (4, 4), True: (5, -7)}

@@ -9,6 +9,7 @@ import numpy as np
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
+from tactometry.palette import COLOURS
 
 from .attraction.contact_area import UNVERIFIED_PRINTS, Print, power_law_of_prints
 from .attraction.force import LAWS, Law, electrostatic_force_n_at, force_form
@@ -26,8 +27,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#000000")
-"""Okabe and Ito's palette, which the common colour blindnesses tell apart."""
 DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)))
 
 

@@ -8,10 +8,12 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from tactometry.palette import BLUE, GOLD, GREEN, ORANGE, PINK, SKY
+
 from ..lifting import FORCE, loads_n
 from ..result import Result, unit_of
 
-COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00")
+COLOURS = (BLUE, ORANGE, GREEN, PINK, SKY, GOLD)
 STYLES = ("-", "--", ":", "-.")
 WIDTH_IN = 7.0
 PANEL_IN = 1.7

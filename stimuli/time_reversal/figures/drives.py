@@ -6,6 +6,8 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import FancyArrowPatch, FancyBboxPatch
 
+from tactometry.palette import BLACK, BLUE, ORANGE
+
 from ...arrays import FloatArray
 from ..field.sound import NoiseSpectrum
 from ..focusing.modulator import modulate
@@ -14,7 +16,7 @@ from ..focusing.pattern import PATTERNS, Pattern
 from ..focusing.pulse_width import PulseWidth
 from ..focusing.quantiser import Quantiser
 from ..focusing.sigma_delta import SigmaDelta
-from .style import BLACK, BLUE, ORANGE, colours, label, sheet
+from .style import colours, label, sheet
 
 
 def quantised_sine(rate_hz: float = 1e6, frequency_hz: float = 5e3) -> Figure:

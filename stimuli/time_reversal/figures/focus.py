@@ -7,6 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from tactometry.palette import BLUE, ORANGE
+
 from ...arrays import FloatArray
 from ..field.field import Grid, field, grid
 from ..field.merit import width_m
@@ -15,7 +17,7 @@ from ..focusing.focusing import Emission, drive, emitted, focus_amplitude
 from ..responses.plate_constants import schroeder_db, tau_s
 from ..responses.responses import Point, Responses
 from ..screen.screen import Screen
-from .style import BLUE, DIVERGING, ORANGE, colours, label, sheet
+from .style import DIVERGING, colours, label, sheet
 
 N_X, N_Y = 301, 213
 

@@ -6,12 +6,14 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
 
+from tactometry.palette import BLACK, BLUE, ORANGE
+
 from ...arrays import FloatArray
 from ..finger import LossRow
 from ..responses.responses import Point
 from ..screen.screen import Screen
 from ..screen.transducer import Patch
-from .style import ABOVE, BLACK, BLUE, ORANGE, colours, label, sheet
+from .style import ABOVE, colours, label, sheet
 
 
 def layout(screen: Screen, foci: Sequence[Point]) -> Figure:

@@ -8,13 +8,8 @@ from typing import Any, Final
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-BLUE: Final = "#0072B2"
-ORANGE: Final = "#D55E00"
-GREEN: Final = "#009E73"
-PINK: Final = "#CC79A7"
-SKY: Final = "#56B4E9"
-GOLD: Final = "#E69F00"
-BLACK: Final = "#000000"
+from tactometry.palette import BLACK, BLUE, GOLD, GREEN, ORANGE, PINK, SKY
+
 COLOURS: Final = (BLUE, ORANGE, GREEN, PINK, SKY, GOLD, BLACK)
 DIVERGING: Final = "RdBu_r"
 RESOLUTION_DPI: Final = 150

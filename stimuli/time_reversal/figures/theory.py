@@ -8,6 +8,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from tactometry.palette import BLACK, BLUE, ORANGE
+
 from ...arrays import FloatArray
 from ..design.closed_forms import (
     Reverberation,
@@ -23,7 +25,7 @@ from ..design.thickness import Sheet
 from ..filters import Band
 from ..plate.plate import Plate
 from ..plate.statics import bending_stress_pa, deflection_m
-from .style import BLACK, BLUE, ORANGE, colours, label, sheet
+from .style import colours, label, sheet
 
 Measured = Sequence[tuple[float, float]]
 

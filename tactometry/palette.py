@@ -1,0 +1,12 @@
+"""The colours of all figures, by Okabe and Ito (2008): the common colour blindnesses tell them apart."""
+
+from typing import Final
+
+BLUE: Final = "#0072B2"
+ORANGE: Final = "#D55E00"
+GREEN: Final = "#009E73"
+PINK: Final = "#CC79A7"
+GOLD: Final = "#E69F00"
+SKY: Final = "#56B4E9"
+BLACK: Final = "#000000"
+COLOURS: Final = (BLUE, ORANGE, GREEN, PINK, GOLD, SKY, BLACK)
