@@ -1,10 +1,11 @@
-"""A table for people: heads in words, cells as text."""
+"""A table as text for people, heads in words, and as plain rows for JSON."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import pandas as pd
 
 from ..wording.labels import header_of
@@ -43,3 +44,14 @@ def grid(table: pd.DataFrame, factors: Sequence[str]) -> TextGrid:
 
 def _text(value: Any, *, is_level: bool) -> str:
     return plain_text(value) if is_level and pd.notna(value) else cell_text(value)
+
+
+def plain_rows(table: pd.DataFrame) -> list[dict[str, object]]:
+    """Rows as plain values: None for what is missing."""
+    return [{str(name): _plain(value) for name, value in row.items()} for row in table.to_dict("records")]
+
+
+def _plain(value: object) -> object:
+    if isinstance(value, np.generic):
+        value = value.item()
+    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -1,15 +1,14 @@
 """What a report is made of: kinds of results, which tell themselves in sections of blocks."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import ClassVar
 
-import numpy as np
 import pandas as pd
 
 from ..figures.style import Drawing
 from ..result import Analysis
-from .grid import TextGrid, grid
+from .grid import TextGrid, grid, plain_rows
 
 
 @dataclass(frozen=True)
@@ -105,32 +104,16 @@ class TextTable:
     sentences: Sequence[str] = ()
 
 
-def _nothing(analysis: Analysis) -> tuple[()]:
-    del analysis
-    return ()
-
-
 @dataclass(frozen=True)
 class ResultKind:
     """A kind of result: its sections of the page, its tables of the terminal, and its values in JSON, where an analysis
     holds it. Sections alone draw figures."""
 
-    sections: Callable[[Analysis], Iterable[Section]] = _nothing
-    terminal: Callable[[Analysis], Iterable[TextTable]] = _nothing
-    values: Callable[[Analysis], Iterable[tuple[str, object]]] = _nothing
+    sections: Callable[[Analysis], Iterable[Section]] = field(default=lambda analysis: ())
+    terminal: Callable[[Analysis], Iterable[TextTable]] = field(default=lambda analysis: ())
+    values: Callable[[Analysis], Iterable[tuple[str, object]]] = field(default=lambda analysis: ())
 
 
 def rows_of(*names: str) -> Callable[[Analysis], Iterable[tuple[str, object]]]:
     """The rows of these tables as values in JSON, by the names of the tables; of a table that there is not none."""
     return lambda analysis: [(name, plain_rows(analysis.table(name))) for name in names]
-
-
-def plain_rows(table: pd.DataFrame) -> list[dict[str, object]]:
-    """Rows as plain values: None for what is missing."""
-    return [{str(name): _plain(value) for name, value in row.items()} for row in table.to_dict("records")]
-
-
-def _plain(value: object) -> object:
-    if isinstance(value, np.generic):
-        value = value.item()
-    return None if isinstance(value, float) and not np.isfinite(value) else value

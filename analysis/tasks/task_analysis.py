@@ -1,7 +1,7 @@
 """What is made of the answers of a task: the `ANALYSIS` of each task's file."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import pandas as pd
@@ -66,11 +66,6 @@ def detection(unit: str, guess_rate: float | None) -> Mapping[str, Any]:
     return {"shape": shape_of(unit), "guess_rate": guess_rate, "scale_free_width": True}
 
 
-def _as_it_stands(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
-    del trials, unit
-    return table
-
-
 @dataclass(frozen=True)
 class Results:
     """Results of a task that no curve is fitted to.
@@ -103,7 +98,7 @@ class Results:
     title: str = ""
     lead: str = ""
     in_terminal: str = ""
-    view: Callable[[pd.DataFrame, Trials, str], pd.DataFrame] = _as_it_stands
+    view: Callable[[pd.DataFrame, Trials, str], pd.DataFrame] = field(default=lambda table, trials, unit: table)
 
 
 @dataclass(frozen=True)

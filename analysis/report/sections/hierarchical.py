@@ -8,7 +8,8 @@ from ...result import Analysis
 from ...tasks.kinds import CURVES
 from ...wording.cross_table import cross_table
 from ...wording.labels import dependent_name, dependent_title, with_unit
-from ..section import Content, Details, Figure, Lead, ResultKind, Section, Sentences, TableBlock, TextTable, plain_rows
+from ..grid import plain_rows
+from ..section import Content, Details, Figure, Lead, ResultKind, Section, Sentences, TableBlock, TextTable
 from ..sentences import hierarchical_sentences
 
 MEANS = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean_high"}

@@ -14,7 +14,7 @@ from ...wording.decibels import as_amplitudes, is_decibel
 from ...wording.labels import dependent_name, dependent_title, in_words, with_unit
 from ...wording.numbers import p_text
 from ..captions import figure_text, means_sentence, means_text
-from ..grid import TextGrid, grid
+from ..grid import TextGrid, grid, plain_rows
 from ..section import (
     Content,
     Figure,
@@ -26,7 +26,6 @@ from ..section import (
     Sentences,
     TableBlock,
     TextTable,
-    plain_rows,
 )
 from ..sentences import outcome_sentences, primary_sentences
 

@@ -10,8 +10,8 @@ from ...figures.style import Drawing
 from ...outcomes.ratings import REFERENCE, Ratings
 from ...result import Analysis
 from ..captions import figure_text, means_of, means_sentence, means_text
-from ..grid import TextGrid
-from ..section import Content, Figure, FoldedSentences, Lead, ResultKind, Section, TableBlock, TextTable, plain_rows
+from ..grid import TextGrid, plain_rows
+from ..section import Content, Figure, FoldedSentences, Lead, ResultKind, Section, TableBlock, TextTable
 from ..sentences import form_sentences
 
 MOST_LINES = 7
