@@ -20,7 +20,7 @@ def print_pdf(path: Path) -> Path:
     DeviceFailed
         If there is neither browser nor WeasyPrint, or it fails.
     """
-    engine = next((found for name in (*BROWSERS, WEASYPRINT) if (found := shutil.which(name))), None)
+    engine = next(filter(None, map(shutil.which, (*BROWSERS, WEASYPRINT))), None)
     if engine is None:
         raise DeviceFailed(
             f"--pdf: found neither a browser ({', '.join(BROWSERS)}) nor {WEASYPRINT}, expected one; print {path} by "

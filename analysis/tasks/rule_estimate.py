@@ -57,8 +57,8 @@ def _runs(
     runs: dict[tuple[object, ...], list[RuleEstimate]] = {}
     for (*block, track), run in _groups(rows, [*of_block, "track"]):
         by_replay = None if replay is None else replayed[tuple(block)].get(str(track))
-        for key, part in _groups(run, ["participant", *factors, "task"]):
-            runs.setdefault(key, []).append(from_rows(part) if by_replay is None else by_replay)
+        for key, rows_of_run in _groups(run, ["participant", *factors, "task"]):
+            runs.setdefault(key, []).append(from_rows(rows_of_run) if by_replay is None else by_replay)
     return runs
 
 

@@ -19,7 +19,7 @@ from .task_analysis import R_OF_LEVEL, Results, TaskAnalysis
 
 TASK = "same_different"
 SENSITIVITIES = {"d_prime_differencing": "d′ differencing", "d_prime_independent": "d′ independent"}
-N = ("n_hits", "n_different", "n_false_alarms", "n_same")
+COUNTED = ("n_hits", "n_different", "n_false_alarms", "n_same")
 COUNTS = {"hits": ("n_hits", "n_different"), "false alarms": ("n_false_alarms", "n_same")}
 
 
@@ -77,8 +77,10 @@ def same_different_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataF
     other = rows[~rows["is_same"]].groupby([*keys, "level"])["different"].agg(n_hits="sum", n_different="size")
     same = rows[rows["is_same"]].groupby(keys)["different"].agg(n_false_alarms="sum", n_same="size")
     counts = other.reset_index().merge(same.reset_index(), how="left", on=keys)
-    counts = counts.fillna(dict.fromkeys(N, 0)).astype(dict.fromkeys(N, np.int64))  # nobody need have met same pairs
-    return counts.join(pd.DataFrame([_sensitivities(*numbers) for numbers in counts[list(N)].to_numpy()]))
+    counts = counts.fillna(dict.fromkeys(COUNTED, 0)).astype(
+        dict.fromkeys(COUNTED, np.int64)
+    )  # nobody need have met same pairs
+    return counts.join(pd.DataFrame([_sensitivities(*numbers) for numbers in counts[list(COUNTED)].to_numpy()]))
 
 
 def _sensitivities(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> dict[str, object]:
@@ -104,9 +106,9 @@ def _why_undefined(n_hits: int, n_different: int, n_false_alarms: int, n_same: i
 def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
     """d' under its own sign, a count and its number of trials in one column (``3 of 4``), the level with its unit."""
     del trials
-    for name, (part, whole) in COUNTS.items():
-        both = [f"{k} of {n}" for k, n in zip(table[part], table[whole], strict=True)]
-        table = table.assign(**{part: both}).rename(columns={part: name}).drop(columns=whole)
+    for name, (count, of) in COUNTS.items():
+        shares = [f"{k} of {n}" for k, n in zip(table[count], table[of], strict=True)]
+        table = table.assign(**{count: shares}).rename(columns={count: name}).drop(columns=of)
     return table.rename(columns=SENSITIVITIES | ({"level": f"level ({unit})"} if unit else {}))
 
 

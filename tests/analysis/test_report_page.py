@@ -17,9 +17,9 @@ from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report.captions import figure_text, means_sentence
 from tactometry.analysis.report.page import figures_of, nonbreaking, render
+from tactometry.analysis.report.sections.outcomes import as_amplitudes
 from tactometry.analysis.report.study_text import procedure_text, study_text
 from tactometry.analysis.result import Analysis
-from tactometry.analysis.wording.decibels import as_amplitudes
 from tactometry.cli.analyse import summary_text
 from tactometry.config.toml import read_table
 from tactometry.experiments.study.study_file import FOLDER

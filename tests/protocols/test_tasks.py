@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, strategies as st
 from memory import Memory
 
-from tactometry.analysis.tasks.interval_bias import interval_bias
+from tactometry.analysis.tasks.signal_detection import interval_bias
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.task_table import DECISIONS, TASKS
 from tactometry.protocols import (

@@ -10,9 +10,8 @@ from ...outcomes.findings import Outcome
 from ...result import Analysis
 from ...tasks.magnitude import DEPENDENT as EXPONENT, GROWTH
 from ...wording.cross_table import cross_table
-from ...wording.decibels import as_amplitudes, is_decibel
 from ...wording.labels import dependent_name, dependent_title, in_words, with_unit
-from ...wording.numbers import p_text
+from ...wording.numbers import interval_text, p_text
 from ..captions import figure_text, means_sentence, means_text
 from ..grid import TextGrid, grid, plain_rows
 from ..section import (
@@ -35,6 +34,7 @@ EFFECT_COLUMNS = {
     "np2": "partial eta²", "ng2": "generalised eta²",
 }  # fmt: skip
 """What the page shows of the primary analysis; the file has the rest."""
+DECIBELS = "dB re 1 "
 P_COLUMNS = ("p_CM_corr", "p", "p_permutation")
 
 
@@ -65,11 +65,26 @@ def _blocks(outcome: Outcome, analysis: Analysis) -> Iterator[Content]:
 def _amplitudes(outcome: Outcome, analysis: Analysis) -> Iterator[Content]:
     """The group table in the unit that decibels refer to, where there are decibels and a mean."""
     unit = outcome.unit(analysis.unit)
-    if not is_decibel(unit) or outcome.group["mean"].isna().all():
+    if not unit.startswith(DECIBELS) or outcome.group["mean"].isna().all():
         return
     peak = " peak" * bool(analysis.study.procedure)  # the levels of our own stimuli are peaks
-    yield Lead(f"The same in {unit.partition(' re 1 ')[2]}{peak}, 10^(level / 20): means are geometric.")
+    yield Lead(f"The same in {unit.removeprefix(DECIBELS)}{peak}, 10^(level / 20): means are geometric.")
     yield TableBlock.of(cross_table(as_amplitudes(outcome.group), analysis.factors), analysis)
+
+
+def as_amplitudes(group: pd.DataFrame) -> pd.DataFrame:
+    """A group table whose `text` tells amplitudes, 10^(level / 20): of a mean of levels the geometric mean. Where there
+    is no mean the text stays.
+
+    >>> as_amplitudes(pd.DataFrame({"mean": [20.0], "mean_low": [0.0], "mean_high": [40.0], "text": [""]}))["text"][0]
+    '10.0 [1.0, 100.0]'
+    """
+    ends = [(10 ** (group[name].astype(float) / 20)).tolist() for name in ("mean", "mean_low", "mean_high")]
+    texts = [
+        text if pd.isna(row[0]) else interval_text(*row)
+        for text, row in zip(group["text"], zip(*ends, strict=True), strict=True)
+    ]
+    return group.assign(text=texts)
 
 
 def _figure(outcome: Outcome, analysis: Analysis) -> Figure:
