@@ -230,8 +230,9 @@ _CODE = "a code of 1 to 32 letters and digits, no name and no path"
 
 
 def _expect_texts(table: pd.DataFrame, name: str, file: Path, holds: Callable[[str], bool], expected: str) -> None:
-    fine = [value for value in table[name].unique() if holds(value)]
-    _expect(table, name, file, table[name].isin(fine), expected)
+    wrong = [value for value in table[name].unique() if not holds(value)]
+    if wrong:
+        _expect(table, name, file, ~table[name].isin(wrong), expected)
 
 
 def _expect(table: pd.DataFrame, name: str, file: Path, fine: "pd.Series[bool]", expected: str) -> None:
