@@ -12,12 +12,8 @@ from ...composition.sampling import per_sample
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
-    from ...electrovibration.attraction.force import ForceForm
-    from ...electrovibration.motion.coulomb_friction import CoulombFriction
-    from ...electrovibration.motion.dry_friction import DryFriction
     from ...electrovibration.motion.finger import Motion
     from ...electrovibration.motion.stick_slip import StickSlip
-    from ...electrovibration.waveforms.pieces import Pieces
 
 
 @dataclass(frozen=True)
@@ -81,9 +77,7 @@ def _read(name: str, quantity: str) -> Stage:
     return Stage(quantity, ("motion",), quantity, f"{__name__}:read", {"name": name})
 
 
-def slipping(
-    force_n: float, speed_m_per_s: float
-) -> "Callable[[FloatArray, Pieces, ForceForm, CoulombFriction], Motion]":
+def slipping(force_n: float, speed_m_per_s: float) -> "Callable[..., Motion]":
     """The motion of a finger in full slip."""
     from ...electrovibration.motion.finger import sliding
     from ...electrovibration.motion.pad import Finger
@@ -94,9 +88,7 @@ def slipping(
     )
 
 
-def sticking(
-    force_n: float, speed_m_per_s: float
-) -> "Callable[[FloatArray, Pieces, ForceForm, DryFriction], StickSlip]":
+def sticking(force_n: float, speed_m_per_s: float) -> "Callable[..., StickSlip]":
     """The motion of a finger that sticks and slips."""
     from ...electrovibration.motion.pad import Finger
     from ...electrovibration.motion.stick_slip import Travel, stick_slip

@@ -51,18 +51,11 @@ class FingerLoad(Effect):
         require.positive("FingerLoad", load=self.resistance_n_s_per_m + self.mass_kg + self.stiffness_n_per_m)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        x_m, y_m = zip(*self.places_m(scene), strict=True)
-        place: dict[str, Setting] = {"x_m": x_m, "y_m": y_m}
+        needs, n = ("motion", "oversampling"), len(self.at_rest(scene))
         return (
             Stage("finger_load", ("motion",), "motion", f"{__name__}:borne", size=self._size),
-            Stage("contacts", ("motion", "oversampling"), "per_volt_contacts", f"{__name__}:displaced", place),
-            Stage(
-                "contact_forces",
-                ("motion", "oversampling"),
-                "per_volt_forces",
-                f"{__name__}:forced",
-                {"n": len(self.at_rest(scene))},
-            ),
+            Stage("contacts", needs, "per_volt_contacts", f"{__name__}:displaced", self._places(scene)),
+            Stage("contact_forces", needs, "per_volt_forces", f"{__name__}:forced", {"n": n}),
             at_voltage("contact_displacement", "per_volt_contacts", "contact_displacement_m"),
             at_voltage("contact_force", "per_volt_forces", "contact_force_n"),
         )
@@ -73,14 +66,9 @@ class FingerLoad(Effect):
 
     def places_m(self, scene: Surroundings) -> list[tuple[float, float]]:
         """Where they rest."""
-        surface = scene.surface
-        return [
-            (
-                surface.focus_x_m if touch.x_m is None else touch.x_m,
-                surface.focus_y_m if touch.y_m is None else touch.y_m,
-            )
-            for touch in self.at_rest(scene)
-        ]
+        at_m = scene.surface.focus_x_m, scene.surface.focus_y_m
+        touches = [(touch.x_m, touch.y_m) for touch in self.at_rest(scene)]
+        return [(at_m[0] if x_m is None else x_m, at_m[1] if y_m is None else y_m) for x_m, y_m in touches]
 
     def impedance_ratio(self, scene: Surroundings) -> float:
         """Of all fingers at the top of the band, over that of the infinite plate."""
@@ -100,29 +88,22 @@ class FingerLoad(Effect):
         return PlateContent(1 + ratio, load=ratio, reading=reading, places_m=tuple(self.places_m(scene)))
 
     def _size(self, demand: Demand) -> Size:
-        found = demand.once(cut_of)
-        moved = n_modes(demand, found.modes_to_hz) * n_frequencies(demand, found)
-        return Size(self._settings(demand), n_operations=60.0 * len(self.at_rest(demand)) * moved)
+        ends, touches = demand.once(cut_of), self.at_rest(demand)
+        moved = n_modes(demand, ends.modes_to_hz) * n_frequencies(demand, ends)
+        settings = {**self._places(demand), "force_n": tuple(touch.force_n for touch in touches), **vars(self)}
+        return Size(settings, n_operations=60.0 * len(touches) * moved)
 
-    def _settings(self, scene: Surroundings) -> dict[str, Setting]:
+    def _places(self, scene: Surroundings) -> dict[str, Setting]:
         x_m, y_m = zip(*self.places_m(scene), strict=True)
-        return {"x_m": x_m, "y_m": y_m, "force_n": tuple(touch.force_n for touch in self.at_rest(scene)), **vars(self)}
+        return {"x_m": x_m, "y_m": y_m}
 
 
-def borne(
-    x_m: "Numbers",
-    y_m: "Numbers",
-    force_n: "Numbers",
-    resistance_n_s_per_m: float,
-    mass_kg: float,
-    stiffness_n_per_m: float,
-    exponent: float,
-) -> "Callable[[PlateMotion], PlateMotion]":
+def borne(x_m: "Numbers", y_m: "Numbers", force_n: "Numbers", **pulp: float) -> "Callable[[PlateMotion], PlateMotion]":
     """The motion of the plate under the fingers."""
     from ...time_reversal.finger import Fingertip
     from ..stages.contact import bearing
 
-    finger = Fingertip(resistance_n_s_per_m, mass_kg, stiffness_n_per_m, exponent)
+    finger = Fingertip(**pulp)
     return bearing([finger.load((x, y), f) for x, y, f in zip(x_m, y_m, force_n, strict=True)])
 
 

@@ -2,16 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
 from ..stages.scaling import at_voltage
 
-if TYPE_CHECKING:
-    pass
-
+MAP = "tactometry.stimuli.scenes.stages.map"
 MOST_NUMBERS = 5e7
 
 
@@ -38,34 +36,25 @@ class Movie(Effect):
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         del scene
+        needs = ("motion", "frames_s", "x_m", "y_m")
         return (
-            Stage("frames", (), "frames_s", "tactometry.stimuli.scenes.stages.map:frame_times", size=self._frames_size),
-            Stage(
-                "movie",
-                ("motion", "frames_s", "x_m", "y_m"),
-                "per_volt_movie",
-                "tactometry.stimuli.scenes.stages.map:movie",
-                size=self._movie_size,
-            ),
-            at_voltage(
-                "movie_at_voltage",
-                "per_volt_movie",
-                "movie_m",
-                lambda demand: Size(n_operations=float(self._n_numbers(demand))),
-            ),
+            Stage("frames", (), "frames_s", f"{MAP}:frame_times", size=self._frames_size),
+            Stage("movie", needs, "per_volt_movie", f"{MAP}:movie", size=self._movie_size),
+            at_voltage("movie_at_voltage", "per_volt_movie", "movie_m", self._numbers_size),
         )
 
     def _frames_size(self, demand: Demand) -> Size:
         self._check_span(demand.surface)
         return Size({"n_frames": self.n_frames, "span_s": self.span_s})
 
+    def _numbers_size(self, demand: Demand) -> Size:
+        return Size(n_operations=float(self._n_numbers(demand)))
+
     def _movie_size(self, demand: Demand) -> Size:
-        surface = demand.surface
-        return Size(error=surface.grid_error(demand), n_operations=100.0 * self._n_numbers(demand))
+        return Size(error=demand.surface.grid_error(demand), n_operations=100.0 * self._n_numbers(demand))
 
     def _n_numbers(self, demand: Demand) -> int:
-        surface = demand.surface
-        n_x, n_y = demand.once(surface.grid)
+        n_x, n_y = demand.once(demand.surface.grid)
         n_numbers: int = self.n_frames * n_x * n_y
         if n_numbers > MOST_NUMBERS:
             raise InvalidParameter(

@@ -1,13 +1,12 @@
 """Foci that repeat under an envelope: the thesis's patterns."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, get_args
 
 from tactometry.arguments import require
 
 from ...composition.content import PlateContent
-from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.effect import Demand, Effect, Size, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.focusing.quantiser import Quantiser
@@ -27,6 +26,7 @@ class Repetition(Effect):
 
     kind = "repetition"
     slot = "repetition"
+    reads, gives = ("learnt", "quantiser"), "emission"
     positive = ("repetition_hz", "duration_s")
 
     repetition_hz: float = 200.0
@@ -42,40 +42,22 @@ class Repetition(Effect):
         """How many foci there are."""
         return max(round(self.duration_s * self.repetition_hz), 1)
 
-    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        surface = scene.surface
-        n_operations = 20.0 * self.n * surface.n_transducers * surface.rate_hz * surface.reversal_s
-        return (
-            Stage(
-                "repetition",
-                ("learnt", "quantiser"),
-                "emission",
-                f"{__name__}:repeated",
-                dict(vars(self)),
-                n_operations=n_operations,
-            ),
-        )
+    def __call__(self, learnt: "Responses", quantiser: "Quantiser") -> "EmittedSignal":
+        """A train of foci; its instant is that of the largest."""
+        from ...time_reversal.focusing import pattern as patterns
+        from ..stages.emission import EmittedSignal
+
+        train = patterns.Pattern(self.repetition_hz, self.duration_s, patterns.ENVELOPES[self.envelope])
+        together = replace(learnt, samples=learnt.samples.sum(axis=0, keepdims=True))
+        signal = patterns.pattern_drive(together, train, 1.0, quantiser)
+        foci = patterns.focus_samples(train, learnt.rate_hz, learnt.n_samples)
+        return EmittedSignal(signal.samples, learnt.rate_hz, int(foci[abs(train.weights).argmax()]))
+
+    def size(self, demand: Demand) -> Size:
+        surface = demand.surface
+        return Size(n_operations=20.0 * self.n * surface.n_transducers * surface.rate_hz * surface.reversal_s)
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
         """Emissions that overlap share the voltage."""
         overlap = min(scene.surface.reversal_s, self.duration_s) * self.repetition_hz
         return PlateContent(weakening=max(1.0, overlap), train_s=self.duration_s)
-
-
-def repeated(
-    repetition_hz: float, duration_s: float, envelope: Envelope
-) -> "Callable[[Responses, Quantiser], EmittedSignal]":
-    """A train of foci; its instant is that of the largest."""
-    from ...time_reversal.focusing import pattern as patterns
-    from ..stages.emission import EmittedSignal
-
-    train = patterns.Pattern(repetition_hz, duration_s, patterns.ENVELOPES[envelope])
-    largest = int(abs(train.weights).argmax())
-
-    def played(learnt: "Responses", quantiser: "Quantiser") -> "EmittedSignal":
-        together = replace(learnt, samples=learnt.samples.sum(axis=0, keepdims=True))
-        signal = patterns.pattern_drive(together, train, 1.0, quantiser)
-        focus = int(patterns.focus_samples(train, learnt.rate_hz, learnt.n_samples)[largest])
-        return EmittedSignal(signal.samples, learnt.rate_hz, focus)
-
-    return played
