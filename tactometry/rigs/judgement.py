@@ -33,3 +33,15 @@ def fault_of_speed(speed_m_per_s: float, target_m_per_s: float) -> Reason:
     if speed_m_per_s < STANDING_PART * target_m_per_s:
         return "stopped"
     return "too_slow" if speed_m_per_s < target_m_per_s else "too_fast"
+
+
+def compliance_fields(force: Compliance | None, speed: SpeedCompliance | None) -> dict[str, float | None]:
+    """How force and speed were kept, as the fields of an answer; None where it was not measured.
+
+    >>> compliance_fields(Compliance(1.0, 0.1, in_band=0.9), None)
+    {'force_mean_n': 1.0, 'force_sd_n': 0.1, 'force_in_band': 0.9, 'speed_in_band': None}
+    """
+    names = ("force_mean_n", "force_sd_n", "force_in_band")
+    of_force = [None] * len(names) if force is None else [round(value, 6) for value in force]
+    speed_in_band = None if speed is None else round(speed.in_band, 6)
+    return {**dict(zip(names, of_force, strict=True)), "speed_in_band": speed_in_band}

@@ -19,7 +19,7 @@ from ..session.answer_rules import value_at
 from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
 from ..signal import Signal, Stimulus
 from ..trials.trial import Trial
-from .judgement import broken_condition
+from .judgement import broken_condition, compliance_fields
 from .live_rig import LiveRig
 from .rendering import render
 
@@ -135,13 +135,11 @@ class SimulatedRig(LiveRig):
             onset_s=self._pass(request.duration_s),
             level_delivered=request.level,
             digest=None if signal is None else signal.digest(),
-            force_mean_n=round(force.mean_n, 6),
-            force_sd_n=round(force.sd_n, 6),
-            force_in_band=round(force.in_band, 6),
             speed_mean_m_per_s=round(grip.speed_m_per_s, 6),
             valid=reason is None,
-            speed_in_band=None if speed is None else round(speed.in_band, 6),
             invalid_reason=reason,
+            n_gaps=None,
+            **compliance_fields(force, speed),
         )
 
     def _choose(self, request: Choose) -> Chosen:

@@ -14,7 +14,7 @@ from ...session.answer import Touched
 from ...session.request import Press, Slide
 from ...signal import Signal
 from ...trials.trial import Reason
-from ..judgement import broken_condition
+from ..judgement import broken_condition, compliance_fields
 from ..pages import layout
 from ..pages.page import Page
 from ..pages.presenter import Dress, as_it_is
@@ -96,10 +96,6 @@ class Held:
         return max(0.0, decided_s - self.let_through_s)
 
 
-def _round(value: float | None) -> float | None:
-    return None if value is None else round(value, 6)
-
-
 @dataclass(frozen=True)
 class TouchCourse:
     """A request to press or slide, with what carries it out; `places` is where its position is heard.
@@ -123,7 +119,7 @@ class TouchCourse:
         with hearing(self.setup.position, self.places.hear):
             touched, delay_s = (self._unmeasured(signal), None) if sensor is None else self._held(signal, sensor)
         speed = speed_m_per_s(self.places, touched.onset_s, touched.onset_s + self.request.duration_s)
-        return replace(touched, speed_mean_m_per_s=_round(speed)), delay_s
+        return replace(touched, speed_mean_m_per_s=None if speed is None else round(speed, 6)), delay_s
 
     def _unmeasured(self, signal: Signal | None) -> Touched:
         """Trust the finger: show when to be ready for `hold_s`, then play."""
@@ -151,7 +147,7 @@ class TouchCourse:
             valid=reason is None,
             invalid_reason=reason,
             n_gaps=n_gaps,
-            **{name: _round(value) for name, value in kept.items()},
+            **kept,
         )
 
     def _held(self, signal: Signal | None, sensor: StreamedSensor) -> tuple[Touched, float | None]:
@@ -243,10 +239,4 @@ class TouchCourse:
         speed_is_lost = held.finger_motion is not None and speed is None
         if reason is None:
             reason = "sensor_lost" if force is None or speed_is_lost else broken_condition(self.request, force, speed)
-        kept = {
-            "force_mean_n": None if force is None else force.mean_n,
-            "force_sd_n": None if force is None else force.sd_n,
-            "force_in_band": None if force is None else force.in_band,
-            "speed_in_band": None if speed is None else speed.in_band,
-        }
-        return self._answer(signal, onset_s, reason, n_gaps, **kept)
+        return self._answer(signal, onset_s, reason, n_gaps, **compliance_fields(force, speed))
