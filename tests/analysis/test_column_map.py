@@ -6,7 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from hypothesis import HealthCheck, given, settings, strategies as st
+from examples import examples
+from hypothesis import HealthCheck, given, strategies as st
 from places import DOCS
 
 from tactometry.analysis.pipeline import analyse
@@ -224,7 +225,7 @@ def guises(draw):
 
 
 @given(guise=guises())
-@settings(max_examples=120, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@examples(120, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_a_table_is_read_alike_in_every_guise(tmp_path, guise) -> None:
     content, column_map, rows = guise
     file = tmp_path / "t.csv"
@@ -238,7 +239,7 @@ def test_a_table_is_read_alike_in_every_guise(tmp_path, guise) -> None:
 
 
 @given(guise=guises(), data=st.data())
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@examples(60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_a_spoiled_level_is_refused_with_file_row_and_column(tmp_path, guise, data) -> None:
     content, column_map, rows = guise
     place = data.draw(st.integers(0, len(rows) - 1))

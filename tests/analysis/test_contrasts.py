@@ -8,7 +8,8 @@ import numpy as np
 import pandas as pd
 import pytest
 from designs import NAMES, drawn, long_table
-from hypothesis import given, settings, strategies as st
+from examples import examples
+from hypothesis import given, strategies as st
 from scipy.stats import f as fisher, ncf
 from soak import SOAK
 
@@ -158,7 +159,7 @@ def published_values() -> np.ndarray:
 
 
 @given(st.floats(0.01, 500), st.integers(1, 12), st.integers(4, 200))
-@settings(max_examples=50)
+@examples(50)
 def test_the_ends_of_the_noncentrality_leave_out_a_twentieth_each(f, first, second) -> None:
     low, high = noncentrality(f, (first, second), 0.90)
     assert low == 0 or ncf.sf(f, first, second, low) == pytest.approx(0.05, abs=1e-5)

@@ -6,7 +6,8 @@ from dataclasses import asdict, replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from examples import examples
+from hypothesis import given, strategies as st
 
 from tactometry.analysis.hierarchical import fitting
 from tactometry.analysis.hierarchical.layout import cells as shrunken
@@ -83,7 +84,7 @@ def _nasty(draw: st.DrawFn) -> tuple[list[float], list[int], list[int]]:
 
 
 @pytest.mark.parametrize("method", ["posterior", "map", "ml", "profile"])
-@settings(max_examples=25, deadline=None)
+@examples(25, deadline=None)
 @given(_nasty(), st.sampled_from((None, 0.0, 0.5, 0.25)), st.sampled_from(RATES), st.booleans())
 def test_no_number_that_its_own_interval_does_not_hold(method, data, guess_rate, lapse_rate, scale_free_width) -> None:
     known = {"guess_rate": guess_rate, "lapse_rate": lapse_rate, "scale_free_width": scale_free_width}

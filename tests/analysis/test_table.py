@@ -5,7 +5,8 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
-from hypothesis import HealthCheck, given, settings, strategies as st
+from examples import examples
+from hypothesis import HealthCheck, given, strategies as st
 
 from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
 from tactometry.analysis.reading.trials import read_trials, used_rows
@@ -227,7 +228,7 @@ def test_a_column_map_must_name_columns_that_exist(tmp_path: Path) -> None:
 
 
 @given(content=st.binary(max_size=400))
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@examples(150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_random_bytes_are_refused_and_left_as_they_are(tmp_path: Path, content: bytes) -> None:
     file = tmp_path / "trials.csv"
     file.write_bytes(content)
@@ -237,7 +238,7 @@ def test_random_bytes_are_refused_and_left_as_they_are(tmp_path: Path, content: 
 
 
 @given(data=st.data())
-@settings(max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@examples(150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 def test_a_table_with_random_damage_is_analysed_or_refused_never_a_traceback(
     tmp_path: Path, data: st.DataObject
 ) -> None:

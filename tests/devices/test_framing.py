@@ -6,8 +6,9 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from examples import examples
 from hard_cases import exact_case, hard_case
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.devices.clock_map import ClockMap
 from tactometry.devices.sensors.counted_samples import SLEW, STEP_S, CountedSamples
@@ -100,7 +101,7 @@ def test_a_device_that_starts_again_loses_nothing():
 
 
 @given(st.integers(0, 2**32 - 1), st.floats(1e-5, 0.01), st.lists(st.tuples(st.integers(0, 999), st.floats(0, 2))))
-@settings(max_examples=50)
+@examples(50)
 def test_stamps_follow_the_time_of_the_device_and_a_step_is_one_that_a_gate_sees(seed, late_s, stalls):
     """However late the samples come: what the device measured as 0.2 s is never more than 0.1 % off, or begun anew."""
     arrivals_s = np.arange(1000) * 2e-3 + np.random.default_rng(seed).exponential(late_s, 1000)

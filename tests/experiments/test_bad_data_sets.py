@@ -4,7 +4,8 @@ import re
 
 import pytest
 from command_line import call
-from hypothesis import given, settings, strategies as st
+from examples import examples
+from hypothesis import given, strategies as st
 
 from tactometry.cli import main
 from tactometry.experiments.study.experiment import wire
@@ -145,7 +146,7 @@ def test_a_journal_that_is_nested_too_deep_is_damaged(copied, capsys, begin):
 
 
 @given(content=st.binary(max_size=400))
-@settings(max_examples=50)
+@examples(50)
 def test_random_bytes_for_a_journal_never_give_a_traceback(data_set, content):
     import shutil
     import tempfile

@@ -6,7 +6,8 @@ from math import factorial, prod
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from examples import examples
+from hypothesis import given, strategies as st
 from memory import Memory
 from own_form import OWN_FORM
 from study_texts import changed
@@ -56,7 +57,7 @@ sizes = st.lists(st.integers(2, 4), min_size=1, max_size=3)
 
 
 @given(sizes=sizes)
-@settings(max_examples=25)
+@examples(25)
 def test_over_all_squares_each_level_precedes_each_other_equally_often(sizes):
     """Within every run of the fastest factor, whatever the slower ones are."""
     factors = {f"f{n}": tuple(range(size)) for n, size in enumerate(sizes)}

@@ -6,7 +6,8 @@ from itertools import count
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from examples import examples
+from hypothesis import given, strategies as st
 from tutorial_session import EXPERIMENT, TOML, WHO, journal_of
 
 from tactometry.errors import InvalidFile, InvalidParameter
@@ -146,7 +147,7 @@ values = st.one_of(
 
 
 @given(kind=st.sampled_from(KINDS), at_s=st.floats(0, 1e6), facts=st.dictionaries(names, values))
-@settings(max_examples=50)
+@examples(50)
 def test_every_event_is_one_row_of_the_table(kind, at_s, facts):
     event = Event(kind, at_s, None, facts)
     header, row = events_tsv([event]).decode().rstrip("\n").split("\n")

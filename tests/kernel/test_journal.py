@@ -10,8 +10,9 @@ from pathlib import Path
 import catalogue
 import numpy as np
 import pytest
+from examples import examples
 from hard_cases import exact_case
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 from places import ROOT
 from tutorial_session import EXPERIMENT, TOML, journal_of, live
 
@@ -60,7 +61,7 @@ def test_a_recorded_session_is_not_overwritten(lived):
 
 
 @given(cut=st.integers(0, 10**6))
-@settings(max_examples=40, deadline=None)
+@examples(40, deadline=None)
 def test_a_journal_cut_anywhere_is_repaired_and_gives_the_same_bytes(whole, tmp_path_factory, cut):
     torn = Path(shutil.copytree(whole, tmp_path_factory.mktemp("torn") / "d"))
     journal = journal_of(torn)
@@ -81,7 +82,7 @@ def test_what_was_cut_off_is_kept_and_said(lived):
 
 
 @given(line=st.integers(0, 10**6), bit=st.integers(0, 7), place=st.integers(0, 10**6))
-@settings(max_examples=60, deadline=None)
+@examples(60, deadline=None)
 def test_a_damaged_line_stops_with_its_number_and_nothing_is_changed(whole, tmp_path_factory, line, bit, place):
     root = Path(shutil.copytree(whole, tmp_path_factory.mktemp("damaged") / "d"))
     journal = journal_of(root)

@@ -6,7 +6,8 @@ from dataclasses import replace
 import catalogue
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from examples import examples
+from hypothesis import given, strategies as st
 from memory import Memory
 
 from tactometry.errors import InvalidParameter
@@ -38,7 +39,7 @@ def test_balanced_interleaving_presents_every_track_once_a_round():
 
 
 @given(seed=st.integers(0, 2**32 - 1), n=st.integers(1, 5))
-@settings(max_examples=30)
+@examples(30)
 def test_random_turns_are_those_of_their_seed(seed, n):
     drawn = [turns("random", np.random.default_rng(seed)) for _ in range(2)]
     assert [drawn[0](range(n)) for _ in range(20)] == [drawn[1](range(n)) for _ in range(20)]
@@ -96,7 +97,7 @@ class Losing:
 
 
 @given(lost=st.sets(st.integers(1, 48), max_size=12))
-@settings(max_examples=30, deadline=None)
+@examples(30, deadline=None)
 def test_whatever_is_lost_is_presented_again_or_its_track_is_aborted(lost):
     memory = Memory()
     block = two_tracks(catch_rate=0.25)

@@ -8,6 +8,7 @@ from typing import get_args
 import catalogue
 import numpy as np
 import pytest
+from examples import examples
 from hypothesis import given, settings, strategies as st
 from memory import Memory
 from soak import SOAK
@@ -84,7 +85,7 @@ def test_the_order_of_effects_and_contacts_does_not_change_a_scene(scene, data):
 
 @per_scene
 @given(accuracy=st.floats(1e-4, 0.5), looser=st.floats(1.0, 2.0))
-@settings(max_examples=20)
+@examples(20)
 def test_a_looser_scene_promises_its_accuracy_and_costs_no_more(scene, accuracy, looser):
     fine, loose = (replace(scene, accuracy=value).resolve() for value in (accuracy, accuracy * looser))
     assert fine.error <= accuracy
@@ -93,7 +94,7 @@ def test_a_looser_scene_promises_its_accuracy_and_costs_no_more(scene, accuracy,
 
 @per_procedure
 @given(answers=st.lists(st.booleans(), min_size=400, max_size=400))
-@settings(max_examples=30)
+@examples(30)
 def test_a_procedure_ends_and_says_how(procedure, answers):
     for answer in answers:
         if procedure.finished:

@@ -7,8 +7,9 @@ from dataclasses import fields
 import catalogue
 import numpy as np
 import pytest
+from examples import examples
 from hard_cases import exact_case
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.procedure_table import PROCEDURES
@@ -18,7 +19,7 @@ per_procedure = pytest.mark.parametrize("procedure", catalogue.PROCEDURES.values
 
 @per_procedure
 @given(answers=st.lists(st.tuples(st.booleans(), st.floats(-100, 140)), max_size=40))
-@settings(max_examples=20, deadline=None)
+@examples(20, deadline=None)
 def test_contradictory_answers_at_other_levels_leave_a_level_within_bounds(procedure, answers):
     for answer, level in answers:
         if procedure.finished:
@@ -30,7 +31,7 @@ def test_contradictory_answers_at_other_levels_leave_a_level_within_bounds(proce
 
 @per_procedure
 @given(answers=st.lists(st.booleans(), max_size=60))
-@settings(max_examples=10, deadline=None)
+@examples(10, deadline=None)
 def test_it_asks_within_its_bounds_and_no_longer_than_it_says(procedure, answers):
     n_answers, (low, high) = 0, procedure.bounds
     for answer in itertools.chain(answers, itertools.cycle((0, 1, 1))):
@@ -79,7 +80,7 @@ def test_equal_answers_never_end_as_converged(procedure, answer):
 
 @per_procedure
 @given(answers=st.lists(st.booleans(), max_size=40))
-@settings(max_examples=20, deadline=None)
+@examples(20, deadline=None)
 def test_one_loop_reads_the_threshold_of_any_procedure(procedure, answers):
     """A number or None at every trial, within the levels; None of a run that only bounds it."""
     for answer in answers:

@@ -5,7 +5,8 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from examples import examples
+from hypothesis import given, strategies as st
 from scipy.stats import norm
 
 from tactometry.errors import InvalidParameter
@@ -29,7 +30,7 @@ def brute_force(answers):
 
 
 @given(answers=told)
-@settings(max_examples=30, deadline=None)
+@examples(30, deadline=None)
 def test_views_are_the_marginals_of_the_joint_posterior(answers):
     pool = SharedQuestPlus(RULE, TRACKS)
     for track, answer, level in answers:

@@ -4,7 +4,8 @@ import re
 
 import pytest
 from command_line import call
-from hypothesis import given, settings, strategies as st
+from examples import examples
+from hypothesis import given, strategies as st
 
 from tactometry.errors import TactometryError
 from tactometry.experiments.study.experiment import wire
@@ -372,7 +373,7 @@ def test_random_bytes_are_no_study(content):
 
 
 @given(place=st.integers(0, 10**6), byte=st.binary(min_size=0, max_size=3), length=st.integers(0, 4))
-@settings(max_examples=200)
+@examples(200)
 def test_a_study_file_hit_anywhere_is_read_or_refused(place, byte, length):
     whole = TUTORIAL.encode()
     start = place % len(whole)

@@ -4,8 +4,9 @@ energy."""
 import mpmath as mp
 import numpy as np
 import pytest
+from examples import examples
 from hard_cases import hard_case
-from hypothesis import example, given, settings, strategies as st
+from hypothesis import example, given, strategies as st
 from scipy.integrate import quad
 
 from tactometry.errors import InvalidParameter
@@ -42,7 +43,7 @@ LIKE_AND_UNLIKE = [Layer(0.004718329575630888, 1.0, 1.75), Layer(0.0047183295756
 
 @given(layers=st.lists(leaky, min_size=1, max_size=5), body_ohm=st.sampled_from([0.0, 1.0, 1e3, 1e9]))
 @example(layers=LIKE_AND_UNLIKE, body_ohm=0.0)
-@settings(max_examples=200)
+@examples(200)
 def test_the_relaxations_are_the_ratio_of_impedances(layers: list[Layer], body_ohm: float) -> None:
     stack = Stack(tuple(layers), body_ohm)
     for frequency_hz in (1e-3, 1.0, 250.0, 1e5):

@@ -2,8 +2,9 @@
 
 import numpy as np
 import pytest
+from examples import examples
 from hard_cases import hard_case
-from hypothesis import given, settings, strategies as st
+from hypothesis import given, strategies as st
 from scipy.integrate import solve_ivp
 
 from tactometry.errors import InvalidParameter
@@ -164,7 +165,7 @@ def test_the_motion_does_not_depend_on_the_times_asked_for(pieces: Pieces) -> No
     speed=st.floats(-0.2, 0.2), force_n=st.floats(0.01, 2.0), mu=st.floats(0.1, 0.9), more=st.floats(0, 0.5),
     gated=st.booleans(),
 )  # fmt: skip
-@settings(max_examples=60)
+@examples(60)
 def test_friction_is_the_kinetic_one_in_slip_and_bearable_in_stick(
     speed: float, force_n: float, mu: float, more: float, gated: bool
 ) -> None:
