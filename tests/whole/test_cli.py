@@ -12,10 +12,10 @@ import time
 from pathlib import Path
 
 import pytest
-from command_line import output
+from command_line import call, output, status
 from places import ROOT
 
-from tactometry.cli import COMMANDS, demo, main
+from tactometry.cli import COMMANDS, demo
 
 
 def files(root):
@@ -26,8 +26,15 @@ def files(root):
     }
 
 
-def simulate(root, *options):
-    main(["simulate", "tutorial", "--participants", "4", "--seed", "5", "--out", str(root), *options])
+SIMULATED = ("simulate", "tutorial", "--participants", "4", "--seed", "5")
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """The files of a study that one process simulated."""
+    root = tmp_path_factory.mktemp("alone")
+    assert status(*SIMULATED, "--out", root / "d") == 0
+    return files(root / "d")
 
 
 PARTS = {"calibrate": ("gain", "force", "display", "responses")}
@@ -98,19 +105,13 @@ def test_validate_replay_and_analyse_give_json(tmp_path, capsys):
 
 
 @pytest.mark.parametrize("options", [["--jobs", "2"], ["--jobs", "-1"]])
-def test_processes_change_no_byte(tmp_path, options):
-    for name, extra in (("one", []), ("many", options)):
-        with pytest.raises(SystemExit) as ended:
-            simulate(tmp_path / name, *extra)
-        assert ended.value.code == 0
-    assert files(tmp_path / "one") == files(tmp_path / "many")
+def test_processes_change_no_byte(tmp_path, alone, options):
+    assert status(*SIMULATED, "--out", tmp_path, *options) == 0
+    assert files(tmp_path) == alone
 
 
-def test_a_cluster_changes_no_byte(tmp_path):
+def test_a_cluster_changes_no_byte(tmp_path, alone):
     pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
-    simulate_here = tmp_path / "here"
-    with pytest.raises(SystemExit):
-        simulate(simulate_here)
     script = (
         "import distributed, subprocess, sys\n"
         "if __name__ == '__main__':\n"
@@ -120,30 +121,26 @@ def test_a_cluster_changes_no_byte(tmp_path):
         "        sys.exit(subprocess.run(words).returncode)\n"
     )
     (tmp_path / "cluster.py").write_text(script)
-    words = ["simulate", "tutorial", "--participants", "4", "--seed", "5", "--out", str(tmp_path / "cluster")]
-    done = subprocess.run(
-        [sys.executable, tmp_path / "cluster.py", *words], capture_output=True, text=True, check=False
-    )
+    words = [sys.executable, tmp_path / "cluster.py", *SIMULATED, "--out", tmp_path / "d"]
+    done = subprocess.run(words, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert files(simulate_here) == files(tmp_path / "cluster")
+    assert files(tmp_path / "d") == alone
 
 
 def test_a_scheduler_that_does_not_answer_is_a_failed_device(tmp_path, capsys):
     pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
-    with pytest.raises(SystemExit) as ended:
-        simulate(tmp_path / "d", "--scheduler", "nonsense://nowhere")
-    assert ended.value.code == 3
-    assert "no Dask scheduler answers at 'nonsense://nowhere'" in capsys.readouterr().err
+    code, said, _ = call(capsys, *SIMULATED, "--out", tmp_path / "d", "--scheduler", "nonsense://nowhere")
+    assert code == 3
+    assert "no Dask scheduler answers at 'nonsense://nowhere'" in said
 
 
 def test_endless_nonsense_stops_a_console_session(tmp_path, capsys, monkeypatch):
     monkeypatch.setattr(sys, "stdin", io.StringIO("perhaps\n" * 100))
-    with pytest.raises(SystemExit) as ended:
-        main(["run", "tutorial", "--participant", "P01", "--rig", "console", "--out", str(tmp_path / "d")])
-    said = capsys.readouterr()
-    assert ended.value.code == 1
-    assert said.out.count("found 'perhaps', expected an answer to: [trial 1] Did you feel something?") == 20
-    assert "20 lines were no answers" in said.err
+    words = ("run", "tutorial", "--participant", "P01", "--rig", "console", "--out", tmp_path / "d")
+    code, said, out = call(capsys, *words)
+    assert code == 1
+    assert out.count("found 'perhaps', expected an answer to: [trial 1] Did you feel something?") == 20
+    assert "20 lines were no answers" in said
 
 
 @pytest.fixture
