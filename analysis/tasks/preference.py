@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
 from scipy.sparse.csgraph import connected_components
-from scipy.stats import t as student
+from scipy.stats import norm, t as student
 
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidFile, nearest
@@ -115,7 +115,8 @@ def bradley_terry(
         nothing = dict.fromkeys(("worth", "standard_error", "low", "high"), np.nan)
         return Worths(counts.assign(**nothing), pd.DataFrame([nothing]), WorthStatus.DISCONNECTED, note)
     worth, error, df = _fit_worths(places, answer == 1, participants)
-    reach = error * float(student.ppf((1 + interval) / 2, df))
+    tail = (1 + interval) / 2
+    reach = error * float(norm.ppf(tail) if np.isinf(df) else student.ppf(tail, df))
     table = pd.DataFrame({"worth": worth, "standard_error": error, "low": worth - reach, "high": worth + reach})
     worths = pd.concat([counts, table.iloc[:-1]], axis=1)
     return Worths(worths, table.iloc[-1:].reset_index(drop=True), WorthStatus.OK, "")
