@@ -4,7 +4,7 @@ Numbers are given by their names, after their owner; each has the domain of magn
 (`magnitudes`). One thing, or an array, is given after the words that open its sentence.
 """
 
-from collections.abc import Hashable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from math import inf, isfinite
 from numbers import Real
 from types import NoneType
@@ -99,9 +99,7 @@ def within(owner: str, low: float, high: float, /, **values: object) -> None:
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: Grating.duty: found 1.5, expected a number from 0 to 1
     """
-    for name, value in values.items():
-        if not (is_number(value) and low <= value <= high):
-            raise _refusal(owner, name, value, f"a number from {low:g} to {high:g}")
+    _each(owner, values, lambda value: is_number(value) and low <= value <= high, f"a number from {low:g} to {high:g}")
 
 
 def not_zero(owner: str, /, **values: object) -> None:
@@ -111,16 +109,13 @@ def not_zero(owner: str, /, **values: object) -> None:
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: ForceCalibration.newtons_per_count: found 0.0, expected a finite number but 0
     """
-    for name, value in values.items():
-        if not (is_number(value) and value != 0):
-            raise _refusal(owner, name, value, "a finite number but 0")
+    _each(owner, values, lambda value: is_number(value) and value != 0, "a finite number but 0")
 
 
 def between(owner: str, low: float, high: float, /, **values: object) -> None:
     """Each is a number above `low` and below `high`."""
-    for name, value in values.items():
-        if not (is_number(value) and low < value < high):
-            raise _refusal(owner, name, value, f"a number above {low:g} and below {high:g}")
+    expected = f"a number above {low:g} and below {high:g}"
+    _each(owner, values, lambda value: is_number(value) and low < value < high, expected)
 
 
 def below_1(owner: str, /, **values: object) -> None:
@@ -130,9 +125,7 @@ def below_1(owner: str, /, **values: object) -> None:
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: Observer.lapse_rate: found 1.0, expected a number from 0 to below 1
     """
-    for name, value in values.items():
-        if not (is_number(value) and 0 <= value < 1):
-            raise _refusal(owner, name, value, "a number from 0 to below 1")
+    _each(owner, values, lambda value: is_number(value) and 0 <= value < 1, "a number from 0 to below 1")
 
 
 def whole(owner: str, /, *, lowest: int = -LARGEST_COUNT, highest: int = LARGEST_COUNT, **values: Any) -> None:
@@ -151,9 +144,7 @@ def whole(owner: str, /, *, lowest: int = -LARGEST_COUNT, highest: int = LARGEST
 
 def truth(owner: str, /, **values: object) -> None:
     """Each is True or False."""
-    for name, value in values.items():
-        if not isinstance(value, bool | np.bool_):
-            raise _refusal(owner, name, value, "True or False")
+    _each(owner, values, lambda value: isinstance(value, bool | np.bool_), "True or False")
 
 
 def of_kind(owner: str, kind: Any, /, **values: object) -> None:
@@ -163,9 +154,8 @@ def of_kind(owner: str, kind: Any, /, **values: object) -> None:
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: Solution.rate: found None, expected a Real
     """
-    for name, value in values.items():
-        if not isinstance(value, kind):
-            raise _refusal(owner, name, value, class_names(kind if isinstance(kind, tuple) else (kind,)))
+    kinds = kind if isinstance(kind, tuple) else (kind,)
+    _each(owner, values, lambda value: isinstance(value, kinds), class_names(kinds))
 
 
 def at_most(where: str, found: float, highest: float) -> None:
@@ -325,6 +315,12 @@ def shown(value: object) -> str:
 def class_names(kinds: Iterable[type]) -> str:
     """What an instance of one of some classes is called: "a Plate", "a Layer or None"."""
     return " or ".join("None" if kind is NoneType else f"a {kind.__name__}" for kind in kinds)
+
+
+def _each(owner: str, values: Mapping[str, object], fits: Callable[[Any], bool], expected: str) -> None:
+    for name, value in values.items():
+        if not fits(value):
+            raise _refusal(owner, name, value, expected)
 
 
 def _in_bounds(

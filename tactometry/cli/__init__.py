@@ -15,11 +15,11 @@ from ..files.durable import private
 from ..loading import resolve
 
 COMMANDS = {
-    "demo": ("tactometry.cli.demo:command", "A simulated study, its analysis and report, end to end."),
+    "demo": ("tactometry.cli.simulate:demo", "A simulated study, its analysis and report, end to end."),
     "studies": ("tactometry.cli.studies:studies", "The built-in studies, a line each."),
     "new": ("tactometry.cli.studies:new", "A copy of a built-in study file to edit."),
     "run": ("tactometry.cli.run:command", "Run a session: bench, console or simulated participant."),
-    "simulate": ("tactometry.cli.simulate:command", "Run a study with simulated participants."),
+    "simulate": ("tactometry.cli.simulate:simulate", "Run a study with simulated participants."),
     "replay": ("tactometry.cli.data_sets:replay", "Feed recorded answers back; name the first divergence."),
     "validate": ("tactometry.cli.data_sets:validate", "Is this a sound data set? Every defect, with file and row."),
     "rebuild": ("tactometry.cli.data_sets:rebuild", "Trials and events files, written anew from the journals."),

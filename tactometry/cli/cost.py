@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..errors import InvalidParameter, nearest
 from ..loading import resolve
 from .output import json_option, path_option, progress, say
 
@@ -28,10 +27,9 @@ def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int) ->
     from tactometry.experiments.cost.report import machine, table
     from tactometry.experiments.ladders import LADDERS
 
-    if ladder != "all" and ladder not in LADDERS:
-        raise InvalidParameter(
-            f"LADDER: found {ladder!r}, expected all or one of {', '.join(LADDERS)}{nearest(ladder, LADDERS)}"
-        )
+    from ..arguments.require import one_of
+
+    one_of("LADDER", ladder, ("all", *LADDERS))
     names = list(LADDERS) if ladder == "all" else [ladder]
     problems = [resolve(LADDERS[name])() for name in names]
     climbs = [climb(problem, rounds) for problem in progress(problems, len(problems), "ladders")]

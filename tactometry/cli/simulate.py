@@ -1,4 +1,4 @@
-"""`tactometry simulate`."""
+"""`tactometry simulate` and `tactometry demo`: studies with simulated participants."""
 
 from pathlib import Path
 
@@ -6,6 +6,9 @@ import click
 
 from ..errors import InvalidParameter, counted
 from .output import json_option, path_option, progress, say
+
+STUDY = "electrovibration-threshold"
+N_PARTICIPANTS = 10
 
 
 @click.command(epilog="Example: tactometry simulate tutorial --participants 5 --seed 1 --out simulated")
@@ -17,11 +20,11 @@ from .output import json_option, path_option, progress, say
 @click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
 @json_option
-def command(
+def simulate(
     study: str, n_participants: int, seed: int, out: Path, *, resume: bool, n_jobs: int, scheduler: str | None
 ) -> None:
     """Run STUDY (a built-in name or a path) with simulated participants."""
-    from tactometry.experiments.sessions.simulation import Simulation, simulate
+    from tactometry.experiments.sessions.simulation import Simulation, simulate as sessions_of
     from tactometry.experiments.study.study_file import load
 
     if n_jobs == 0 or n_jobs < -1 or (scheduler and n_jobs != 1):
@@ -30,7 +33,7 @@ def command(
         )
     _, content = load(study)
     simulation = Simulation(content, study, out, n_participants, seed, resume)
-    sessions = simulate(simulation, n_jobs=n_jobs, scheduler=scheduler)
+    sessions = sessions_of(simulation, n_jobs=n_jobs, scheduler=scheduler)
     recorded = list(progress(sessions, len(simulation.sessions()), "simulating"))
     for session in recorded:
         if session.repaired:
@@ -41,3 +44,26 @@ def command(
     aborted = f", {counted(n_aborted, 'procedure')} aborted" if n_aborted else ""
     text = f"{out}: {counted(n_participants, 'simulated participant')}, {counted(n_trials, 'trial')}{aborted}"
     say(text, {**result, "aborted": n_aborted})
+
+
+@click.command(epilog="Example: tactometry demo --out demo --seed 1")
+@path_option("--out", default=Path("demo"), show_default=True)
+@click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Same seed, same bytes.")
+@json_option
+def demo(out: Path, seed: int) -> None:
+    """Simulate ten participants of a threshold study, analyse their data and write the report."""
+    from tactometry.analysis.pipeline import analyse
+    from tactometry.analysis.report.summary import summary
+    from tactometry.experiments.data_sets.rule_estimates import replay_of
+    from tactometry.experiments.sessions.simulation import Simulation, simulate as sessions_of
+    from tactometry.experiments.study.study_file import load
+
+    from .analyse import summary_text
+
+    _, content = load(STUDY)
+    simulation = Simulation(content, STUDY, out, N_PARTICIPANTS, seed, resume=True)
+    sessions = list(progress(sessions_of(simulation), N_PARTICIPANTS, "simulating"))
+    analysis = analyse(out, report=out / "report.html", replay=replay_of(out))
+    n_trials = sum(session.n_trials for session in sessions)
+    where = f"data set: {out} ({N_PARTICIPANTS} simulated participants, {n_trials} trials)"
+    say(f"{summary_text(analysis)}\n{where}", {"data_set": str(out), "trials": n_trials, **summary(analysis)})

@@ -4,7 +4,8 @@ import atexit
 from types import ModuleType
 from typing import Any, Final
 
-from ..errors import DeviceFailed, InvalidParameter, needed
+from ..arguments.require import expect
+from ..errors import DeviceFailed, needed
 from .deadline import CLOSE_WITHIN_S, within
 
 FULL_SCALE = {"int16": 2**15 - 1, "int32": 2**31 - 1, "float32": 1}
@@ -30,11 +31,9 @@ def end_stream(stream: Any, name: str) -> None:
 
 def refuse_default(owner: str, device: str) -> None:
     """Refuse what is another device after a change of the system's settings."""
-    if not device.strip() or device.strip().casefold() in DEFAULTS:
-        raise InvalidParameter(
-            f"{owner}.device: found {device!r}, expected the name of a card (python -m sounddevice lists them): a "
-            "default may be another one tomorrow"
-        )
+    named = device.strip().casefold() not in ("", *DEFAULTS)
+    card = "the name of a card (python -m sounddevice lists them): a default may be another one tomorrow"
+    expect(named, f"{owner}.device", repr(device), card)
 
 
 def library() -> ModuleType:

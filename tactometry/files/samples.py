@@ -152,10 +152,7 @@ class Npz:
         ValueError
             As for an array, and if it is not one text.
         """
-        array = self._array(name, LARGEST_WORDS)
-        if array.ndim or array.dtype.kind != "U":
-            raise ValueError(f"{name}: found an array of shape {array.shape}, expected one text")
-        return str(array)
+        return str(self._single(name, "U", "text"))
 
     def number(self, name: str) -> float:
         """A number.
@@ -165,10 +162,13 @@ class Npz:
         ValueError
             As for an array, and if it is not one number.
         """
+        return float(self._single(name, "iuf", "number"))
+
+    def _single(self, name: str, kinds: str, what: str) -> NDArray[Any]:
         array = self._array(name, LARGEST_WORDS)
-        if array.ndim or array.dtype.kind not in "iuf":
-            raise ValueError(f"{name}: found an array of shape {array.shape}, expected one number")
-        return float(array)
+        if array.ndim or array.dtype.kind not in kinds:
+            raise ValueError(f"{name}: found an array of shape {array.shape}, expected one {what}")
+        return array
 
     def _array(self, name: str, largest: int) -> NDArray[Any]:
         if name not in self:

@@ -5,7 +5,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InvalidParameter
+from ...arguments.require import expect
 from .force_calibration import ForceCalibration
 from .reader import Reader
 
@@ -109,11 +109,10 @@ def mean_speed_m_per_s(times_s: FloatArray, positions_m: FloatArray) -> float | 
     >>> round(mean_speed_m_per_s(times_s, np.column_stack([0.03 * times_s, 0.04 * times_s])), 9)
     0.05
     """
-    if times_s.ndim != 1 or positions_m.ndim != 2 or len(times_s) != len(positions_m) or np.any(np.diff(times_s) < 0):
-        raise InvalidParameter(
-            f"mean_speed_m_per_s: found {times_s.shape} stamps and {positions_m.shape} positions, expected rising "
-            "stamps (n_samples,) and positions (n_samples, n_axes)"
-        )
+    paired = times_s.ndim == 1 and positions_m.ndim == 2 and len(times_s) == len(positions_m)
+    sizes = f"{times_s.shape} stamps and {positions_m.shape} positions"
+    expected = "rising stamps (n_samples,) and positions (n_samples, n_axes)"
+    expect(paired and not np.any(np.diff(times_s) < 0), "mean_speed_m_per_s", sizes, expected)
     if len(times_s) == 0:
         return None
     bins = np.floor((times_s - times_s[0]) / MEAN_S).astype(int)
