@@ -18,6 +18,12 @@ class Finding:
     device: bool = False
 
 
+def duration(part: str, what: str, measured_s: float, longest_s: float) -> Finding:
+    """A time that must not be longer."""
+    words = f"{1e3 * measured_s:.1f} ms", f"at most {1e3 * longest_s:g} ms"
+    return Finding(part, what, *words, fine=measured_s <= longest_s)
+
+
 def exit_status(findings: list[Finding]) -> int:
     """3 if a device failed, 1 if something else is not fine, else 0.
 

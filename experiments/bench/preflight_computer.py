@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 
-from .finding import Finding
+from .finding import Finding, duration
 
 FREE_BYTES = 10**9
 SYNC_AT_MOST_S = 0.1
@@ -38,10 +38,7 @@ def disk(folder: Path) -> Iterator[Finding]:
     except OSError as error:
         yield Finding("disk", "writing", f"{folder}: {error.strerror}", "a folder that can be written", fine=False)
         return
-    fine = longest_s <= SYNC_AT_MOST_S
-    yield Finding(
-        "disk", "a record, to disk", f"{1e3 * longest_s:.1f} ms", f"at most {1e3 * SYNC_AT_MOST_S:g} ms", fine
-    )
+    yield duration("disk", "a record, to disk", longest_s, SYNC_AT_MOST_S)
 
 
 def _longest_sync_s(folder: Path, n_records: int = 10) -> float:

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Iterator
+from contextlib import closing
 from datetime import date
 from functools import partial
 from typing import Final
@@ -20,7 +21,7 @@ from tactometry.signal import Signal
 from ..study.experiment import Experiment
 from .bench_file import BenchFile
 from .calibration import tone
-from .finding import Finding, findings_of
+from .finding import Finding, duration, findings_of
 from .learnt_stimuli import bank_of
 
 LISTEN_S = 2.0
@@ -49,15 +50,13 @@ def devices(
 
 def _sensor(name: str, reader: Reader) -> Iterator[Finding]:
     part, listener = f"sensor {name}", reader.listen()
-    reader.open()
-    try:
+    with closing(reader):
+        reader.open()
         yield Finding(part, "opened", reader.source.name, fine=True)
         ages_s, blocks = [], []
         for block in listener.blocks(time.perf_counter() + LISTEN_S, pause_s=0.002):
             ages_s.append(time.perf_counter() - block.times_s[-1])
             blocks.append(block)
-    finally:
-        reader.close()
     yield from _stream(part, reader, blocks, ages_s)
 
 
@@ -69,11 +68,8 @@ def _stream(part: str, reader: Reader, blocks: list[SampleBlock], ages_s: list[f
     rate_hz, nominal_hz = (times_s.size - 1) / (times_s[-1] - times_s[0]), reader.source.rate_hz
     fine = bool(abs(rate_hz / nominal_hz - 1) <= RATE_TOLERANCE)
     yield Finding(part, "rate", f"{rate_hz:.1f} Hz", f"{nominal_hz:g} Hz", fine, device=True)
-    gap_s = float(np.diff(times_s).max())
-    yield Finding(part, "largest gap", f"{1e3 * gap_s:.1f} ms", f"at most {1e3 * MAX_GAP_S:g} ms", gap_s <= MAX_GAP_S)
-    age_s = float(np.median(ages_s))
-    limit = f"at most {1e3 * LATENCY_AT_MOST_S:g} ms"
-    yield Finding(part, "latency, median", f"{1e3 * age_s:.1f} ms", limit, age_s <= LATENCY_AT_MOST_S)
+    yield duration(part, "largest gap", float(np.diff(times_s).max()), MAX_GAP_S)
+    yield duration(part, "latency, median", float(np.median(ages_s)), LATENCY_AT_MOST_S)
     counted = {key: value for key, value in reader.facts().items() if value not in {None, 0}}
     yield Finding(part, "counts", ", ".join(f"{key} {_short(value)}" for key, value in counted.items()))
 
@@ -83,12 +79,10 @@ def _short(value: str | float | None) -> str:
 
 
 def _force(force: StreamedSensor) -> Iterator[Finding]:
-    force.open()
-    try:
+    with closing(force):
+        force.open()
         time.sleep(LISTEN_S / 2)
         _, forces_n = force.read()
-    finally:
-        force.close()
     if not forces_n.size:
         yield Finding("force", "samples", f"0 in {LISTEN_S / 2:g} s", "a sensor that sends", False, device=True)
         return
@@ -126,7 +120,7 @@ def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Itera
     if output.driver.connected and not hands_off:
         yield Finding("output", "test tone", "not played: nobody said that hands are off", "--hands-off", fine=False)
         return
-    try:
+    with closing(output):
         output.open()
         yield Finding("output", "opened", output.name, fine=True)
         tested = tone_of(output)
@@ -134,8 +128,6 @@ def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Itera
         onset_s = output.play(tested)
         time.sleep(tested.duration_s)
         output.stop()
-    finally:
-        output.close()
     yield Finding("output", "test tone", f"{tested.peak:.3g} V, {tested.duration_s:.3g} s", "within limits", fine=True)
     yield Finding("output", "onset after the call", f"{1e3 * (onset_s - begin_s):.1f} ms")
     n_underruns = output.facts().get("n_underruns")

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import closing
 from pathlib import Path
 from typing import Final
 
@@ -30,16 +31,13 @@ KEY_TO_RECORD_AT_MOST_S = 0.05
 def display(screen: DisplayTable, folder: Path) -> Iterator[Finding]:
     from tactometry.rigs.window import Window
 
-    window = Window(fullscreen=screen.fullscreen, size=(screen.width_px, screen.height_px))
-    try:
+    with closing(Window(fullscreen=screen.fullscreen, size=(screen.width_px, screen.height_px))) as window:
         page = marker_page(None, playing=False)
         window.present(page)
         for _ in range(N_FRAMES):
             window.refresh(page)
         facts, timing = window.facts(), timing_of(window.frame_intervals_s(), window.period_s)
         pressed = _try_keys(window, screen.language, folder)
-    finally:
-        window.close()
     yield from _screen_findings(screen, facts, timing)
     yield pressed
 

@@ -1,7 +1,7 @@
 """`tactometry calibrate`: output gain, force sensor, display, time-reversal responses."""
 
 from collections.abc import Iterator, Mapping
-from contextlib import ExitStack
+from contextlib import closing
 from dataclasses import replace
 from datetime import date
 from functools import partial
@@ -91,8 +91,7 @@ def _play_and_ask_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s
     output = _devices(replace(bench, force=None, output=replace(bench.output, gain=gain))).output
     if not math.isfinite(output.driver.full_scale_v):
         raise InvalidParameter(f"output: found {output.name!r}, which has no full scale, expected audio or ni")
-    with ExitStack() as last_first:
-        last_first.callback(output.close)
+    with closing(output):
         output.open()
         for part in units:
             click.confirm(f"Play {part:g} of full scale; hands off the surface. Ready?", abort=True, err=True)
@@ -156,9 +155,8 @@ def _count_weights(reader: "Reader", channel: int, masses_kg: list[float]) -> li
     """Mean counts over a second with each weight on."""
     from tactometry.experiments.bench.calibration import mean_counts
 
-    with ExitStack() as last_first:
+    with closing(reader):
         reader.open()
-        last_first.callback(reader.close)
         counts = []
         for mass_kg in masses_kg:
             click.confirm(f"Put {mass_kg:g} kg on the sensor and let it rest. Ready?", abort=True, err=True)
@@ -186,11 +184,8 @@ def _ask_bar_m() -> float:
 
     from ..rigs.window import Window
 
-    window = Window(fullscreen=True)
-    try:
+    with closing(Window(fullscreen=True)) as window:
         show_bar(window)
-    finally:
-        window.close()
     return float(click.prompt("Length of the bar (m)", type=float, err=True))
 
 
@@ -285,11 +280,9 @@ def _learn(learning: "Learning", output: "Guarded", reader: "Reader", asked: Map
 
     counts = asked["units_per_count"], asked["volts_per_count"]
     microphone = Microphone(reader, asked["channel"], asked["reference"], *counts)
-    with ExitStack() as last_first:
+    # the output is closed first, whatever went wrong: it is the one that plays
+    with closing(reader), closing(output):
         reader.open()
-        last_first.callback(reader.close)
-        # the output is closed first, whatever went wrong: it is the one that plays
-        last_first.callback(output.close)
         output.open()
         each_channel = learn(learning, output, microphone)
         return join(list(progress(each_channel, len(learning.channels), "learning")))

@@ -15,7 +15,7 @@ import pytest
 from command_line import call, output, status
 from places import ROOT
 
-from tactometry.cli import COMMANDS, demo
+from tactometry.cli import COMMANDS, simulate as simulations
 
 
 def files(root):
@@ -190,12 +190,12 @@ def test_the_sine_variant_is_one_line_and_its_censored_cells_stay_bounds(tmp_pat
 
 @pytest.mark.parametrize(
     ("study", "n_participants"),
-    [("tutorial", 4), pytest.param(demo.STUDY, demo.N_PARTICIPANTS, marks=pytest.mark.slow)],
+    [("tutorial", 4), pytest.param(simulations.STUDY, simulations.N_PARTICIPANTS, marks=pytest.mark.slow)],
 )
 def test_the_main_job_end_to_end(tmp_path, capsys, monkeypatch, study, n_participants):
     """As people call it, and with a short study: those of the README take the long one the same way."""
-    monkeypatch.setattr(demo, "STUDY", study)
-    monkeypatch.setattr(demo, "N_PARTICIPANTS", n_participants)
+    monkeypatch.setattr(simulations, "STUDY", study)
+    monkeypatch.setattr(simulations, "N_PARTICIPANTS", n_participants)
     out = output(capsys, "demo", "--out", tmp_path / "demo")
     assert (tmp_path / "demo" / "report.html").stat().st_size > 100_000
     assert "report:" in out
