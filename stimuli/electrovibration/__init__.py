@@ -51,7 +51,6 @@ if TYPE_CHECKING:
     from .textures.played_texture import (
         PlayedTexture as PlayedTexture,
         SensorModel as SensorModel,
-        lateral_modulation_n as lateral_modulation_n,
         straight_path_m as straight_path_m,
     )
     from .textures.texture import (

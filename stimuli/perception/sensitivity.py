@@ -11,7 +11,6 @@ SCALE_DB = 62.0
 PER_HZ = 1 / 550
 OFFSET = 6 / 11
 DEPTH_DB = 77.0
-BEST_HZ = 250.0
 
 
 def sensitivity_db(frequency_hz: ArrayLike) -> FloatArray:

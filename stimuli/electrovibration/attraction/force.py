@@ -166,11 +166,6 @@ def force_per_square_volt_n(skin: Skin, area_m2: float) -> float:
     return E0 * skin.corneum_permittivity * area_m2 / (2 * skin.corneum_thickness_m**2)
 
 
-def corneum_voltage_v(v: FloatArray, rate_hz: float, skin: Skin, area_m2: float) -> FloatArray:
-    """Voltage (..., n_samples) across the stratum corneum, from rest."""
-    return skin.relaxations(area_m2).sampled(v, rate_hz)
-
-
 def _sc_layer(skin: Skin, area_m2: float) -> ForceForm:
     return ForceForm(skin.relaxations(area_m2), force_per_square_volt_n(skin, area_m2))
 

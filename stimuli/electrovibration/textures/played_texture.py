@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.annotations import Vector
@@ -227,17 +226,3 @@ def straight_path_m(speed_m_per_s: float, duration_s: float, rate_hz: float, sta
     require.positive("straight_path_m", duration_s=duration_s, rate_hz=rate_hz)
     check_timing("straight_path_m", duration_s, 0.0, rate_hz)
     return tuple((start_m + speed_m_per_s * np.arange(round(duration_s * rate_hz)) / rate_hz).tolist())
-
-
-@checked
-def lateral_modulation_n(
-    share: ArrayLike, peak_force_n: float, coefficient: float, speed_m_per_s: ArrayLike
-) -> FloatArray:
-    """Slow change of the friction (N) by a texture: ``mu F share`` while the finger moves, 0 at rest."""
-    require.not_negative("lateral_modulation_n", peak_force_n=peak_force_n, coefficient=coefficient)
-    speeds, shares = np.asarray(speed_m_per_s, dtype=np.float64), np.asarray(share, dtype=np.float64)
-    if speeds.ndim and shares.ndim and speeds.shape != shares.shape:
-        raise InvalidParameter(
-            f"lateral_modulation_n.share: found shape {shares.shape}, expected that of speed_m_per_s {speeds.shape}"
-        )
-    return np.where(speeds != 0, coefficient * peak_force_n * shares, 0.0)

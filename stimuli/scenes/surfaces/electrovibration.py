@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.arguments import require
 
@@ -72,8 +72,11 @@ class Electrovibration(Surface):
 
     def stages(self, scene: "Demand") -> tuple[Stage, ...]:
         del scene
+        tone = {"frequency_hz": self.frequency_hz, "duration_s": self.duration_s, "ramp_s": self.ramp_s}
+        of_layer, force = ("unit_layer_voltage_v", "peak_voltage_v"), ("electrostatic_force_n",)
+        drawn, once = ("layer_voltage_v", "form"), per_sample(1.0)
         return (
-            Stage("waveform", (), "waveform", f"{__name__}:tone", self._tone()),
+            Stage("waveform", (), "waveform", f"{__name__}:tone", tone),
             Stage("unit_voltage", ("waveform",), "unit_voltage", f"{__name__}:of_one_volt"),
             Stage("level", ("level_db_re_1v",), "peak_voltage_v", f"{__name__}:peak"),
             Stage("voltage", ("unit_voltage", "peak_voltage_v"), "voltage", f"{__name__}:scaled"),
@@ -82,26 +85,11 @@ class Electrovibration(Surface):
             Stage("skin", (), "skin", f"{__name__}:lossless", self._skin()),
             Stage("area", (), "area_m2", f"{__name__}:constant", {"value": self.area_m2}),
             divider_stage(),
-            Stage(
-                "layer_voltage",
-                ("unit_layer_voltage_v", "peak_voltage_v"),
-                "layer_voltage_v",
-                MULTIPLIED,
-                size=per_sample(1.0),
-            ),
-            Stage(
-                "attraction",
-                ("layer_voltage_v", "form"),
-                "electrostatic_force_n",
-                f"{__name__}:attraction",
-                size=per_sample(3.0),
-            ),
+            Stage("layer_voltage", of_layer, "layer_voltage_v", MULTIPLIED, size=once),
+            Stage("attraction", drawn, "electrostatic_force_n", f"{__name__}:attraction", size=per_sample(3.0)),
             Stage("spectrum", ("t_s", "friction_force_n"), "components", COMPONENTS, size=fine_spectrum),
-            Stage("peak", ("electrostatic_force_n",), "peak_force_n", f"{__name__}:highest", size=per_sample(1.0)),
+            Stage("peak", force, "peak_force_n", f"{__name__}:highest", size=once),
         )
-
-    def _tone(self) -> dict[str, float]:
-        return {"frequency_hz": self.frequency_hz, "duration_s": self.duration_s, "ramp_s": self.ramp_s}
 
     def _skin(self) -> dict[str, float]:
         return {name: value for name, value in vars(self).items() if name.startswith(("insulator", "corneum"))}
@@ -144,19 +132,13 @@ def sampled() -> "Callable[[FloatArray, Pieces], FloatArray]":
     return lambda t_s, voltage: voltage.at(t_s)
 
 
-def lossless(
-    insulator_thickness_m: float,
-    insulator_permittivity: float,
-    corneum_thickness_m: float,
-    corneum_permittivity: float,
-) -> "Callable[[], Skin]":
+def lossless(**layers: Any) -> "Callable[[], Skin]":
     """A skin whose corneum does not conduct."""
     from math import inf
 
-    from ...electrovibration.skin import skin as skins
+    from ...electrovibration.skin.skin import Skin
 
-    layers = insulator_thickness_m, insulator_permittivity, corneum_thickness_m, corneum_permittivity
-    dry = skins.Skin(*layers, corneum_resistivity_ohm_m=inf)
+    dry = Skin(**layers, corneum_resistivity_ohm_m=inf)
     return lambda: dry
 
 

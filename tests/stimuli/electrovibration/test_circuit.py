@@ -11,10 +11,11 @@ from corneum_closed_form import (
     step_voltage_v,
 )
 from hypothesis import given, strategies as st
+from sampled_corneum import corneum_voltage_v
 from scipy.integrate import solve_ivp
 
 from tactometry.stimuli.electrovibration import Skin, electrostatic_force_n
-from tactometry.stimuli.electrovibration.attraction.force import corneum_voltage_v, force_per_square_volt_n
+from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
 
 P0 = Skin()
 AREA_M2 = 1e-4

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from corneum_closed_form import rise_peak_v, step_voltage_v
 from hard_cases import hard_case
+from sampled_corneum import corneum_voltage_v
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import (
@@ -25,7 +26,7 @@ from tactometry.stimuli.electrovibration import (
     electrostatic_force_n_at,
     sliding,
 )
-from tactometry.stimuli.electrovibration.attraction.force import corneum_voltage_v, force_form
+from tactometry.stimuli.electrovibration.attraction.force import force_form
 from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations, high_passed
 
 AREA_M2 = 1e-4

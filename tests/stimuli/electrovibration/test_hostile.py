@@ -127,8 +127,6 @@ FUNCTIONS: dict[str, Call] = {
     "lagged_friction_n": (ev.lagged_friction_n, {
         "t_s": T_S, "pieces": PIECES, "form": FORM, "lag": ev.FrictionLag(), "friction": ev.CoulombFriction(),
         "force_n": 0.5, "speed_m_per_s": 0.05}),
-    "lateral_modulation_n": (ev.lateral_modulation_n, {
-        "share": [0.5, 1.0], "peak_force_n": 0.1, "coefficient": 0.5, "speed_m_per_s": [0.0, 0.1]}),
     "level_db_re_1v": (ev.level_db_re_1v, {"voltage_v": 10.0}),
     "peak_voltage_v": (ev.peak_voltage_v, {"level": 10.0, "unit": "V"}),
     "sliding": (ev.sliding, {"pieces": PIECES, **MOVING}),

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from sampled_corneum import corneum_voltage_v
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
@@ -14,7 +15,7 @@ from tactometry.stimuli.electrovibration import (
     electrostatic_force_n,
     electrostatic_force_n_at,
 )
-from tactometry.stimuli.electrovibration.attraction.force import LAWS, corneum_voltage_v
+from tactometry.stimuli.electrovibration.attraction.force import LAWS
 
 P0, AREA_M2, RATE_HZ = Skin(), 1e-4, 2e4
 TOUCH = Contact(force_n=1.5, speed_m_per_s=0.05)

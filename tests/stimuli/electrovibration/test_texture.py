@@ -10,7 +10,6 @@ from tactometry.stimuli.electrovibration.attraction.contact_area import UNVERIFI
 from tactometry.stimuli.electrovibration.textures.played_texture import (
     PlayedTexture,
     SensorModel,
-    lateral_modulation_n,
     straight_path_m,
 )
 from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Image, Noise, Region, Texture
@@ -188,10 +187,6 @@ def test_a_grid_finer_than_the_resolution_gives_steps() -> None:
 def test_no_sample_of_a_played_texture_passes_the_peak() -> None:
     for texture in (*TEXTURES, Velvet()):
         assert PlayedTexture(texture, straight_path_m(0.1, 0.3, RATE_HZ)).at(20.0).peak <= 10.0
-
-
-def test_friction_changes_only_while_the_finger_moves() -> None:
-    np.testing.assert_array_equal(lateral_modulation_n([1.0, 1.0], 0.1, 0.5, [0.0, 0.05]), [0.0, 0.05])
 
 
 def test_prints_give_a_table_and_a_power_law() -> None:
