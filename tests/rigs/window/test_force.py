@@ -4,6 +4,7 @@ import math
 import threading
 import time
 from contextlib import suppress
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -236,9 +237,10 @@ def test_between_two_touches_the_force_leaves_its_band(bench_with, log, watched,
         return between_n if len(ended) < 100 else 1.0
 
     bench = bench_with(force_n, release=True)
-    assert bench.answer(STUCK).valid
+    in_time = replace(STUCK, timeout_s=20.0)  # of a busy machine too
+    assert bench.answer(in_time).valid
     time.sleep(0.2)
-    touched = bench.answer(STUCK)
+    touched = bench.answer(in_time if plays else STUCK)
     assert touched.valid is plays
     assert log.count("play 5 V") == 1 + plays
     assert ("Lift your finger, then press again" in words_of(watched.drawn[-1])) is not plays
