@@ -29,9 +29,9 @@ def focus_sheet(result: Result, title: str) -> Figure:
     figure = Figure(figsize=(WIDTH_IN, sum(heights) + head_in), layout="constrained")
     above, *below = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
     _maps(above, values)
-    draw = [*([_courses] if drawn else []), *([_slid] if slid else [])]
-    for part, one, found in zip(below, draw, [part for part in (drawn, slid) if part], strict=True):
-        one(part, result, found)
+    sheets = [(draw, outputs) for draw, outputs in ((_courses, drawn), (_slid, slid)) if outputs]
+    for below_map, (draw, outputs) in zip(below, sheets, strict=True):
+        draw(below_map, result, outputs)
     figure.suptitle("\n".join(lines), fontsize="medium")
     return figure
 
