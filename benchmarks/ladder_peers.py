@@ -22,8 +22,7 @@ from tactometry.experiments.cost.measure import Point, climb
 from tactometry.experiments.cost.peers import RECORD
 from tactometry.experiments.cost.problem import OURS, Rung
 from tactometry.experiments.cost.report import machine, table
-from tactometry.experiments.ladders import LADDERS
-from tactometry.loading import resolve
+from tactometry.experiments.ladders import LADDERS, problem_of
 
 PEERS: dict[str, Callable[[], Sequence[Rung]]] = {
     "plate-modes-simply-supported": ladder_peers_plates.simply_supported,
@@ -39,7 +38,7 @@ COLUMNS = [*(field.name for field in fields(Point)), "yardstick_s", "recorded"]
 
 
 def measured(ladder: str, n_rounds: int = 3) -> list[dict[str, object]]:
-    problem = resolve(LADDERS[ladder])()
+    problem = problem_of(ladder)
     found = climb(replace(problem, rungs=(*PEERS[ladder](), *problem.rungs)), n_rounds)
     print(table(found), end="\n\n", flush=True)
     extra = {"yardstick_s": found.points[-1].median_s, "recorded": f"{datetime.now(UTC).date()}, {machine()}"}

@@ -12,11 +12,15 @@ from .bayesian.settings import PsiSettings as PsiSettings, QuestPlusSettings as 
 from .bayesian.shared_quest_plus import SharedQuestPlus as SharedQuestPlus, SharedTrack as SharedTrack
 from .block import Block as Block
 from .block_state import BlockOptions as BlockOptions
-from .order import counterbalanced as counterbalanced, williams_square as williams_square
+from .order import williams_square as williams_square
 from .procedures.constant_stimuli import ConstantStimuli as ConstantStimuli
 from .procedures.method_of_limits import MethodOfLimits as MethodOfLimits
-from .procedures.procedure import Ending as Ending, Procedure as Procedure
-from .procedures.shared_learning import Sharing as Sharing, after_answer as after_answer
+from .procedures.procedure import (
+    Ending as Ending,
+    Procedure as Procedure,
+    Sharing as Sharing,
+    after_answer as after_answer,
+)
 from .procedures.staircase import Staircase as Staircase
 from .procedures.weighted_staircase import WeightedStaircase as WeightedStaircase
 from .session import Inquiry as Inquiry, session as session

@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tactometry.arguments.require import of_kind, some
-from tactometry.errors import InvalidParameter, counted
+from tactometry.arguments.require import expect, of_kind, shown, some
+from tactometry.errors import counted
 from tactometry.session.request import Record, Show
 from tactometry.session.run import Course
 from tactometry.trials.trial import Trial
@@ -48,8 +48,8 @@ class Block:
     def __post_init__(self) -> None:
         of_kind("Block", Task, task=self.task)
         of_kind("Block", BlockOptions, options=self.options)
-        if not isinstance(self.tracks, Sequence) or not all(isinstance(track, Track) for track in self.tracks):
-            raise InvalidParameter(f"Block.tracks: found {self.tracks!r:.60}, expected tracks")
+        are_tracks = isinstance(self.tracks, Sequence) and all(isinstance(track, Track) for track in self.tracks)
+        expect(are_tracks, "Block.tracks", shown(self.tracks), "tracks")
         some("Block.tracks", self.tracks)
 
     @property

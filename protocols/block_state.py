@@ -6,11 +6,9 @@ from typing import Literal, TypeVar, get_args
 
 import numpy as np
 
-from tactometry.arguments.require import given, one_of, positive, whole, within
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, given, one_of, positive, whole, within
 
-from .procedures.procedure import FixedOrder
-from .procedures.shared_learning import after_answer
+from .procedures.procedure import FixedOrder, after_answer
 from .tasks.task import TrialOutcome
 from .track import Track
 
@@ -59,10 +57,8 @@ class BlockOptions:
 
     def __post_init__(self) -> None:
         within("BlockOptions", 0, 0.5, catch_rate=self.catch_rate)
-        if 0 < self.catch_rate < LEAST_RATE:
-            raise InvalidParameter(
-                f"BlockOptions.catch_rate: found {self.catch_rate:g}, expected 0, or at least {LEAST_RATE:g}"
-            )
+        is_rate = self.catch_rate == 0 or self.catch_rate >= LEAST_RATE
+        expect(is_rate, "BlockOptions.catch_rate", f"{self.catch_rate:g}", f"0, or at least {LEAST_RATE:g}")
         one_of("BlockOptions.interleaving", self.interleaving, get_args(Interleaving))
         whole("BlockOptions", lowest=1, n_attempts=self.n_attempts, **given({"rest_after": self.rest_after}))
         positive("BlockOptions", **given({"rest_s": self.rest_s, "longest_s": self.longest_s}))

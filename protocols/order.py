@@ -8,8 +8,7 @@ from typing import Generic, TypeVar
 
 import numpy as np
 
-from tactometry.arguments.require import of_kind, one_of, whole
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, one_of, whole
 
 T = TypeVar("T")
 
@@ -116,12 +115,13 @@ class Crossing(Generic[T]):
         for name, rule in self.rules.items():
             one_of("plan.orders", rule, ORDERS)
             sizes = self._sizes(name)
-            if rule in ("williams", "complete") and len(sizes) > 1:
-                raise InvalidParameter(
-                    f"plan.orders, {name}: found a {rule} order over an unequal design "
-                    f"({' or '.join(map(str, sizes))} levels), expected as many levels everywhere; make them equal, or "
-                    "take random or fixed"
-                )
+            unequal = f"a {rule} order over an unequal design ({' or '.join(map(str, sizes))} levels)"
+            expect(
+                rule not in ("williams", "complete") or len(sizes) == 1,
+                f"plan.orders, {name}",
+                unequal,
+                "as many levels everywhere; make them equal, or take random or fixed",
+            )
 
     def _sizes(self, name: str) -> list[int]:
         inner = [by_factor for by_level in self.nested.values() for by_factor in by_level.values()]
@@ -157,31 +157,6 @@ class Crossing(Generic[T]):
             self.nested[factor].get(level, {}).get(name) for factor, level in outer.items() if factor in self.nested
         )
         return next((levels for levels in given if levels is not None), self.factors[name])
-
-
-def counterbalanced(factors: Mapping[str, Sequence[T]], outer_first: Sequence[str], number: int) -> list[dict[str, T]]:
-    """All combinations of `factors` in the order of participant `number` (from 1).
-
-    Factors named in `outer_first` change their order with the participant by a Williams square, the first slowest;
-    factors that are not named follow, in their given order.
-
-    Raises
-    ------
-    InvalidParameter
-        If the number is below 1.
-    """
-    if not isinstance(number, int) or number < 1:
-        raise InvalidParameter(
-            f"participant number: found {number!r:.60}, expected a whole number from 1; give --number"
-        )
-    of_kind("counterbalanced", Mapping, factors=factors)
-    of_kind("counterbalanced", Sequence, outer_first=outer_first)
-    for name in outer_first:
-        one_of("counterbalanced.outer_first", name, factors)
-    names = [*outer_first, *(name for name in factors if name not in outer_first)]
-    crossing = Crossing({name: factors[name] for name in names}, dict.fromkeys(outer_first, "williams"))
-    cells = crossing.cells(number - 1, np.random.default_rng(0))
-    return [{name: cell[name] for name in factors} for cell in cells]
 
 
 def combinations(factors: Mapping[str, Sequence[T]]) -> list[dict[str, T]]:

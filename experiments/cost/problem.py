@@ -27,7 +27,7 @@ class Problem:
 
     Parameters
     ----------
-    name, title : str
+    title : str
     by, checked_by : str
         What the reference and the independent one are, in words.
     reference : callable
@@ -39,9 +39,10 @@ class Problem:
     rungs : tuple of Rung
     price : str
         What is paid, with its unit, in words.
+    name : str
+        That of the table `LADDERS`.
     """
 
-    name: str
     title: str
     by: str
     checked_by: str
@@ -50,13 +51,29 @@ class Problem:
     error: Callable[[Any, Any], float]
     rungs: tuple[Rung, ...]
     price: str = "computing time (s)"
+    name: str = ""
 
 
-def error_of_decibels(found_db: Real, reference_db: Real) -> float:
+def error_of_decibels(answer_db: Real, reference_db: Real) -> float:
     """An rms error in decibels, as a part of the amplitude."""
-    return float(10 ** (np.sqrt(np.mean(np.square(found_db - reference_db))) / 20) - 1)
+    return float(10 ** (np.sqrt(np.mean(np.square(answer_db - reference_db))) / 20) - 1)
 
 
-def over_largest(found: Real, reference: Real) -> float:
+def over_rms(answer: NDArray[Any], reference: NDArray[Any]) -> float:
+    """The rms error, over the rms value."""
+    return float(np.linalg.norm(answer - reference) / np.linalg.norm(reference))
+
+
+def over_length(interval: Real, reference: Real) -> float:
+    """The largest error of an estimate, its lower and its upper end, over the distance of the ends."""
+    return float(np.abs(interval - reference).max() / (reference[2] - reference[1]))
+
+
+def largest_relative(answer: Real, reference: Real) -> float:
+    """The largest error, each over its own value."""
+    return float(np.abs(answer / reference - 1).max())
+
+
+def over_largest(answer: Real, reference: Real) -> float:
     """The largest error, over the largest value."""
-    return float(np.abs(found - reference).max() / np.abs(reference).max())
+    return float(np.abs(answer - reference).max() / np.abs(reference).max())

@@ -10,6 +10,7 @@ import pandas as pd
 
 from tactometry import __version__
 from tactometry.analysis.attrakdiff.scoring import scores
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 from tactometry.questionnaire import Questionnaire
 from tactometry.records.description import KEYWORD
@@ -130,10 +131,8 @@ def _table(
 
 def _check_names(header: Sequence[str]) -> None:
     for place, name in enumerate(header):
-        if not name.replace("_", "").isalnum() or not name.isascii():
-            raise InvalidParameter(
-                f"column {name!r}: found other than letters, digits and _, expected a name for BIDS; rename it"
-            )
+        is_word = name.replace("_", "").isalnum() and name.isascii()
+        expect(is_word, f"column {name!r}", "other than letters, digits and _", "a name for BIDS; rename it")
         if name in header[:place]:
             raise InvalidParameter(f"column {name!r}: found a name that BIDS has for a column of its own; rename it")
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.arguments.require import one_of
 
 from .bids import bids_files
 from .psychds import psychds_files
@@ -30,9 +30,6 @@ def export(path: Path, form: str, out: Path, authors: Sequence[str] = ()) -> lis
     DeviceFailed
         If the folder cannot be written.
     """
-    if form not in ("bids", *FORMS):
-        raise InvalidParameter(
-            f"--to: found {form!r}, expected one of {', '.join(('bids', *FORMS))}{nearest(form, ('bids', *FORMS))}"
-        )
+    one_of("--to", form, ("bids", *FORMS))
     source = read_source(path)
     return write_files(bids_files(source, authors) if form == "bids" else FORMS[form](source), out)

@@ -11,8 +11,7 @@ import pandas as pd
 from tactometry.analysis.tasks.rule_estimate import Replay, RuleEstimate
 from tactometry.errors import InvalidParameter, TactometryError
 from tactometry.files.durable import read_file
-from tactometry.protocols.procedures.procedure import Procedure
-from tactometry.protocols.procedures.shared_learning import after_answer
+from tactometry.protocols.procedures.procedure import Procedure, after_answer
 from tactometry.trials.cells import cell
 
 from ..study.cells import Wiring, tables

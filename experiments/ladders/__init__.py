@@ -1,6 +1,13 @@
 """Ladders: what accuracy costs. One file each, one line here."""
 
 from collections.abc import Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from tactometry.loading import resolve
+
+if TYPE_CHECKING:
+    from ..cost.problem import Problem
 
 _HERE = "tactometry.experiments.ladders"
 LADDERS: Mapping[str, str] = {
@@ -32,3 +39,9 @@ LADDERS: Mapping[str, str] = {
     "scene-electrovibration-panel": f"{_HERE}.scene_panel:problem",
 }
 """The name of each ladder, and the function that gives its problem."""
+
+
+def problem_of(ladder: str) -> "Problem":
+    """The problem of a ladder, by its name."""
+    problem: Problem = resolve(LADDERS[ladder])()
+    return replace(problem, name=ladder)

@@ -21,7 +21,6 @@ def problem() -> Problem:
     """Edges S at x = 0 and x = length, edges F at y = 0 and y = width: free edges are met by convergence alone."""
     p_x, p_y = degrees(PLATE, F_MAX_HZ)
     return Problem(
-        "boundary-basis",
         f"largest error of the frequencies below {F_MAX_HZ / 1e3:g} kHz, 0.2 x 0.14 m, two edges S, two F",
         "Levy's solution",
         "4 degrees more than the rule",

@@ -21,7 +21,6 @@ def problem() -> Problem:
     amplitude = np.cos(np.arange(len(modes.frequency_hz)) * 2.4)
     points = _points()
     return Problem(
-        "field-grid",
         f"largest error between grid points over the peak, A4 plate, {len(amplitude)} modes, bicubic",
         "the sum over modes at points",
         "sines written out",

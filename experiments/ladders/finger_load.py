@@ -22,7 +22,6 @@ def problem() -> Problem:
     """A finger of 2 N, 20 mm beside the place that is heard, at 8 000 times a second."""
     load = Fingertip(mass_kg=1e-4, stiffness_n_per_m=1e3).load(AT_M, 2.0)
     return Problem(
-        "finger-load",
         "largest error of the responses under a finger of 2 N over the largest, modes below 4 kHz, 4 ms",
         "the exponential of all modes at once",
         "correction sampled at 4.1 MHz",

@@ -20,7 +20,6 @@ def problem() -> Problem:
     hold_n = friction.static * FORCE_N - finger.damping_n_s_per_m * SPEED_M_PER_S
     breakaway_s = hold_n / (finger.stiffness_n_per_m * SPEED_M_PER_S)
     return Problem(
-        "friction-events",
         "time of the first break-away between two samples; the motion itself is exact",
         "the event, a root of the exact motion",
         "closed form without voltage",

@@ -20,7 +20,6 @@ N_PARTICIPANTS, N_GROUPS = (4, 16, 64, 256), 30
 def problem() -> Problem:
     """Participants whose thresholds differ by 5 dB, each with 16 trials at each of ten levels."""
     return Problem(
-        "group-threshold",
         f"standard error of the group's threshold as a part of the amplitude, {N_GROUPS} simulated groups",
         "the mean that was simulated",
         "a fit to answers without scatter",

@@ -23,7 +23,6 @@ def problem() -> Problem:
     """Six participants with random thresholds and widths, yes or no; one node is Laplace's approximation."""
     model = _model()
     return Problem(
-        "hierarchical-fit",
         "relative error of the likelihood of a group, 6 participants with 5 levels of 8 trials",
         "21 x 21 nodes",
         "equidistant sum, the function written out",

@@ -3,11 +3,10 @@
 from functools import partial
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz_frequencies_hz
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung
 
 F_MAX_HZ = 5e3
 SIDE_M = 0.2
@@ -22,7 +21,6 @@ def simply_supported() -> Problem:
     """Against Navier's closed form."""
     plate = _square("SSSS")
     return Problem(
-        "plate-modes-simply-supported",
         f"largest error of the frequencies below {F_MAX_HZ / 1e3:g} kHz, 0.2 m square, edges S",
         "Navier's closed form",
         "Navier's formula, written anew",
@@ -38,7 +36,6 @@ def free() -> Problem:
     plate = _square("FFFF")
     constant = plate.wave_constant_m2_per_s / SIDE_M**2 / (2 * np.pi)
     return Problem(
-        "plate-modes-free",
         f"largest error of the frequencies below {F_MAX_HZ / 1e3:g} kHz, 0.2 m square, edges F",
         "38 degrees",
         "published values of the square plate",
@@ -49,7 +46,7 @@ def free() -> Problem:
     )
 
 
-def largest(found: NDArray[np.float64], reference: NDArray[np.float64]) -> float:
+def largest(found: Real, reference: Real) -> float:
     """Largest relative error of the frequencies, as far as both lists go."""
     n = min(len(found), len(reference))
     return float(np.abs(found[:n] / reference[:n] - 1).max())
@@ -65,12 +62,12 @@ def _rungs(plate: Plate) -> tuple[Rung, ...]:
     return tuple(Rung(name, partial(_frequencies_hz, plate, degree)) for degree, name in names.items())
 
 
-def _frequencies_hz(plate: Plate, degree: int) -> NDArray[np.float64]:
+def _frequencies_hz(plate: Plate, degree: int) -> Real:
     found_hz = ritz_frequencies_hz(plate, F_MAX_HZ, (degree, degree))
     return found_hz[plate.rectangle.n_rigid :]
 
 
-def _navier_hz(plate: Plate) -> NDArray[np.float64]:
+def _navier_hz(plate: Plate) -> Real:
     order = np.arange(1, 100) ** 2
     all_hz = plate.wave_constant_m2_per_s * np.pi / 2 / SIDE_M**2 * np.add.outer(order, order)
     return np.sort(all_hz[all_hz <= F_MAX_HZ])

@@ -36,7 +36,6 @@ class Method:
 def problem() -> Problem:
     """Two-alternative tasks with participants whose thresholds differ by 3 dB about 20 dB."""
     return Problem(
-        "procedures",
         f"rms error of the threshold as a part of the amplitude, two alternatives, {N_RUNS} simulated runs",
         "the threshold that was simulated",
         "target levels by the root of the function, written out",

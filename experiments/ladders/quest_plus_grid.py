@@ -18,7 +18,6 @@ N_FINEST, N_NODES = 641, 60
 def problem() -> Problem:
     """Ten answers of a two-alternative task; the widths have half as many values as the thresholds."""
     return Problem(
-        "quest-plus-grid",
         "error of the posterior mean of the threshold after ten answers, over the range of 40 dB",
         "a far finer grid",
         "Gauss and Legendre, function by function",

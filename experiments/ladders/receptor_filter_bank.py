@@ -9,7 +9,7 @@ import numpy as np
 from tactometry.stimuli.perception import Components, components
 from tactometry.stimuli.perception.channels import channel_levels_db
 
-from ..cost.problem import Problem, Real, Rung
+from ..cost.problem import Problem, Real, Rung, largest_relative
 
 TAPS_HZ, N_TAPS, HIGHEST_HZ = 2.5, 16, 800.0
 FALL_S, RISE_S = 4e-3, 5e-4
@@ -19,13 +19,12 @@ RATES_HZ = (1_000, 4_000, 16_000, 64_000)
 def problem() -> Problem:
     """Taps ``exp(-t/FALL_S) - exp(-t/RISE_S)``, with harmonics in every channel; those that fold back are the error."""
     return Problem(
-        "receptor-filter-bank",
         "largest error of the amplitude that a channel (NP III, NP I, P) senses of taps at 2.5 Hz, by sampling rate",
         "the Fourier series of the taps through the channels",
         "its integrals by adaptive quadrature, thresholds written out",
         reference=lambda: (_sensed(Components(_harmonics_hz(), _series())), 1e-12),
         independent=lambda: (_written_out(), 1e-8),
-        error=lambda found, reference: float(np.abs(found / reference - 1).max()),
+        error=largest_relative,
         rungs=tuple(Rung(f"{rate_hz / 1e3:g} kHz", partial(_sampled, rate_hz)) for rate_hz in RATES_HZ),
     )
 

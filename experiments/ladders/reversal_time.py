@@ -23,7 +23,6 @@ def amplitude() -> Problem:
     """One bit on the A4 prototype, relative to twelve time constants."""
     heard = _heard()
     return _against_time(
-        "reversal-time-amplitude",
         "amplitude of the focus that a shorter reversal time T loses (one bit, tau = 3.5 ms)",
         partial(_amplitude_m, heard),
         "convolution of the whole drive, last sample",
@@ -35,7 +34,6 @@ def contrast() -> Problem:
     """The focus over the rms of the plate."""
     heard = _heard()
     return _against_time(
-        "reversal-time-contrast",
         "contrast of the focus (over the rms of the plate) that a shorter T loses (one bit, tau = 3.5 ms)",
         partial(_contrast, heard),
         "exact steps of the modes",
@@ -44,11 +42,10 @@ def contrast() -> Problem:
 
 
 def _against_time(
-    name: str, what: str, after: Callable[[float], float], check: str, independent: Callable[[], tuple[float, float]]
+    what: str, after: Callable[[float], float], check: str, independent: Callable[[], tuple[float, float]]
 ) -> Problem:
     """The loss of what a reversal time gives, against that time."""
     return Problem(
-        name,
         what,
         "twelve time constants",
         check,

@@ -27,7 +27,6 @@ def problem() -> Problem:
     """The electrostatic force, straight between the samples, over its peak."""
     scene = load_scene(path_of("electrovibration-panel"))
     return Problem(
-        "scene-electrovibration-panel",
         "largest error of the electrostatic force over its peak, for the accuracy asked for",
         "the exact solution in pieces",
         "recurrence on fine samples",

@@ -25,7 +25,7 @@ from tactometry.stimuli.time_reversal import (
     loaded_responses,
 )
 
-from ..cost.problem import Problem, Real, Rung
+from ..cost.problem import Problem, Real, Rung, over_largest
 from ..scenes import path_of
 
 ACCURACIES, FINEST = (1e-1, 1e-2, 1e-3), 3e-4
@@ -55,13 +55,12 @@ def _problem(name: str, loads: Sequence[PlateLoad], uncertainty: float) -> Probl
     scene = load_scene(path_of(name))
     at_s = np.arange(-round(AROUND_S * FINER * _surface(scene).rate_hz), 1) / (FINER * _surface(scene).rate_hz)
     return Problem(
-        f"scene-{name}",
         "largest error of the displacement in the 0.1 ms before the focus over its peak, for the accuracy asked for",
         f"the scene at an accuracy of {FINEST:g}",
         "impulse responses and the drive in time, extrapolated to all modes",
         reference=lambda: (_run(scene, at_s, FINEST), FINEST),
         independent=lambda: (_in_time(scene, loads, len(at_s)), uncertainty),
-        error=lambda course, reference: float(np.abs(course - reference).max() / np.abs(reference).max()),
+        error=over_largest,
         rungs=tuple(Rung(f"accuracy {accuracy:g}", partial(_run, scene, at_s, accuracy)) for accuracy in ACCURACIES),
     )
 

@@ -19,7 +19,6 @@ def problem() -> Problem:
     """Force at 5 000 times a second, relative to its peak."""
     times_s = np.arange(round(DURATION_S * COARSEST_HZ)) / COARSEST_HZ
     return Problem(
-        "skin-propagator",
         "largest error of the force of a 240 Hz sine over its peak, exact recurrence on samples",
         "the exact solution in pieces",
         "closed form of a sine",

@@ -7,7 +7,7 @@ import numpy as np
 
 from tactometry.stimuli.perception import Components, components, sensation_level_db
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Real, Rung, largest_relative
 
 FREQUENCIES_HZ = np.array([41.3, 87.7, 173.1, 311.9])
 RATE_HZ, OFFSET = 4e3, 3.0
@@ -17,13 +17,12 @@ DURATIONS_S = (0.1, 0.4, 1.6, 6.4, 25.6)
 def problem() -> Problem:
     """Four tones one after another, each with a constant beside it, as amplitudes over their thresholds."""
     return Problem(
-        "spectral-sensitivity",
         "largest error of the sensed amplitude of tones between 40 and 320 Hz, flat-top spectrum of a record",
         "the curve of sensitivity at the tone",
         "the formula of the curve, written out",
         reference=lambda: (np.array([_sensed(Components(np.array([f]), np.ones(1))) for f in FREQUENCIES_HZ]), 1e-12),
         independent=lambda: (np.array([_written_out(f) for f in FREQUENCIES_HZ]), 1e-12),
-        error=lambda found, reference: float(np.abs(found / reference - 1).max()),
+        error=largest_relative,
         rungs=tuple(
             Rung(f"{duration_s:g} s", partial(_recorded, duration_s), duration_s) for duration_s in DURATIONS_S
         ),
@@ -35,7 +34,7 @@ def _sensed(parts: Components) -> float:
     return float(10 ** (sensation_level_db(parts, 1.0) / 20))
 
 
-def _recorded(duration_s: float) -> np.ndarray:
+def _recorded(duration_s: float) -> Real:
     time_s = np.arange(round(duration_s * RATE_HZ)) / RATE_HZ
     tones = [OFFSET + np.sin(2 * np.pi * f * time_s) for f in FREQUENCIES_HZ]
     return np.array([_sensed(components(tone, RATE_HZ)) for tone in tones])

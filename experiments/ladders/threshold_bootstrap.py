@@ -21,7 +21,6 @@ THRESHOLDS, LOG_WIDTHS = np.linspace(-2.0, 2.0, 101)[1:-1], np.linspace(0.0, np.
 def problem() -> Problem:
     """Yes or no at three levels, 12 trials each: 2197 answers are possible, and each has its chance."""
     return Problem(
-        "threshold-bootstrap",
         f"rms error of the ends of the bootstrap's interval over its width, {N_INTERVALS} intervals, by resamples",
         "every possible answer with its chance, fitted",
         "the same with modes on a grid of the posterior, written out",

@@ -8,7 +8,7 @@ from scipy.special import ndtr, ndtri
 
 from tactometry.analysis.threshold.fitting import ThresholdFit, fit, fit_many
 
-from ..cost.problem import Problem, Real, Rung
+from ..cost.problem import Problem, Real, Rung, over_length
 
 LEVELS = np.array([-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0])
 N_CORRECT, N_TRIALS = np.array([23, 20, 26, 30, 37, 39, 40]), 40
@@ -20,13 +20,12 @@ N_FINEST, N_COARSER = (281, 241, 24), (201, 161, 16)
 def problem() -> Problem:
     """Two-alternative answers at seven levels; the shared grid takes its time for 16 sets at once."""
     return Problem(
-        "threshold-fit",
         "largest error of mean and 95 % interval of the threshold over its width, 7 levels x 40 trials, 2AFC",
         "the posterior written out, integrated finely",
         "the same with fewer nodes",
         reference=lambda: (posterior(*N_FINEST), 1e-5),
         independent=lambda: (posterior(*N_COARSER), 1e-4),
-        error=lambda found, reference: float(np.abs(found - reference).max() / (reference[2] - reference[1])),
+        error=over_length,
         rungs=(
             Rung("Laplace (map)", partial(_fitted, "map")),
             Rung(f"shared grid, {N_SETS} sets", _shared),
@@ -36,17 +35,17 @@ def problem() -> Problem:
 
 
 def _fitted(method: str, **options: Any) -> Real:
-    return _told(fit(LEVELS, N_CORRECT, N_TRIALS, method=method, **SHAPE, **options))
+    return estimate_and_ends(fit(LEVELS, N_CORRECT, N_TRIALS, method=method, **SHAPE, **options))
 
 
 def _shared() -> Real:
     """Of many sets on the same levels."""
     moved = np.minimum(N_CORRECT + np.arange(N_SETS)[:, None] % 2, N_TRIALS)
-    return _told(fit_many(LEVELS, moved, N_TRIALS, estimate="mean", **SHAPE)[0])
+    return estimate_and_ends(fit_many(LEVELS, moved, N_TRIALS, estimate="mean", **SHAPE)[0])
 
 
-def _told(found: ThresholdFit) -> Real:
-    return np.array([found.threshold, found.interval_low, found.interval_high], dtype=np.float64)
+def estimate_and_ends(fitted: ThresholdFit) -> Real:
+    return np.array([fitted.threshold, fitted.interval_low, fitted.interval_high], dtype=np.float64)
 
 
 def posterior(n_thresholds: int, n_widths: int, n_lapses: int) -> Real:

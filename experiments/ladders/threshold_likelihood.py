@@ -7,8 +7,8 @@ from scipy.special import ndtr, ndtri
 
 from tactometry.analysis.threshold.fitting import fit
 
-from ..cost.problem import Problem, Real, Rung
-from .threshold_fit import LEVELS, N_CORRECT, N_TRIALS
+from ..cost.problem import Problem, Real, Rung, over_length
+from .threshold_fit import LEVELS, N_CORRECT, N_TRIALS, estimate_and_ends
 
 GUESS, LAPSE = 0.5, 0.02
 FALL = 1.9207294103470607
@@ -19,20 +19,19 @@ LOG_WIDTHS, FARTHEST, GRID = (0.0, 3.5), 3.5, (801, 701)
 def problem() -> Problem:
     """The answers of `threshold-fit`, with the lapse rate known."""
     return Problem(
-        "threshold-likelihood",
         "largest error of threshold and 95 % interval of likelihood over its width, 7 levels x 40 trials, 2AFC",
         "the profile written out, by Brent's methods",
         "its highest values on a grid",
         reference=lambda: (_by_brent(), 1e-7),
         independent=lambda: (_on_a_grid(), 1e-4),
-        error=lambda found, reference: float(np.abs(found - reference).max() / (reference[2] - reference[1])),
+        error=over_length,
         rungs=(Rung("Wald (ml)", partial(_fitted, "ml")), Rung("profile", partial(_fitted, "profile"))),
     )
 
 
 def _fitted(method: str) -> Real:
-    found = fit(LEVELS, N_CORRECT, N_TRIALS, shape="normal", guess_rate=GUESS, lapse_rate=LAPSE, method=method)
-    return np.array([found.threshold, found.interval_low, found.interval_high], dtype=np.float64)
+    fitted = fit(LEVELS, N_CORRECT, N_TRIALS, shape="normal", guess_rate=GUESS, lapse_rate=LAPSE, method=method)
+    return estimate_and_ends(fitted)
 
 
 def _log_likelihood(threshold: Real, log_width: Real) -> Real:

@@ -19,7 +19,6 @@ def problem() -> Problem:
     """Displacements of the modes below 10 kHz at 40 000 times a second, relative to the largest."""
     modes = A4_PROTOTYPE.oscillators(F_MAX_HZ)
     return Problem(
-        "time-integration",
         f"largest error of {modes.n} modal displacements over the largest, tone of 4 kHz from rest, 5 ms",
         "the response of a mode in closed form",
         "powers of the exponential of mode and tone",

@@ -2,7 +2,8 @@
 
 from pathlib import Path
 
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.arguments.require import expect
+from tactometry.errors import nearest
 
 FOLDER = Path(__file__).parent
 
@@ -26,8 +27,6 @@ def path_of(scene: str) -> Path:
     """
     if scene in names():
         return FOLDER / f"{scene}.toml"
-    if not Path(scene).is_file():
-        raise InvalidParameter(
-            f"FILE: found {scene!r}, expected a path or one of {', '.join(names())}{nearest(scene, names())}"
-        )
+    hint = nearest(scene, names())
+    expect(Path(scene).is_file(), "FILE", repr(scene), f"a path or one of {', '.join(names())}{hint}")
     return Path(scene)

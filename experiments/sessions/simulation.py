@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.arguments.require import expect
+from tactometry.errors import DeviceFailed
 from tactometry.records.head import LARGEST_SEED
 
 from ..study.experiment import wire
@@ -28,14 +29,11 @@ class Simulation:
     resume: bool = False
 
     def __post_init__(self) -> None:
-        if self.n_participants < 1:
-            raise InvalidParameter(f"--participants: found {self.n_participants}, expected at least 1")
-        if self.n_participants > MOST_PARTICIPANTS:
-            raise InvalidParameter(f"--participants: found {self.n_participants}, expected at most {MOST_PARTICIPANTS}")
-        if self.seed < 0:
-            raise InvalidParameter(f"--seed: found {self.seed}, expected a whole number, at least 0")
-        if self.seed > LARGEST_SEED:
-            raise InvalidParameter(f"--seed: found {self.seed}, expected a whole number, at most {LARGEST_SEED}")
+        n, seed = self.n_participants, self.seed
+        expect(n >= 1, "--participants", n, "at least 1")
+        expect(n <= MOST_PARTICIPANTS, "--participants", n, f"at most {MOST_PARTICIPANTS}")
+        expect(seed >= 0, "--seed", seed, "a whole number, at least 0")
+        expect(seed <= LARGEST_SEED, "--seed", seed, f"a whole number, at most {LARGEST_SEED}")
 
     def sessions(self) -> list[Who]:
         """Every session of every participant, as the plan has them."""

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
+from tactometry.arguments.require import expect
 from tactometry.config.strict import build, kind_of
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.loading import resolve
@@ -106,11 +107,12 @@ class Wiring:
         of = tables(self.study, factors)
         kind: StimulusKind = kind_of(of["stimulus"], "stimulus", STIMULI)
         stimulus_class, touch_class = resolve(kind.stimulus), kind_of(of["touch"], "touch", TOUCHES)
-        if kind.stands and touch_class is Sliding:
-            raise InvalidParameter(
-                f"touch.kind: found 'slide' with the stimulus {of['stimulus']['kind']!r}, expected 'press': a finger "
-                "that slides leaves a focus; take 'hybrid' for a focus and friction at once"
-            )
+        expect(
+            not (kind.stands and touch_class is Sliding),
+            "touch.kind",
+            f"'slide' with the stimulus {of['stimulus']['kind']!r}",
+            "'press': a finger that slides leaves a focus; take 'hybrid' for a focus and friction at once",
+        )
         self._check_effect(factors, of, stimulus_class, touch_class)
         stimulus = build(stimulus_class, _keys(of["stimulus"], factors, stimulus_class), "stimulus")
         # A touch lasts as long as what is felt: no file states it twice.
@@ -160,11 +162,8 @@ class Wiring:
                     f"({', '.join(dict.fromkeys(known))}){nearest(name, known)}"
                 )
             for where in ("stimulus", "touch"):
-                if name in of[where]:
-                    raise InvalidParameter(
-                        f"{where}.{name}: found a value that is a factor too, expected one of the two; remove it here "
-                        "or in factors"
-                    )
+                twice = "a value that is a factor too"
+                expect(name not in of[where], f"{where}.{name}", twice, "one of the two; remove it here or in factors")
 
 
 def _keys(table: Mapping[str, Any], factors: Factors, kind: type) -> dict[str, Any]:

@@ -7,7 +7,7 @@ from operator import itemgetter
 
 import numpy as np
 
-from tactometry.arguments.require import at_most
+from tactometry.arguments.require import at_most, expect
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import InvalidParameter, TactometryError
 from tactometry.observers.kinds import Population, population_of
@@ -227,11 +227,8 @@ def _check_signal(limits: Limits, strongest: Strongest) -> None:
     """Its length before its samples, which may be too many to make."""
     stimulus = strongest.stimulus
     duration_s = getattr(stimulus, "duration_s", 0.0)
-    if duration_s > limits.longest_s:
-        raise InvalidParameter(
-            f"stimulus.duration_s: found {duration_s:g} s, expected at most limits.duration_s, "
-            f"{limits.longest_s:g} s; shorten the stimulus, or raise the limit"
-        )
+    longest = f"at most limits.duration_s, {limits.longest_s:g} s; shorten the stimulus, or raise the limit"
+    expect(duration_s <= limits.longest_s, "stimulus.duration_s", f"{duration_s:g} s", longest)
     n_samples = duration_s * getattr(stimulus, "rate_hz", 0.0)
     at_most("stimulus.duration_s times the rate, in samples", n_samples, MOST_SAMPLES)
     try:

@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from tactometry.arguments.require import expect
 from tactometry.config.strict import build, kind_of
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.bayesian.quest import Quest
@@ -18,30 +19,16 @@ from tactometry.protocols.procedures.procedure import Procedure, Rule
 from tactometry.protocols.procedures.staircase import Staircase
 from tactometry.protocols.procedures.weighted_staircase import WeightedStaircase
 
-Deal = Callable[[Any, Sequence[str], np.random.Generator], tuple[Procedure, ...]]
-"""From a rule and the names of interleaved tracks to a procedure for each."""
-
-
-def each_its_own(rule: Rule[Any], names: Sequence[str], rng: np.random.Generator) -> tuple[Procedure, ...]:
-    """One run for each track, with an order of its own where it has one."""
-    return tuple(rule.begin(rng) for _ in names)
-
-
-def all_shared(rule: Any, names: Sequence[str], rng: np.random.Generator) -> tuple[Procedure, ...]:
-    """Tracks that learn from each other's answers."""
-    del rng
-    return SharedQuestPlus(rule, tuple(names)).procedures()
-
 
 @dataclass(frozen=True)
 class ProcedureKind:
-    """The class of a table, a table that it takes (levels from 0 to 40), the rule that it makes, and how tracks share
-    it if they can."""
+    """The class of a table, a table that it takes (levels from 0 to 40), the rule that it makes, and whether tracks can
+    learn from each other's answers."""
 
     table: type
     example: Mapping[str, object]
     rule: Callable[[Any], Rule[Any]] = field(default=lambda table: table)
-    shared: Deal | None = None
+    can_be_shared: bool = False
 
 
 _LEVELS: Final = {"low": 0.0, "high": 40.0}
@@ -57,10 +44,13 @@ PROCEDURES: Mapping[str, ProcedureKind] = {
         QuestPlusSettings,
         {"n_levels": 41, "width_low": 4.0, "width_high": 24.0, **_LEVELS},
         QuestPlusSettings.procedure,
-        all_shared,
+        can_be_shared=True,
     ),
     "psi": ProcedureKind(
-        PsiSettings, {"n_levels": 41, "sd_low": 1.0, "sd_high": 8.0, **_LEVELS}, PsiSettings.procedure, all_shared
+        PsiSettings,
+        {"n_levels": 41, "sd_low": 1.0, "sd_high": 8.0, **_LEVELS},
+        PsiSettings.procedure,
+        can_be_shared=True,
     ),
 }
 """The kinds of procedures: a new one is its file in `protocols/procedures` and a line here."""
@@ -73,14 +63,16 @@ def without(table: Mapping[str, Any], *keys: str) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class ReadyProcedure:
-    """A rule as a study states it, and how it is dealt out to the tracks of a block."""
+    """A rule as a study states it, and whether the tracks of a block learn from each other's answers."""
 
     rule: Rule[Any]
-    deal: Deal = each_its_own
+    shared: bool = False
 
     def for_tracks(self, names: Sequence[str], rng: np.random.Generator) -> tuple[Procedure, ...]:
-        """One procedure for each track of a block."""
-        return self.deal(self.rule, names, rng)
+        """One procedure for each track of a block, with an order of its own where it has one."""
+        if self.shared:
+            return SharedQuestPlus(self.rule, tuple(names)).procedures()
+        return tuple(self.rule.begin(rng) for _ in names)
 
 
 def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
@@ -98,10 +90,10 @@ def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
     except InvalidParameter as error:
         raise InvalidParameter(f"procedure: {error}") from None
     shared = table.get("shared", False)
-    if not isinstance(shared, bool) or (shared and kind.shared is None):
-        able = " or ".join(name for name, each in PROCEDURES.items() if each.shared)
-        raise InvalidParameter(f"procedure.shared: found {shared!r} with {table['kind']}, expected it with {able} only")
-    return ReadyProcedure(rule, kind.shared if shared and kind.shared else each_its_own)
+    able = " or ".join(name for name, each in PROCEDURES.items() if each.can_be_shared)
+    can_be = shared is False or (shared is True and kind.can_be_shared)
+    expect(can_be, "procedure.shared", f"{shared!r} with {table['kind']}", f"it with {able} only")
+    return ReadyProcedure(rule, shared)
 
 
 def practice_of(table: Mapping[str, Any]) -> Practice | None:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from math import prod
 from pathlib import Path
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.protocols.session import pages
 from tactometry.rigs.texts import Texts, texts_in
@@ -31,13 +32,10 @@ def rehearse(experiment: Experiment) -> None:
     _refuse_idle(experiment)
     texts = replace(texts_in("en", study.texts), shipped={})  # with them to fall back on, no text would be refused
     known = texts_in("en", {})
+    names = sorted({*known.messages, *known.labels})
     for name in study.texts:
-        if name not in known.messages and name not in known.labels:
-            names = sorted({*known.messages, *known.labels})
-            raise InvalidParameter(
-                f"texts.{name}: found a text that no page shows, expected one of {', '.join(names)}"
-                f"{nearest(name, names)}"
-            )
+        expected = f"one of {', '.join(names)}{nearest(name, names)}"
+        expect(name in names, f"texts.{name}", "a text that no page shows", expected)
     shown = set()
     for page in _pages(experiment) if study.texts else ():
         shown.add(page.message)
@@ -52,20 +50,15 @@ def _refuse_idle(experiment: Experiment) -> None:
     """A key that does nothing promises what no session will hold."""
     options, study = experiment.table.options, experiment.study
     for name in ("title", "description"):
-        if not getattr(study, name).strip():
-            raise InvalidParameter(
-                f"{name}: found nothing, expected a text, which stands in the data set's description"
-            )
-    if options.rest_s is not None and options.rest_after is None:
-        raise InvalidParameter(
-            f"task.rest_s: found {options.rest_s:g} s without rest_after, expected both: no rest comes"
-        )
+        is_text = bool(getattr(study, name).strip())
+        expect(is_text, name, "nothing", "a text, which stands in the data set's description")
+    if options.rest_s is not None:
+        alone = f"{options.rest_s:g} s without rest_after"
+        expect(options.rest_after is not None, "task.rest_s", alone, "both: no rest comes")
     has_tracks = bool(study.plan.interleave) or experiment.table.task_kind.n_together is not None
-    if options.interleaving != "random" and not has_tracks:
-        raise InvalidParameter(
-            f"task.interleaving: found {options.interleaving!r} without interleaved tracks, expected factors in "
-            "plan.interleave; or leave it out"
-        )
+    idle = f"{options.interleaving!r} without interleaved tracks"
+    has_effect = options.interleaving == "random" or has_tracks
+    expect(has_effect, "task.interleaving", idle, "factors in plan.interleave; or leave it out")
 
 
 def _pages(experiment: Experiment) -> Iterator[Show]:
@@ -93,11 +86,8 @@ def rehearse_forms(experiment: Experiment, language: str) -> None:
         If a questionnaire has none.
     """
     for form in experiment.questionnaires:
-        if language not in form.languages:
-            raise InvalidParameter(
-                f"questionnaire {form.name}: found no words in {language!r}, expected one of "
-                f"{', '.join(form.languages)}; choose that language on the bench, or add the words"
-            )
+        known = f"one of {', '.join(form.languages)}; choose that language on the bench, or add the words"
+        expect(language in form.languages, f"questionnaire {form.name}", f"no words in {language!r}", known)
 
 
 def flaw(experiment: Experiment, root: Path) -> str | None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 from tactometry.protocols.block import Block
 from tactometry.protocols.order import Crossing, combinations
 from tactometry.protocols.procedures.practice import Practice
@@ -58,12 +58,12 @@ def session_cells(
     InvalidParameter
         If the number is below 1, or the study has no such session.
     """
-    if number < 1:
-        raise InvalidParameter(f"participant number: found {number}, expected a number from 1; give --number")
+    expect(number >= 1, "participant number", number, "a number from 1; give --number")
     sessions = all_sessions(study, over, number, seed)
-    if n_session > len(sessions) and study.plan.sessions:
-        raise InvalidParameter(f"--session: found {n_session}, expected from 1 to {len(sessions)}, as the plan has")
-    return sessions[n_session - 1 if study.plan.sessions else 0]
+    if not study.plan.sessions:
+        return sessions[0]  # all sessions are the same
+    expect(n_session <= len(sessions), "--session", n_session, f"from 1 to {len(sessions)}, as the plan has")
+    return sessions[n_session - 1]
 
 
 def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list[list[dict[str, float | str]]]:

@@ -1,13 +1,13 @@
 """Study files: the numbers of one experiment, strictly read."""
 
 import os
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
-from math import isfinite, prod
+from math import inf, isfinite, prod
 from pathlib import Path
 from typing import Any
 
-from tactometry.arguments.require import first_repeat, given, one_of, positive
+from tactometry.arguments.require import expect, first_repeat, given, one_of, positive
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build
 from tactometry.config.toml import LARGEST_FILE, errors_in, table_of
@@ -111,21 +111,14 @@ class Study:
     analysis: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if not STUDY.fullmatch(self.name):
-            raise InvalidParameter(
-                f"name: found {self.name!r}, expected words of small letters and digits joined by hyphens"
-            )
-        if len(self.name) > LONGEST_NAME:
-            raise InvalidParameter(f"name: found {len(self.name)} letters, expected at most {LONGEST_NAME}")
-        if not 0 < self.trial_s < float("inf"):
-            raise InvalidParameter(f"trial_s: found {self.trial_s:g}, expected above 0")
+        is_name = STUDY.fullmatch(self.name) is not None
+        expect(is_name, "name", repr(self.name), "words of small letters and digits joined by hyphens")
+        expect(len(self.name) <= LONGEST_NAME, "name", f"{len(self.name)} letters", f"at most {LONGEST_NAME}")
+        expect(0 < self.trial_s < inf, "trial_s", f"{self.trial_s:g}", "above 0")
         _check_factors(self.factors)
         for n, name in enumerate(self.counterbalance):
             if name not in self.factors or name in self.counterbalance[:n]:
-                raise InvalidParameter(
-                    f"counterbalance[{n}]: found {name!r}, expected each factor at most once "
-                    f"({', '.join(self.factors)}){nearest(name, self.factors)}"
-                )
+                raise no_such(f"counterbalance[{n}]", name, "each factor at most once", self.factors)
         _check_plan(self)
         if self.analysis:
             _check_analysis(self)
@@ -142,29 +135,24 @@ def _check_analysis(study: Study) -> None:
 
 def _check_factors(factors: Mapping[str, tuple[float | str, ...]]) -> None:
     for name, levels in factors.items():
-        if name in RESERVED:
-            raise InvalidParameter(
-                f"factors.{name}: found a name that is a column of every trials table, expected another"
-            )
-        if not levels:
-            raise InvalidParameter(f"factors.{name}: found an empty list, expected at least one level")
-        _check_levels(name, levels)
+        path = f"factors.{name}"
+        expect(name not in RESERVED, path, "a name that is a column of every trials table", "another")
+        expect(len(levels) > 0, path, "an empty list", "at least one level")
+        _check_levels(path, levels)
     n_cells = prod(map(len, factors.values()))
-    if n_cells > MOST_CELLS:
-        raise InvalidParameter(f"factors: found {n_cells} combinations of levels, expected at most {MOST_CELLS}")
+    expect(n_cells <= MOST_CELLS, "factors", f"{n_cells} combinations of levels", f"at most {MOST_CELLS}")
 
 
-def _check_levels(name: str, levels: Levels) -> None:
+def _check_levels(path: str, levels: Levels) -> None:
     for n, level in enumerate(levels):
-        if isinstance(level, float) and not isfinite(level):
-            raise InvalidParameter(f"factors.{name}[{n}]: found {level}, expected a finite number or a text")
-        if isinstance(level, str) and (not level.strip() or not level.isprintable()):
-            raise InvalidParameter(
-                f"factors.{name}[{n}]: found {level!r}, expected a text of one line that says something"
-            )
-    n_again = first_repeat(_texts(levels))
+        if isinstance(level, str):
+            is_line = bool(level.strip()) and level.isprintable()
+            expect(is_line, f"{path}[{n}]", repr(level), "a text of one line that says something")
+        else:
+            expect(isfinite(level), f"{path}[{n}]", level, "a finite number or a text")
+    n_again = first_repeat(_texts(levels))  # a number and its text name the same level of a nested or varied table
     if n_again is not None:
-        raise InvalidParameter(f"factors.{name}[{n_again}]: found {levels[n_again]!r} twice, expected each level once")
+        raise InvalidParameter(f"{path}[{n_again}]: found {levels[n_again]!r} twice, expected each level once")
 
 
 def _check_plan(study: Study) -> None:
@@ -192,10 +180,8 @@ def _check_places(plan: PlanTable) -> None:
     placed: dict[str, str] = {}
     for key in ("between", "sessions", "interleave"):
         for name in getattr(plan, key):
-            if name in placed:
-                raise InvalidParameter(
-                    f"plan.{key}: found {name!r}, which stands in plan.{placed[name]} too, expected each factor once"
-                )
+            twice = f"{name!r}, which stands in plan.{placed.get(name)} too"
+            expect(name not in placed, f"plan.{key}", twice, "each factor once")
             placed[name] = key
 
 
@@ -208,10 +194,14 @@ def _texts(levels: Levels) -> list[str]:
     return [cell(level) for level in levels]
 
 
-def _check_name(found: str, known: Iterable[str], where: str, what: str) -> None:
-    names = list(known)
-    if found not in names:
-        raise InvalidParameter(f"{where}: found {found!r}, expected {what} ({', '.join(names)}){nearest(found, names)}")
+def _check_name(name: str, known: Collection[str], where: str, what: str) -> None:
+    if name not in known:
+        raise no_such(where, name, what, known)
+
+
+def no_such(where: str, name: str, what: str, known: Collection[str]) -> InvalidParameter:
+    """What is said of a name that is not `what` was expected, with those that are known and the nearest of them."""
+    return InvalidParameter(f"{where}: found {name!r}, expected {what} ({', '.join(known)}){nearest(name, known)}")
 
 
 def parse(content: bytes, where: str) -> Study:

@@ -4,9 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 from typing import Any
 
-from tactometry.arguments.require import one_of
+from tactometry.arguments.require import expect, one_of
 from tactometry.config.strict import build, check_keys, kind_of
-from tactometry.errors import InvalidParameter, nearest
 from tactometry.loading import resolve
 from tactometry.observers.decisions import Decision
 from tactometry.protocols.block_state import BlockOptions
@@ -14,7 +13,7 @@ from tactometry.protocols.tasks.task import Over, Task, TaskKind
 from tactometry.questionnaire import Questionnaire, load, questionnaires_of, shipped_names
 from tactometry.trials.tasks import TASKS as TASK_ROWS
 
-from .study_file import Study
+from .study_file import Study, no_such
 
 TASKS: Mapping[str, TaskKind] = {name: resolve(f"tactometry.protocols.tasks.{name}:TASK") for name in TASK_ROWS}
 """Every task by its name, which is that of its file."""
@@ -76,14 +75,8 @@ def _names(kind: type) -> tuple[str, ...]:
 
 
 def _check(study: Study, table: TaskTable) -> None:
-    rate = table.options.catch_rate
-    if rate > 0 and not table.task.takes_catch_trials:
-        raise InvalidParameter(
-            f"task.catch_rate: found {rate:g} with {table.kind}, expected 0: every trial of a "
-            f"{table.kind.replace('_', ' ')} holds a stimulus; remove the key"
-        )
+    rate, task = table.options.catch_rate, table.kind.replace("_", " ")
+    without = f"0: every trial of a {task} holds a stimulus; remove the key"
+    expect(rate == 0 or table.task.takes_catch_trials, "task.catch_rate", f"{rate:g} with {table.kind}", without)
     if table.over is not None and len(study.factors.get(table.over, ())) < 2:
-        raise InvalidParameter(
-            f"task.over: found {table.over!r}, expected a factor of at least two levels ({', '.join(study.factors)})"
-            f"{nearest(table.over, study.factors)}"
-        )
+        raise no_such("task.over", table.over, "a factor of at least two levels", study.factors)

@@ -9,8 +9,7 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import numbers, of_kind, some, whole
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, numbers, of_kind, some, whole
 
 Array = NDArray[np.float64]
 
@@ -194,15 +193,12 @@ class TableModel:
         numbers("TableModel.levels", self.levels)
         of_kind("TableModel", np.ndarray, table=self.table)
         expected = (len(self.levels), *(len(values) for values in self.parameters.values()))
-        if self.table.ndim < 3 or self.table.shape[0] < 2 or self.table.shape[1:] != expected:
-            raise InvalidParameter(
-                f"TableModel.table: found the shape {self.table.shape}, expected (n_outcomes from 2, "
-                f"{', '.join(map(str, expected))})"
-            )
-        if not (np.diff(self.levels) > 0).all():
-            raise InvalidParameter(f"TableModel.levels: found {self.levels}, expected rising levels")
-        if not (self.table >= 0).all():
-            raise InvalidParameter("TableModel.table: found a chance below 0 or not a number, expected probabilities")
+        shape = self.table.shape
+        fits = len(shape) >= 3 and shape[0] >= 2 and shape[1:] == expected
+        sizes = ", ".join(map(str, expected))
+        expect(fits, "TableModel.table", f"the shape {shape}", f"(n_outcomes from 2, {sizes})")
+        expect((np.diff(self.levels) > 0).all(), "TableModel.levels", self.levels, "rising levels")
+        expect((self.table >= 0).all(), "TableModel.table", "a chance below 0 or not a number", "probabilities")
         for n, level in enumerate(self.levels):
             _check_sum(self.table[:, n].sum(axis=0), level)
 
@@ -211,15 +207,13 @@ class TableModel:
         return int(self.table.shape[0])
 
     def log_likelihood(self, level: float, outcome: int) -> Array:
-        if not self.levels[0] <= level <= self.levels[-1]:
-            raise InvalidParameter(
-                f"TableModel: found the level {level:g}, expected one from {self.levels[0]:g} to {self.levels[-1]:g}, "
-                "where the table has chances"
-            )
+        low, high = self.levels[0], self.levels[-1]
+        among = f"one from {low:g} to {high:g}, where the table has chances"
+        expect(low <= level <= high, "TableModel", f"the level {level:g}", among)
         place = float(np.interp(level, self.levels, range(len(self.levels))))
-        low, beyond = math.floor(place), place % 1
+        before, beyond = math.floor(place), place % 1
         # At the last level floor and ceiling are the same row, and no row beyond the table is read.
-        probabilities = (1 - beyond) * self.table[outcome, low] + beyond * self.table[outcome, math.ceil(place)]
+        probabilities = (1 - beyond) * self.table[outcome, before] + beyond * self.table[outcome, math.ceil(place)]
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(probabilities).ravel(), dtype=np.float64)
 
@@ -237,8 +231,6 @@ def _check_parameters(owner: str, parameters: Mapping[str, tuple[float, ...]]) -
 
 
 def _check_sum(total: Array, level: float) -> None:
-    if not (np.abs(total - 1) <= 1e-9).all():  # negated, so that NaN is refused too
-        worst = float(total.flat[int(np.abs(total - 1).argmax())])
-        raise InvalidParameter(
-            f"model: found chances at level {level:g} that add up to {worst:g}, expected 1 over all outcomes"
-        )
+    away = np.abs(total - 1)
+    worst = f"chances at level {level:g} that add up to {total.flat[int(away.argmax())]:g}"
+    expect((away <= 1e-9).all(), "model", worst, "1 over all outcomes")  # NaN is refused too

@@ -7,8 +7,7 @@ from functools import cached_property
 
 import numpy as np
 
-from tactometry.arguments.require import first_repeat, numbers, some
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import distinct, expect, numbers, some
 from tactometry.psychometric import shape_named
 
 from .outcome_model import Array, p_log_p
@@ -52,11 +51,9 @@ class ParameterGrid:
         _check("widths", self.widths, NARROWEST, math.inf)
         _check("guess_rates", self.guess_rates, -1e-300, 1)
         _check("lapse_rates", self.lapse_rates, -1e-300, 1)
-        if max(self.guess_rates) + max(self.lapse_rates) >= 1:
-            raise InvalidParameter(
-                f"ParameterGrid.lapse_rates: found guess and lapse rates that add up to "
-                f"{max(self.guess_rates) + max(self.lapse_rates):g}, expected less than 1"
-            )
+        total = max(self.guess_rates) + max(self.lapse_rates)
+        rates = f"guess and lapse rates that add up to {total:g}"
+        expect(total < 1, "ParameterGrid.lapse_rates", rates, "less than 1")
 
     @property
     def parameters(self) -> Mapping[str, tuple[float, ...]]:
@@ -89,8 +86,7 @@ class ParameterGrid:
         x, t = np.ix_(np.asarray(levels, dtype=np.float64), np.asarray(self.thresholds, dtype=np.float64))
         if not shape_named(self.shape).on_log_levels:
             return np.asarray(x - t)
-        if (x < 0).any():
-            raise InvalidParameter(f"ParameterGrid: found the level {x.min():g}, expected levels from 0 on")
+        expect((x >= 0).all(), "ParameterGrid", f"the level {x.min():g}", "levels from 0 on")
         with np.errstate(divide="ignore"):
             return np.asarray(np.log(x) - np.log(t))
 
@@ -125,14 +121,9 @@ def _check(name: str, values: tuple[float, ...], low: float, high: float) -> Non
     numbers(f"ParameterGrid.{name}", values)
     some(f"ParameterGrid.{name}", values)
     for n, value in enumerate(values):
-        if not low < value < high:
-            where = "" if low == -math.inf else f" between {max(low, 0):g} and {high:g}"
-            raise InvalidParameter(f"ParameterGrid.{name}[{n}]: found {value}, expected a finite number{where}")
-    place = first_repeat(values)
-    if place is not None:
-        raise InvalidParameter(
-            f"ParameterGrid.{name}[{place}]: found {values[place]:g} twice, expected each value once"
-        )
+        where = "" if low == -math.inf else f" between {max(low, 0):g} and {high:g}"
+        expect(low < value < high, f"ParameterGrid.{name}[{n}]", value, f"a finite number{where}")
+    distinct(f"ParameterGrid.{name}", values, "each value once")
 
 
 @dataclass(frozen=True, eq=False)

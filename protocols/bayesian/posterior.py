@@ -7,8 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from tactometry.arguments.require import numbers, of_kind
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, numbers, of_kind, one_of
 
 from ..procedures.procedure import Ending
 from .outcome_model import Array
@@ -65,14 +64,12 @@ def log_prior(parameters: Mapping[str, tuple[float, ...]], prior: Mapping[str, S
     of_kind(where, Mapping, prior=prior)
     for name, weights in prior.items():
         numbers(f"{where}.prior[{name!r}]", weights)
-        if name not in parameters:
-            raise InvalidParameter(f"{where}.prior: found {name!r}, expected parameters of {', '.join(parameters)}")
+        one_of(f"{where}.prior", name, parameters)
         given = np.asarray(weights, dtype=np.float64)
-        if given.shape != (len(parameters[name]),) or not (given >= 0).all() or not 0 < given.sum() < math.inf:
-            raise InvalidParameter(
-                f"{where}.prior[{name!r}]: found {len(weights)} weights from {given.min(initial=0):g} on, expected "
-                f"{len(parameters[name])} finite numbers from 0, not all 0"
-            )
+        n_values = len(parameters[name])
+        are_weights = given.shape == (n_values,) and (given >= 0).all() and 0 < given.sum() < math.inf
+        listed = f"{len(weights)} weights from {given.min(initial=0):g} on"
+        expect(are_weights, f"{where}.prior[{name!r}]", listed, f"{n_values} finite numbers from 0, not all 0")
     with np.errstate(divide="ignore"):
         axes = [np.log(prior.get(name, np.ones(len(values)))) for name, values in parameters.items()]
     total: Array = sum(np.ix_(*axes), start=np.zeros(()))

@@ -7,8 +7,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from tactometry.arguments.require import below_1, finite, one_of, positive
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import below_1, expect, finite, one_of, positive
 from tactometry.psychometric import shape_named
 
 from .outcome_model import Array
@@ -77,23 +76,23 @@ class Quest(WeighingRule):
         finite("Quest", start=self.start, low=self.low, high=self.high, target=self.target)
         finite("Quest", guess_rate=self.guess_rate, blind_share=self.blind_share)
         positive("Quest", start_sd=self.start_sd, step=self.step, decade=self.decade, slope=self.slope)
-        if self.start_sd < NARROWEST * (self.high - self.low):
-            raise InvalidParameter(f"Quest.start_sd: found {self.start_sd:g}, expected more; the prior is a point")
+        is_wide = self.start_sd >= NARROWEST * (self.high - self.low)
+        expect(is_wide, "Quest.start_sd", f"{self.start_sd:g}", "more; the prior is a point")
         self._check_stop()
-        if not self.low <= self.start <= self.high or not 1 <= (self.high - self.low) / self.step <= N_STEPS:
-            raise InvalidParameter(
-                f"Quest.start: found {self.start:g}, low {self.low:g}, high {self.high:g} and step {self.step:g}, "
-                f"expected a start between low and high, which are 1 to {N_STEPS} steps apart"
-            )
+        n_steps = (self.high - self.low) / self.step
+        expect(
+            self.low <= self.start <= self.high and 1 <= n_steps <= N_STEPS,
+            "Quest.start",
+            f"{self.start:g}, low {self.low:g}, high {self.high:g} and step {self.step:g}",
+            f"a start between low and high, which are 1 to {N_STEPS} steps apart",
+        )
         self._check_rates()
 
     def _check_rates(self) -> None:
         below_1("Quest", guess_rate=self.guess_rate, blind_share=self.blind_share)
-        if not self.guess_rate < self.target < 1 - self.lapse_rate:
-            raise InvalidParameter(
-                f"Quest.target: found {self.target:g}, expected a chance between the asymptotes "
-                f"({self.guess_rate:g} and {1 - self.lapse_rate:g})"
-            )
+        low, high = self.guess_rate, 1 - self.lapse_rate
+        asymptotes = f"a chance between the asymptotes ({low:g} and {high:g})"
+        expect(low < self.target < high, "Quest.target", f"{self.target:g}", asymptotes)
 
     @property
     def bounds(self) -> tuple[float, float]:

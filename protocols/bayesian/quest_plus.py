@@ -8,8 +8,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from tactometry.arguments.require import at_most, numbers, of_kind, one_of
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import at_most, expect, numbers, of_kind, one_of
 
 from .outcome_model import Array, Likelihoods, OutcomeModel, p_log_p, size
 from .posterior import Posterior, log_prior
@@ -72,11 +71,9 @@ class QuestPlus(WeighingRule):
 
     def __post_init__(self) -> None:
         numbers("QuestPlus.levels", self.levels)
-        if len(self.levels) < 2 or len(set(self.levels)) != len(self.levels):
-            raise InvalidParameter(
-                f"QuestPlus.levels: found {len(self.levels)} levels, {len(set(self.levels))} of them different, "
-                "expected at least two, each once"
-            )
+        n_levels, n_different = len(self.levels), len(set(self.levels))
+        listed = f"{n_levels} levels, {n_different} of them different"
+        expect(n_levels == n_different >= 2, "QuestPlus.levels", listed, "at least two, each once")
         one_of("QuestPlus.aim", self.aim, get_args(Aim))
         one_of("QuestPlus.criterion", self.criterion, get_args(Criterion))
         of_kind("QuestPlus", OutcomeModel, grid=self.grid)
@@ -145,8 +142,7 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
             If there is no such parameter.
         """
         names = list(self.rule.grid.parameters)
-        if parameter not in names:
-            raise InvalidParameter(f"QuestPlus.marginal: found {parameter!r}, expected one of {', '.join(names)}")
+        one_of("QuestPlus.marginal", parameter, names)
         cells = self.state.weights.reshape([len(values) for values in self.rule.grid.parameters.values()])
         others = tuple(n for n, name in enumerate(names) if name != parameter)
         return np.asarray(cells.sum(axis=others), dtype=np.float64)

@@ -7,8 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from tactometry.arguments.magnitudes import is_number
-from tactometry.arguments.require import below_1, finite, numbers, one_of, whole
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import below, below_1, expect, finite, numbers, one_of, shown, whole
 
 from .parameter_grid import ParameterGrid
 from .quest_plus import Aim, Criterion, QuestPlus
@@ -34,10 +33,10 @@ def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...
     whole(owner, lowest=1, highest=MOST_VALUES, **{of_n: n})
     n = int(n)
     one_of(f"{owner}.spacing", spacing, get_args(Spacing))
-    if n > 1 and not low < high:
-        raise InvalidParameter(f"{owner}.{of_low}: found {low:g}, expected less than {of_high} ({high:g})")
-    if spacing == "log" and low <= 0:
-        raise InvalidParameter(f"{owner}.{of_low}: found {low:g}, expected above 0 (values with equal ratios)")
+    if n > 1:
+        below(owner, **{of_low: low, of_high: high})
+    if spacing == "log":
+        expect(low > 0, f"{owner}.{of_low}", f"{low:g}", "above 0 (values with equal ratios)")
     if n == 1:
         return (low,)
     values = np.linspace(low, high, n) if spacing == "linear" else np.geomspace(low, high, n)
@@ -99,15 +98,13 @@ class QuestPlusSettings:
 
     def procedure(self) -> QuestPlus:
         levels, grid = self._levels(), self._grid()
-        prior = {} if self.width_prior_factor is None else {"width": self._width_prior(grid.widths)}
+        factor = self.width_prior_factor
+        prior = {} if factor is None else {"width": self._width_prior(factor, grid.widths)}
         return QuestPlus(levels, grid, self.n_trials, self.sd_stop, self.aim, self.criterion, prior)
 
-    def _width_prior(self, widths: tuple[float, ...]) -> tuple[float, ...]:
-        factor = self.width_prior_factor
-        if not is_number(factor) or factor <= 1:
-            raise InvalidParameter(
-                f"QuestPlusSettings.width_prior_factor: found {factor!r:.60}, expected a number above 1"
-            )
+    def _width_prior(self, factor: float, widths: tuple[float, ...]) -> tuple[float, ...]:
+        is_factor = is_number(factor) and factor > 1
+        expect(is_factor, "QuestPlusSettings.width_prior_factor", shown(factor), "a number above 1")
         middle = math.sqrt(widths[0]) * math.sqrt(widths[-1])  # roots first: the product may leave the floats
         return tuple(math.exp(-0.5 * (math.log(width / middle) / math.log(factor)) ** 2) for width in widths)
 

@@ -8,11 +8,10 @@ from typing import Self
 import numpy as np
 from scipy.special import logsumexp
 
-from tactometry.arguments.require import of_kind
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.arguments.require import expect, lookup, of_kind
+from tactometry.errors import InvalidParameter
 
-from ..procedures.procedure import Ending, Procedure, RuleThreshold
-from ..procedures.shared_learning import Sharing
+from ..procedures.procedure import Ending, Procedure, RuleThreshold, Sharing
 from .outcome_model import Array, size
 from .posterior import Posterior, log_prior
 from .quest_plus import QuestPlus, QuestPlusRun
@@ -57,8 +56,8 @@ class SharedQuestPlus:
     def __post_init__(self) -> None:
         of_kind("SharedQuestPlus", QuestPlus, rule=self.rule)
         of_kind("SharedQuestPlus", tuple, tracks=self.tracks)
-        if not self.tracks or len(set(self.tracks)) != len(self.tracks):
-            raise InvalidParameter(f"SharedQuestPlus.tracks: found {self.tracks}, expected names, each once")
+        are_names = self.tracks and len(set(self.tracks)) == len(self.tracks)
+        expect(bool(are_names), "SharedQuestPlus.tracks", self.tracks, "names, each once")
 
     @property
     def finished(self) -> bool:
@@ -66,12 +65,7 @@ class SharedQuestPlus:
 
     def procedure(self, track: str) -> QuestPlusRun:
         """How a track stands. Tell answers to the pool, not to this."""
-        if track not in self.tracks:
-            raise InvalidParameter(
-                f"SharedQuestPlus: found the track {track!r}, expected one of {', '.join(self.tracks)}"
-                f"{nearest(track, self.tracks)}"
-            )
-        return self._views[track]
+        return lookup("SharedQuestPlus.track", track, self._views)
 
     def procedures(self) -> tuple["SharedTrack", ...]:
         """One for each track."""

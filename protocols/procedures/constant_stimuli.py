@@ -5,8 +5,8 @@ from typing import Self
 
 import numpy as np
 
-from tactometry.arguments.require import first_repeat, numbers, some, whole
-from tactometry.errors import InvalidParameter, counted
+from tactometry.arguments.require import distinct, expect, numbers, some, whole
+from tactometry.errors import counted
 
 from .procedure import MOST_TRIALS, Ending, FixedOrder, Rule, RuleThreshold, Run, checked_outcome
 
@@ -41,17 +41,11 @@ class ConstantStimuli(Rule["ConstantStimuliRun"], FixedOrder):
         numbers("ConstantStimuli.levels", self.levels)
         whole("ConstantStimuli", lowest=1, repeats=self.repeats)
         some("ConstantStimuli.levels", self.levels)
-        n = first_repeat(self.levels)
-        if n is not None:
-            raise InvalidParameter(
-                f"ConstantStimuli.levels[{n}]: found {self.levels[n]:g} twice, expected each level once; raise repeats "
-                "to present it more often"
-            )
-        if self.n_trials_at_most > MOST_TRIALS:
-            raise InvalidParameter(
-                f"ConstantStimuli.repeats: found {self.repeats} of {counted(len(self.levels), 'level')}, expected at "
-                f"most {MOST_TRIALS} trials in all"
-            )
+        once = "each level once; raise repeats to present it more often"
+        distinct("ConstantStimuli.levels", self.levels, once)
+        in_all = f"{self.repeats} of {counted(len(self.levels), 'level')}"
+        most = f"at most {MOST_TRIALS} trials in all"
+        expect(self.n_trials_at_most <= MOST_TRIALS, "ConstantStimuli.repeats", in_all, most)
 
     @property
     def bounds(self) -> tuple[float, float]:

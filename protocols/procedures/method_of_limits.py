@@ -7,8 +7,7 @@ from typing import Literal, Self, get_args
 
 import numpy as np
 
-from tactometry.arguments.require import finite, one_of, whole
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, finite, one_of, whole
 
 from .procedure import MOST_TRIALS, Ending, Rule, RuleThreshold, Run
 
@@ -65,16 +64,19 @@ class MethodOfLimits(Rule["MethodOfLimitsRun"]):
         finite("MethodOfLimits", low=self.low, high=self.high, step=self.step)
         whole("MethodOfLimits", lowest=0, highest=MOST_TRIALS, n_series=self.n_series)
         whole("MethodOfLimits", lowest=0, n_start_steps=self.n_start_steps)
-        if not (self.step > 0 and self.low < self.high <= self.low + N_STEPS * self.step):
-            raise InvalidParameter(
-                f"MethodOfLimits.step: found {self.step:g} from low {self.low:g} to high {self.high:g}, expected above "
-                f"0, low below high, and at most {N_STEPS} steps between them"
-            )
-        if self.n_series < 1 or self.n_steps <= self.n_start_steps:
-            raise InvalidParameter(
-                f"MethodOfLimits.n_series: found {self.n_series} series over {self.n_steps} steps with starts up to "
-                f"{self.n_start_steps} steps inwards, expected at least one series of at least two levels"
-            )
+        expect(
+            self.step > 0 and self.low < self.high <= self.low + N_STEPS * self.step,
+            "MethodOfLimits.step",
+            f"{self.step:g} from low {self.low:g} to high {self.high:g}",
+            f"above 0, low below high, and at most {N_STEPS} steps between them",
+        )
+        starts = f"with starts up to {self.n_start_steps} steps inwards"
+        expect(
+            self.n_series >= 1 and self.n_steps > self.n_start_steps,
+            "MethodOfLimits.n_series",
+            f"{self.n_series} series over {self.n_steps} steps {starts}",
+            "at least one series of at least two levels",
+        )
 
     @property
     def n_steps(self) -> int:

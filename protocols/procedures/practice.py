@@ -5,8 +5,7 @@ from typing import Self
 
 import numpy as np
 
-from tactometry.arguments.require import numbers, some, whole
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, numbers, some, whole
 
 from .procedure import Ending, Rule, RuleThreshold, Run
 
@@ -39,12 +38,9 @@ class Practice(Rule["PracticeRun"]):
         whole("Practice", lowest=1, n_correct=self.n_correct, n_of=self.n_of, n_trials=self.n_trials)
         some("Practice.levels", self.levels)
         for name, most in (("n_correct", "n_of"), ("n_of", "n_trials")):
-            high = getattr(self, most)
-            if getattr(self, name) > high:
-                raise InvalidParameter(
-                    f"Practice.{name}: found {getattr(self, name)}, expected from 1 to {high}, {most}; it must be "
-                    "possible to meet the criterion"
-                )
+            number, highest = getattr(self, name), getattr(self, most)
+            possible = f"from 1 to {highest}, {most}; it must be possible to meet the criterion"
+            expect(number <= highest, f"Practice.{name}", number, possible)
 
     @property
     def bounds(self) -> tuple[float, float]:

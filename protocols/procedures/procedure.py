@@ -1,6 +1,7 @@
 """What every rule for the next level is: its numbers (`Rule`), and how far it has come with them (`Run`)."""
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
@@ -8,6 +9,7 @@ from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 import numpy as np
 
 from tactometry.arguments.magnitudes import is_number
+from tactometry.arguments.require import expect, shown
 from tactometry.errors import InvalidParameter
 
 MOST_TRIALS = 1_000_000
@@ -96,6 +98,14 @@ class FixedOrder(Procedure):
         """The answer counts, the presentation stays."""
 
 
+class Sharing(Procedure):
+    """A procedure to which an answer on another track tells something."""
+
+    @abstractmethod
+    def learning_from(self, other: Procedure) -> Self:
+        """This procedure, when `other` has just had an answer; unchanged if the two share nothing."""
+
+
 RunT = TypeVar("RunT", bound="Run[Any]")
 RuleT = TypeVar("RuleT", bound="Rule[Any]")
 
@@ -170,7 +180,8 @@ class Run(Procedure, Generic[RuleT]):
         outcome = checked_outcome(response, self.rule.n_outcomes, owner)
         if self.finished:
             raise InvalidParameter(f"{owner}.after: the procedure has finished, expected no further response")
-        level = self.level if delivered is None else _finite_level(delivered, owner)
+        level = self.level if delivered is None else delivered
+        expect(is_number(level), f"{owner}.after", f"the delivered level {shown(level)}", "a finite number")
         history = replace(self, responses=(*self.responses, outcome), delivered=(*self.delivered, level))
         return history._updated()
 
@@ -201,7 +212,16 @@ def checked_outcome(response: object, n_outcomes: int, procedure: str) -> int:
     raise InvalidParameter(f"{procedure}.after: found the response {response!r}, expected {expected}")
 
 
-def _finite_level(level: float, procedure: str) -> float:
-    if is_number(level):
-        return level
-    raise InvalidParameter(f"{procedure}.after: found the delivered level {level!r:.60}, expected a finite number")
+def after_answer(
+    procedures: Sequence[Procedure], index: int, response: int | bool, delivered: float | None = None
+) -> tuple[Procedure, ...]:
+    """All procedures after an answer to one of them.
+
+    >>> from tactometry.protocols import ConstantStimuli
+    >>> first, second = after_answer((ConstantStimuli((1.0,), 1), ConstantStimuli((2.0,), 1)), 0, 1)
+    >>> first.finished, second.finished
+    (True, False)
+    """
+    moved = procedures[index].after(response, delivered)
+    others = (other.learning_from(moved) if isinstance(other, Sharing) else other for other in procedures)
+    return tuple(moved if n == index else other for n, other in enumerate(others))

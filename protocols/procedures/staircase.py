@@ -7,8 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from tactometry.arguments.require import finite, numbers, some, whole
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import below, expect, finite, numbers, some, whole
 
 from .procedure import Ending, Rule, RuleThreshold, Run
 
@@ -57,13 +56,9 @@ class UpDown(Rule["StaircaseRun"]):
             numbers(f"{owner}.{name}", steps)
         counts = {"n_up": self.n_up, "n_down": self.n_down, "n_reversals": self.n_reversals}
         whole(owner, lowest=1, **counts, n_trials=self.n_trials, n_at_bound=self.n_at_bound)
-        if not self.low < self.high:
-            raise InvalidParameter(f"{owner}.low: found {self.low:g}, expected less than high ({self.high:g})")
-        if not self.low <= self.start <= self.high:
-            raise InvalidParameter(
-                f"{owner}.start: found {self.start:g}, expected a level between low ({self.low:g}) and high "
-                f"({self.high:g})"
-            )
+        below(owner, low=self.low, high=self.high)
+        among = f"a level between low ({self.low:g}) and high ({self.high:g})"
+        expect(self.low <= self.start <= self.high, f"{owner}.start", f"{self.start:g}", among)
         for name, steps in schedules.items():
             _check_steps(f"{owner}.{name}", steps, self.high - self.low)
 
@@ -71,10 +66,8 @@ class UpDown(Rule["StaircaseRun"]):
 def _check_steps(where: str, steps: tuple[float, ...], widest: float) -> None:
     some(where, steps)
     for n, step in enumerate(steps):
-        if not 0 < step <= widest:
-            raise InvalidParameter(
-                f"{where}[{n}]: found {step:g}, expected above 0 and at most the range of levels ({widest:g})"
-            )
+        expected = f"above 0 and at most the range of levels ({widest:g})"
+        expect(0 < step <= widest, f"{where}[{n}]", f"{step:g}", expected)
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,7 @@
 import math
 from dataclasses import dataclass
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from .staircase import UP, UpDown
 
@@ -46,11 +46,8 @@ class WeightedStaircase(UpDown):
 
     def __post_init__(self) -> None:
         self._check(steps_up=self.steps_up, steps_down=self.steps_down)
-        if len(self.steps_up) != len(self.steps_down):
-            raise InvalidParameter(
-                f"WeightedStaircase.steps_up: found {len(self.steps_up)} steps and {len(self.steps_down)} steps_down, "
-                "expected pairs"
-            )
+        n_up, n_down = len(self.steps_up), len(self.steps_down)
+        expect(n_up == n_down, "WeightedStaircase.steps_up", f"{n_up} steps and {n_down} steps_down", "pairs")
 
     def step(self, direction: int, n_reversals: int) -> float:
         steps = self.steps_up if direction == UP else self.steps_down

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.arguments.require import finite
+from tactometry.arguments.require import below, expect, finite
 from tactometry.errors import InvalidParameter
 from tactometry.session.answer import Adjusted
 from tactometry.session.request import Adjust, Play, Slide
@@ -35,13 +35,10 @@ class AdjustmentTask:
 
     def __post_init__(self) -> None:
         finite("AdjustmentTask", step=self.step, low=self.low, high=self.high)
-        if not self.low < self.high:
-            raise InvalidParameter(f"AdjustmentTask.low: found {self.low:g}, expected less than high ({self.high:g})")
-        if not 0 < self.step <= self.high - self.low:
-            raise InvalidParameter(
-                f"AdjustmentTask.step: found {self.step:g}, expected above 0 and at most the range "
-                f"({self.high - self.low:g})"
-            )
+        below("AdjustmentTask", low=self.low, high=self.high)
+        widest = self.high - self.low
+        is_step = 0 < self.step <= widest
+        expect(is_step, "AdjustmentTask.step", f"{self.step:g}", f"above 0 and at most the range ({widest:g})")
 
     def check_starts(self, low: float, high: float) -> None:
         """Refuse a procedure whose levels, where trials start, leave the bounds.

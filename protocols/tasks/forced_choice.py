@@ -4,14 +4,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, shown
 from tactometry.observers.decisions import Decision, strongest
 from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .intervals import feel_in_turn, nth
 from .task import Presentation, TaskKind, TrialOutcome, reply
+from .touch import feel_in_turn, nth
 
 
 @dataclass(frozen=True)
@@ -32,8 +32,7 @@ class ForcedChoice:
     takes_catch_trials = False
 
     def __post_init__(self) -> None:
-        if self.n_intervals not in (2, 3, 4):
-            raise InvalidParameter(f"ForcedChoice.n_intervals: found {self.n_intervals!r:.60}, expected 2, 3 or 4")
+        expect(self.n_intervals in (2, 3, 4), "ForcedChoice.n_intervals", shown(self.n_intervals), "2, 3 or 4")
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         intervals = tuple(range(1, self.n_intervals + 1))

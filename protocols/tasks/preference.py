@@ -9,8 +9,8 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .intervals import feel_in_turn
 from .task import Over, Presentation, TaskKind, TrialOutcome, reply
+from .touch import feel_in_turn
 
 
 @dataclass(frozen=True)

@@ -10,8 +10,8 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .intervals import feel_in_turn, nth
 from .task import Presentation, TaskKind, TrialOutcome, reply
+from .touch import feel_in_turn, nth
 
 
 @dataclass(frozen=True)

@@ -1,11 +1,13 @@
-"""How a stimulus is felt: the conditions on the finger while it plays."""
+"""How stimuli are felt: the conditions on the finger while one plays, and several one after the other."""
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 from typing import Protocol
 
-from tactometry.arguments.require import given, positive
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, given, positive
+from tactometry.session.answer import Touched
 from tactometry.session.request import TRAJECTORY_M, Play, Press, Slide
+from tactometry.session.run import Course
 
 
 class Touch(Protocol):
@@ -23,22 +25,10 @@ def fair_tolerance(force_n: float) -> float:
     return 0.2 if force_n >= 0.5 else 0.3
 
 
-def _check(touch: "Pressing | Sliding", **more: float | None) -> None:
-    owner = type(touch).__name__
-    positive(owner, duration_s=touch.duration_s, force_n=touch.force_n)
-    positive(owner, hold_s=touch.hold_s, timeout_s=touch.timeout_s)
-    optional = {"tolerance": touch.tolerance, **more}
-    positive(owner, **given(optional))
-    if touch.hold_s >= touch.timeout_s:
-        raise InvalidParameter(
-            f"{owner}.hold_s: found {touch.hold_s:g} s, expected less than timeout_s ({touch.timeout_s:g} s): no touch "
-            "could ever begin"
-        )
-
-
 @dataclass(frozen=True)
-class Pressing:
-    """A finger that rests and presses `force_n` within `tolerance` (relative; None: `fair_tolerance`)."""
+class Contact:
+    """A finger that presses `force_n` within `tolerance` (relative; None: `fair_tolerance`) for `hold_s` until the
+    stimulus begins, at most `timeout_s` later, and while it lasts."""
 
     duration_s: float
     force_n: float
@@ -47,7 +37,21 @@ class Pressing:
     tolerance: float | None = None
 
     def __post_init__(self) -> None:
-        _check(self)
+        owner = type(self).__name__
+        positive(owner, duration_s=self.duration_s, force_n=self.force_n)
+        positive(owner, hold_s=self.hold_s, timeout_s=self.timeout_s, **given({"tolerance": self.tolerance}))
+        longest = f"less than timeout_s ({self.timeout_s:g} s): no touch could ever begin"
+        expect(self.hold_s < self.timeout_s, f"{owner}.hold_s", f"{self.hold_s:g} s", longest)
+
+    @property
+    def force_tolerance(self) -> float:
+        """The tolerance that holds, relative."""
+        return fair_tolerance(self.force_n) if self.tolerance is None else self.tolerance
+
+
+@dataclass(frozen=True)
+class Pressing(Contact):
+    """A finger that rests."""
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Press:
         return Press(
@@ -55,7 +59,7 @@ class Pressing:
             level,
             self.duration_s,
             self.force_n,
-            fair_tolerance(self.force_n) if self.tolerance is None else self.tolerance,
+            self.force_tolerance,
             self.hold_s,
             self.timeout_s,
             interval,
@@ -63,25 +67,20 @@ class Pressing:
 
 
 @dataclass(frozen=True)
-class Sliding:
-    """A finger that follows a cursor out and back over `length_m` at `speed_m_per_s`, and presses `force_n`.
+class Sliding(Contact):
+    """A finger that follows a cursor out and back over `length_m` at `speed_m_per_s`.
 
-    Both are gated within a relative tolerance: `tolerance` of the force (None: `fair_tolerance`), `speed_tolerance` of
-    the speed (None: not gated).
+    The speed is gated within `speed_tolerance` (relative; None: not gated).
     """
 
-    duration_s: float
-    force_n: float
-    hold_s: float
-    timeout_s: float
-    speed_m_per_s: float
-    tolerance: float | None = None
+    speed_m_per_s: float = field(kw_only=True)
     length_m: float = TRAJECTORY_M
     speed_tolerance: float | None = None
 
     def __post_init__(self) -> None:
-        positive("Sliding", speed_m_per_s=self.speed_m_per_s, length_m=self.length_m)
-        _check(self, speed_tolerance=self.speed_tolerance)
+        super().__post_init__()
+        speeds = given({"speed_tolerance": self.speed_tolerance})
+        positive("Sliding", speed_m_per_s=self.speed_m_per_s, length_m=self.length_m, **speeds)
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Slide:
         return Slide(
@@ -89,7 +88,7 @@ class Sliding:
             level,
             self.duration_s,
             self.force_n,
-            fair_tolerance(self.force_n) if self.tolerance is None else self.tolerance,
+            self.force_tolerance,
             self.hold_s,
             self.timeout_s,
             self.speed_m_per_s,
@@ -97,3 +96,18 @@ class Sliding:
             self.length_m,
             self.speed_tolerance,
         )
+
+
+def feel_in_turn(touch: Touch, stimuli: Sequence[str], levels: Sequence[float | None]) -> Course[tuple[Touched, ...]]:
+    """The touches of intervals 1, 2, ...; a touch that is not valid is the last."""
+    touches: list[Touched] = []
+    for interval, (stimulus, level) in enumerate(zip(stimuli, levels, strict=True), 1):
+        touches.append((yield touch.request(stimulus, level, interval)))
+        if not touches[-1].valid:
+            break
+    return tuple(touches)
+
+
+def nth(touches: Sequence[Touched], interval: int) -> Touched | None:
+    """The touch of an interval, if it came to it."""
+    return touches[interval - 1] if interval <= len(touches) else None

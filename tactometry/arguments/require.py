@@ -5,6 +5,7 @@ Numbers are given by their names, after their owner; each has the domain of magn
 """
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
+from itertools import pairwise
 from math import inf, isfinite
 from numbers import Real
 from types import NoneType
@@ -100,6 +101,17 @@ def within(owner: str, low: float, high: float, /, **values: object) -> None:
     tactometry.errors.InvalidParameter: Grating.duty: found 1.5, expected a number from 0 to 1
     """
     _each(owner, values, lambda value: is_number(value) and low <= value <= high, f"a number from {low:g} to {high:g}")
+
+
+def below(owner: str, /, **values: float) -> None:
+    """Each of some finite numbers is less than the next one.
+
+    >>> below("Staircase", low=40.0, high=0.0)
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: Staircase.low: found 40, expected less than high (0)
+    """
+    for (name, value), (above, limit) in pairwise(values.items()):
+        expect(value < limit, f"{owner}.{name}", f"{value:g}", f"less than {above} ({limit:g})")
 
 
 def not_zero(owner: str, /, **values: object) -> None:
@@ -217,6 +229,20 @@ def first_repeat(values: Iterable[Hashable]) -> int | None:
             return place
         seen.add(value)
     return None
+
+
+def distinct(where: str, found: Sequence[float | str], expected: str) -> None:
+    """`found` holds nothing twice; `expected` says so in the words of its place.
+
+    >>> distinct("Staircase.steps", (4.0, 2.0, 4.0), "each step once")
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: Staircase.steps[2]: found 4 twice, expected each step once
+    """
+    place = first_repeat(found)
+    if place is not None:
+        value = found[place]
+        again = repr(value) if isinstance(value, str) else f"{value:g}"
+        raise InvalidParameter(f"{where}[{place}]: found {again} twice, expected {expected}")
 
 
 def numbers(where: str, found: object) -> None:

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from ..loading import resolve
 from .output import json_option, path_option, progress, say
 
 if TYPE_CHECKING:
@@ -25,13 +24,13 @@ def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int) ->
     """
     from tactometry.experiments.cost.measure import climb
     from tactometry.experiments.cost.report import machine, table
-    from tactometry.experiments.ladders import LADDERS
+    from tactometry.experiments.ladders import LADDERS, problem_of
 
     from ..arguments.require import one_of
 
     one_of("LADDER", ladder, ("all", *LADDERS))
     names = list(LADDERS) if ladder == "all" else [ladder]
-    problems = [resolve(LADDERS[name])() for name in names]
+    problems = [problem_of(name) for name in names]
     climbs = [climb(problem, rounds) for problem in progress(problems, len(problems), "ladders")]
     if out is not None:
         _write(climbs, out)

@@ -17,8 +17,7 @@ from tactometry.experiments.cost.page import digit
 from tactometry.experiments.cost.peers import RECORD, peers_of, recorded_on
 from tactometry.experiments.cost.problem import Problem, Rung
 from tactometry.experiments.cost.report import answers, label, table
-from tactometry.experiments.ladders import LADDERS
-from tactometry.loading import resolve
+from tactometry.experiments.ladders import LADDERS, problem_of
 
 PAGE = DOCS / "cost.md"
 N_RUNGS = {} if SOAK else {"group-threshold": 3}
@@ -33,7 +32,7 @@ def reduced(problem: Problem) -> Problem:
 
 @pytest.fixture(scope="module", params=LADDERS)
 def found(request):
-    return climb(reduced(resolve(LADDERS[request.param])()), n_rounds=0)
+    return climb(reduced(problem_of(request.param)), n_rounds=0)
 
 
 # --- laws of every ladder
@@ -91,7 +90,6 @@ def known(prices=(5.0, 3.0, 4.0, 9.0)) -> Problem:
     steps = (3, 7, 14, 40)
     rungs = tuple(Rung(f"n = {n}", partial(halves, n), price) for n, price in zip(steps, prices, strict=True))
     return Problem(
-        "known",
         "halves",
         "one",
         "one",
@@ -100,6 +98,7 @@ def known(prices=(5.0, 3.0, 4.0, 9.0)) -> Problem:
         lambda a, b: abs(a - b),
         rungs,
         "coins",
+        "known",
     )
 
 

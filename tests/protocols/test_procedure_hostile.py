@@ -24,7 +24,6 @@ from tactometry.protocols import (
     QuestPlusSettings,
     SharedQuestPlus,
     TableModel,
-    counterbalanced,
     psi,
     williams_square,
 )
@@ -68,7 +67,6 @@ VALID = (
 )  # fmt: skip
 CALLS = {
     williams_square: {"n": 4},
-    counterbalanced: {"factors": {"a": [1, 2], "b": [3, 4]}, "outer_first": ["a"], "number": 3},
     psi: {
         "levels": (0.0, 1.0), "thresholds": (0.0, 1.0), "sds": (0.5, 1.0), "guess_rate": 0.5, "lapse_rate": 0.02,
         "n_trials": 3, "sd_stop": 0.1, "aim": "parameters",

@@ -126,7 +126,10 @@ def run(procedures, truths, rng):
         (lambda: SharedQuestPlus(RULE, ()), r"SharedQuestPlus.tracks: found \(\), expected names, each once"),
         (lambda: SharedQuestPlus(RULE, ("a", "a")), "expected names, each once"),
         (lambda: SharedQuestPlus(RULE.after(1), ("a",)), "SharedQuestPlus.rule: found QuestPlusRun.*, expected"),
-        (lambda: SharedQuestPlus(RULE, ("left",)).procedure("lefty"), "found the track 'lefty', expected one of left"),
+        (
+            lambda: SharedQuestPlus(RULE, ("left",)).procedure("lefty"),
+            "SharedQuestPlus.track: found 'lefty', expected one of left",
+        ),
     ],
 )
 def test_what_makes_no_pool_is_refused(build, message):

@@ -24,7 +24,8 @@ from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load
 from tactometry.gates.force import ForceGate
 from tactometry.observers.signal_detection import SignalDetectionObserver
-from tactometry.protocols import Staircase, counterbalanced
+from tactometry.protocols import Staircase
+from tactometry.protocols.order import Crossing
 from tactometry.records.data_set import Session
 from tactometry.records.open_journal import Journal
 from tactometry.records.open_session import OpenSession
@@ -94,7 +95,8 @@ def test_a_run_that_ends_at_a_bound_is_censored_even_with_its_last_reversal():
 
 
 def test_an_inner_factor_begins_each_round_with_its_next_order():
-    cells = counterbalanced({"force_n": [1, 2], "frequency_hz": [30, 60, 120]}, ["force_n", "frequency_hz"], 1)
+    factors = {"force_n": [1, 2], "frequency_hz": [30, 60, 120]}
+    cells = Crossing(factors, dict.fromkeys(factors, "williams")).cells(0, None)
     frequencies = [cell["frequency_hz"] for cell in cells]
     assert frequencies[:3] != frequencies[3:]
 
