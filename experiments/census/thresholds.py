@@ -25,6 +25,7 @@ from tactometry.protocols import (
     Staircase,
     WeightedStaircase,
 )
+from tactometry.protocols.bayesian.quest_plus import Aim
 from tactometry.protocols.procedures.procedure import Rule
 from tactometry.psychometric import PsychometricFunction
 
@@ -65,54 +66,44 @@ TASKS = (
 )
 
 
-def constant(task: SimulatedTask) -> ConstantStimuli:
-    del task
+def constant() -> ConstantStimuli:
     return ConstantStimuli(CONSTANT_DB, math.ceil(N_TRIALS[-1] / len(CONSTANT_DB)))
 
 
-def up_down(n_down: int) -> Callable[[SimulatedTask], Staircase]:
-    def made(task: SimulatedTask) -> Staircase:
-        del task
-        return Staircase(
-            *(36.0, STEPS_DB, LOW_DB, HIGH_DB), n_down=n_down, n_reversals=ENDLESS, n_trials=ENDLESS, n_at_bound=ENDLESS
-        )
-
-    return made
+def up_down(n_down: int) -> Staircase:
+    start = (36.0, STEPS_DB, LOW_DB, HIGH_DB)
+    return Staircase(*start, n_down=n_down, n_reversals=ENDLESS, n_trials=ENDLESS, n_at_bound=ENDLESS)
 
 
-def weighted(task: SimulatedTask) -> WeightedStaircase:
+def weighted() -> WeightedStaircase:
     """Aimed at 0.75."""
-    del task
     ups, downs = (tuple(part * step for step in STEPS_DB) for part in (1.5, 0.5))
-    return WeightedStaircase(
-        36.0, ups, downs, LOW_DB, HIGH_DB, n_reversals=ENDLESS, n_trials=ENDLESS, n_at_bound=ENDLESS
-    )
+    start = (36.0, ups, downs, LOW_DB, HIGH_DB)
+    return WeightedStaircase(*start, n_reversals=ENDLESS, n_trials=ENDLESS, n_at_bound=ENDLESS)
 
 
-def quest(task: SimulatedTask) -> Quest:
-    target = 1 - (1 - task.guess_rate) / math.e
-    return Quest(20.0, 10.0, LOW_DB, HIGH_DB, 0.5, target=target, guess_rate=task.guess_rate, n_trials=ENDLESS)
+def quest(guess_rate: float) -> Quest:
+    target = 1 - (1 - guess_rate) / math.e
+    return Quest(20.0, 10.0, LOW_DB, HIGH_DB, 0.5, target=target, guess_rate=guess_rate, n_trials=ENDLESS)
 
 
-def quest_plus(aim: str) -> Callable[[SimulatedTask], QuestPlus]:
-    def made(task: SimulatedTask) -> QuestPlus:
-        levels_db = tuple(np.arange(LOW_DB, HIGH_DB + 1).tolist())
-        grid = ParameterGrid(levels_db, (4.0, 6.0, 9.0, 13.5, 20.0), (task.guess_rate,), (0.0, 0.02, 0.05))
-        return QuestPlus(levels_db, grid, ENDLESS, aim=aim)  # type: ignore[arg-type]
-
-    return made
+def quest_plus(guess_rate: float, aim: Aim) -> QuestPlus:
+    levels_db = tuple(np.arange(LOW_DB, HIGH_DB + 1).tolist())
+    grid = ParameterGrid(levels_db, (4.0, 6.0, 9.0, 13.5, 20.0), (guess_rate,), (0.0, 0.02, 0.05))
+    return QuestPlus(levels_db, grid, ENDLESS, aim=aim)
 
 
-PROCEDURES: Mapping[str, Callable[[SimulatedTask], Rule[Any]]] = {
-    "constant stimuli": constant,
-    "1 up 1 down": up_down(1),
-    "1 up 2 down": up_down(2),
-    "1 up 3 down": up_down(3),
-    "weighted, 0.75": weighted,
+PROCEDURES: Mapping[str, Callable[[float], Rule[Any]]] = {
+    "constant stimuli": lambda guess_rate: constant(),
+    "1 up 1 down": lambda guess_rate: up_down(1),
+    "1 up 2 down": lambda guess_rate: up_down(2),
+    "1 up 3 down": lambda guess_rate: up_down(3),
+    "weighted, 0.75": lambda guess_rate: weighted(),
     "QUEST": quest,
-    "QUEST+": quest_plus("parameters"),
-    "QUEST+, threshold first": quest_plus("threshold"),
+    "QUEST+": lambda guess_rate: quest_plus(guess_rate, "parameters"),
+    "QUEST+, threshold first": lambda guess_rate: quest_plus(guess_rate, "threshold"),
 }
+"""The rule of each procedure for a task of this guess rate."""
 
 
 @dataclass(frozen=True)
@@ -157,7 +148,7 @@ def tracks(
     width_db = widths_db(uniform[:, 1])
     thresholds_db = places_db(place, procedure, uniform[:, 0], width_db)
     levels_db, answers = np.empty((n_sets, n_trials)), np.empty((n_sets, n_trials))
-    first = PROCEDURES[procedure](task)
+    first = PROCEDURES[procedure](task.guess_rate)
     for i, place_db in enumerate(zip(thresholds_db.tolist(), width_db.tolist(), strict=True)):
         curve = PsychometricFunction(SHAPE, *place_db, task.guess_rate, lapse_rate)
         rule: Procedure = first.begin(rng)

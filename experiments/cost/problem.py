@@ -64,7 +64,7 @@ def over_rms(answer: NDArray[Any], reference: NDArray[Any]) -> float:
     return float(np.linalg.norm(answer - reference) / np.linalg.norm(reference))
 
 
-def over_length(interval: Real, reference: Real) -> float:
+def over_interval(interval: Real, reference: Real) -> float:
     """The largest error of an estimate, its lower and its upper end, over the distance of the ends."""
     return float(np.abs(interval - reference).max() / (reference[2] - reference[1]))
 

@@ -8,7 +8,7 @@ from scipy.special import ndtr, ndtri
 
 from tactometry.analysis.threshold.fitting import ThresholdFit, fit, fit_many
 
-from ..cost.problem import Problem, Real, Rung, over_length
+from ..cost.problem import Problem, Real, Rung, over_interval
 
 LEVELS = np.array([-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0])
 N_CORRECT, N_TRIALS = np.array([23, 20, 26, 30, 37, 39, 40]), 40
@@ -25,7 +25,7 @@ def problem() -> Problem:
         "the same with fewer nodes",
         reference=lambda: (posterior(*N_FINEST), 1e-5),
         independent=lambda: (posterior(*N_COARSER), 1e-4),
-        error=over_length,
+        error=over_interval,
         rungs=(
             Rung("Laplace (map)", partial(_fitted, "map")),
             Rung(f"shared grid, {N_SETS} sets", _shared),

@@ -7,7 +7,7 @@ from scipy.special import ndtr, ndtri
 
 from tactometry.analysis.threshold.fitting import fit
 
-from ..cost.problem import Problem, Real, Rung, over_length
+from ..cost.problem import Problem, Real, Rung, over_interval
 from .threshold_fit import LEVELS, N_CORRECT, N_TRIALS, estimate_and_ends
 
 GUESS, LAPSE = 0.5, 0.02
@@ -24,7 +24,7 @@ def problem() -> Problem:
         "its highest values on a grid",
         reference=lambda: (_by_brent(), 1e-7),
         independent=lambda: (_on_a_grid(), 1e-4),
-        error=over_length,
+        error=over_interval,
         rungs=(Rung("Wald (ml)", partial(_fitted, "ml")), Rung("profile", partial(_fitted, "profile"))),
     )
 

@@ -26,7 +26,7 @@ def fair_tolerance(force_n: float) -> float:
 
 
 @dataclass(frozen=True)
-class Contact:
+class GatedTouch:
     """A finger that presses `force_n` within `tolerance` (relative; None: `fair_tolerance`) for `hold_s` until the
     stimulus begins, at most `timeout_s` later, and while it lasts."""
 
@@ -44,13 +44,13 @@ class Contact:
         expect(self.hold_s < self.timeout_s, f"{owner}.hold_s", f"{self.hold_s:g} s", longest)
 
     @property
-    def force_tolerance(self) -> float:
+    def gate_tolerance(self) -> float:
         """The tolerance that holds, relative."""
         return fair_tolerance(self.force_n) if self.tolerance is None else self.tolerance
 
 
 @dataclass(frozen=True)
-class Pressing(Contact):
+class Pressing(GatedTouch):
     """A finger that rests."""
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Press:
@@ -59,7 +59,7 @@ class Pressing(Contact):
             level,
             self.duration_s,
             self.force_n,
-            self.force_tolerance,
+            self.gate_tolerance,
             self.hold_s,
             self.timeout_s,
             interval,
@@ -67,7 +67,7 @@ class Pressing(Contact):
 
 
 @dataclass(frozen=True)
-class Sliding(Contact):
+class Sliding(GatedTouch):
     """A finger that follows a cursor out and back over `length_m` at `speed_m_per_s`.
 
     The speed is gated within `speed_tolerance` (relative; None: not gated).
@@ -88,7 +88,7 @@ class Sliding(Contact):
             level,
             self.duration_s,
             self.force_n,
-            self.force_tolerance,
+            self.gate_tolerance,
             self.hold_s,
             self.timeout_s,
             self.speed_m_per_s,

@@ -65,6 +65,11 @@ LINES = (
         '    "simulated": ',
     ),
     (
+        "experiments/ladders/__init__.py",
+        '    "series": f"{_HERE}.series:problem",\n',
+        '    "spectral-sensitivity": ',
+    ),
+    (
         "experiments/sessions/rig_kinds.py",
         HURRIED,
         "def simulated(",
@@ -213,6 +218,7 @@ COMMANDS = (
     "run pressed.toml --participant P01 --rig console --bench bench.toml --out pressed",
     "validate pressed",
     "scene covered.toml --explain",
+    "cost series --rounds 1 --out cost",
 )
 PROGRAM = """
 import sys
@@ -311,6 +317,15 @@ def test_the_keys_of_a_procedure_follow_from_its_line(tree: Path, folder: Path) 
     assert done.returncode == 2
     assert "procedure.stepp: found an unknown key" in done.stderr
     assert "did you mean 'step'" in done.stderr
+
+
+def test_a_ladder_is_a_file_and_a_line(folder: Path) -> None:
+    points = rows_of(folder / "cost" / "cost.csv")
+    assert [point["setting"] for point in points] == ["1 terms", "10 terms", "100 terms", "1000 terms"]
+    assert {point["ladder"] for point in points} == {"series"}
+    errors = [float(point["error"]) for point in points]
+    assert errors == sorted(errors, reverse=True)
+    assert (folder / "cost" / "series.png").stat().st_size > 10_000
 
 
 def test_an_observer_is_a_file_and_a_line(folder: Path) -> None:

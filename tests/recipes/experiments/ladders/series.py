@@ -1,0 +1,26 @@
+"""Terms of an alternating series, against its limit."""
+
+import math
+from functools import partial
+
+from ..cost.problem import Problem, Rung
+
+N_TERMS = (1, 10, 100, 1000)
+
+
+def problem() -> Problem:
+    """Leibniz: a quarter of pi."""
+    return Problem(
+        "relative error of pi, by the terms of Leibniz's series",
+        "the constant of the standard library",
+        "Machin's formula",
+        reference=lambda: (math.pi, 1e-15),
+        independent=lambda: (16 * math.atan(1 / 5) - 4 * math.atan(1 / 239), 1e-15),
+        error=lambda answer, reference: abs(answer / reference - 1),
+        rungs=tuple(Rung(f"{n} terms", partial(_sum, n), float(n)) for n in N_TERMS),
+        price="terms",
+    )
+
+
+def _sum(n: int) -> float:
+    return 4 * sum((-1) ** k / (2 * k + 1) for k in range(n))
