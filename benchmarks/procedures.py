@@ -315,7 +315,7 @@ def stops(task: Task, n_observers: int, rng: np.random.Generator) -> None:
         threshold, rule = rng.uniform(-SPAN_DB, SPAN_DB), start
         while not rule.finished:
             rule = rule.after(bool(rng.random() < task.chance(rule.level, threshold)))
-        ends.append((rule.ended, len(rule.responses)))
+        ends.append((rule.ending, len(rule.responses)))
         errors.append(mean(rule) - threshold)
     converged = np.array([ended == "converged" for ended, _ in ends])
     n_trials = np.array([n for _, n in ends])

@@ -7,6 +7,7 @@ import numpy as np
 
 from tactometry.arguments.require import expect, of_kind, shown, some
 from tactometry.errors import counted
+from tactometry.session.answer import Touched
 from tactometry.session.request import Record, Show
 from tactometry.session.run import Course
 from tactometry.trials.trial import Trial
@@ -17,6 +18,8 @@ from .track import Track
 
 FEEDBACK_S = 0.7
 """How long a page says right or wrong (unverified default)."""
+UNTOUCHED = Touched(0.0, None, None)
+"""What a row holds of the finger where nothing was felt."""
 
 
 @dataclass(frozen=True)
@@ -91,7 +94,7 @@ def run_block(
         outcome = yield from block.task.trial(_presentation(state.tracks[index], slot), rng)
         # A row names what its presentation aborts: the state moves on before the row is recorded.
         before, state = state, state.after(slot, outcome)
-        yield from _recorded(block, number, slot, outcome, before, state)
+        yield from _record_rows(block, number, slot, outcome, before, state)
         if outcome.valid and state.open():  # no rest after the last trial
             yield from _rest(block.options, state.n_valid)
     return state.tracks, state.next_trial
@@ -111,7 +114,7 @@ def _presentation(track: Track, slot: Slot) -> Presentation:
     return Presentation(condition.stimulus, slot.level, condition.touch, condition.alternatives)
 
 
-def _recorded(
+def _record_rows(
     block: Block, number: int, slot: Slot, outcome: TrialOutcome, before: BlockState, after: BlockState
 ) -> Course[None]:
     """The rows of a presentation, the last with what it aborts, and what is said of the answer."""
@@ -147,7 +150,8 @@ def _reason(state: BlockState) -> str:
 def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: TrialOutcome, reply: Reply) -> Trial:
     """The row of a reply."""
     # Where no touch is the one whose level counts, the first stands for the trial.
-    felt = outcome.stimulus or next(iter(outcome.touches), None)
+    touch = outcome.stimulus or next(iter(outcome.touches), UNTOUCHED)
+    is_catch = slot.level is None
     return Trial(
         block=number,
         trial=slot.trial,
@@ -160,24 +164,24 @@ def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: Tria
         correct=reply.correct,
         onset_s=outcome.onset_s,
         latency_s=reply.latency_s,
-        force_mean_n=felt.force_mean_n if felt else None,
-        force_sd_n=felt.force_sd_n if felt else None,
-        force_in_band=felt.force_in_band if felt else None,
+        force_mean_n=touch.force_mean_n,
+        force_sd_n=touch.force_sd_n,
+        force_in_band=touch.force_in_band,
         valid=outcome.valid,
         timestamp_utc=reply.timestamp_utc,
         track=track.name,
         attempt=slot.attempt,
-        catch=(slot.level is None) if block.task.takes_catch_trials else None,
+        catch=is_catch if block.task.takes_catch_trials else None,
         item=reply.item,
-        level_delivered=felt.level_delivered if felt and slot.level is not None else None,
+        level_delivered=None if is_catch else touch.level_delivered,
         level_measured=reply.level_measured,
         speed_target_m_per_s=track.condition.speed_m_per_s,
-        speed_mean_m_per_s=felt.speed_mean_m_per_s if felt else None,
+        speed_mean_m_per_s=touch.speed_mean_m_per_s,
         target=outcome.target,
         standard_level=outcome.standard_level,
         item_b=reply.item_b,
         practice=block.practice,
-        speed_in_band=felt.speed_in_band if felt else None,
+        speed_in_band=touch.speed_in_band,
         invalid_reason=outcome.invalid_reason,
         n_gaps=outcome.n_gaps,
     )

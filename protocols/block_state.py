@@ -110,10 +110,10 @@ class BlockState:
             begun_s=outcome.onset_s if self.begun_s is None else self.begun_s,
             next_trial=max(self.next_trial, slot.trial + 1),
         )
-        state = state._counted(slot, outcome) if outcome.valid else state._put_back(slot)
-        return state._timed(outcome.onset_s)
+        state = state._count(slot, outcome) if outcome.valid else state._put_back(slot)
+        return state._with_time(outcome.onset_s)
 
-    def _timed(self, now_s: float) -> "BlockState":
+    def _with_time(self, now_s: float) -> "BlockState":
         """What is unfinished is aborted where the time of the block is over."""
         longest_s = self.options.longest_s
         if longest_s is None or now_s - (self.begun_s or 0.0) <= longest_s:
@@ -121,17 +121,17 @@ class BlockState:
         tracks = (track if track.procedure.finished else replace(track, aborted=True) for track in self.tracks)
         return replace(self, tracks=tuple(tracks), late=True)
 
-    def _counted(self, slot: Slot, outcome: TrialOutcome) -> "BlockState":
+    def _count(self, slot: Slot, outcome: TrialOutcome) -> "BlockState":
         """A catch trial tells its track nothing, and counts all the same."""
-        tracks = self.tracks if slot.level is None else self._answered(slot, outcome)
+        tracks = self.tracks if slot.level is None else self._answer(slot, outcome)
         in_a_row = {**self.n_invalid_in_a_row, slot.track: 0}
         return replace(self, tracks=tracks, n_invalid_in_a_row=in_a_row, n_valid=self.n_valid + 1)
 
-    def _answered(self, slot: Slot, outcome: TrialOutcome) -> tuple[Track, ...]:
+    def _answer(self, slot: Slot, outcome: TrialOutcome) -> tuple[Track, ...]:
         """The tracks after one has learnt what came of its level, and those that learn from it."""
         track = self.tracks[slot.track]
         if isinstance(track.procedure, FixedOrder):
-            track = replace(track, procedure=_in_order(track.procedure, slot, outcome))
+            track = replace(track, procedure=_answer_in_order(track.procedure, slot, outcome))
             return _with(self.tracks, slot.track, track)
         delivered = None if outcome.stimulus is None else outcome.stimulus.level_delivered
         success = outcome.success is not False  # a task that judges nothing moves an adaptive rule as a success does
@@ -145,7 +145,7 @@ class BlockState:
         if max(n_in_a_row, slot.attempt) >= self.options.n_attempts:
             track = replace(track, aborted=True)
         elif isinstance(track.procedure, FixedOrder) and slot.attempt == 1 and slot.level is not None:
-            track = replace(track, procedure=track.procedure.skipped())
+            track = replace(track, procedure=track.procedure.skip())
         return replace(
             self,
             tracks=_with(self.tracks, slot.track, track),
@@ -154,10 +154,10 @@ class BlockState:
         )
 
 
-def _in_order(procedure: FixedOrder, slot: Slot, outcome: TrialOutcome) -> FixedOrder:
+def _answer_in_order(procedure: FixedOrder, slot: Slot, outcome: TrialOutcome) -> FixedOrder:
     """The procedure after an answer; it stays where it is if the level was left out before."""
-    then = procedure if slot.attempt > 1 else procedure.skipped()
-    return then if outcome.success is None else then.told(outcome.success)
+    then = procedure if slot.attempt > 1 else procedure.skip()
+    return then if outcome.success is None else then.take(outcome.success)
 
 
 def _with(values: tuple[T, ...], index: int, value: T) -> tuple[T, ...]:

@@ -34,7 +34,7 @@ class Track:
     begun: bool = True
 
     @property
-    def ended(self) -> str | None:
+    def ending(self) -> str | None:
         if not self.begun:
             return "not begun"
-        return "aborted" if self.aborted else self.procedure.ended
+        return "aborted" if self.aborted else self.procedure.ending

@@ -20,7 +20,7 @@ def peers_of(climb: Climb, record: Path = RECORD) -> tuple[Point, ...]:
     with record.open(newline="", encoding="utf-8") as file:
         rows = [row for row in csv.DictReader(file) if row["ladder"] == climb.problem.name]
     now_s = climb.points[-1].median_s
-    return tuple(_slowed(msgspec.convert(row, Point, strict=False), now_s / float(row["yardstick_s"])) for row in rows)
+    return tuple(_rescale(msgspec.convert(row, Point, strict=False), now_s / float(row["yardstick_s"])) for row in rows)
 
 
 def recorded_on(record: Path = RECORD) -> str:
@@ -29,6 +29,6 @@ def recorded_on(record: Path = RECORD) -> str:
         return next((row["recorded"] for row in csv.DictReader(file)), "never")
 
 
-def _slowed(point: Point, factor: float) -> Point:
+def _rescale(point: Point, factor: float) -> Point:
     times = {name: factor * getattr(point, name) for name in ("price", "first_s", "median_s", "spread_s")}
     return replace(point, **times)

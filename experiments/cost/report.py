@@ -41,10 +41,10 @@ def label(point: Point) -> str:
 
 def answers(climb: Climb) -> list[str]:
     """What each error costs at least."""
-    return [f"{goal:.2%}: {_said(cheapest(climb, goal))}" for goal in GOALS]
+    return [f"{goal:.2%}: {_price_text(cheapest(climb, goal))}" for goal in GOALS]
 
 
-def _said(point: Point | None) -> str:
+def _price_text(point: Point | None) -> str:
     return "no rung reaches it" if point is None else f"{label(point)}, price {point.price:.3g}"
 
 

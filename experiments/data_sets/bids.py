@@ -18,7 +18,7 @@ from tactometry.trials.cells import cell
 from tactometry.trials.columns import Column
 from tactometry.trials.tasks import FORM_TASK
 
-from .source import ExportedDataSet, Row, delimited, json_text
+from .source import ExportedDataSet, Row, delimited_text, json_text
 
 BIDS_VERSION = "1.10.1"
 OWN = ("participant", "session", "study")
@@ -79,7 +79,7 @@ def _heading(source: ExportedDataSet, authors: Sequence[str]) -> dict[str, bytes
     files = {
         "dataset_description.json": json_text(description),
         "README.md": _readme(source).encode(),
-        "participants.tsv": delimited(["participant_id"], [[f"sub-{code}"] for code in people], "\t"),
+        "participants.tsv": delimited_text(["participant_id"], [[f"sub-{code}"] for code in people], "\t"),
         "participants.json": json_text({"participant_id": {"Description": "Code of the participant"}}),
     }
     for code in people:
@@ -94,7 +94,7 @@ def _sessions(source: ExportedDataSet, code: str) -> bytes:
         times = sorted(time for row in of_session if (time := row.get("timestamp_utc")))
         if participant == code:
             rows.append([f"ses-{session}", times[0][:19] if times else MISSING])
-    return delimited(["session_id", "acq_time"], rows, "\t")
+    return delimited_text(["session_id", "acq_time"], rows, "\t")
 
 
 def _readme(source: ExportedDataSet) -> str:
@@ -126,7 +126,7 @@ def _table(
     ]
     task = stem.split("_task-")[1].split("_", maxsplit=1)[0]
     sidecar = _sidecar(task, description, kept, rows, timed=timed)
-    return {f"{stem}.tsv": delimited(header, body, "\t"), f"{stem}.json": json_text(sidecar)}
+    return {f"{stem}.tsv": delimited_text(header, body, "\t"), f"{stem}.json": json_text(sidecar)}
 
 
 def _check_names(header: Sequence[str]) -> None:
@@ -181,25 +181,25 @@ def _phenotype(form: Questionnaire, answers: pd.DataFrame, source: ExportedDataS
     sidecar |= {"participant_id": {"Description": "Code of the participant"}}
     sidecar |= {name: {"Description": text} for name, text in columns.items()}
     stem = f"phenotype/{_label(form.name)}"
-    return {f"{stem}.tsv": delimited(["participant_id", *columns], rows, "\t"), f"{stem}.json": json_text(sidecar)}
+    return {f"{stem}.tsv": delimited_text(["participant_id", *columns], rows, "\t"), f"{stem}.json": json_text(sidecar)}
 
 
 def _score(value: float | None) -> str:
     return MISSING if value is None or pd.isna(value) else cell(value)
 
 
-def _named(factors: Sequence[str], key: Sequence[object]) -> list[tuple[str, str]]:
+def _level_texts(factors: Sequence[str], key: Sequence[object]) -> list[tuple[str, str]]:
     """Each factor with its value as text; `key` goes on with the dimension."""
     texts = [value if isinstance(value, str) else f"{value:g}" for value in key]
     return list(zip(factors, texts, strict=False))
 
 
 def _score_name(factors: Sequence[str], key: Sequence[object]) -> str:
-    parts = [f"ses{text}" if name == "session" else text for name, text in _named(factors, key)]
+    parts = [f"ses{text}" if name == "session" else text for name, text in _level_texts(factors, key)]
     return "_".join([*map(_label, parts), str(key[-1])])
 
 
 def _score_text(form: Questionnaire, factors: Sequence[str], key: Sequence[object]) -> str:
-    place = ", ".join(f"{name} = {text}" for name, text in _named(factors, key))
+    place = ", ".join(f"{name} = {text}" for name, text in _level_texts(factors, key))
     title = form.dimensions[str(key[-1])].title.get("en", str(key[-1]))
     return f"{title}{' for ' + place if place else ''}: mean of its items, {form.score_low:g} to {form.score_high:g}"

@@ -43,7 +43,7 @@ def _difference(file: Path, journal: Path) -> str | None:
     head = recording.head
     if head is None:
         return None if content.count(b"\n") < 2 else f"{file.name}: holds trials, and its journal none"
-    described = _described(file)
+    described = _description_columns(file)
     if described and names != described:
         return f"{file.name}, row 1: found other columns than {file.with_suffix('.json').name} describes"
     columns = [Column(name, "") for name in described or names]
@@ -55,7 +55,7 @@ def _difference(file: Path, journal: Path) -> str | None:
     return None if differs is None else f"{file.name}, row {differs[0]}: {differs[1]}"
 
 
-def _described(file: Path) -> list[str]:
+def _description_columns(file: Path) -> list[str]:
     """The columns that the description beside a trials file names, in their order; empty without one."""
     try:
         described = json.loads(file.with_suffix(".json").read_bytes())

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from tactometry.files.safe_text import cell_text
 from tactometry.records.description import KEYWORD
 
-from .source import ExportedDataSet, delimited, json_text
+from .source import ExportedDataSet, delimited_text, json_text
 
 SCHEMA_VERSION = "Psych-DS 1.5.0"
 
@@ -25,7 +25,7 @@ def psychds_files(source: ExportedDataSet) -> dict[str, bytes]:
     for participant, session, rows in source.sessions():
         body = [[row.get(name, "") for name in names] for row in rows]
         stem = f"subject-{participant}_session-{session}_study-{study}"
-        files[f"data/{stem}_data.csv"] = delimited(names, body, ",")
+        files[f"data/{stem}_data.csv"] = delimited_text(names, body, ",")
     return files
 
 

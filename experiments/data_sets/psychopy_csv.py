@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from tactometry.files.safe_text import cell_text
 
-from .source import ExportedDataSet, Row, delimited
+from .source import ExportedDataSet, Row, delimited_text
 
 RENAMED = {
     "study": "expName",
@@ -33,7 +33,7 @@ def psychopy_files(source: ExportedDataSet) -> dict[str, bytes]:
     files = {"columns.toml": _column_map(ordered, source.factors).encode()}
     for participant, session, rows in source.sessions():
         study = source.text("study") or "study"
-        files[f"data/{participant}_{study}_session-{session}.csv"] = delimited(header, _body(rows, ordered), ",")
+        files[f"data/{participant}_{study}_session-{session}.csv"] = delimited_text(header, _body(rows, ordered), ",")
     return files
 
 

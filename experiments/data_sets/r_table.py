@@ -1,6 +1,6 @@
 """A data set as one table for R, JASP or jamovi: NA for what was not measured, and a script that reads it.
 
-The script names a mixed model for each task that the table holds; names and texts of the table stand in it quoted.
+The script names a mixed model for each task that the table holds; names and texts of the table stand in it r_string.
 """
 
 from collections.abc import Iterator, Sequence
@@ -13,7 +13,7 @@ from tactometry.analysis.tasks.task_analysis import R_OF_FORM
 from tactometry.files.safe_text import cell_text
 from tactometry.questionnaire import Questionnaire
 
-from .source import ExportedDataSet, delimited
+from .source import ExportedDataSet, delimited_text
 
 TEXT = (
     "participant",
@@ -54,16 +54,16 @@ def r_files(source: ExportedDataSet) -> dict[str, bytes]:
     names = [column.name for column in source.columns]
     ordered = [row for _, _, rows in source.sessions() for row in rows]
     body = [[row.get(name) or "NA" for name in names] for row in ordered]
-    return {"trials.csv": delimited(names, body, ","), "trials.R": _script(source, names).encode()}
+    return {"trials.csv": delimited_text(names, body, ","), "trials.R": _script(source, names).encode()}
 
 
-def quoted(text: str) -> str:
+def r_string(text: str) -> str:
     r"""A text as R reads it back, on one line, whatever it holds.
 
-    >>> print(quoted('a "b"'), quoted("x" + chr(10) + "y"))
+    >>> print(r_string('a "b"'), r_string("x" + chr(10) + "y"))
     "a \"b\"" "x\u{a}y"
     """
-    return f'"{_escaped(text, chr(34))}"'
+    return f'"{_escape(text, chr(34))}"'
 
 
 def name(text: str) -> str:
@@ -72,10 +72,10 @@ def name(text: str) -> str:
     >>> print(name("force_n"), name("x; system('rm')"), name("a`b"))
     `force_n` `x; system('rm')` `a\`b`
     """
-    return f"`{_escaped(text, '`')}`"
+    return f"`{_escape(text, '`')}`"
 
 
-def _escaped(text: str, quote: str) -> str:
+def _escape(text: str, quote: str) -> str:
     signs = {"\\": "\\\\", quote: f"\\{quote}"}
     return "".join(signs.get(sign, sign if sign.isprintable() else f"\\u{{{ord(sign):x}}}") for sign in text)
 
@@ -83,12 +83,12 @@ def _escaped(text: str, quote: str) -> str:
 def _script(source: ExportedDataSet, names: Sequence[str]) -> str:
     texts = {one for one in names if one in TEXT or (one in source.factors and not _is_number(source, one))}
     kinds = ",\n      ".join(
-        f'{quoted(cell_text(one))} = "{"character" if one in texts else "numeric"}"' for one in names
+        f'{r_string(cell_text(one))} = "{"character" if one in texts else "numeric"}"' for one in names
     )
     conditions = ["!is.na(response)"]
     conditions += ["valid == 1"] if "valid" in names else []
     conditions += [f"(is.na({one}) | {one} != 1)" for one in ("practice", "catch") if one in names]
-    columns = [quoted(cell_text(one)) for one in source.factors]
+    columns = [r_string(cell_text(one)) for one in source.factors]
     return SCRIPT.format(
         classes=kinds,
         used=" & ".join(conditions),
@@ -102,8 +102,8 @@ def _form(form: Questionnaire) -> str:
     return FORM.format(
         title=" ".join(form.title.split()),
         name=name(form.name),
-        text=quoted(cell_text(form.name)),
-        turned=", ".join(quoted(cell_text(item.id)) for item in form.items if item.reversed),
+        text=r_string(cell_text(form.name)),
+        turned=", ".join(r_string(cell_text(item.id)) for item in form.items if item.reversed),
         sum=form.low + form.high,
     )
 
@@ -114,15 +114,17 @@ def _models(source: ExportedDataSet) -> Iterator[str]:
     for task in source.tasks():
         rows = source.used[(source.used["task"] == task) & ~scored]
         if len(rows):
-            data = "used" if source.tasks() == [task] and not scored.any() else f"subset(used, task == {quoted(task)})"
-            yield _filled(ANALYSES[task].r_model, rows, source, data)
+            data = (
+                "used" if source.tasks() == [task] and not scored.any() else f"subset(used, task == {r_string(task)})"
+            )
+            yield _fill_model(ANALYSES[task].r_model, rows, source, data)
     for form in source.forms.values():
         rows = source.used[scored & (source.used["procedure"] == form.name)]
         is_continuous = form.steps is None or form.steps > MOST_CATEGORIES
-        yield _filled(CONTINUOUS if is_continuous else R_OF_FORM, rows, source, name(form.name))
+        yield _fill_model(CONTINUOUS if is_continuous else R_OF_FORM, rows, source, name(form.name))
 
 
-def _filled(model: str, rows: pd.DataFrame, source: ExportedDataSet, data: str) -> str:
+def _fill_model(model: str, rows: pd.DataFrame, source: ExportedDataSet, data: str) -> str:
     varied = [name(cell_text(one)) for one in source.factors if rows[one].nunique() > 1]
     answers = numbers_of(rows["response"]).max() if "{n_choices}" in model else 2
     return model.format(

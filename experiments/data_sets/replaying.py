@@ -16,7 +16,7 @@ from tactometry.session.run import replay
 
 from ..study.experiment import Experiment, wire
 from ..study.study_file import parse
-from .session_files import OTHER_STUDY, derived_csv, has_rows, misnamed, session_of, trials_file
+from .session_files import OTHER_STUDY, derived_csv, has_rows, name_defect, session_of, trials_file
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ def replay_data_set(path: Path) -> list[Replayed]:
     InvalidFile
         If there is nothing to replay, or a journal is damaged.
     """
-    root, journals, experiment, content = _recorded(path)
+    root, journals, experiment, content = _recordings(path)
     return [_replay(root, journal, experiment, content) for journal in journals]
 
 
@@ -62,11 +62,11 @@ def rebuild_data_set(path: Path) -> list[Rebuilt]:
     SessionInUse
         If a session is being recorded.
     """
-    root, journals, experiment, content = _recorded(path)
+    root, journals, experiment, content = _recordings(path)
     return [rebuilt for journal in journals if (rebuilt := _rebuild(root, journal, experiment, content)) is not None]
 
 
-def _recorded(path: Path) -> tuple[Path, list[Path], Experiment, bytes]:
+def _recordings(path: Path) -> tuple[Path, list[Path], Experiment, bytes]:
     """The folder of a data set, its journals (or the one that `path` is), and the study that ran with its bytes."""
     root = path.parent.parent if path.is_file() else path
     journals = [path] if path.is_file() else sessions(path)
@@ -85,7 +85,7 @@ def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes
         if has_rows(trials):
             raise Diverged(f"{trials}, row 2: found a trial, but the journal holds none; restore {journal.name}")
         return Replayed(journal.name, 0, complete=False)
-    _check_named(journal, head)
+    _check_name(journal, head)
     if head.study_sha256 != sha256(study_toml):
         raise Diverged(f"{journal}, line 1: {OTHER_STUDY}")
     course = experiment.course(head.participant, head.session, head.number, head.seed)
@@ -104,7 +104,7 @@ def _rebuild(root: Path, journal: Path, experiment: Experiment, study_toml: byte
     head, trials = read(journal).head, trials_file(root, journal)
     if head is None:
         return None
-    _check_named(journal, head)
+    _check_name(journal, head)
     before = read_file(trials, "a trials file") if trials.exists() else None
     # Whoever opens a recorded session writes its files anew from the journal, as after a crash.
     opened = OpenSession(root, experiment.design(study_toml), session_of(head), head.rig, resume=True)
@@ -113,7 +113,7 @@ def _rebuild(root: Path, journal: Path, experiment: Experiment, study_toml: byte
     return Rebuilt(trials.name, opened.tally.n_trials, changed)
 
 
-def _check_named(journal: Path, head: Head) -> None:
-    wrong_name = misnamed(journal, head)
+def _check_name(journal: Path, head: Head) -> None:
+    wrong_name = name_defect(journal, head)
     if wrong_name is not None:
         raise InvalidFile(f"{journal}, line 1: {wrong_name}")

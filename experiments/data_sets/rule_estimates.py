@@ -44,7 +44,7 @@ class _Replay:
         if ready.rule.unreplayed:
             return dict.fromkeys(names, _absent(ready.rule.unreplayed))
         try:
-            procedures = _told(ready, block, names)
+            procedures = _procedures_after(ready, block, names)
         except InvalidParameter as refusal:
             return dict.fromkeys(names, _absent(f"the rule of study.toml refuses these answers ({refusal})"))
         estimates = (procedure.estimate for procedure in procedures)
@@ -72,7 +72,7 @@ def _text(value: Any) -> str:
     return value if isinstance(value, str) else cell(float(value))
 
 
-def _told(ready: ReadyProcedure, block: pd.DataFrame, names: list[str]) -> Sequence[Procedure]:
+def _procedures_after(ready: ReadyProcedure, block: pd.DataFrame, names: list[str]) -> Sequence[Procedure]:
     """The tracks' procedures after all answers of the block."""
     procedures = ready.for_tracks(names, np.random.default_rng(0))  # rules that draw an order are not replayed
     for track, yes, level in zip(block["track"], block["yes"], block["x"], strict=True):

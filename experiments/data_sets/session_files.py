@@ -17,7 +17,7 @@ def session_of(head: Head) -> Session:
     return Session(head.participant, head.session, head.study)
 
 
-def misnamed(journal: Path, head: Head) -> str | None:
+def name_defect(journal: Path, head: Head) -> str | None:
     """What is wrong with a journal that is not named after its session: a copy under another name is no other session;
     None of one that is."""
     if session_of(head).stem == journal.stem:

@@ -179,7 +179,7 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> list[Path]:
     return written
 
 
-def delimited(header: Sequence[str], rows: Sequence[Sequence[str]], separator: str) -> bytes:
+def delimited_text(header: Sequence[str], rows: Sequence[Sequence[str]], separator: str) -> bytes:
     """A table as text with line feeds, in which no cell is a formula to a spreadsheet."""
     text = io.StringIO()
     writer = csv.writer(text, delimiter=separator, lineterminator="\n")

@@ -26,7 +26,7 @@ from tactometry.trials.trial import tally
 
 from ..study.experiment import Experiment, wire
 from ..study.study_file import parse
-from .session_files import OTHER_STUDY, derived_csv, has_rows, header_of, misnamed, n_rows, trials_file
+from .session_files import OTHER_STUDY, derived_csv, has_rows, header_of, n_rows, name_defect, trials_file
 
 CSV_NAME = re.compile(r"[a-z]+-[a-zA-Z0-9]+(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 
@@ -62,22 +62,22 @@ def validate(path: Path) -> Soundness:
 
 def _data_set(root: Path) -> Soundness:
     experiment, unsound = _study(root)
-    notes = [*_alike(root), *_drafts(root)]
+    notes = [*_codes_by_capitals(root), *_drafts(root)]
     files, journals = files_in(root / "data", "*.csv"), sessions(root)
     contents = {file: content for file in files if (content := _read(file, f"data/{file.name}", unsound)) is not None}
-    unsound += _guarded(root, NAME, _description(root, contents))
+    unsound += _with_unreadable(root, NAME, _description(root, contents))
     if not files:
         unsound.append(Defect("data", None, "found no trials file, expected at least one"))
     stems = [path.stem for path in journals]
     for file, content in contents.items():
-        unsound += _guarded(root, f"data/{file.name}", _trials_file(file, content, stems))
-    unsound += _mixed(journals)
+        unsound += _with_unreadable(root, f"data/{file.name}", _trials_file(file, content, stems))
+    unsound += _mixture(journals)
     for journal in journals:
-        unsound += _guarded(root, f"journals/{journal.name}", _session(root, journal, experiment, notes))
+        unsound += _with_unreadable(root, f"journals/{journal.name}", _session(root, journal, experiment, notes))
     return Soundness(len(files), sum(map(n_rows, contents.values())), tuple(merge_alike(unsound)), tuple(notes))
 
 
-def _guarded(root: Path, name: str, unsound: Iterator[Defect]) -> Iterator[Defect]:
+def _with_unreadable(root: Path, name: str, unsound: Iterator[Defect]) -> Iterator[Defect]:
     """Defects, the last of which may be that a file cannot be read."""
     try:
         yield from unsound
@@ -96,14 +96,14 @@ def _read(file: Path, name: str, unsound: list[Defect], what: str = "a trials fi
         return None
 
 
-def _alike(root: Path) -> Iterator[str]:
+def _codes_by_capitals(root: Path) -> Iterator[str]:
     for _, group in groupby(sorted(participants(root), key=str.casefold), key=str.casefold):
         codes = list(group)
         if len(codes) > 1:
             yield f"journals: {' and '.join(codes)} differ in capitals alone, which not every disk tells apart"
 
 
-def _mixed(journals: list[Path]) -> Iterator[Defect]:
+def _mixture(journals: list[Path]) -> Iterator[Defect]:
     """Whether people and simulated participants share the folder."""
     kinds: dict[bool, list[str]] = {}
     for journal in journals:
@@ -164,10 +164,10 @@ def _trials_file(file: Path, content: bytes, stems: list[str]) -> Iterator[Defec
         yield Defect(name, None, "found no journal of this session, expected one in journals/")
     yield from _sidecar(file, header_of(content))
     yield from defects(content, name)
-    yield from _misnamed(file, content)
+    yield from _strange_rows(file, content)
 
 
-def _misnamed(file: Path, content: bytes) -> Iterator[Defect]:
+def _strange_rows(file: Path, content: bytes) -> Iterator[Defect]:
     """The first row of another participant, session or study than the name of its file says."""
     named = keys_of(file.stem)
     try:
@@ -214,7 +214,7 @@ def _session(root: Path, journal: Path, experiment: Experiment | None, notes: li
     if head is None:
         yield from _not_begun(root, journal, notes)
         return
-    wrong_name = misnamed(journal, head)
+    wrong_name = name_defect(journal, head)
     if wrong_name is not None:
         yield Defect(name, 1, wrong_name)
     notes += [f"{name}: {change}" for change in changes(recording.sittings)]

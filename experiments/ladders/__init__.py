@@ -33,10 +33,10 @@ LADDERS: Mapping[str, str] = {
     "quest-plus-grid": f"{_HERE}.quest_plus_grid:problem",
     "procedures": f"{_HERE}.procedures:problem",
     "group-threshold": f"{_HERE}.group_threshold:problem",
-    "scene-a4-screen": f"{_HERE}.scene_screens:a4_screen",
-    "scene-thin-screen": f"{_HERE}.scene_screens:thin_screen",
-    "scene-hybrid-screen": f"{_HERE}.scene_screens:hybrid_screen",
-    "scene-electrovibration-panel": f"{_HERE}.scene_panel:problem",
+    "scene-a4-screen": f"{_HERE}.scenes:a4_screen",
+    "scene-thin-screen": f"{_HERE}.scenes:thin_screen",
+    "scene-hybrid-screen": f"{_HERE}.scenes:hybrid_screen",
+    "scene-electrovibration-panel": f"{_HERE}.scenes:panel",
 }
 """The name of each ladder, and the function that gives its problem."""
 

@@ -24,7 +24,7 @@ def problem() -> Problem:
         independent=lambda: (np.array([_written_out(f) for f in FREQUENCIES_HZ]), 1e-12),
         error=largest_relative,
         rungs=tuple(
-            Rung(f"{duration_s:g} s", partial(_recorded, duration_s), duration_s) for duration_s in DURATIONS_S
+            Rung(f"{duration_s:g} s", partial(_from_record, duration_s), duration_s) for duration_s in DURATIONS_S
         ),
         price="length of the record (s)",
     )
@@ -34,7 +34,7 @@ def _sensed(parts: Components) -> float:
     return float(10 ** (sensation_level_db(parts, 1.0) / 20))
 
 
-def _recorded(duration_s: float) -> Real:
+def _from_record(duration_s: float) -> Real:
     time_s = np.arange(round(duration_s * RATE_HZ)) / RATE_HZ
     tones = [OFFSET + np.sin(2 * np.pi * f * time_s) for f in FREQUENCIES_HZ]
     return np.array([_sensed(components(tone, RATE_HZ)) for tone in tones])

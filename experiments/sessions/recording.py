@@ -69,7 +69,7 @@ class Recorded:
     @property
     def endings(self) -> dict[str, int]:
         """How many procedures ended in which way."""
-        endings = [track.ended for track in self.tracks]
+        endings = [track.ending for track in self.tracks]
         return {ending: endings.count(ending) for ending in dict.fromkeys(endings) if ending}
 
 
@@ -123,7 +123,7 @@ def record(
     # The session is ours before any device opens, and closed after the last of them, whatever fails between.
     keeper = OpenSession(root, design, session, kind.name, resume=resume)
     try:
-        seed, n_resumed = _agreed(keeper.journal.head, who, kind), keeper.tally.n_trials
+        seed, n_resumed = _session_seed(keeper.journal.head, who, kind), keeper.tally.n_trials
         if keeper.repaired:
             tell(keeper.repaired)
         with closing(kind.make(seed, keeper)) as rig:
@@ -145,7 +145,7 @@ def _begin(keeper: OpenSession, head: Head, tell: Callable[[str], None]) -> None
     keeper.journal.begin(head)
 
 
-def _agreed(head: Head | None, who: Who, kind: RigKind) -> int:
+def _session_seed(head: Head | None, who: Who, kind: RigKind) -> int:
     """The seed of the session, which goes on as it began."""
     number = who.counterbalancing_number
     if head is None:

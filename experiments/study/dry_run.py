@@ -50,10 +50,10 @@ class PlannedBlock:
 def plan(experiment: Experiment, number: int, n_session: int = 1, seed: int = 0) -> list[PlannedBlock]:
     """The parts of a session of the participant with this number."""
     parts = experiment.parts(number, stream(seed, "plan"), n_session, seed)
-    return [_planned(n, part) for n, part in enumerate(parts, 1)]
+    return [_planned_block(n, part) for n, part in enumerate(parts, 1)]
 
 
-def _planned(number: int, part: Part) -> PlannedBlock:
+def _planned_block(number: int, part: Part) -> PlannedBlock:
     if isinstance(part, Inquiry):
         return PlannedBlock(number, {}, part.form.name, 0, 0, len(part.form.items))
     assert isinstance(part, Block)
@@ -78,11 +78,11 @@ def _n_trials(block: Block) -> Iterator[int]:
 def duration_s(experiment: Experiment, blocks: list[PlannedBlock]) -> float:
     """How long a session takes at most, at the study's time per trial, `ITEM_S` per item, and its rests; a plan and a
     task that end what lasts too long have the last word."""
-    most_s, parts_s = experiment.study.plan.longest_s, [_lasting_s(experiment, block) for block in blocks]
+    most_s, parts_s = experiment.study.plan.longest_s, [_longest_block_s(experiment, block) for block in blocks]
     return min(sum(parts_s), inf if most_s is None else most_s + max(parts_s, default=0.0))
 
 
-def _lasting_s(experiment: Experiment, block: PlannedBlock) -> float:
+def _longest_block_s(experiment: Experiment, block: PlannedBlock) -> float:
     options, n_trials = experiment.table.options, block.n_trials_at_most
     n_rests = (n_trials - 1) // options.rest_after if options.rest_after and n_trials else 0
     trials_s = experiment.study.trial_s * n_trials + (options.rest_s or 0.0) * n_rests

@@ -171,7 +171,7 @@ def wire(study: Study, where: str) -> Experiment:
         If a table holds what its kind does not know, or a level would pass a limit; `where` opens the sentence.
     """
     try:
-        experiment = _built(study)
+        experiment = _build(study)
         _check_forces(experiment)
         for strongest in experiment.strongest():
             _check_signal(study.limits, strongest)
@@ -182,7 +182,7 @@ def wire(study: Study, where: str) -> Experiment:
     return experiment
 
 
-def _built(study: Study) -> Experiment:
+def _build(study: Study) -> Experiment:
     table = task_of(study)
     cells = dict(_cells(study, _tracks_per_cell(study, table)))
     crossing_of(study, table.over, study.factors)  # refuses an order that the design cannot have

@@ -60,7 +60,7 @@ _IN_LEVELS = (
 def study_tables() -> Iterator[tuple[str, KeyTable]]:
     """The tables of a study file but `[procedure]`, by a heading."""
     yield "The file itself", KeyTable(Study, _TOP)
-    yield from ((f"`[stimulus]`, `kind = {_named(kinds)}`", table) for kinds, table in _stimuli())
+    yield from ((f"`[stimulus]`, `kind = {_kind_texts(kinds)}`", table) for kinds, table in _stimuli())
     yield "`[stimulus.setup]`", KeyTable(Setup)
     yield from ((f'`[touch]`, `kind = "{kind}"`', _touch(kind)) for kind in TOUCHES)
     yield "`[task]`, every kind", KeyTable(BlockOptions)
@@ -78,7 +78,7 @@ def study_tables() -> Iterator[tuple[str, KeyTable]]:
     yield "`[sensation.friction]`", KeyTable(CoulombFriction)
     yield "`[sensation.lag]`", KeyTable(FrictionLag)
     yield "`[sensation.polarity]`", KeyTable(Polarity, {"positive_share": 0.5})
-    yield from ((f"`[sensation]`, `{kind}`", _felt(kind)) for kind in ("focus", "measured_focus", "hybrid"))
+    yield from ((f"`[sensation]`, `{kind}`", _sensation_table(kind)) for kind in ("focus", "measured_focus", "hybrid"))
     yield from _observers()
     yield "`[finger]`", KeyTable(SimulatedFinger)
     yield "`[analysis]`", KeyTable(AnalysisPlan)
@@ -140,11 +140,11 @@ def _observers() -> Iterator[tuple[str, KeyTable]]:
         yield "`[observer]`" if kind == USUAL else f'`[observer]`, `kind = "{kind}"`', KeyTable(resolve(target))
 
 
-def _felt(kind: str) -> KeyTable:
+def _sensation_table(kind: str) -> KeyTable:
     return KeyTable(resolve(STIMULI[kind].sensation), given={"setup": Setup(**_FOCUS["setup"])})  # type: ignore[arg-type]
 
 
-def _named(kinds: Iterable[str]) -> str:
+def _kind_texts(kinds: Iterable[str]) -> str:
     return ", ".join(f'"{kind}"' for kind in kinds)
 
 

@@ -90,7 +90,7 @@ def keys_of(table: KeyTable) -> tuple[Key, ...]:
 
 def _key(table: KeyTable, one: dataclasses.Field[Any], hint: Any) -> Key:
     unit = "of the level" if one.name in table.in_levels else unit_in(one.name)
-    return Key(one.name, words_of(hint), unit, ", ".join(_refused(table, one.name, hint)), _otherwise(one))
+    return Key(one.name, words_of(hint), unit, ", ".join(_expectations(table, one.name, hint)), _otherwise(one))
 
 
 def _parts(hint: Any) -> tuple[Any, ...]:
@@ -104,11 +104,11 @@ def _in_python_only(hint: Any) -> bool:
     return any(getattr(part, "_is_protocol", False) for part in _parts(hint))
 
 
-def _refused(table: KeyTable, name: str, hint: Any) -> Iterator[str]:
+def _expectations(table: KeyTable, name: str, hint: Any) -> Iterator[str]:
     """What the class expects of a key, as it says itself when it is given something else; each said once."""
     said: list[str] = []
     for probe in (probe for part in _parts(hint) for probe in _probes(part)):
-        expected = _expected(table, name, probe)
+        expected = _expectation(table, name, probe)
         if expected and not any(expected in other or other in expected for other in said):
             said.append(expected)
             yield expected
@@ -122,20 +122,20 @@ def _probes(part: Any) -> tuple[object, ...]:
     return PROBES.get(part, ())
 
 
-def _expected(table: KeyTable, name: str, probe: object) -> str:
+def _expectation(table: KeyTable, name: str, probe: object) -> str:
     """What is expected in place of a probe, without values of the example; nothing if the probe is taken."""
     try:
         table.made(build(table.reads, {**table.example, name: probe}, ASKED, **table.given))
     except TactometryError as error:
         where, _, rest = str(error).partition(": found ")
         of_this_key = re.fullmatch(rf"(?:.*[.: ])?{name}(\[\d+\])?", where)
-        expected = _plain(rest.partition(", expected ")[2]) if of_this_key else ""
+        expected = _without_example(rest.partition(", expected ")[2]) if of_this_key else ""
         of_each = of_this_key is not None and of_this_key[1] and expected and not expected.startswith("each")
         return f"each {expected}" if of_each else expected
     return ""
 
 
-def _plain(expected: str) -> str:
+def _without_example(expected: str) -> str:
     for pattern, instead in OF_EXAMPLE:
         expected = re.sub(pattern, instead, expected)
     return expected.strip()
@@ -145,10 +145,10 @@ def _otherwise(one: dataclasses.Field[Any]) -> str:
     if is_required(one):
         return ""
     value = one.default if one.default_factory is dataclasses.MISSING else one.default_factory()
-    return _shown(value)
+    return _default_text(value)
 
 
-def _shown(value: object) -> str:
+def _default_text(value: object) -> str:
     """A default as a file would write it."""
     if value is None or value in ((), {}):
         return "none"
@@ -157,5 +157,5 @@ def _shown(value: object) -> str:
     if isinstance(value, float):
         return f"{value:.6g}"
     if isinstance(value, Collection) and not isinstance(value, str):
-        return f"[{', '.join(map(_shown, value))}]"
+        return f"[{', '.join(map(_default_text, value))}]"
     return f'"{value}"' if isinstance(value, str) else "its own" if dataclasses.is_dataclass(value) else str(value)

@@ -55,7 +55,7 @@ class QuestPlus(WeighingRule):
     >>> rule = QuestPlus(
     ...     levels=tuple(range(-40, 1)), grid=ParameterGrid(tuple(range(-40, 1)), widths=(10.0,)), n_trials=2
     ... )
-    >>> rule.level, rule.after(1).level, rule.after(1).after(0).ended
+    >>> rule.level, rule.after(1).level, rule.after(1).after(0).ending
     (-17, -21, 'trials')
     """
 
@@ -196,14 +196,14 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
     def remark(self) -> str | None:
         """One sentence on a run that has no threshold."""
         first = next(iter(self.rule.grid.parameters))
-        if self.ended == "aborted":
+        if self.ending == "aborted":
             return (
                 f"QuestPlus.grid: found answer {self.responses[-1]} at level {self.delivered[-1]:g} in trial "
                 f"{len(self.responses)}, which with the answers before it no cell of the grid allows, expected a grid "
                 "that can; give it guess and lapse rates above 0 or a wider range"
             )
-        if self.ended in ("censored_above", "censored_below"):
-            end, bound = ("last", "above") if self.ended == "censored_above" else ("first", "below")
+        if self.ending in ("censored_above", "censored_below"):
+            end, bound = ("last", "above") if self.ending == "censored_above" else ("first", "below")
             return f"QuestPlus: the {end} {first} of the grid is the likeliest; the true one may lie {bound} it"
         return None
 

@@ -157,8 +157,8 @@ class SharedTrack(Sharing):
         return self.pool.rule.n_trials_at_most
 
     @property
-    def ended(self) -> Ending | None:
-        return self.view.ended
+    def ending(self) -> Ending | None:
+        return self.view.ending
 
     @property
     def estimate(self) -> RuleThreshold:

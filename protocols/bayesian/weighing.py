@@ -76,7 +76,7 @@ class WeighingRun(Run[RuleT]):
         return self.mean_sd[1]
 
     @cached_property
-    def ended(self) -> Ending | None:
+    def ending(self) -> Ending | None:
         if self.contradicted:
             return "aborted"
         last, sd_stop = len(self.responses) >= self.rule.n_trials, self.rule.sd_stop

@@ -61,11 +61,11 @@ class ConstantStimuli(Rule["ConstantStimuliRun"], FixedOrder):
         blocks = [rng.permutation(self.levels) for _ in range(self.repeats)]
         return ConstantStimuliRun(self, order=tuple(float(level) for block in blocks for level in block))
 
-    def skipped(self) -> "ConstantStimuliRun":
-        return self._begun.skipped()
+    def skip(self) -> "ConstantStimuliRun":
+        return self._begun.skip()
 
-    def told(self, response: int | bool) -> "ConstantStimuliRun":
-        return self._begun.told(response)
+    def take(self, response: int | bool) -> "ConstantStimuliRun":
+        return self._begun.take(response)
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class ConstantStimuliRun(Run[ConstantStimuli], FixedOrder):
         return self.order[min(self.n_done, len(self.order) - 1)]  # a run that has ended still has a level
 
     @property
-    def ended(self) -> Ending | None:
+    def ending(self) -> Ending | None:
         if self.n_done < len(self.order):
             return None
         n_yes = sum(self.responses)
@@ -88,14 +88,14 @@ class ConstantStimuliRun(Run[ConstantStimuli], FixedOrder):
             return "censored_below"
         return "censored_above" if n_yes == 0 < len(self.responses) else "trials"
 
-    def told(self, response: int | bool) -> Self:
+    def take(self, response: int | bool) -> Self:
         return replace(self, responses=(*self.responses, checked_outcome(response, 2, "ConstantStimuli")))
 
-    def skipped(self) -> Self:
+    def skip(self) -> Self:
         return replace(self, n_done=self.n_done + 1)
 
     def _updated(self) -> Self:
-        return self.skipped()
+        return self.skip()
 
     def _estimate(self) -> RuleThreshold:
         """None: the rule makes no estimate, a fit does (`tactometry.analysis.threshold.fitting.fit`)."""

@@ -123,7 +123,7 @@ class MethodOfLimitsRun(Run[MethodOfLimits]):
         return rule.low + rule.step * (steps if self.ascending else rule.n_steps - steps)
 
     @property
-    def ended(self) -> Ending | None:
+    def ending(self) -> Ending | None:
         if len(self.transitions) < self.rule.n_series:
             return None
         if 2 * self.transitions.count(None) <= self.rule.n_series:

@@ -22,7 +22,7 @@ class Practice(Rule["PracticeRun"]):
         If there is no level, or the counts make no criterion.
 
     >>> rule = Practice(levels=(40.0, 30.0), n_correct=2, n_of=3, n_trials=10)
-    >>> rule.after(1).level, rule.after(1).after(0).after(1).ended
+    >>> rule.after(1).level, rule.after(1).after(0).after(1).ending
     (30.0, 'converged')
     """
 
@@ -64,7 +64,7 @@ class PracticeRun(Run[Practice]):
         return self.rule.levels[len(self.responses) % len(self.rule.levels)]
 
     @property
-    def ended(self) -> Ending | None:
+    def ending(self) -> Ending | None:
         if sum(self.responses[-self.rule.n_of :]) >= self.rule.n_correct:
             return "converged"
         return "trials" if len(self.responses) >= self.rule.n_trials else None

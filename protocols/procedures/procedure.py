@@ -57,7 +57,7 @@ class Procedure(ABC):
 
     @property
     @abstractmethod
-    def ended(self) -> Ending | None:
+    def ending(self) -> Ending | None:
         """How it came to its end; None if it goes on."""
 
     @property
@@ -77,7 +77,7 @@ class Procedure(ABC):
 
     @property
     def finished(self) -> bool:
-        return self.ended is not None
+        return self.ending is not None
 
     @property
     def threshold(self) -> float | None:
@@ -90,11 +90,11 @@ class FixedOrder(Procedure):
     """A procedure whose order no response changes: it can leave out a level that the block presents later."""
 
     @abstractmethod
-    def skipped(self) -> "FixedOrder":
+    def skip(self) -> "FixedOrder":
         """The next presentation; the present one is left to the block, which comes back to it."""
 
     @abstractmethod
-    def told(self, response: int | bool) -> "FixedOrder":
+    def take(self, response: int | bool) -> "FixedOrder":
         """The answer counts, the presentation stays."""
 
 
@@ -137,8 +137,8 @@ class Rule(Procedure, Generic[RunT]):
         return self._begun.level
 
     @property
-    def ended(self) -> Ending | None:
-        return self._begun.ended
+    def ending(self) -> Ending | None:
+        return self._begun.ending
 
     @property
     def estimate(self) -> RuleThreshold:
@@ -171,8 +171,8 @@ class Run(Procedure, Generic[RuleT]):
 
     @cached_property
     def estimate(self) -> RuleThreshold:
-        if self.ended in ("censored_above", "censored_below", "aborted"):
-            return RuleThreshold(note=f"the rule ended as {self.ended}")
+        if self.ending in ("censored_above", "censored_below", "aborted"):
+            return RuleThreshold(note=f"the rule ended as {self.ending}")
         return self._estimate() if self.responses else RuleThreshold(note="no answer")
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:

@@ -146,7 +146,7 @@ class StaircaseRun(Run[UpDown]):
         return self.asked
 
     @property
-    def ended(self) -> Ending | None:
+    def ending(self) -> Ending | None:
         if self.n_pinned >= self.rule.n_at_bound:
             return "censored_above" if self.direction == UP else "censored_below"
         if len(self.reversals) >= self.rule.n_reversals:
@@ -157,7 +157,7 @@ class StaircaseRun(Run[UpDown]):
         """The mean level of the reversals without the first `discard`, made even in number; None if there are fewer
         than two of them or the run is censored."""
         kept = self._late_reversals(discard)
-        censored = self.ended in ("censored_above", "censored_below")
+        censored = self.ending in ("censored_above", "censored_below")
         return None if censored or len(kept) < 2 else fmean(kept)
 
     def _late_reversals(self, discard: int = 2) -> tuple[float, ...]:
@@ -176,8 +176,8 @@ class StaircaseRun(Run[UpDown]):
         streak = (self.streak if same else 0) + (1 if correct else -1)
         direction = self._direction_after(streak)
         if direction == STAY:
-            return replace(self, streak=streak, asked=self._bounded(level))
-        return self._moved(level, direction)
+            return replace(self, streak=streak, asked=self._clip(level))
+        return self._move(level, direction)
 
     def _direction_after(self, streak: int) -> int:
         first = self.rule.initial_rule and not self.reversals
@@ -185,19 +185,19 @@ class StaircaseRun(Run[UpDown]):
             return DOWN
         return UP if -streak >= (1 if first else self.rule.n_up) else STAY
 
-    def _moved(self, level: float, direction: int) -> Self:
+    def _move(self, level: float, direction: int) -> Self:
         """A step from the level that was delivered; it counts as pinned if a bound stood there already."""
         turned = self.direction == -direction  # never at the first move, whose predecessor is STAY
         reversals = (*self.reversals, level) if turned else self.reversals
         pinned = level >= self.rule.high if direction == UP else level <= self.rule.low
         return replace(
             self,
-            asked=self._bounded(level + direction * self.rule.step(direction, len(reversals))),
+            asked=self._clip(level + direction * self.rule.step(direction, len(reversals))),
             reversals=reversals,
             direction=direction,
             streak=0,
             n_pinned=self.n_pinned + 1 if pinned and not turned else int(pinned),
         )
 
-    def _bounded(self, level: float) -> float:
+    def _clip(self, level: float) -> float:
         return min(max(level, self.rule.low), self.rule.high)

@@ -12,7 +12,7 @@ from hypothesis import given, strategies as st
 from patience import LONGEST_PROGRAM_S
 
 from tactometry.experiments.data_sets.export import export
-from tactometry.experiments.data_sets.r_table import name, quoted
+from tactometry.experiments.data_sets.r_table import name, r_string
 from tactometry.files.safe_text import FORMULA, cell_text, file_text
 
 COLUMNS = "participant,session,study,block,trial,{},procedure,level,level_unit,task,response,valid"
@@ -111,7 +111,7 @@ def test_r_runs_nothing_of_a_column(tmp_path, factor):
 
 @given(st.text())
 def test_texts_and_names_for_r_are_closed_on_one_line(text):
-    for form, sign in ((quoted(text), '"'), (name(text), "`")):
+    for form, sign in ((r_string(text), '"'), (name(text), "`")):
         body = form[1:-1]
         assert form[0] == form[-1] == sign
         assert form.isprintable()

@@ -270,7 +270,7 @@ def test_invalid_touches_of_constant_stimuli_come_again_at_the_end_of_the_block(
     assert [(trial.trial, trial.attempt, trial.valid) for trial in lost] == [(1, 1, False), (2, 1, False)]
     assert [(trial.trial, trial.attempt, trial.valid) for trial in again] == [(1, 2, True), (2, 2, True)]
     assert [trial.level for trial in again] == [trial.level for trial in lost]
-    assert track.ended == "trials"
+    assert track.ending == "trials"
     assert next_trial == 1 + len({trial.trial for trial in memory.trials})
     felt = sorted(trial.level for trial in memory.trials if trial.valid and not trial.catch)
     assert felt == sorted(catalogue.PROCEDURES["constant_stimuli"].begin().order)
@@ -279,7 +279,7 @@ def test_invalid_touches_of_constant_stimuli_come_again_at_the_end_of_the_block(
 def test_a_block_of_which_no_touch_is_valid_is_aborted():
     memory = Memory()
     (track,), _ = run(one_block(np.random.default_rng(1)), Clipping(n_lost=10**6), memory)
-    assert track.ended == "aborted"
+    assert track.ending == "aborted"
     assert [trial.trial for trial in memory.trials] == [1, 2, 3, 4, 5]
 
 
@@ -349,16 +349,16 @@ def test_a_censored_run_with_reversals_has_no_threshold():
     for answer in (1, 0, 1, 0, 1, 0, 1, 1, 1, 1, 1, 1, 1):
         rule = rule if rule.finished else rule.after(answer)
     assert len(rule.reversals) >= 4
-    assert (rule.ended, rule.threshold) == ("censored_below", None)
+    assert (rule.ending, rule.threshold) == ("censored_below", None)
 
 
 def test_responses_at_a_bound_count_in_a_row_only():
     rule = Staircase(start=40.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_reversals=99, n_at_bound=3)
     for answer in (0, 0, 1, 0, 0, 0):
-        assert rule.ended is None
+        assert rule.ending is None
         rule = rule.after(answer)
-    assert rule.ended is None
-    assert rule.after(0).ended == "censored_above"
+    assert rule.ending is None
+    assert rule.after(0).ending == "censored_above"
 
 
 def test_a_signal_in_another_unit_than_volt_is_not_played():

@@ -179,7 +179,7 @@ def test_conditions_that_share_a_posterior_run_interleaved():
     assert (planned.n_tracks, planned.n_trials_at_most) == (2, 2 * 15)
     memory = Memory()
     tracks = run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
-    assert {track.ended for track in tracks} <= {"trials", "converged"}
+    assert {track.ending for track in tracks} <= {"trials", "converged"}
     felt = Counter(trial.track for trial in memory.trials if trial.valid and not trial.catch)
     assert felt == {"frequency_hz=60": 12, "frequency_hz=240": 12}
 
@@ -207,11 +207,11 @@ def test_practice_comes_first_and_is_marked():
 def test_practice_goes_round_its_levels_and_counts_the_last_answers_only():
     rule, levels = Practice(levels=(3.0, 2.0, 1.0), n_correct=2, n_of=2, n_trials=9), []
     for answer in (1, 0, 1, 0, 1, 1):
-        assert rule.ended is None
+        assert rule.ending is None
         levels.append(rule.level)
         rule = rule.after(answer)
     assert levels == [3.0, 2.0, 1.0, 3.0, 2.0, 1.0]
-    assert rule.ended == "converged"
+    assert rule.ending == "converged"
     with pytest.raises(InvalidParameter, match="Practice.after: the procedure has finished"):
         rule.after(1)
 
@@ -221,7 +221,7 @@ def test_practice_that_never_meets_its_criterion_ends():
     for n in range(7):
         assert not rule.finished
         rule = rule.after(n % 2)
-    assert rule.ended == "trials"
+    assert rule.ending == "trials"
 
 
 @pytest.mark.parametrize(
@@ -309,7 +309,7 @@ def test_every_task_runs_from_a_study_file(tmp_path, kind):
 @pytest.mark.parametrize("kind", PROCEDURE_TABLES)
 def test_every_procedure_runs_from_a_study_file(tmp_path, kind):
     left = recorded(tmp_path, CONSTANT, PROCEDURE_TABLES[kind])
-    assert all(track.ended for track in left.tracks)
+    assert all(track.ending for track in left.tracks)
     assert validate(tmp_path / "d").defects == ()
     assert replay_data_set(tmp_path / "d")[0].complete
 

@@ -67,7 +67,7 @@ def test_a_rest_is_counted_down_before_it_can_be_ended():
 def test_a_block_that_lasts_too_long_ends():
     (first, second), memory = lived(run_block(two_tracks(longest_s=10.0), 1, 1, np.random.default_rng(1)))[0][0], None
     del memory
-    assert {first.ended, second.ended} == {"aborted"}
+    assert {first.ending, second.ending} == {"aborted"}
 
 
 def test_feedback_says_whether_the_answer_was_right():
@@ -108,11 +108,11 @@ def test_whatever_is_lost_is_presented_again_or_its_track_is_aborted(lost):
     for track in tracks:
         felt = [t.level for t in memory.trials if t.track == track.name and t.valid and not t.catch]
         asked_for = block.tracks[tracks.index(track)].procedure.begin().order
-        assert track.ended == "aborted" or sorted(felt) == sorted(asked_for)
+        assert track.ending == "aborted" or sorted(felt) == sorted(asked_for)
         owed = {t.trial for t in memory.trials if t.track == track.name} - {
             t.trial for t in memory.trials if t.track == track.name and t.valid
         }
-        assert track.ended == "aborted" or not owed
+        assert track.ending == "aborted" or not owed
 
 
 class Saying(Losing):
@@ -132,14 +132,14 @@ def test_the_answer_to_a_presentation_that_came_again_counts_for_the_end():
     (track,), _ = run(
         run_block(Block((track,), YesNo()), 1, 1, np.random.default_rng(2)), Saying({2}, [1, 0]), Memory()
     )
-    assert (track.procedure.ended, track.ended) == ("trials", "trials")
+    assert (track.procedure.ending, track.ending) == ("trials", "trials")
 
 
 @pytest.mark.parametrize("task", ["rating", "adjustment", "preference"])
 def test_what_tells_nothing_of_a_threshold_never_ends_as_censored(task):
     block = catalogue.block(task, "constant_stimuli", "press")
     (track,), _ = run(run_block(block, 1, 1, np.random.default_rng(2)), catalogue.simulated(), Memory())
-    assert track.ended == "trials"
+    assert track.ending == "trials"
 
 
 @pytest.mark.parametrize(

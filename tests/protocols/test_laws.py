@@ -101,7 +101,7 @@ def test_a_procedure_ends_and_says_how(procedure, answers):
             break
         procedure = procedure.after(answer)
     assert procedure.finished
-    assert procedure.ended in get_args(Ending)
+    assert procedure.ending in get_args(Ending)
 
 
 @per_procedure

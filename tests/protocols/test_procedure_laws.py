@@ -66,7 +66,7 @@ def test_a_clipped_level_does_not_keep_a_procedure_from_ending(procedure):
         procedure = procedure.after(0, delivered=min(procedure.level / 2, 15.0))
         n_trials += 1
         assert n_trials <= 400
-    assert procedure.ended in ("censored_above", "trials")
+    assert procedure.ending in ("censored_above", "trials")
 
 
 @per_procedure
@@ -74,7 +74,7 @@ def test_a_clipped_level_does_not_keep_a_procedure_from_ending(procedure):
 def test_equal_answers_never_end_as_converged(procedure, answer):
     while not procedure.finished:
         procedure = procedure.after(answer)
-    assert procedure.ended == ("censored_below" if answer else "censored_above")
+    assert procedure.ending == ("censored_below" if answer else "censored_above")
     exact_case("equal answers to every procedure", against="censored")
 
 
@@ -88,7 +88,7 @@ def test_one_loop_reads_the_threshold_of_any_procedure(procedure, answers):
         if procedure.finished:
             break
         procedure = procedure.after(answer)
-    if procedure.ended in {"censored_above", "censored_below", "aborted"}:
+    if procedure.ending in {"censored_above", "censored_below", "aborted"}:
         assert procedure.threshold is None
 
 

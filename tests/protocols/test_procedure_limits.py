@@ -23,7 +23,7 @@ def test_alternating_series_fall_then_rise():
     levels, rule = follow(RULE, [1, 1, 0, 0, 0, 1, 1, 0, 0, 1])
     assert levels == [10.0, 8.0, 6.0, 0.0, 2.0, 4.0, 10.0, 8.0, 0.0, 2.0]
     assert rule.transitions == (7.0, 3.0, 9.0, 1.0)
-    assert (rule.ended, rule.threshold) == ("trials", 5.0)
+    assert (rule.ending, rule.threshold) == ("trials", 5.0)
 
 
 def test_ascending_series_all_rise():
@@ -50,20 +50,20 @@ def test_equal_answers_end_as_censored(direction, answer, ended):
     rule = MethodOfLimits(low=0.0, high=10.0, step=2.0, n_series=4, direction=direction)
     while not rule.finished:
         rule = rule.after(answer)
-    assert (rule.ended, rule.threshold) == (ended, None)
+    assert (rule.ending, rule.threshold) == (ended, None)
 
 
 def test_series_that_contradict_each_other_have_no_bound():
     """Strong levels are never felt, weak ones always: neither bound holds."""
     _, rule = follow(RULE, [0, 1, 0, 1])
     assert rule.transitions == (None,) * 4
-    assert (rule.ended, rule.threshold) == ("aborted", None)
+    assert (rule.ending, rule.threshold) == ("aborted", None)
 
 
 def test_half_of_the_series_without_a_transition_are_not_too_many():
     _, rule = follow(RULE, [0, 0, 1, 0, 0, 1])
     assert rule.transitions == (None, 1.0, None, 1.0)
-    assert (rule.ended, rule.threshold) == ("trials", 1.0)
+    assert (rule.ending, rule.threshold) == ("trials", 1.0)
 
 
 def test_starts_are_drawn_inwards_by_whole_steps():

@@ -95,7 +95,7 @@ def test_psychopy_ends_when_both_counts_are_reached_and_ours_when_one_is():
     theirs, _ = psychopy_levels(answers, **options)
     rule = Staircase(start=10.0, steps=(2.0, 1.0), low=-100.0, high=100.0, n_down=1, n_reversals=6, n_trials=30)
     ours, end = follow(rule, answers)
-    assert (len(theirs), len(ours), end.ended) == (30, 7, "converged")
+    assert (len(theirs), len(ours), end.ending) == (30, 7, "converged")
 
 
 def test_psychopy_steps_from_the_level_that_was_asked_for_and_ours_from_the_delivered_one():
@@ -110,7 +110,7 @@ def test_psychopy_steps_from_the_level_that_was_asked_for_and_ours_from_the_deli
 def test_a_run_pinned_at_a_bound_is_censored_and_has_no_threshold(answer, ended):
     rule = Staircase(start=20.0, steps=(8.0, 4.0), low=0.0, high=40.0, n_down=1, n_at_bound=3)
     levels, end = follow(rule, [answer] * 100)
-    assert end.ended == ended
+    assert end.ending == ended
     assert end.threshold is None
     assert levels[-3:] == [40.0 if answer == 0 else 0.0] * 3
 
@@ -118,7 +118,7 @@ def test_a_run_pinned_at_a_bound_is_censored_and_has_no_threshold(answer, ended)
 def test_a_run_that_leaves_the_ceiling_is_not_censored():
     rule = Staircase(start=40.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_at_bound=3, n_reversals=4)
     _, end = follow(rule, [0, 0, 1, 0, 0, 1, 0, 0, 1])
-    assert end.ended == "converged"
+    assert end.ending == "converged"
 
 
 def test_the_threshold_is_the_mean_of_an_even_number_of_late_reversals():
@@ -210,7 +210,7 @@ def test_constant_stimuli_presents_each_level_as_often_as_asked():
     rule = ConstantStimuli(levels=(1.0, 2.0, 3.0), repeats=5).begin(np.random.default_rng())
     levels, end = follow(rule, [1, 0] * 100)
     assert {level: levels.count(level) for level in (1.0, 2.0, 3.0)} == {1.0: 5, 2.0: 5, 3.0: 5}
-    assert end.ended == "trials"
+    assert end.ending == "trials"
 
 
 def test_each_repeat_of_constant_stimuli_holds_every_level_once():

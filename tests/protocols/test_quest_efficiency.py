@@ -98,7 +98,7 @@ def runs(start, guess, rng):
 def test_a_stop_at_a_spread_is_reached_and_honest(task):
     guess, _ = TASKS[task]
     ends = list(runs(rule(guess, 400, sd_stop=0.25), guess, np.random.default_rng()))
-    share = np.mean([at.ended == "converged" for at, _ in ends])
+    share = np.mean([at.ending == "converged" for at, _ in ends])
     assert share >= 0.9 - AT_1E_4 * math.sqrt(0.9 * 0.1 / N)
-    errors = np.array([error for at, error in ends if at.ended == "converged"])
+    errors = np.array([error for at, error in ends if at.ending == "converged"])
     assert math.sqrt(np.mean(errors**2)) <= 0.25 * (1 + AT_1E_4 / math.sqrt(2 * len(errors)))

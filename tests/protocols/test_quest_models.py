@@ -234,7 +234,7 @@ def test_all_answers_alike_on_a_fine_grid_end_as_censored():
     rule = QuestPlus(LEVELS, grid, n_trials=15)
     while not rule.finished:
         rule = rule.after(1)
-    assert (rule.ended, rule.threshold) == ("censored_below", None)
+    assert (rule.ending, rule.threshold) == ("censored_below", None)
     assert rule.remark == "QuestPlus: the first threshold of the grid is the likeliest; the true one may lie below it"
     assert rule.posterior.max() < 0.5
 

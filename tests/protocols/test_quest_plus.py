@@ -126,7 +126,7 @@ def test_a_delivered_level_off_the_grid_counts():
 def test_a_hundred_equal_answers_end_as_censored(answer, ended):
     rule = small(n_trials=100)
     _, rule = follow(rule, [answer] * 100)
-    assert rule.ended == ended
+    assert rule.ending == ended
     assert rule.threshold is None
     assert np.isfinite(rule.posterior).all()
     exact_case("100 equal answers to QUEST+", against="censored, no number")
@@ -135,7 +135,7 @@ def test_a_hundred_equal_answers_end_as_censored(answer, ended):
 @pytest.mark.parametrize(("answer", "ended"), [(1, "censored_below"), (0, "censored_above")])
 def test_of_two_thresholds_each_is_an_edge(answer, ended):
     rule = QuestPlus((10.0, 20.0), ParameterGrid((10.0, 20.0), (5.0,), (0.5,)), n_trials=2)
-    assert follow(rule, [answer] * 2)[1].ended == ended
+    assert follow(rule, [answer] * 2)[1].ending == ended
 
 
 def test_ten_thousand_answers_stay_finite():
@@ -149,7 +149,7 @@ def test_ten_thousand_answers_stay_finite():
 def test_answers_that_no_function_allows_end_as_aborted():
     grid = ParameterGrid((10.0, 20.0), (0.1,), (0.0,), (0.0,), shape="normal")
     rule = QuestPlus((0.0, 30.0), grid, n_trials=10).after(0, delivered=1e200)
-    assert rule.ended == "aborted"
+    assert rule.ending == "aborted"
     assert rule.threshold is None
     assert np.isfinite(rule.posterior).all()
 
@@ -159,7 +159,7 @@ def test_it_stops_at_the_spread_that_is_asked_for():
     rule = small("threshold", n_trials=2000, sd_stop=1.5)
     while not rule.finished:
         rule = rule.after(bool(rng.random() < 0.5 + 0.5 * norm.cdf((rule.level - 20) / 3)))
-    assert rule.ended == "converged"
+    assert rule.ending == "converged"
     assert rule.threshold_sd <= 1.5
 
 

@@ -94,8 +94,8 @@ def test_each_track_ends_after_its_own_trials():
 def test_impossible_answers_abort_their_track_only():
     grid = ParameterGrid((10.0, 20.0), (0.1, 0.2), (0.0,), (0.0,), shape="normal")
     pool = SharedQuestPlus(QuestPlus((0.0, 30.0), grid, n_trials=9), ("a", "b")).after("a", 0, 1e200)
-    assert pool.procedure("a").ended == "aborted"
-    assert pool.procedure("b").ended is None
+    assert pool.procedure("a").ending == "aborted"
+    assert pool.procedure("b").ending is None
     assert np.isfinite(pool.after("b", 1, 15.0).procedure("b").posterior).all()
 
 

@@ -28,19 +28,19 @@ def test_equal_answers_end_as_censored(answer, ended):
     rule = Quest(**OPTIONS, n_trials=80)
     while not rule.finished:
         rule = rule.after(answer)
-    assert (rule.ended, rule.threshold) == (ended, None)
+    assert (rule.ending, rule.threshold) == (ended, None)
 
 
 def test_it_stops_at_the_spread_that_is_asked_for():
     rng, rule = np.random.default_rng(), Quest(**OPTIONS, n_trials=500, sd_stop=1.0)
     while not rule.finished:
         rule = rule.after(bool(rng.random() < 0.5 + 0.49 / (1 + math.exp(15 - rule.level))))
-    assert (rule.ended, rule.threshold_sd <= 1.0) == ("converged", True)
+    assert (rule.ending, rule.threshold_sd <= 1.0) == ("converged", True)
 
 
 def test_answers_that_no_threshold_allows_end_as_aborted():
     rule = Quest(**OPTIONS, blind_share=0.0).after(0, delivered=1e6)
-    assert (rule.ended, rule.threshold) == ("aborted", None)
+    assert (rule.ending, rule.threshold) == ("aborted", None)
     assert np.isfinite(rule.posterior).all()
 
 
@@ -78,7 +78,7 @@ def test_constant_stimuli_with_equal_answers_say_on_which_side_the_threshold_lie
     rule = ConstantStimuli((1.0, 2.0, 3.0), repeats=1)
     for answer in answers:
         rule = rule.after(answer)
-    assert rule.ended == ended
+    assert rule.ending == ended
 
 
 def test_an_unknown_placing_is_refused():

@@ -86,12 +86,12 @@ def test_a_session_whose_files_cannot_be_written_is_not_left_locked(lived):
 
 def test_moves_at_one_bound_do_not_count_at_the_other():
     rule = Staircase(start=0.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_reversals=99, n_at_bound=3)
-    assert rule.after(1).after(1).after(0, delivered=40.0).ended is None
+    assert rule.after(1).after(1).after(0, delivered=40.0).ending is None
 
 
 def test_a_run_that_ends_at_a_bound_is_censored_even_with_its_last_reversal():
     rule = Staircase(start=38.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_reversals=1, n_at_bound=1)
-    assert rule.after(1).after(0, delivered=40.0).ended == "censored_above"
+    assert rule.after(1).after(0, delivered=40.0).ending == "censored_above"
 
 
 def test_an_inner_factor_begins_each_round_with_its_next_order():

@@ -49,7 +49,7 @@ class StochasticApproximationRun(Run[StochasticApproximation]):
         return self.asked
 
     @property
-    def ended(self) -> Ending | None:
+    def ending(self) -> Ending | None:
         return "trials" if len(self.responses) >= self.rule.n_trials else None
 
     def _updated(self) -> "StochasticApproximationRun":

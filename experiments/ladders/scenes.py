@@ -1,4 +1,4 @@
-"""The built-in screens as a whole, against the accuracy that is asked of them."""
+"""Built-in scenes as a whole, against the accuracy that is asked of them."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,6 +8,13 @@ from typing import Any
 import numpy as np
 
 from tactometry.signal import Signal
+from tactometry.stimuli.electrovibration import (
+    AmplitudeModulated,
+    PowerLawArea,
+    Skin,
+    electrostatic_force_n,
+    electrostatic_force_n_at,
+)
 from tactometry.stimuli.scenes.file import SceneFile, load_scene
 from tactometry.stimuli.time_reversal import (
     Attenuation,
@@ -28,12 +35,52 @@ from tactometry.stimuli.time_reversal import (
 from ..cost.problem import Problem, Real, Rung, over_largest
 from ..scenes import path_of
 
-ACCURACIES, FINEST = (1e-1, 1e-2, 1e-3), 3e-4
-OUTPUTS = ("t_s", "focus_displacement_m")
+ACCURACIES, FINEST = (1e-1, 1e-2, 1e-3, 1e-4), 3e-4
+N_PANEL, PANEL_S, STEPS_BETWEEN = 8001, 0.2, 40
 FINER, AROUND_S, HEARD_S = 4, 100e-6, 8e-3
 HIGHER = (1.5, 2.5, 3.0)
 """Highest modes of the physics in time, over the band. What lies above a frequency f follows with 1/f, its inertia with
 1/f^3: three numbers of modes tell what all of them do."""
+
+Samples = tuple[Real, Real]
+"""Times and values."""
+
+
+def panel() -> Problem:
+    """The electrostatic force of `electrovibration-panel`, straight between the samples, over its peak."""
+    scene = load_scene(path_of("electrovibration-panel"))
+    force = partial(_samples, scene, "electrostatic_force_n")
+    return Problem(
+        "largest error of the electrostatic force over its peak, for the accuracy asked for",
+        "the exact solution in pieces",
+        "recurrence on fine samples",
+        reference=lambda: (_exact(scene), 1e-12),
+        independent=lambda: (_stepped(scene), 1e-4),
+        error=lambda answer, reference: over_largest(np.interp(reference[0], *answer), reference[1]),
+        rungs=tuple(Rung(f"accuracy {accuracy:g}", partial(force, accuracy)) for accuracy in ACCURACIES),
+    )
+
+
+def _exact(scene: SceneFile) -> Samples:
+    tone, t_s = _tone(20e3), np.linspace(0, PANEL_S, N_PANEL)
+    pieces = tone.pieces(scene.given["level_db_re_1v"])
+    return t_s, electrostatic_force_n_at(t_s, pieces, skin=Skin(), area_m2=_area_m2(), law="sc_layer")
+
+
+def _stepped(scene: SceneFile) -> Samples:
+    """Fine samples of the voltage, and the recurrence of the circuit."""
+    rate_hz = (N_PANEL - 1) / PANEL_S * STEPS_BETWEEN
+    voltage_v = _tone(rate_hz).at(scene.given["level_db_re_1v"]).samples[0]
+    force_n = electrostatic_force_n(voltage_v, rate_hz=rate_hz, skin=Skin(), area_m2=_area_m2(), law="sc_layer")
+    return np.arange(N_PANEL - 1) * STEPS_BETWEEN / rate_hz, force_n[::STEPS_BETWEEN]
+
+
+def _tone(rate_hz: float) -> AmplitudeModulated:
+    return AmplitudeModulated(240.0, 2_000.0, PANEL_S, 0.02, rate_hz)
+
+
+def _area_m2() -> float:
+    return float(PowerLawArea().area_m2(1.5))
 
 
 def thin_screen() -> Problem:
@@ -53,15 +100,21 @@ def hybrid_screen() -> Problem:
 
 def _problem(name: str, loads: Sequence[PlateLoad], uncertainty: float) -> Problem:
     scene = load_scene(path_of(name))
-    at_s = np.arange(-round(AROUND_S * FINER * _surface(scene).rate_hz), 1) / (FINER * _surface(scene).rate_hz)
+    rate_hz = FINER * _surface(scene).rate_hz
+    at_s = np.arange(-round(AROUND_S * rate_hz), 1) / rate_hz
+    displacement = partial(_samples, scene, "focus_displacement_m")
+
+    def before_the_focus(accuracy: float) -> Real:
+        return np.asarray(np.interp(at_s, *displacement(accuracy)))
+
     return Problem(
         "largest error of the displacement in the 0.1 ms before the focus over its peak, for the accuracy asked for",
         f"the scene at an accuracy of {FINEST:g}",
         "impulse responses and the drive in time, extrapolated to all modes",
-        reference=lambda: (_run(scene, at_s, FINEST), FINEST),
+        reference=lambda: (before_the_focus(FINEST), FINEST),
         independent=lambda: (_in_time(scene, loads, len(at_s)), uncertainty),
         error=over_largest,
-        rungs=tuple(Rung(f"accuracy {accuracy:g}", partial(_run, scene, at_s, accuracy)) for accuracy in ACCURACIES),
+        rungs=tuple(Rung(f"accuracy {accuracy:g}", partial(before_the_focus, accuracy)) for accuracy in ACCURACIES[:3]),
     )
 
 
@@ -69,10 +122,11 @@ def _surface(scene: SceneFile) -> Any:
     return getattr(scene.scene.surface, "time_reversal", scene.scene.surface)
 
 
-def _run(scene: SceneFile, at_s: Real, accuracy: float) -> Real:
-    plan = replace(scene.scene, outputs=OUTPUTS, accuracy=accuracy).resolve()
+def _samples(scene: SceneFile, output: str, accuracy: float) -> Samples:
+    """An output of a scene as accurate as asked for."""
+    plan = replace(scene.scene, outputs=("t_s", output), accuracy=accuracy).resolve()
     values = plan.run({name: scene.given[name] for name in plan.given})
-    return np.asarray(np.interp(at_s, values["t_s"], values["focus_displacement_m"]))
+    return values["t_s"], values[output]
 
 
 def _in_time(scene: SceneFile, loads: Sequence[PlateLoad], n: int) -> Real:
