@@ -1,6 +1,6 @@
 """Discrimination against a standard."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -40,13 +40,13 @@ class Comparison:
         target = int(rng.integers(1, 3))
         levels = [shown.level if interval == target else self.standard_level for interval in (1, 2)]
         touches = yield from feel_in_turn(shown.touch, [shown.stimulus] * 2, levels)
-        stimulus = nth(touches, target)
-        if not touches[-1].valid:
-            return TrialOutcome(touches, stimulus, target=target, standard_level=self.standard_level)
+        outcome = TrialOutcome(touches, nth(touches, target), target=target, standard_level=self.standard_level)
+        if not outcome.touches_valid:
+            return outcome
         choice: Chosen = yield Choose("which_stronger", (1, 2), ("1", "2"))
         stronger = choice.option == target
         answer = reply(choice, int(stronger), correct=self._correct(shown.level, stronger=stronger))
-        return TrialOutcome(touches, stimulus, (answer,), stronger, target, self.standard_level)
+        return replace(outcome, replies=(answer,), success=stronger)
 
     def _correct(self, level: float | None, *, stronger: bool) -> bool | None:
         return None if level is None or level == self.standard_level else stronger == (level > self.standard_level)

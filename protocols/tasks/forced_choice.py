@@ -10,7 +10,7 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .task import Presentation, TaskKind, TrialOutcome, reply
+from .task import Presentation, TaskKind, TrialOutcome
 from .touch import feel_in_turn, nth
 
 
@@ -39,13 +39,11 @@ class ForcedChoice:
         target = int(rng.integers(1, self.n_intervals + 1))
         levels = [shown.level if interval == target else None for interval in intervals]
         touches = yield from feel_in_turn(shown.touch, [shown.stimulus] * self.n_intervals, levels)
-        stimulus = nth(touches, target)
-        if not touches[-1].valid:
-            return TrialOutcome(touches, stimulus, target=target)
+        outcome = TrialOutcome(touches, nth(touches, target), target=target)
+        if not outcome.touches_valid:
+            return outcome
         choice: Chosen = yield Choose("which_interval", intervals, tuple(map(str, intervals)))
-        correct = choice.option == target
-        answer = reply(choice, choice.option, correct=correct)
-        return TrialOutcome(touches, stimulus, (answer,), correct, target)
+        return outcome.score(choice, correct=choice.option == target)
 
 
 TASK = TaskKind(ForcedChoice, questions={"which_interval": Decision(strongest)})

@@ -9,7 +9,7 @@ from tactometry.session.answer import Chosen, Touched
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .task import Over, Presentation, TaskKind, TrialOutcome, reply
+from .task import Over, Presentation, TaskKind, TrialOutcome
 
 
 @dataclass(frozen=True)
@@ -26,17 +26,16 @@ class Localisation:
         target = int(rng.integers(1, len(shown.alternatives) + 1))
         chosen = shown.alternatives[target - 1]
         touch: Touched = yield shown.touch.request(chosen.stimulus, shown.level, None)
+        outcome = TrialOutcome((touch,), touch, target=target, factors=chosen.factors)
         if not touch.valid:
-            return TrialOutcome((touch,), touch, target=target, factors=chosen.factors)
+            return outcome
         choice: Chosen = yield Choose(
             "which_place",
             tuple(range(1, len(shown.alternatives) + 1)),
             tuple(each.label for each in shown.alternatives),
             tuple(each.stimulus for each in shown.alternatives),
         )
-        correct = choice.option == target
-        answer = reply(choice, choice.option, correct=correct)
-        return TrialOutcome((touch,), touch, (answer,), correct, target, factors=chosen.factors)
+        return outcome.score(choice, correct=choice.option == target)
 
 
 TASK = TaskKind(

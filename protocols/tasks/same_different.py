@@ -10,7 +10,7 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .task import Presentation, TaskKind, TrialOutcome, reply
+from .task import Presentation, TaskKind, TrialOutcome
 from .touch import feel_in_turn, nth
 
 
@@ -39,13 +39,11 @@ class SameDifferent:
         compared = self.standard_level if shown.level is None else shown.level
         levels = [compared if interval == target else self.standard_level for interval in (1, 2)]
         touches = yield from feel_in_turn(shown.touch, [shown.stimulus] * 2, levels)
-        stimulus = nth(touches, target)
-        if not touches[-1].valid:
-            return TrialOutcome(touches, stimulus, target=target, standard_level=self.standard_level)
+        outcome = TrialOutcome(touches, nth(touches, target), target=target, standard_level=self.standard_level)
+        if not outcome.touches_valid:
+            return outcome
         choice: Chosen = yield Choose("same_different", (0, 1), ("same", "different"))
-        correct = choice.option == (shown.level is not None)
-        answer = reply(choice, choice.option, correct=correct)
-        return TrialOutcome(touches, stimulus, (answer,), correct, target, self.standard_level)
+        return outcome.score(choice, correct=choice.option == (shown.level is not None))
 
 
 TASK = TaskKind(

@@ -1,8 +1,8 @@
 """What a trial is: how it is presented, and what is asked."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
-from typing import Any, Protocol, runtime_checkable
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 
@@ -97,8 +97,15 @@ class TrialOutcome:
     @property
     def valid(self) -> bool:
         """Whether every touch held its conditions and every answer counts."""
-        asked = bool(self.replies) and all(each.valid for each in self.replies)
-        return asked and all(touch.valid for touch in self.touches)
+        return self.touches_valid and bool(self.replies) and all(each.valid for each in self.replies)
+
+    @property
+    def touches_valid(self) -> bool:
+        return all(touch.valid for touch in self.touches)
+
+    def score(self, choice: Chosen, *, correct: bool) -> Self:
+        """With the reply of a choice that is right or wrong, as the procedure is told too."""
+        return replace(self, replies=(reply(choice, choice.option, correct=correct),), success=correct)
 
     @property
     def _parts(self) -> tuple[Touched | Reply, ...]:

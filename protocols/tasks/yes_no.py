@@ -9,7 +9,7 @@ from tactometry.session.answer import Chosen, Touched
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .task import Presentation, TaskKind, TrialOutcome, reply
+from .task import Presentation, TaskKind, TrialOutcome
 
 
 @dataclass(frozen=True)
@@ -22,12 +22,11 @@ class YesNo:
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         del rng
         touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
+        outcome = TrialOutcome((touch,), touch)
         if not touch.valid:
-            return TrialOutcome((touch,), touch)
+            return outcome
         choice: Chosen = yield Choose("felt", (0, 1), ("no", "yes"))
-        correct = choice.option == (shown.level is not None)
-        answer = reply(choice, choice.option, correct=correct)
-        return TrialOutcome((touch,), touch, (answer,), correct)
+        return outcome.score(choice, correct=choice.option == (shown.level is not None))
 
 
 TASK = TaskKind(YesNo, questions={"felt": Decision(detect, 1)})

@@ -11,7 +11,7 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .task import Presentation, TaskKind, TrialOutcome, reply
+from .task import Presentation, TaskKind, TrialOutcome
 from .touch import feel_in_turn, nth
 
 
@@ -28,13 +28,11 @@ class Oddity:
         target = int(rng.integers(1, 4))
         levels = [shown.level if interval == target else self.standard_level for interval in (1, 2, 3)]
         touches = yield from feel_in_turn(shown.touch, [shown.stimulus] * 3, levels)
-        stimulus = nth(touches, target)
-        if not touches[-1].valid:
-            return TrialOutcome(touches, stimulus, target=target, standard_level=self.standard_level)
+        outcome = TrialOutcome(touches, nth(touches, target), target=target, standard_level=self.standard_level)
+        if not outcome.touches_valid:
+            return outcome
         choice: Chosen = yield Choose("which_odd", (1, 2, 3), ("1", "2", "3"))
-        correct = choice.option == target
-        answer = reply(choice, choice.option, correct=correct)
-        return TrialOutcome(touches, stimulus, (answer,), correct, target, self.standard_level)
+        return outcome.score(choice, correct=choice.option == target)
 
 
 def farthest(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:

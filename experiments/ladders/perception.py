@@ -1,4 +1,4 @@
-"""How strongly each receptor channel feels repeated taps, from samples, against their Fourier series."""
+"""How strongly taps and tones are felt, read off samples, against their series and the tones themselves."""
 
 import math
 from functools import partial
@@ -6,7 +6,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from tactometry.stimuli.perception import Components, components
+from tactometry.stimuli.perception import Components, components, sensation_level_db
 from tactometry.stimuli.perception.channels import channel_levels_db
 
 from ..cost.problem import Problem, Real, Rung, largest_relative
@@ -14,18 +14,21 @@ from ..cost.problem import Problem, Real, Rung, largest_relative
 TAPS_HZ, N_TAPS, HIGHEST_HZ = 2.5, 16, 800.0
 FALL_S, RISE_S = 4e-3, 5e-4
 RATES_HZ = (1_000, 4_000, 16_000, 64_000)
+FREQUENCIES_HZ = np.array([41.3, 87.7, 173.1, 311.9])
+RATE_HZ, OFFSET = 4e3, 3.0
+DURATIONS_S = (0.1, 0.4, 1.6, 6.4, 25.6)
 
 
-def problem() -> Problem:
+def filter_bank() -> Problem:
     """Taps ``exp(-t/FALL_S) - exp(-t/RISE_S)``, with harmonics in every channel; those that fold back are the error."""
     return Problem(
         "largest error of the amplitude that a channel (NP III, NP I, P) senses of taps at 2.5 Hz, by sampling rate",
         "the Fourier series of the taps through the channels",
         "its integrals by adaptive quadrature, thresholds written out",
-        reference=lambda: (_sensed(Components(_harmonics_hz(), _series())), 1e-12),
-        independent=lambda: (_written_out(), 1e-8),
+        reference=lambda: (_sensed_by_channel(Components(_harmonics_hz(), _series())), 1e-12),
+        independent=lambda: (_channels_written_out(), 1e-8),
         error=largest_relative,
-        rungs=tuple(Rung(f"{rate_hz / 1e3:g} kHz", partial(_sampled, rate_hz)) for rate_hz in RATES_HZ),
+        rungs=tuple(Rung(f"{rate_hz / 1e3:g} kHz", partial(_sampled_taps, rate_hz)) for rate_hz in RATES_HZ),
     )
 
 
@@ -33,12 +36,12 @@ def _tap(time_s: Any) -> Any:
     return np.exp(-time_s / FALL_S) - np.exp(-time_s / RISE_S)
 
 
-def _sampled(rate_hz: int) -> Real:
+def _sampled_taps(rate_hz: int) -> Real:
     tap: Real = _tap(np.arange(round(rate_hz / TAPS_HZ)) / rate_hz)
-    return _sensed(components(np.tile(tap, N_TAPS), rate_hz))
+    return _sensed_by_channel(components(np.tile(tap, N_TAPS), rate_hz))
 
 
-def _sensed(parts: Components) -> Real:
+def _sensed_by_channel(parts: Components) -> Real:
     return np.asarray(10 ** (channel_levels_db(parts, 1.0) / 20), dtype=np.float64)
 
 
@@ -53,7 +56,7 @@ def _series() -> Real:
     return np.asarray(2 * TAPS_HZ * np.abs(fall - rise))
 
 
-def _written_out() -> Real:
+def _channels_written_out() -> Real:
     felt = [0.0, 0.0, 0.0]
     for f in _harmonics_hz():
         bowls_db = 48.0, 48 - 5 * math.log2(f / 3), 12 * abs(math.log2(250 / f))
@@ -73,3 +76,34 @@ def _against(weight: Literal["cos", "sin"], omega_rad_per_s: float) -> float:
 
     options: Any = {"weight": weight, "wvar": omega_rad_per_s, "epsabs": 1e-13, "limit": 200}
     return float(sum(quad(_tap, *ends, **options)[0] for ends in ((0.0, 0.01), (0.01, 1 / TAPS_HZ))))
+
+
+def sensitivity() -> Problem:
+    """Four tones one after another, each with a constant beside it, as amplitudes over their thresholds."""
+    return Problem(
+        "largest error of the sensed amplitude of tones between 40 and 320 Hz, flat-top spectrum of a record",
+        "the curve of sensitivity at the tone",
+        "the formula of the curve, written out",
+        reference=lambda: (np.array([_sensed(Components(np.array([f]), np.ones(1))) for f in FREQUENCIES_HZ]), 1e-12),
+        independent=lambda: (np.array([_written_out(f) for f in FREQUENCIES_HZ]), 1e-12),
+        error=largest_relative,
+        rungs=tuple(
+            Rung(f"{duration_s:g} s", partial(_from_record, duration_s), duration_s) for duration_s in DURATIONS_S
+        ),
+        price="length of the record (s)",
+    )
+
+
+def _sensed(parts: Components) -> float:
+    return float(10 ** (sensation_level_db(parts, 1.0) / 20))
+
+
+def _from_record(duration_s: float) -> Real:
+    time_s = np.arange(round(duration_s * RATE_HZ)) / RATE_HZ
+    tones = [OFFSET + np.sin(2 * np.pi * f * time_s) for f in FREQUENCIES_HZ]
+    return np.array([_sensed(components(tone, RATE_HZ)) for tone in tones])
+
+
+def _written_out(frequency_hz: float) -> float:
+    bowl_db = 62 * (math.log10(frequency_hz / 550 + 6 / 11) / math.log10(6 / 11)) ** 2
+    return float(10 ** (-min(bowl_db, 77.0) / 20))
