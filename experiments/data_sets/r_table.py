@@ -81,18 +81,18 @@ def _escape(text: str, quote: str) -> str:
 
 
 def _script(source: ExportedDataSet, names: Sequence[str]) -> str:
-    texts = {one for one in names if one in TEXT or (one in source.factors and not _is_number(source, one))}
+    textual = {factor for factor in source.factors if not _is_number(source, factor)}.union(TEXT)
     kinds = ",\n      ".join(
-        f'{r_string(cell_text(one))} = "{"character" if one in texts else "numeric"}"' for one in names
+        f'{r_string(cell_text(column))} = "{"character" if column in textual else "numeric"}"' for column in names
     )
     conditions = ["!is.na(response)"]
     conditions += ["valid == 1"] if "valid" in names else []
-    conditions += [f"(is.na({one}) | {one} != 1)" for one in ("practice", "catch") if one in names]
-    columns = [r_string(cell_text(one)) for one in source.factors]
+    conditions += [f"(is.na({flag}) | {flag} != 1)" for flag in ("practice", "catch") if flag in names]
+    columns = [r_string(cell_text(factor)) for factor in source.factors]
     return SCRIPT.format(
         classes=kinds,
         used=" & ".join(conditions),
-        factors="".join(f"used[[{one}]] <- factor(used[[{one}]])\n" for one in columns),
+        factors="".join(f"used[[{column}]] <- factor(used[[{column}]])\n" for column in columns),
         forms="".join(_form(form) for form in source.forms.values()),
         models="\n".join(f"# {model}" for model in _models(source)),
     )
@@ -125,10 +125,10 @@ def _models(source: ExportedDataSet) -> Iterator[str]:
 
 
 def _fill_model(model: str, rows: pd.DataFrame, source: ExportedDataSet, data: str) -> str:
-    varied = [name(cell_text(one)) for one in source.factors if rows[one].nunique() > 1]
+    varied = [name(cell_text(factor)) for factor in source.factors if rows[factor].nunique() > 1]
     answers = numbers_of(rows["response"]).max() if "{n_choices}" in model else 2
     return model.format(
-        times="".join(f" * {one}" for one in varied),
+        times="".join(f" * {factor}" for factor in varied),
         plus=" * ".join(varied) or "1",
         data=data,
         n_choices=max(2, int(answers)),

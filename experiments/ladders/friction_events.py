@@ -25,7 +25,7 @@ def problem() -> Problem:
         "closed form without voltage",
         reference=lambda: (_event(), 1e-12),
         independent=lambda: ((breakaway_s, breakaway_s), 1e-10),
-        error=lambda found, reference: max(abs(each / reference[0] - 1) for each in found),
+        error=lambda ends_s, reference: max(abs(end_s / reference[0] - 1) for end_s in ends_s),
         rungs=(
             *(Rung(f"{n} samples", partial(_read_off, n)) for n in N_SAMPLES),
             Rung("event", _event),

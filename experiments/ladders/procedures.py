@@ -56,8 +56,8 @@ def _errors_db(method: Method, n_trials: int) -> Real:
     rngs = [np.random.default_rng(seed) for seed in np.random.SeedSequence(0).spawn(N_RUNS)]
     true_db = [MIDDLE_DB + SD_DB * float(rng.standard_normal()) for rng in rngs]
     runs = [_run(method.make(n_trials, rng), own_db, rng) for own_db, rng in zip(true_db, rngs, strict=True)]
-    found_db = [MIDDLE_DB if found is None else found for found in method.thresholds_db(runs)]
-    return np.asarray(np.subtract(found_db, true_db) - (FUNCTION.level(method.target) - MIDDLE_DB))
+    estimates_db = [MIDDLE_DB if level_db is None else level_db for level_db in method.thresholds_db(runs)]
+    return np.asarray(np.subtract(estimates_db, true_db) - (FUNCTION.level(method.target) - MIDDLE_DB))
 
 
 def _run(procedure: Procedure, threshold_db: float, rng: np.random.Generator) -> Run:

@@ -73,10 +73,10 @@ def _grid_modes() -> tuple[Real, Real]:
         prior = np.log(threshold_prior(threshold, RANGE) * width_prior(width, GAP, RANGE))
         density = answers @ np.log(chance).T + (N_TRIALS - answers) @ np.log1p(-chance).T + prior
         profile[n], widest[n] = density.max(axis=1), LOG_WIDTHS[density.argmax(axis=1)]
-    at, each = np.clip(profile.argmax(axis=0), 1, len(THRESHOLDS) - 2), np.arange(len(answers))
-    before, top, after = (profile[at + k, each] for k in (-1, 0, 1))
+    at, answer = np.clip(profile.argmax(axis=0), 1, len(THRESHOLDS) - 2), np.arange(len(answers))
+    before, top, after = (profile[at + k, answer] for k in (-1, 0, 1))
     away = (before - after) / (2 * (before - 2 * top + after))
-    return THRESHOLDS[at] + away * (THRESHOLDS[1] - THRESHOLDS[0]), widest[at, each]
+    return THRESHOLDS[at] + away * (THRESHOLDS[1] - THRESHOLDS[0]), widest[at, answer]
 
 
 def _interval(modes: tuple[Real, Real]) -> Real:

@@ -55,7 +55,7 @@ def _exponentials(modes: Oscillators) -> Real:
     states = np.zeros((len(times_s(1)), modes.n, 4))
     states[0, :, 3] = 1.0
     step = np.array(
-        [expm(_system(*each) / COARSEST_HZ) for each in zip(modes.omega_rad_per_s, modes.decay_per_s, strict=True)]
+        [expm(_system(*mode) / COARSEST_HZ) for mode in zip(modes.omega_rad_per_s, modes.decay_per_s, strict=True)]
     )
     for k in range(1, len(states)):
         states[k] = np.einsum("nij,nj->ni", step, states[k - 1])

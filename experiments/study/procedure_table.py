@@ -92,7 +92,7 @@ def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
     except InvalidParameter as error:
         raise InvalidParameter(f"procedure: {error}") from None
     shared = table.get("shared", False)
-    able = " or ".join(name for name, each in PROCEDURES.items() if each.can_be_shared)
+    able = " or ".join(name for name, other in PROCEDURES.items() if other.can_be_shared)
     can_be = shared is False or (shared is True and kind.can_be_shared)
     expect(can_be, "procedure.shared", f"{shared!r} with {table['kind']}", f"it with {able} only")
     return ReadyProcedure(rule, shared)

@@ -32,8 +32,8 @@ class Localisation:
         choice: Chosen = yield Choose(
             "which_place",
             tuple(range(1, len(shown.alternatives) + 1)),
-            tuple(each.label for each in shown.alternatives),
-            tuple(each.stimulus for each in shown.alternatives),
+            tuple(alternative.label for alternative in shown.alternatives),
+            tuple(alternative.stimulus for alternative in shown.alternatives),
         )
         return outcome.score(choice, correct=choice.option == target)
 
