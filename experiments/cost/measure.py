@@ -58,13 +58,13 @@ def climb(problem: Problem, n_rounds: int = N_ROUNDS) -> Climb:
     """Measure a ladder on one thread; errors are the same in every run, times are not.
 
     Without rounds the first call is the time, and memory is not measured (0). What is not paid in computing time is
-    time_call once.
+    run_once once.
     """
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
         answer, floor = problem.reference()
-        firsts = [time_call(rung.run) for rung in problem.rungs]
+        firsts = [run_once(rung.run) for rung in problem.rungs]
         rounds = [_round(problem.rungs, first=not n) for n in range(n_rounds)]
     points = tuple(
         _point(problem, rung, first, [times[n] for times in rounds if n in times], answer)
@@ -75,10 +75,10 @@ def climb(problem: Problem, n_rounds: int = N_ROUNDS) -> Climb:
 
 def _round(rungs: Sequence[Rung], *, first: bool) -> dict[int, float]:
     """Time of a warm call of each rung, by its place; of those that are not paid in time, in the first round only."""
-    return {n: time_call(rung.run)[0] for n, rung in enumerate(rungs) if first or rung.price is None}
+    return {n: run_once(rung.run)[0] for n, rung in enumerate(rungs) if first or rung.price is None}
 
 
-def time_call(run: Callable[[], Any]) -> tuple[float, Any]:
+def run_once(run: Callable[[], Any]) -> tuple[float, Any]:
     """Processor time (s), which on one thread is the time on a quiet machine, and answer of a call."""
     start_s = time.process_time()
     answer = run()
