@@ -1,6 +1,8 @@
 """Arrays as the estimators write them: their types, rounding, and a density with its derivatives."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,7 +25,35 @@ def size_of(values: Array) -> float:
 
 
 @dataclass(frozen=True)
-class Expansion:
+class Rows:
+    """Arrays of one row for each of several things, to be chosen, joined and merged all at once. A field that is no
+    array is the same for all rows, and stays."""
+
+    def _of_each(self, rule: Callable[..., Any], *others: Self) -> Self:
+        columns = ([getattr(rows, field.name) for rows in (self, *others)] for field in fields(self))
+        kept = (rule(*column) if isinstance(column[0], np.ndarray | Rows) else column[0] for column in columns)
+        return type(self)(*kept)
+
+    def __getitem__(self, which: Which) -> Self:
+        return self._of_each(lambda values: values[which])
+
+    def joined(self, other: Self) -> Self:
+        """The rows of this one, then those of the other."""
+        return self._of_each(lambda *both: np.concatenate(both), other)
+
+    def where(self, chosen: Bools, other: Self) -> Self:
+        """The rows of this one where `chosen` (n,), else those of the other."""
+
+        def merged(ours: Any, theirs: Any) -> Any:
+            if isinstance(ours, Rows):
+                return ours.where(chosen, theirs)
+            return np.where(chosen.reshape(-1, *[1] * (ours.ndim - 1)), ours, theirs)
+
+        return self._of_each(merged, other)
+
+
+@dataclass(frozen=True)
+class Expansion(Rows):
     """Value (n,), gradient (n, 4) and Hessian (n, 4, 4) of a log density."""
 
     value: Array
@@ -32,14 +62,3 @@ class Expansion:
 
     def __add__(self, other: "Expansion") -> "Expansion":
         return Expansion(self.value + other.value, self.gradient + other.gradient, self.hessian + other.hessian)
-
-    def __getitem__(self, which: Which) -> "Expansion":
-        return Expansion(self.value[which], self.gradient[which], self.hessian[which])
-
-    def where(self, chosen: Bools, other: "Expansion") -> "Expansion":
-        """This one where `chosen` (n,), else the other."""
-        return Expansion(
-            np.where(chosen, self.value, other.value),
-            np.where(chosen[:, None], self.gradient, other.gradient),
-            np.where(chosen[:, None, None], self.hessian, other.hessian),
-        )

@@ -37,8 +37,7 @@ def checks(table: pd.DataFrame, *, dependent: str, within: Sequence[str] | str, 
     sphericity of force_n: Mauchly W = .187, p = .187: not contradicted
     outliers: no residual beyond 3 standard deviations
     """
-    factors = [within] if isinstance(within, str) else list(within)
-    design = within_design(table, dependent=dependent, within=factors, subject=subject, where="checks")
+    design = within_design(table, dependent=dependent, within=within, subject=subject, where="checks")
     spread(design.cells, dependent)
     residuals = _residuals(design.cells)
     rows = [_normality(residuals), *(_sphericity(effect) for effect in effects(design)), _outliers(residuals)]

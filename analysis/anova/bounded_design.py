@@ -9,8 +9,16 @@ import pandas as pd
 
 from tactometry.errors import InvalidParameter
 
-from ..arrays import RELATIVE_ZERO, Array, size_of
-from .design import DesignStatus, UndefinedStatistic, codes_of, expect_columns, expect_names, refuse_few
+from ..arrays import Array, size_of
+from .design import (
+    DesignStatus,
+    UndefinedStatistic,
+    codes_of,
+    expect_columns,
+    expect_names,
+    refuse_constant,
+    refuse_few,
+)
 from .split_plot import groups_of
 from .strata import BoundedValues
 
@@ -163,9 +171,6 @@ def _scaled(design: BoundedDesign, dependent: str) -> BoundedDesign:
     size = size_of(data.low[data.known])
     known = data.low[data.known] / size
     centre, scale = float(known.mean()), float(known.std())
-    if scale <= RELATIVE_ZERO * float(np.abs(known).max()):
-        raise UndefinedStatistic(
-            f"{dependent}: found the same value everywhere, expected values that differ", DesignStatus.CONSTANT
-        )
+    refuse_constant(scale, float(np.abs(known).max()), dependent)
     low, high = ((ends / size - centre) / scale for ends in (data.low, data.high))
     return replace(design, data=replace(data, low=low, high=high), centre=centre * size, scale=scale * size)

@@ -19,10 +19,10 @@ from tactometry.errors import InvalidParameter
 from ..arrays import Array
 from .bounded_design import BoundedDesign, bounded_design
 from .contrasts import Sphericity, Tested, epsilons
-from .design import DesignStatus, UndefinedStatistic
+from .design import MAX_FACTORS, DesignStatus, UndefinedStatistic, names_of
 from .group_means import within_variances
 from .strata import LEAST_VARIANCE, StrataFit, fit_strata
-from .within_subjects import INTERVAL, MAX_FACTORS, effect_table
+from .within_subjects import INTERVAL, effect_table
 
 WIDEST_SE = 10.0
 """A mean of a larger standard error, in standard deviations of the known values, is not held by them."""
@@ -36,14 +36,6 @@ class CensoredAnova:
     table: pd.DataFrame
     design: BoundedDesign
     fit: StrataFit
-
-    @property
-    def n_censored(self) -> int:
-        return self.design.n_censored
-
-    @property
-    def n_missing(self) -> int:
-        return self.design.n_missing
 
     def means(self, interval: float = 0.95) -> pd.DataFrame:
         """Per condition (and group) `mean` with its t-interval between participants (`mean_low`, `mean_high`), their
@@ -108,7 +100,7 @@ def censored_anova(
     >>> found.n_censored, found.means()["mean"].round(1).tolist()
     (1, [2.5, 4.0, 6.0])
     """
-    factors = [within] if isinstance(within, str) else list(within)
+    factors = names_of(within)
     if len(factors) > MAX_FACTORS or len({dependent, subject, *factors, between}) < len(factors) + 3:
         raise InvalidParameter(f"within: found {', '.join(factors)}, expected up to {MAX_FACTORS} different factors")
     design = bounded_design(

@@ -12,7 +12,7 @@ from tactometry.errors import InvalidParameter
 from ..arrays import RELATIVE_ZERO, Array, Indices, size_of
 from ..reading.refusals import no_column
 
-MIN_PARTICIPANTS = 3
+MIN_PARTICIPANTS, MAX_FACTORS = 3, 3
 AVERAGED = "several values of one participant in one cell were averaged"
 
 
@@ -67,14 +67,14 @@ class WithinDesign:
 
 
 def within_design(
-    table: pd.DataFrame, *, dependent: str, within: Sequence[str], subject: str, where: str, most: int = 3
+    table: pd.DataFrame, *, dependent: str, within: Sequence[str] | str, subject: str, where: str
 ) -> WithinDesign:
     """The design of a table in long form: a row per value; several values of one cell are averaged, which a note says.
 
     Raises
     ------
     InvalidParameter
-        For a column that is not there, or other than 1 to `most` different factors; `where` opens the sentence.
+        For a column that is not there, or other than one to three different factors; `where` opens the sentence.
     UndefinedStatistic
         For values that are not finite, missing cells, too few participants or levels.
 
@@ -84,10 +84,10 @@ def within_design(
            [2., 4.],
            [3., 4.]])
     """
+    within = names_of(within)
     data = finite_rows(table, [dependent, subject, *within], dependent, where)
-    if not 1 <= len(within) <= most or len({dependent, subject, *within}) < len(within) + 2:
-        counts = ("one", "one or two", "one to three")[most - 1]
-        raise InvalidParameter(f"within: found {', '.join(within)}, expected {counts} different factors")
+    if not 1 <= len(within) <= MAX_FACTORS or len({dependent, subject, *within}) < len(within) + 2:
+        raise InvalidParameter(f"within: found {', '.join(within)}, expected one to three different factors")
     coded = [codes_of(data, name) for name in (subject, *within)]
     levels = tuple(tuple(different) for _, different in coded)
     refuse_few(levels, subject, within)
@@ -100,6 +100,11 @@ def within_design(
     values = size * (np.bincount(place, y / size, minlength=n_values.size).reshape(shape) / n_values)
     rounding = RELATIVE_ZERO * float(np.abs(values).max())
     return WithinDesign(values, tuple(within), levels[1:], levels[0], _averaged(n_values), rounding)
+
+
+def names_of(within: Sequence[str] | str) -> list[str]:
+    """Of factors, or of the one that is named."""
+    return [within] if isinstance(within, str) else list(within)
 
 
 def codes_of(data: pd.DataFrame, name: str) -> tuple[Indices, Sequence[object]]:
@@ -175,10 +180,21 @@ def refuse_few(levels: Sequence[Sequence[object]], subject: str, within: Sequenc
             DesignStatus.TOO_FEW_PARTICIPANTS,
         )
     for name, values in zip(within, levels[1:], strict=True):
-        if len(values) < 2:
-            raise UndefinedStatistic(
-                f"{name}: found {len(values)} value, expected at least 2 to compare", DesignStatus.ONE_LEVEL
-            )
+        refuse_one(name, len(values), "value")
+
+
+def refuse_one(name: str, n: int, what: str) -> None:
+    """Refuse a factor of fewer than two values (or groups)."""
+    if n < 2:
+        raise UndefinedStatistic(f"{name}: found {n} {what}, expected at least 2 to compare", DesignStatus.ONE_LEVEL)
+
+
+def refuse_constant(spread: float, size: float, dependent: str) -> None:
+    """Refuse values of which the spread is rounding, beside the size of the largest."""
+    if spread <= RELATIVE_ZERO * size:
+        raise UndefinedStatistic(
+            f"{dependent}: found the same value everywhere, expected values that differ", DesignStatus.CONSTANT
+        )
 
 
 def _refuse_holes(n_values: Indices, levels: Sequence[Sequence[object]], names: Sequence[str], dependent: str) -> None:
@@ -203,10 +219,7 @@ def spread(values: Array, dependent: str) -> float:
     unit = size_of(values)
     values = values / unit
     size, sd = float(np.abs(values).max()), float(values.std())
-    if sd <= RELATIVE_ZERO * size:
-        raise UndefinedStatistic(
-            f"{dependent}: found the same value everywhere, expected values that differ", DesignStatus.CONSTANT
-        )
+    refuse_constant(sd, size, dependent)
     within = values - values.mean(axis=1, keepdims=True)
     if np.abs(within).max() <= RELATIVE_ZERO * size:
         raise UndefinedStatistic(

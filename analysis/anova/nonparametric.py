@@ -34,7 +34,7 @@ def friedman(table: pd.DataFrame, *, dependent: str, factor: str, subject: str) 
     """
     import pingouin
 
-    design = within_design(table, dependent=dependent, within=[factor], subject=subject, where="friedman")
+    design = within_design(table, dependent=dependent, within=factor, subject=subject, where="friedman")
     values = _rounded(design.values)
     if (np.ptp(values, axis=1) == 0).all():
         raise UndefinedStatistic(
@@ -66,8 +66,7 @@ def aligned_rank_transform(
     >>> found[["Source", "F", "p_unc"]].round(4).values.tolist()
     [['force_n', 28.539, 0.0009]]
     """
-    factors = [within] if isinstance(within, str) else list(within)
-    design = within_design(table, dependent=dependent, within=factors, subject=subject, where="aligned_rank_transform")
+    design = within_design(table, dependent=dependent, within=within, subject=subject, where="aligned_rank_transform")
     spread(design.cells, dependent)
     return pd.DataFrame([_ranked_row(design, effect) for effect in effects(design)])
 

@@ -6,7 +6,7 @@ By exact contrasts: pingouin takes one factor within, and with groups of unequal
 Which groups of participants differ: Welch's t-tests of participants' means with Holm's correction.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -18,7 +18,7 @@ from tactometry.errors import InvalidParameter
 
 from ..arrays import RELATIVE_ZERO, Array, size_of
 from .contrasts import Sphericity, Tested, effects, participant_scores, sphericity
-from .design import DesignStatus, UndefinedStatistic, finite_rows, within_design
+from .design import DesignStatus, UndefinedStatistic, finite_rows, names_of, refuse_one, within_design
 from .post_hoc import all_together
 from .within_subjects import INTERVAL, effect_table, scaled_design, told
 
@@ -51,7 +51,7 @@ def mixed_anova(
     >>> found[["Source", "F"]].round(3).values.tolist()
     [['hand', 0.88], ['force_n', 16.071], ['hand * force_n', 3.5]]
     """
-    factors = [within] if isinstance(within, str) else list(within)
+    factors = names_of(within)
     rows = finite_rows(table, [dependent, subject, *factors, between], dependent, "mixed_anova")
     design = within_design(rows, dependent=dependent, within=factors, subject=subject, where="mixed_anova")
     groups = groups_of(rows, design.participants, subject, between)
@@ -89,16 +89,19 @@ def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, 
     group_of = rows.drop_duplicates(subject).set_index(subject)[between].to_dict()
     of, names = pd.factorize(np.array([group_of[code] for code in participants]), sort=True)
     sizes = np.bincount(of)
-    if len(names) < 2:
+    _refuse_small(between, dict(zip(names.tolist(), sizes.tolist(), strict=True)))
+    return Groups(of, sizes.astype(np.float64), tuple(names.tolist()))
+
+
+def _refuse_small(between: str, sizes: Mapping[object, int]) -> None:
+    """Refuse fewer than two groups, and a group of one."""
+    refuse_one(between, len(sizes), "group")
+    smallest = min(sizes, key=lambda name: sizes[name])
+    if sizes[smallest] < MIN_GROUP:
         raise UndefinedStatistic(
-            f"{between}: found {len(names)} group, expected at least 2 to compare", DesignStatus.ONE_LEVEL
-        )
-    if sizes.min() < MIN_GROUP:
-        raise UndefinedStatistic(
-            f"{between} = {names[int(sizes.argmin())]}: found one participant, expected at least {MIN_GROUP} a group",
+            f"{between} = {smallest}: found one participant, expected at least {MIN_GROUP} a group",
             DesignStatus.TOO_FEW_PARTICIPANTS,
         )
-    return Groups(of, sizes.astype(np.float64), tuple(names.tolist()))
 
 
 def _errors(scores: Array, groups: Groups) -> tuple[Array, int]:
@@ -177,16 +180,7 @@ def group_pairs(
 def _rows(means: pd.DataFrame, dependent: str, between: str, interval: float) -> list[dict[str, object]]:
     by_group = means.groupby(between, sort=True, observed=True)
     groups = {name: members[dependent].to_numpy(float) for name, members in by_group}
-    if len(groups) < 2:
-        raise UndefinedStatistic(
-            f"{between}: found {len(groups)} group, expected at least 2 to compare", DesignStatus.ONE_LEVEL
-        )
-    for name, values in groups.items():
-        if len(values) < MIN_GROUP:
-            raise UndefinedStatistic(
-                f"{between} = {name!s}: found one participant, expected at least {MIN_GROUP} a group",
-                DesignStatus.TOO_FEW_PARTICIPANTS,
-            )
+    _refuse_small(between, {name: len(values) for name, values in groups.items()})
     return [{"a": a, "b": b} | _tested(groups[a], groups[b], interval) for a, b in combinations(groups, 2)]
 
 

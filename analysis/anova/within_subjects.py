@@ -15,7 +15,6 @@ from ..arrays import Array, size_of
 from .contrasts import MOST_EXACT, Tested, effects, participant_scores, permutation_p as _permutation_p
 from .design import DesignStatus, WithinDesign, spread, within_design
 
-MAX_FACTORS = 3
 SIZES: Mapping[str, str] = {
     "np2": "partial",
     "np2_low": "partial_low",
@@ -89,7 +88,7 @@ def repeated_measures(
     >>> found[["F", "p_unc", "np2"]].iloc[0].round(4).tolist()
     [27.75, 0.0009, 0.9024]
     """
-    design = _design(table, dependent, within, subject)
+    design = within_design(table, dependent=dependent, within=within, subject=subject, where="repeated_measures")
     scaled, scale = scaled_design(design, dependent)
     tested = [effect.tested for effect in effects(scaled)]
     between = participant_scores(scaled)
@@ -120,7 +119,7 @@ def permutation_test(
     >>> permutation_test(table, dependent="y", within="force_n", subject="who")["p_permutation"].tolist()
     [0.125]
     """
-    design = _design(table, dependent, within, subject)
+    design = within_design(table, dependent=dependent, within=within, subject=subject, where="repeated_measures")
     scaled, _ = scaled_design(design, dependent)
     return pd.DataFrame(
         [
@@ -133,11 +132,6 @@ def permutation_test(
             for effect in effects(scaled)
         ]
     )
-
-
-def _design(table: pd.DataFrame, dependent: str, within: Sequence[str] | str, subject: str) -> WithinDesign:
-    factors = [within] if isinstance(within, str) else list(within)
-    return within_design(table, dependent=dependent, within=factors, subject=subject, where="repeated_measures")
 
 
 def scaled_design(design: WithinDesign, dependent: str) -> tuple[WithinDesign, float]:

@@ -36,7 +36,7 @@ from .layout import (
     reaches,
 )
 from .model import CORRELATED_FROM, StudyCounts, mixed_model, rate_of, start
-from .result import NOTES, Contrast, FactorEffect, GroupStatus, HierarchicalFit
+from .result import Contrast, FactorEffect, GroupStatus, HierarchicalFit
 from .starts import Alone, fitted_alone
 
 ZERO_SD = 1e-3
@@ -160,7 +160,7 @@ def _no_data(factors: tuple[str, ...], interval: float) -> HierarchicalFit:
         guess_rate=None,
         log_likelihood=None,
         status=status,
-        note=NOTES[status],
+        note=status.note,
         factors=factors,
         n_participants=0,
         interval=interval,
@@ -198,7 +198,7 @@ def _fitted(layout: Layout, study: StudyCounts, alone: Alone, interval: float) -
         guess_rate=rates.get(GUESS, study.guess_rate),
         log_likelihood=mixed_fit.log_marginal,
         status=status,
-        note="; ".join(filter(None, (NOTES[status], "" if study.width_varies else ONE_WIDTH))),
+        note="; ".join(filter(None, (status.note, "" if study.width_varies else ONE_WIDTH))),
         factors=tuple(layout.conditions.columns),
         n_participants=n,
         interval=interval,
@@ -248,7 +248,7 @@ def _untold(layout: Layout, study: StudyCounts, alone: Alone, status: GroupStatu
         conditions=condition_table(layout, study, place, alone, 0.0),
         participants=participant_table(layout, study, own, alone, 0.0),
         status=status,
-        note=NOTES[status],
+        note=status.note,
         n_participants=study.n_participants,
     )
 

@@ -2,10 +2,8 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 from functools import reduce
 from itertools import product
-from types import MappingProxyType
 
 import numpy as np
 import pandas as pd
@@ -15,27 +13,19 @@ from tactometry.errors import InvalidParameter
 
 from ..anova.contrasts import epsilons
 from ..arrays import Array
+from ..noted_status import NotedStatus
 
 
-class GroupStatus(StrEnum):
-    OK = "ok"
-    SINGULAR = "singular"
-    ONE_PARTICIPANT = "one_participant"
-    NO_THRESHOLD = "no_threshold"
-    NOT_CONVERGED = "not_converged"
-    NO_DATA = "no_data"
-
-
-NOTES = MappingProxyType(
-    {
-        GroupStatus.OK: "",
-        GroupStatus.SINGULAR: "a variance between participants is 0, or threshold and width vary together",
-        GroupStatus.ONE_PARTICIPANT: "one participant: no variance between participants; the intervals are this one's",
-        GroupStatus.NO_THRESHOLD: "no participant tells a threshold in any condition: bounds at most",
-        GroupStatus.NOT_CONVERGED: "the likelihood still rises: no estimate",
-        GroupStatus.NO_DATA: "no trial was given",
-    }
-)
+class GroupStatus(NotedStatus):
+    OK = "ok", ""
+    SINGULAR = "singular", "a variance between participants is 0, or threshold and width vary together"
+    ONE_PARTICIPANT = (
+        "one_participant",
+        "one participant: no variance between participants; the intervals are this one's",
+    )
+    NO_THRESHOLD = "no_threshold", "no participant tells a threshold in any condition: bounds at most"
+    NOT_CONVERGED = "not_converged", "the likelihood still rises: no estimate"
+    NO_DATA = "no_data", "no trial was given"
 
 
 @dataclass(frozen=True)

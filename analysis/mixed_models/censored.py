@@ -161,19 +161,17 @@ class _Censored:
         """At points (..., 2) of mean and log standard deviation."""
         eta, log_sd = points[..., 0], points[..., 1]
         chance, exact = _interval(self.low, self.high, eta, log_sd), _value(self.low, eta, log_sd)
-        known = self.low == self.high
-
-        def chosen(of_value: Array, of_interval: Array) -> Array:
-            return np.where(_like(known, of_value), of_value, of_interval) * _like(self.used, of_value)
-
+        is_known = self.low == self.high
         return Expansion(
-            chosen(exact.value, chance.value),
-            chosen(exact.gradient, chance.gradient),
-            chosen(exact.hessian, chance.hessian),
+            *(
+                np.where(_like(is_known, of_value), of_value, of_interval) * _like(self.used, of_value)
+                for of_value, of_interval in zip(vars(exact).values(), vars(chance).values(), strict=True)
+            )
         )
 
 
 def _like(mask: Bools, values: Array) -> Bools:
+    """The mask with as many axes as the values."""
     return mask.reshape(mask.shape + (1,) * (values.ndim - mask.ndim))
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations  # so that `help` says ArrayLike, and not wha
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 from types import MappingProxyType
 
 import numpy as np
@@ -19,6 +18,7 @@ from tactometry.errors import InvalidParameter, nearest
 from tactometry.psychometric import SHAPES, Shape
 
 from ..arrays import Array, Expansion, Indices
+from ..noted_status import NotedStatus
 from ..threshold.chances import by_point, expected_information
 from ..threshold.counts import checked
 from .laplace import ClusteredModel, MixedFit, maximise, maximise_by_quadrature
@@ -32,25 +32,13 @@ WIDEST_SE = 10.0
 LARGEST_GRADIENT = 1e-3
 
 
-class MixedStatus(StrEnum):
-    OK = "ok"
-    SINGULAR = "singular"
-    ONE_PARTICIPANT = "one_participant"
-    SEPARATED = "separated"
-    NO_DATA = "no_data"
-    NOT_CONVERGED = "not_converged"
-
-
-NOTES = MappingProxyType(
-    {
-        MixedStatus.OK: "",
-        MixedStatus.SINGULAR: "the random effects have no variance, or one of them follows from the others",
-        MixedStatus.ONE_PARTICIPANT: "one participant: nothing can be said of the variance between participants",
-        MixedStatus.SEPARATED: "a fixed effect has no finite maximum: the answers do not vary enough",
-        MixedStatus.NO_DATA: "no trial was given",
-        MixedStatus.NOT_CONVERGED: "the likelihood still rises",
-    }
-)
+class MixedStatus(NotedStatus):
+    OK = "ok", ""
+    SINGULAR = "singular", "the random effects have no variance, or one of them follows from the others"
+    ONE_PARTICIPANT = "one_participant", "one participant: nothing can be said of the variance between participants"
+    SEPARATED = "separated", "a fixed effect has no finite maximum: the answers do not vary enough"
+    NO_DATA = "no_data", "no trial was given"
+    NOT_CONVERGED = "not_converged", "the likelihood still rises"
 
 
 @dataclass(frozen=True)
@@ -151,7 +139,7 @@ def _check_random(fixed: Mapping[str, ArrayLike], random: Sequence[str], n_nodes
 
 
 def _nothing(status: MixedStatus, participants: Mapping[str, Array] = MappingProxyType({})) -> MixedEstimate:
-    return MixedEstimate(None, None, None, None, None, participants, None, status, NOTES[status])
+    return MixedEstimate(None, None, None, None, None, participants, None, status, status.note)
 
 
 @dataclass(frozen=True)
@@ -241,7 +229,7 @@ class _Design:
             participants,
             found.log_marginal,
             status,
-            NOTES[status],
+            status.note,
         )
 
     def _status(self, model: ClusteredModel, found: MixedFit, covariance: Array) -> MixedStatus:

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import minimize
 
-from ..arrays import Array, Bools, Expansion
+from ..arrays import Array, Expansion, Rows
 
 DIFFERENCE = 1e-4
 MAX_INNER_STEPS = 60
@@ -93,7 +93,7 @@ class ClusteredModel:
 
 
 @dataclass(frozen=True)
-class Inner:
+class Inner(Rows):
     """The mode of the random effects at some parameters.
 
     `value` (n_clusters,) is log-likelihood minus half the square of `effects` (n_clusters, n_random); `loads` = Z
@@ -135,7 +135,7 @@ def inner_mode(model: ClusteredModel, parameters: Array, start: Array | None = N
         better = (decrement >= 0) & (there.value >= here.value - 1e-12 * (1 + np.abs(here.value)))
         damping = np.where(better, damping / 10, np.maximum(10 * damping, 1e-2 * _diagonal(here.precision)))
         damping[damping < 1e-8] = 0.0  # only Newton's own step squares the error, and may end the search below
-        here = _merged(better, there, here)
+        here = there if better.all() else there.where(better, here)
         near = np.abs(decrement) <= SMALL_INNER_DECREMENT * (1 + np.abs(here.value))
         if (near & (damping == 0)).all() or (damping > 1e14).any():
             break
@@ -170,23 +170,6 @@ def _inner_step(here: Inner, damping: Array) -> tuple[Array, Array]:
     except np.linalg.LinAlgError:  # without an inverse: no step is better, all are damped more
         return np.zeros_like(gradient), np.full(len(gradient), -1.0)
     return step, (step * gradient).sum(axis=1)
-
-
-def _merged(better: Bools, there: Inner, here: Inner) -> Inner:
-    if better.all():
-        return there
-
-    def chosen(new: Array, old: Array) -> Array:
-        return np.where(better.reshape(-1, *[1] * (new.ndim - 1)), new, old)
-
-    at = Expansion(
-        chosen(there.at.value, here.at.value),
-        chosen(there.at.gradient, here.at.gradient),
-        chosen(there.at.hessian, here.at.hessian),
-    )
-    names = ("value", "effects", "points", "precision")
-    fields = {name: chosen(getattr(there, name), getattr(here, name)) for name in names}
-    return Inner(loads=here.loads, at=at, **fields)
 
 
 def log_marginal(model: ClusteredModel, parameters: Array, inner: Inner) -> tuple[float, Array]:

@@ -17,7 +17,7 @@ from scipy.stats import f as fisher, t as student
 
 from tactometry.errors import InvalidParameter
 
-from ..anova.design import DesignStatus, UndefinedStatistic, codes_of, finite_rows
+from ..anova.design import DesignStatus, UndefinedStatistic, codes_of, finite_rows, refuse_constant, refuse_one
 from ..arrays import RELATIVE_ZERO, Array, Indices, size_of
 
 Counts = Indices
@@ -139,10 +139,7 @@ def mixed_model(
 
 
 def _refuse_without_error(y: Array, x: Array, groups: Indices, dependent: str) -> None:
-    if y.std() <= RELATIVE_ZERO * np.abs(y).max():
-        raise UndefinedStatistic(
-            f"{dependent}: found the same value everywhere, expected values that differ", DesignStatus.CONSTANT
-        )
+    refuse_constant(float(y.std()), float(np.abs(y).max()), dependent)
     if not _has_error(y, x, groups):
         raise UndefinedStatistic(
             f"{dependent}: found values that participants and terms explain exactly, expected some error: F is "
@@ -222,10 +219,7 @@ def _centred(codes: Mapping[str, Array]) -> dict[str, Array]:
 
 def _codes(data: pd.DataFrame, name: str, base: object) -> dict[str, Array]:
     levels = codes_of(data, name)[1]
-    if len(levels) < 2:
-        raise UndefinedStatistic(
-            f"{name}: found {len(levels)} value, expected at least 2 to compare", DesignStatus.ONE_LEVEL
-        )
+    refuse_one(name, len(levels), "value")
     first = levels[0] if base is None else base
     if first not in levels:
         raise InvalidParameter(f"base: found {name} = {base}, expected one of {', '.join(map(str, levels))}")

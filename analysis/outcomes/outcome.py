@@ -14,12 +14,12 @@ from ..anova.bounded_design import MIN_KNOWN
 from ..anova.censored import CensoredAnova, censored_anova
 from ..anova.censored_pairs import censored_equivalence, censored_group_pairs, censored_pairs
 from ..anova.complete_design import SubDesign, largest_complete, largest_known
-from ..anova.design import DesignStatus, UndefinedStatistic
+from ..anova.design import MAX_FACTORS, DesignStatus, UndefinedStatistic
 from ..anova.group_means import HIGH, LOW, bounds_of, group_table
 from ..anova.post_hoc import all_together, equivalence, pairs
 from ..anova.simple_effects import Analysis, interacting, simple_effects
 from ..anova.split_plot import group_pairs, mixed_anova
-from ..anova.within_subjects import MAX_FACTORS, permutation_test, repeated_measures
+from ..anova.within_subjects import permutation_test, repeated_measures
 from ..mixed_models.censored import censored_model
 from ..mixed_models.linear import MixedModel, mixed_model
 from ..wording.cross_table import cross_table
@@ -189,8 +189,8 @@ def _censored(given: Given, table: pd.DataFrame, within: Sequence[str]) -> Censo
 def _counted(model: CensoredAnova) -> list[str]:
     """How the values that are not known count."""
     kinds = [
-        (model.n_censored, "as a bound", "as bounds"),
-        (model.n_missing, "as missing at random", "as missing at random"),
+        (model.design.n_censored, "as a bound", "as bounds"),
+        (model.design.n_missing, "as missing at random", "as missing at random"),
     ]
     counts = [f"{n} value{'s' if n > 1 else ''} {many if n > 1 else one}" for n, one, many in kinds if n]
     return [f"the analysis of values and bounds counts {' and '.join(counts)}"] if counts else []

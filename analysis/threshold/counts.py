@@ -1,13 +1,13 @@
 """Counts of answers per level, checked, pooled and brought to a scale without units."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.errors import InvalidParameter
 
-from ..arrays import Array, Bools, Indices, Which
+from ..arrays import Array, Bools, Indices, Rows
 
 POOLED_BELOW = 1e-9
 """Levels closer than this part of their range are one level."""
@@ -16,7 +16,7 @@ LARGEST = 1e300
 
 
 @dataclass(frozen=True)
-class Counts:
+class Counts(Rows):
     """Data sets side by side, on levels u = (level - centre) / spread.
 
     `u`, `n_yes`, `n_trials` have the shape (n_sets, n_levels); unused places have n_trials 0 and u 0.
@@ -32,28 +32,13 @@ class Counts:
     gap: Array
     n_levels: Indices
 
-    def __getitem__(self, which: Which) -> "Counts":
-        return Counts(
-            self.u[which],
-            self.n_yes[which],
-            self.n_trials[which],
-            self.centre[which],
-            self.spread[which],
-            self.gap[which],
-            self.n_levels[which],
-        )
-
     def __len__(self) -> int:
         return len(self.u)
 
     def by_level(self) -> "Counts":
         """The same in memory level by level: sums over the levels of many data sets then run along the data sets."""
         u, k, n = (np.asfortranarray(values) for values in (self.u, self.n_yes, self.n_trials))
-        return Counts(u, k, n, self.centre, self.spread, self.gap, self.n_levels)
-
-    def with_yes(self, n_yes: Array) -> "Counts":
-        """The same levels and trials with other answers."""
-        return Counts(self.u, n_yes, self.n_trials, self.centre, self.spread, self.gap, self.n_levels)
+        return replace(self, u=u, n_yes=k, n_trials=n)
 
 
 def checked(

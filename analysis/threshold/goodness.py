@@ -15,7 +15,7 @@ import numpy as np
 
 from tactometry.psychometric import Shape
 
-from ..arrays import Array, Bools, Indices
+from ..arrays import Array, Bools, Indices, Rows
 from .chances import weighted
 from .counts import Counts
 from .likelihood import GUESS, log_chances, saturated_log_likelihood
@@ -42,15 +42,12 @@ SMALLEST_VARIANCE = 1e-12
 
 
 @dataclass(frozen=True)
-class Sequences:
+class Sequences(Rows):
     """Answers (n_sets, n_stretches, n_levels) of data sets in stretches of consecutive trials, at the levels of their
     `Counts`."""
 
     n_yes: Array
     n_trials: Array
-
-    def __getitem__(self, which: Indices) -> "Sequences":
-        return Sequences(self.n_yes[which], self.n_trials[which])
 
 
 @dataclass(frozen=True)
@@ -153,7 +150,7 @@ def _drawn(
     drawn = Sequences(yes.reshape(-1, *trials.shape[1:]).astype(np.float64), answers.n_trials[same])
     # Catch trials are answers too: what is known of a free guess rate varies with them.
     alarms = rng.binomial(prior.n_catch.astype(np.int64)[same], theta[same, GUESS]).astype(np.float64)
-    resampled = counts[same].with_yes(drawn.n_yes.sum(axis=1))
+    resampled = replace(counts[same], n_yes=drawn.n_yes.sum(axis=1))
     prior_of_draws = replace(prior[same], n_false_alarms=alarms)
     refitted = climb(shape, resampled, prior_of_draws, theta[same], small_decrement=SMALL_DECREMENT)
     return statistics(shape, resampled, refitted.theta, drawn).reshape(len(counts), n_draws, N_STATISTICS)

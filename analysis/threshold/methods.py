@@ -23,7 +23,6 @@ from .result import ThresholdFit
 from .shared_grid import batched_marginals
 from .status import (
     AFTER_A_TRACK,
-    NOTES,
     TOO_NARROW,
     Status,
     StepFit,
@@ -255,7 +254,7 @@ class _Findings:
             return f"one level only: {k:.0f} of {n:.0f} answers, a rate from {low:.3f} to {high:.3f}; no threshold"
         if status == Status.OK and self.after_a_track[i]:
             return AFTER_A_TRACK
-        return NOTES[status]
+        return status.note
 
 
 def _finite(value: float) -> float | None:
@@ -334,7 +333,7 @@ def _bootstrap_one(
     drawn = rng.binomial(counts.n_trials[0].astype(np.int64), np.minimum(chance, 1.0), (n_resamples, len(chance)))
     # Catch trials are answers too: what is known of a free guess rate varies with them.
     alarms = rng.binomial(int(prior.n_catch[0]), theta[GUESS], n_resamples).astype(np.float64)
-    resampled = counts[same].with_yes(drawn.astype(np.float64))
+    resampled = replace(counts[same], n_yes=drawn.astype(np.float64))
     start = np.broadcast_to(theta, (n_resamples, len(theta)))
     refits = climb(shape, resampled, replace(prior[same], n_false_alarms=alarms), start).theta[:, THRESHOLD]
     away = refits - theta[THRESHOLD]

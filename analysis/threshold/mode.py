@@ -5,12 +5,13 @@ lapse and guess rates often come to lie.
 """
 
 from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
 from tactometry.psychometric import Shape
 
-from ..arrays import Array, Bools, Expansion, Indices, Which
+from ..arrays import Array, Bools, Expansion, Indices, Rows, Which
 from .counts import Counts
 from .likelihood import (
     BINOMIAL_BELOW,
@@ -48,7 +49,7 @@ N_GOLDEN = 16
 
 
 @dataclass(frozen=True)
-class Mode:
+class Mode(Rows):
     """Parameters (n_sets, 4) at the largest log density, that density, and the covariance there (Laplace).
 
     The covariance has zeros for a parameter that is fixed or lies on its bound. `interior` is false where
@@ -59,14 +60,6 @@ class Mode:
     log_density: Array
     covariance: Array
     interior: Bools
-
-    def __getitem__(self, which: Which) -> "Mode":
-        return Mode(self.theta[which], self.log_density[which], self.covariance[which], self.interior[which])
-
-    def joined(self, other: "Mode") -> "Mode":
-        """The sets of this one, then those of the other."""
-        names = ("theta", "log_density", "covariance", "interior")
-        return Mode(*(np.concatenate([getattr(self, name), getattr(other, name)]) for name in names))
 
     @property
     def threshold_sd(self) -> Array:
@@ -100,7 +93,9 @@ def _second_starts(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> St
     deviance = 2 * (saturated_log_likelihood(counts) - log_likelihood(shape, counts, mode.theta))
     poor = np.flatnonzero(deviance > POOR_FIT * np.maximum(counts.n_levels - len(prior.free), 1))
     _, halves = grid_starts(shape, counts[poor], prior[poor])
-    return Starts(poor[halves.sets], halves.theta) + step_starts(shape, counts, prior, mode.log_density - STEP_MARGIN)
+    return Starts(poor[halves.sets], halves.theta).joined(
+        step_starts(shape, counts, prior, mode.log_density - STEP_MARGIN)
+    )
 
 
 def _highest(shape: Shape, counts: Counts, prior: Prior, starts: Starts, known: Mode | None = None) -> Mode:
@@ -148,7 +143,7 @@ def climb(
 
 
 @dataclass(frozen=True)
-class _Climbing:
+class _Climbing(Rows):
     """The data sets that are still climbing (and some that are not, as long as leaving them out costs more)."""
 
     sets: Indices
@@ -158,11 +153,9 @@ class _Climbing:
     high: Array
     damping: Array
 
-    def __getitem__(self, which: Bools) -> "_Climbing":
-        counts = self.counts[which].by_level()  # choosing rows may have laid them out anew
-        return _Climbing(
-            self.sets[which], counts, self.prior[which], self.low[which], self.high[which], self.damping[which]
-        )
+    def __getitem__(self, which: Which) -> Self:
+        climbing = super().__getitem__(which)
+        return replace(climbing, counts=climbing.counts.by_level())  # choosing rows may have laid them out anew
 
 
 def _expand(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Expansion:

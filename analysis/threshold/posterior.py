@@ -17,7 +17,7 @@ from scipy.interpolate import CubicSpline
 
 from tactometry.psychometric import Shape, log_mixture
 
-from ..arrays import Array, Bools, Indices, Which
+from ..arrays import Array, Bools, Indices, Rows
 from .chances import linear, weighted
 from .counts import Counts
 from .likelihood import BINOMIAL_BELOW, GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, log_weight
@@ -76,12 +76,9 @@ class Marginals:
 
 
 @dataclass(frozen=True)
-class _Box:
+class _Box(Rows):
     low: Array
     high: Array
-
-    def __getitem__(self, which: Which) -> "_Box":
-        return _Box(self.low[which], self.high[which])
 
 
 def marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> Marginals:

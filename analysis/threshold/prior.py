@@ -8,11 +8,11 @@ width, lapse, guess).
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from ..arrays import Array, Expansion, Which
+from ..arrays import Array, Expansion, Rows
 from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
 
 BETA_B = 10.0
@@ -28,7 +28,7 @@ LARGEST_ETA = 0.99
 
 
 @dataclass(frozen=True)
-class Prior:
+class Prior(Rows):
     """What is known before the data.
 
     `gap` (n_sets,) is the smallest spacing. A rate is free or fixed. Without `on_curve` the threshold and the
@@ -50,16 +50,6 @@ class Prior:
     rate_beta: float = BETA_B
     equal_asymptotes: bool = False
     narrowest_spacings: float = 1.0
-
-    def __getitem__(self, which: Which) -> "Prior":
-        return replace(
-            self,
-            gap=self.gap[which],
-            n_false_alarms=self.n_false_alarms[which],
-            n_catch=self.n_catch[which],
-            threshold=None if self.threshold is None else self.threshold[which],
-            overdispersion=None if self.overdispersion is None else self.overdispersion[which],
-        )
 
     @property
     def narrowest(self) -> Array:

@@ -5,13 +5,14 @@ A density may have several summits, such as a shallow function without lapses an
 """
 
 from dataclasses import dataclass
+from functools import reduce
 from itertools import product
 
 import numpy as np
 
 from tactometry.psychometric import Shape
 
-from ..arrays import Array, Bools, Indices
+from ..arrays import Array, Bools, Indices, Rows
 from .chances import weighted
 from .counts import Counts
 from .likelihood import (
@@ -40,7 +41,7 @@ STEEP = 0.7
 
 
 @dataclass(frozen=True)
-class Starts:
+class Starts(Rows):
     """Parameters `theta` (n_starts, 4) for the data sets number `sets` (n_starts,)."""
 
     sets: Indices
@@ -49,9 +50,6 @@ class Starts:
     @classmethod
     def none(cls) -> "Starts":
         return cls(np.zeros(0, dtype=np.int64), np.zeros((0, N_PARAMETERS)))
-
-    def __add__(self, other: "Starts") -> "Starts":
-        return Starts(np.concatenate([self.sets, other.sets]), np.concatenate([self.theta, other.theta]))
 
 
 # Of a coarse grid
@@ -72,11 +70,7 @@ def grid_starts(shape: Shape, counts: Counts, prior: Prior) -> tuple[Starts, Sta
             tops, bests = _tops(sets, density.reshape(len(sets), *sizes), nodes.reshape(*sizes, N_PARAMETERS))
             summits.append(tops)
             halves.append(bests)
-    return _joined(summits), _joined(halves)
-
-
-def _joined(starts: list[Starts]) -> Starts:
-    return Starts(np.concatenate([one.sets for one in starts]), np.concatenate([one.theta for one in starts]))
+    return reduce(Starts.joined, summits), reduce(Starts.joined, halves)
 
 
 def same_rows(rows: Array) -> list[Indices]:

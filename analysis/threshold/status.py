@@ -17,7 +17,6 @@ made reach a Bayes factor of b for a curve in at most one of b cases, whatever t
 """
 
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 from scipy.optimize import isotonic_regression
@@ -27,6 +26,7 @@ from scipy.stats import chi2
 from tactometry.psychometric import Shape
 
 from ..arrays import Array, Bools
+from ..noted_status import NotedStatus
 from .chances import weighted
 from .counts import Counts
 from .likelihood import GUESS, LAPSE, constant_log_likelihood, log_likelihood, saturated_log_likelihood
@@ -58,32 +58,21 @@ class StepFit:
     place: Array
 
 
-class Status(StrEnum):
-    OK = "ok"
-    BELOW = "threshold_below_range"
-    ABOVE = "threshold_above_range"
-    SEPARATED = "separated"
-    FLAT = "flat"
-    NON_MONOTONE = "non_monotone"
-    TOO_FEW_LEVELS = "too_few_levels"
-    NO_DATA = "no_data"
+class Status(NotedStatus):
+    OK = "ok", ""
+    BELOW = "threshold_below_range", "the threshold is below the levels tested: the interval's upper end is its bound"
+    ABOVE = "threshold_above_range", "the threshold is above the levels tested: the interval's lower end is its bound"
+    SEPARATED = "separated", "the answers change in one step between levels: the width has an upper bound only"
+    FLAT = "flat", "a constant rate explains the answers about as well as a rise: no threshold can be told"
+    NON_MONOTONE = "non_monotone", "the answers fall somewhere with rising level, more than chance explains"
+    TOO_FEW_LEVELS = "too_few_levels", "fewer than three levels: threshold and width rest on the prior"
+    NO_DATA = "no_data", "no trial was given"
 
 
 CEILING_WEIGHT, GUESSES_WEIGHT, CONSTANT_WEIGHT = 0.3, 3.5, 0.05
 """Before the data, of a threshold so far below, or above, the levels that they tell nothing, and of no rise at all,
 beside 1 for the curves of the fit. Unverified defaults: with them the census (docs/analysis.md) keeps the shares of
 wrong statuses. Guesses weigh more, because by luck they rise with the level more often than answers at a ceiling do."""
-
-NOTES = {
-    Status.OK: "",
-    Status.BELOW: "the threshold is below the levels tested: the interval's upper end is its bound",
-    Status.ABOVE: "the threshold is above the levels tested: the interval's lower end is its bound",
-    Status.SEPARATED: "the answers change in one step between levels: the width has an upper bound only",
-    Status.FLAT: "a constant rate explains the answers about as well as a rise: no threshold can be told",
-    Status.NON_MONOTONE: "the answers fall somewhere with rising level, more than chance explains",
-    Status.TOO_FEW_LEVELS: "fewer than three levels: threshold and width rest on the prior",
-    Status.NO_DATA: "no trial was given",
-}
 
 TOO_NARROW = ("ml", "map", "profile")
 """Methods whose intervals are known to be too narrow after an adaptive track."""
