@@ -33,7 +33,7 @@ class _Presence:
     table: pd.DataFrame
     within: Sequence[str]
     subject: str
-    subjects: Sequence[Any]
+    subjects: list[Any]
     levels: Sequence[Sequence[object]]
     has: Bools
 
