@@ -51,7 +51,7 @@ def detected(values: np.ndarray, design: str) -> dict[str, float]:
     """The share of studies with p < 5 % by each test."""
     n_levels, part = DESIGNS[design]
     scores = values @ contrasts(n_levels, part).T
-    effects = [ContrastEffect(("x",), each, values.shape[-1]) for each in scores]
+    effects = [ContrastEffect.of(("x",), each, values.shape[-1]) for each in scores]
     shapes = [effect.sphericity for effect in effects]
     tests = {
         "uncorrected": [1.0] * len(effects),

@@ -5,7 +5,6 @@ says of an effect is a function of them (science 10.1; Winer, Brown and Michels 
 """
 
 from dataclasses import dataclass
-from functools import cached_property
 from itertools import combinations, product
 
 import numpy as np
@@ -65,49 +64,21 @@ class Tested:
 
 
 @dataclass(frozen=True)
-class ContrastEffect:
-    """One effect of a design of `n_conditions` cells: its factors and the scores of all participants, shape
-    (participant, contrast)."""
+class ContrastEffect(Tested):
+    """An effect of its factors with the scores of all participants, shape (participant, contrast)."""
 
     factors: tuple[str, ...]
     scores: Array
-    n_conditions: int
 
-    @property
-    def name(self) -> str:
-        return " * ".join(self.factors)
-
-    @property
-    def df(self) -> tuple[int, int]:
-        """Degrees of freedom of effect and error."""
-        n, p = self.scores.shape
-        return p, p * (n - 1)
-
-    @property
-    def ss(self) -> float:
-        return len(self.scores) * float(np.sum(self.scores.mean(axis=0) ** 2))
-
-    @property
-    def ss_error(self) -> float:
-        return float(np.sum((self.scores - self.scores.mean(axis=0)) ** 2))
-
-    @property
-    def f(self) -> float:
-        return self.tested.f
-
-    def p(self, epsilon: float = 1.0) -> float:
-        """Chance of such an F or a larger one; both degrees of freedom are multiplied by epsilon."""
-        return self.tested.p(epsilon)
-
-    @cached_property
-    def tested(self) -> Tested:
-        return Tested(self.name, self.ss, self.ss_error, self.df, self.sphericity)
-
-    @cached_property
-    def sphericity(self) -> Sphericity:
-        errors = self.scores - self.scores.mean(axis=0)
-        df = len(errors) - 1
-        return sphericity(errors.T @ errors / df, df, self.n_conditions)
+    @classmethod
+    def of(cls, factors: tuple[str, ...], scores: Array, n_conditions: int) -> "ContrastEffect":
+        """From the scores, in a design of `n_conditions` cells."""
+        n, p = scores.shape
+        errors = scores - scores.mean(axis=0)
+        ss = n * float(np.sum(scores.mean(axis=0) ** 2))
+        shape = sphericity(errors.T @ errors / (n - 1), n - 1, n_conditions)
+        df = (p, p * (n - 1))
+        return cls(" * ".join(factors), ss, float(np.sum(errors**2)), df, shape, factors, scores)
 
 
 def effects(design: WithinDesign) -> list[ContrastEffect]:
@@ -128,7 +99,7 @@ def _effect(design: WithinDesign, part: tuple[int, ...]) -> ContrastEffect:
     mean = scores.mean(axis=0)
     if np.abs(scores - mean).max() <= design.rounding:
         scores = np.broadcast_to(mean, scores.shape)  # an error of rounding alone is 0, and F undefined, not huge
-    return ContrastEffect(tuple(design.factors[place] for place in part), scores, design.cells.shape[1])
+    return ContrastEffect.of(tuple(design.factors[place] for place in part), scores, design.cells.shape[1])
 
 
 def participant_scores(design: WithinDesign) -> Array:
@@ -198,7 +169,7 @@ def permutation_p(effect: ContrastEffect, *, rng: np.random.Generator | None = N
     and error together does not change with the signs, so that the effect's own orders them as F does. Up to
     `MOST_EXACT` participants all signs are tried and `rng` is not used.
 
-    >>> effect = ContrastEffect(("force_n",), np.array([[1.0], [2.0], [3.0], [4.0]]), n_conditions=2)
+    >>> effect = ContrastEffect.of(("force_n",), np.array([[1.0], [2.0], [3.0], [4.0]]), n_conditions=2)
     >>> permutation_p(effect)
     0.125
     """

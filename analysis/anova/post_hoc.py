@@ -15,7 +15,8 @@ from scipy.optimize import brentq
 from scipy.special import nctdtr
 from scipy.stats import t as student, wilcoxon
 
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.arguments.require import between, one_of
+from tactometry.errors import InvalidParameter
 
 from ..arrays import RELATIVE_ZERO, Array, size_of
 from .design import WithinDesign, within_design
@@ -222,9 +223,7 @@ def corrected(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":
     """Adjusted p-values of the tests that there are."""
     from pingouin import multicomp  # statsmodels' equal collects garbage at each call, for 0.1 s
 
-    if correction not in CORRECTIONS:
-        hint = nearest(correction, CORRECTIONS)
-        raise InvalidParameter(f"correction: found {correction!r}, expected one of {', '.join(CORRECTIONS)}{hint}")
+    one_of("correction", correction, CORRECTIONS)
     result = p.astype(float)
     if correction != "none" and result.notna().any():
         method = "bonf" if correction == "bonferroni" else correction
@@ -277,8 +276,7 @@ def equivalence(
     """
     if not (np.isfinite(bound) and bound > 0):
         raise InvalidParameter(f"bound: found {bound}, expected a difference above 0, in the unit of {dependent}")
-    if not 0 < alpha < 0.5:
-        raise InvalidParameter(f"alpha: found {alpha}, expected a chance between 0 and 0.5")
+    between("equivalence", 0, 0.5, alpha=alpha)
     compared, notes = compare(table, dependent, factor, subject, by, "equivalence")
     result = told_equivalent([_equivalence_row(pair, by, bound, alpha) for pair in compared], bound, alpha)
     result.attrs["notes"] = notes

@@ -58,7 +58,7 @@ def mixed_anova(
     scaled, scale = scaled_design(design, dependent)
     tested = [_between(participant_scores(scaled), groups, between)]
     for effect in effects(scaled):
-        tested += _within_and_interaction(effect.name, effect.scores, effect.n_conditions, groups, between)
+        tested += _within_and_interaction(effect.name, effect.scores, scaled.cells.shape[1], groups, between)
     # Every second one: an effect within and its interaction share their error.
     residual = tested[0].ss_error + sum(within_effect.ss_error for within_effect in tested[1::2])
     return told(effect_table(tested, residual, scale, interval), design, tested)

@@ -3,8 +3,8 @@
 Sizes of effects of an analysis of variance, with intervals from the noncentral F distribution.
 """
 
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 import pandas as pd
@@ -15,15 +15,6 @@ from ..arrays import Array, size_of
 from .contrasts import MOST_EXACT, Tested, effects, participant_scores, permutation_p as _permutation_p
 from .design import DesignStatus, WithinDesign, spread, within_design
 
-SIZES: Mapping[str, str] = {
-    "np2": "partial",
-    "np2_low": "partial_low",
-    "np2_high": "partial_high",
-    "ng2": "generalised",
-    "ng2_low": "generalised_low",
-    "ng2_high": "generalised_high",
-}
-"""Columns of the sizes of an effect, by their fields of `EtaSquared`."""
 INTERVAL = 0.90
 """So wide an interval leaves out 0 exactly where the test is significant at 5 % (Steiger 2004)."""
 LARGEST = 1e7
@@ -31,14 +22,14 @@ LARGEST = 1e7
 
 @dataclass(frozen=True)
 class EtaSquared:
-    """Partial and generalised eta squared, each with its interval."""
+    """Partial and generalised eta squared, each with its interval, by the names of their columns."""
 
-    partial: float
-    partial_low: float
-    partial_high: float
-    generalised: float
-    generalised_low: float
-    generalised_high: float
+    np2: float = np.nan
+    np2_low: float = np.nan
+    np2_high: float = np.nan
+    ng2: float = np.nan
+    ng2_low: float = np.nan
+    ng2_high: float = np.nan
 
 
 def repeated_measures(
@@ -90,7 +81,7 @@ def repeated_measures(
     """
     design = within_design(table, dependent=dependent, within=within, subject=subject, where="repeated_measures")
     scaled, scale = scaled_design(design, dependent)
-    tested = [effect.tested for effect in effects(scaled)]
+    tested = effects(scaled)
     between = participant_scores(scaled)
     residual = float(np.sum((between - between.mean()) ** 2)) + sum(effect.ss_error for effect in tested)
     return told(effect_table(tested, residual, scale, interval), design, tested)
@@ -184,17 +175,16 @@ def effect_row(effect: Tested) -> dict[str, object]:
 def _added(effect: Tested, residual: float, interval: float) -> dict[str, float]:
     """What pingouin does not give: two more corrections, sizes of the effect with intervals."""
     shape = effect.sphericity
-    sizes = dict.fromkeys(SIZES, np.nan)
+    size = EtaSquared()
     if effect.has_error:
         df = (effect.df[0] * shape.chi_muller, effect.df[1] * shape.chi_muller)
         size = eta_squared(effect.ss, effect.ss_error, residual, df, interval)
-        sizes = {name: getattr(size, field) for name, field in SIZES.items()}
     return {
         "eps_HF": shape.huynh_feldt,
         "p_HF_corr": effect.p(shape.huynh_feldt),
         "eps_CM": shape.chi_muller,
         "p_CM_corr": effect.p(shape.chi_muller),
-        **sizes,
+        **asdict(size),
     }
 
 
@@ -238,7 +228,7 @@ def eta_squared(
     sums of squares of participants and errors as they were found.
 
     >>> found = eta_squared(10.0, 10.0, 40.0, (2.0, 18.0))
-    >>> [round(x, 3) for x in (found.partial, found.partial_low, found.partial_high, found.generalised)]
+    >>> [round(x, 3) for x in (found.np2, found.np2_low, found.np2_high, found.ng2)]
     [0.5, 0.159, 0.64, 0.2]
     """
     f = ss / df[0] / (ss_error / df[1])

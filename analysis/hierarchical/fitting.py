@@ -16,13 +16,14 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
+from tactometry.arguments.require import between
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import shape_named
 
 from ..arrays import Array
 from ..mixed_models.laplace import ClusteredModel, MixedFit, maximise
 from ..threshold.counts import checked
-from ..threshold.fitting import check_interval, check_rates
+from ..threshold.fitting import check_rates
 from ..threshold.likelihood import GUESS, LAPSE
 from ..threshold.prior import BETA_B
 from .layout import (
@@ -143,30 +144,20 @@ def _check(
             raise InvalidParameter(f"width_by: found {name!r}, expected factors of {', '.join(conditions)}")
     if not conditions:
         raise InvalidParameter("conditions: found no factor, expected at least one, with one value if nothing varied")
-    check_interval(interval)
+    between("fit_hierarchical", 0, 1, interval=interval)
     check_rates(*rates)
 
 
 def _no_data(factors: tuple[str, ...], interval: float) -> HierarchicalFit:
-    columns = [*factors, *CONDITION_COLUMNS]
-    empty = pd.DataFrame({name: [] for name in columns})
-    status, nothing = GroupStatus.NO_DATA, np.zeros(0)
+    empty = pd.DataFrame({name: [] for name in (*factors, *CONDITION_COLUMNS)})
     return HierarchicalFit(
         conditions=empty,
         participants=empty,
-        components={},
-        correlation=None,
-        lapse_rate=None,
-        guess_rate=None,
-        log_likelihood=None,
-        status=status,
-        note=status.note,
+        status=GroupStatus.NO_DATA,
+        note=GroupStatus.NO_DATA.note,
         factors=factors,
         n_participants=0,
         interval=interval,
-        means=nothing,
-        covariance=np.zeros((0, 0)),
-        width_group=(),
     )
 
 

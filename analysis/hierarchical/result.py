@@ -1,7 +1,7 @@
 """What a hierarchical fit says: tables, variance components, contrasts and effects of the factors."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import reduce
 from itertools import product
 
@@ -53,7 +53,7 @@ class FactorEffect:
     epsilon: float = 1.0
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class HierarchicalFit:
     """What the answers of all participants say.
 
@@ -82,19 +82,19 @@ class HierarchicalFit:
 
     conditions: pd.DataFrame
     participants: pd.DataFrame
-    components: Mapping[str, float]
-    correlation: float | None
-    lapse_rate: float | None
-    guess_rate: float | None
-    log_likelihood: float | None
+    components: Mapping[str, float] = field(default_factory=dict)
+    correlation: float | None = None
+    lapse_rate: float | None = None
+    guess_rate: float | None = None
+    log_likelihood: float | None = None
     status: GroupStatus
     note: str
     factors: tuple[str, ...]
     n_participants: int
     interval: float
-    means: Array
-    covariance: Array
-    width_group: tuple[int, ...]
+    means: Array = field(default_factory=lambda: np.zeros(0))
+    covariance: Array = field(default_factory=lambda: np.zeros((0, 0)))
+    width_group: tuple[int, ...] = ()
 
     def contrast(self, weights: Mapping[tuple[float | str, ...], float], *, of: str = "threshold") -> Contrast:
         """The weighted sum of conditions, named by their values of the factors; t with n - 1 degrees of freedom.

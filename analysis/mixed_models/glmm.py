@@ -14,6 +14,7 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from tactometry.arguments.require import lookup
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.psychometric import SHAPES, Shape
 
@@ -112,8 +113,7 @@ def fit_glmm(
     >>> found.status.value, round(found.effects["level"], 3), round(found.sd["intercept"], 3)
     ('ok', 1.132, 0.443)
     """
-    if link not in LINKS:
-        raise InvalidParameter(f"link: found {link!r}, expected one of {', '.join(LINKS)}{nearest(link, LINKS)}")
+    shape = lookup("link", link, LINKS)
     _check_random(fixed, random, n_nodes)
     names = np.asarray([str(name) for name in participants])
     x, k, n = checked(np.zeros(len(names)), n_yes, n_trials, positive=False)
@@ -122,7 +122,7 @@ def fit_glmm(
         return _nothing(MixedStatus.NO_DATA)
     columns = {name: np.broadcast_to(np.asarray(column, float), x.shape[1:])[used] for name, column in fixed.items()}
     design = _Design.of(columns, random, names[used], (k[0, used], (n - k)[0, used]), correlated=correlated)
-    return design.fitted(SHAPES[LINKS[link]], (guess_rate, lapse_rate), n_nodes, expected=expected)
+    return design.fitted(SHAPES[shape], (guess_rate, lapse_rate), n_nodes, expected=expected)
 
 
 def _check_random(fixed: Mapping[str, ArrayLike], random: Sequence[str], n_nodes: int) -> None:

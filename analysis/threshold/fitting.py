@@ -9,8 +9,8 @@ from typing import TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tactometry.arguments.require import one_of, positive
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.arguments.require import below_1, between, one_of, positive
+from tactometry.errors import InvalidParameter
 from tactometry.psychometric import Shape, shape_named
 
 from ..arrays import Array
@@ -168,7 +168,7 @@ def fit_many(
     """
     curve = shape_named(shape)
     check_rates(guess_rate, lapse_rate)
-    check_interval(interval)
+    between("fit", 0, 1, interval=interval)
     _check_method(method, estimate, rng, overdispersion=overdispersion)
     positive("fit", rate_beta=rate_beta, narrowest_spacings=narrowest_spacings)
     counts = _on_their_axis(curve, levels, n_correct, n_trials, robust_range=robust_range)
@@ -208,11 +208,10 @@ def _check_one_rate(guess_rate: float | None, lapse_rate: float | None, n_catch:
 
 def check_rates(guess_rate: float | None, lapse_rate: float | None) -> None:
     """Refuse rates that are none, or leave a function no room to rise."""
-    for name, rate in (("guess_rate", guess_rate), ("lapse_rate", lapse_rate)):
-        if rate is not None and not 0 <= rate < 1:
-            raise InvalidParameter(f"{name}: found {rate}, expected None or a number from 0 to below 1")
+    rates = {"guess_rate": guess_rate, "lapse_rate": lapse_rate}
+    below_1("fit", **{name: rate for name, rate in rates.items() if rate is not None})
     # Two free rates sum to 1 at the very ends of their priors; known ones that do leave the function no room to rise.
-    highest = [LARGEST_RATE if rate is None else rate for rate in (guess_rate, lapse_rate)]
+    highest = [LARGEST_RATE if rate is None else rate for rate in rates.values()]
     if sum(highest) > 1 or (guess_rate or 0) + (lapse_rate or 0) >= 1:
         raise InvalidParameter(
             f"guess_rate, lapse_rate: found {guess_rate} and {lapse_rate}, expected a sum below 1 "
@@ -220,16 +219,8 @@ def check_rates(guess_rate: float | None, lapse_rate: float | None) -> None:
         )
 
 
-def check_interval(interval: float) -> None:
-    if not 0 < interval < 1:
-        raise InvalidParameter(f"interval: found {interval}, expected a number between 0 and 1")
-
-
 def _check_method(method: str, estimate: str, rng: np.random.Generator | None, *, overdispersion: bool) -> None:
-    if method not in METHODS:
-        raise InvalidParameter(
-            f"method: found {method!r}, expected one of {', '.join(METHODS)}{nearest(str(method), METHODS)}"
-        )
+    one_of("method", method, METHODS)
     one_of("estimate", estimate, ESTIMATES)
     if method == "bootstrap" and rng is None:
         raise InvalidParameter("rng: found None, expected a numpy.random.Generator for the method 'bootstrap'")

@@ -312,33 +312,19 @@ def bootstrap(
 
     Shape (n_sets, 2), on the scale of `Counts.u` (Efron 1981, bias-corrected percentile method).
     """
-    ends = []
+    ends, tails = [], ndtri((1 + interval * np.array([-1.0, 1.0])) / 2)
     for i, theta in enumerate(mode.theta):
-        here = slice(i, i + 1)
-        ends.append(_bootstrap_one(shape, counts[here], prior[here], theta, interval, n_resamples, rng))
+        same = np.full(n_resamples, i)
+        chance = np.exp(log_chances(shape, counts.u[i], theta)[0])
+        drawn = rng.binomial(counts.n_trials[i].astype(np.int64), np.minimum(chance, 1.0), (n_resamples, len(chance)))
+        # Catch trials are answers too: what is known of a free guess rate varies with them.
+        alarms = rng.binomial(int(prior.n_catch[i]), theta[GUESS], n_resamples).astype(np.float64)
+        resampled = replace(counts[same], n_yes=drawn.astype(np.float64))
+        start = np.broadcast_to(theta, (n_resamples, len(theta)))
+        refits = climb(shape, resampled, replace(prior[same], n_false_alarms=alarms), start).theta[:, THRESHOLD]
+        away = refits - theta[THRESHOLD]
+        n_below = np.sum(away < -SAME) + 0.5 * np.sum(np.abs(away) <= SAME)
+        # Half a draw more on each side keeps the bias finite where all draws lie on one side.
+        bias = ndtri((n_below + 0.5) / (n_resamples + 1))
+        ends.append(np.quantile(refits, ndtr(2 * bias + tails)))
     return np.stack(ends)
-
-
-def _bootstrap_one(
-    shape: Shape,
-    counts: Counts,
-    prior: Prior,
-    theta: Array,
-    interval: float,
-    n_resamples: int,
-    rng: np.random.Generator,
-) -> Array:
-    same = np.zeros(n_resamples, dtype=np.int64)
-    chance = np.exp(log_chances(shape, counts.u[0], theta)[0])
-    drawn = rng.binomial(counts.n_trials[0].astype(np.int64), np.minimum(chance, 1.0), (n_resamples, len(chance)))
-    # Catch trials are answers too: what is known of a free guess rate varies with them.
-    alarms = rng.binomial(int(prior.n_catch[0]), theta[GUESS], n_resamples).astype(np.float64)
-    resampled = replace(counts[same], n_yes=drawn.astype(np.float64))
-    start = np.broadcast_to(theta, (n_resamples, len(theta)))
-    refits = climb(shape, resampled, replace(prior[same], n_false_alarms=alarms), start).theta[:, THRESHOLD]
-    away = refits - theta[THRESHOLD]
-    n_below = np.sum(away < -SAME) + 0.5 * np.sum(np.abs(away) <= SAME)
-    # Half a draw more on each side keeps the bias finite where all draws lie on one side.
-    bias = ndtri((n_below + 0.5) / (n_resamples + 1))
-    tails = ndtri((1 + interval * np.array([-1.0, 1.0])) / 2)
-    return np.asarray(np.quantile(refits, ndtr(2 * bias + tails)))

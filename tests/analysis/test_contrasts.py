@@ -134,14 +134,14 @@ def test_chi_and_muller_shrink_huynh_and_feldt_by_what_the_participants_leave_op
 def test_sphericity_is_rejected_at_5_percent(p, holds) -> None:
     shape = Sphericity(0.5, p, 0.8, 0.9, 0.85, singular=False)
     (effect,) = effects(design_of(drawn((7, 3), np.random.default_rng())))
-    assert effect_row(replace(effect.tested, sphericity=shape))["sphericity"] is holds
+    assert effect_row(replace(effect, sphericity=shape))["sphericity"] is holds
 
 
 def test_as_many_participants_as_contrasts_are_too_few_and_dependent_contrasts_are_told_from_that() -> None:
     """The error matrix of n participants has a rank of n - 1 at most."""
     rng = np.random.default_rng()
     (few,) = effects(design_of(drawn((4, 5), rng)))
-    assert "(4 contrasts need more than 4 participants)" in singular_note(few.tested, 4)
+    assert "(4 contrasts need more than 4 participants)" in singular_note(few, 4)
     values = drawn((8, 3), rng)
     values[:, 2] = 2 * values[:, 0] - values[:, 1]
     (told,) = analysed(values).attrs["notes"]
@@ -169,7 +169,7 @@ def test_the_ends_of_the_noncentrality_leave_out_a_twentieth_each(f, first, seco
 def test_the_interval_leaves_zero_out_exactly_where_the_test_is_significant() -> None:
     found = [eta_squared(ss, 18.0, 40.0, (1, 18)) for ss in (4.413, 4.415)]
     assert [size.partial_low > 0 for size in found] == [False, True]
-    assert all(size.generalised_low <= size.generalised <= size.generalised_high for size in found)
+    assert all(size.ng2_low <= size.ng2 <= size.ng2_high for size in found)
 
 
 def test_the_intervals_of_the_corrected_test_leave_out_a_twentieth_each(published_values) -> None:
@@ -195,7 +195,7 @@ def test_the_interval_of_partial_eta_squared_covers_the_truth_of_a_spherical_eff
     scores = rng.normal(size=(n_studies, n, p)) + truth
     covered = 0
     for each in scores:
-        effect = ContrastEffect(("a",), each, 3)
+        effect = ContrastEffect.of(("a",), each, 3)
         low, high = noncentrality(effect.f, effect.df, 0.90)
         covered += low <= noncentral <= high
     assert covered / n_studies == pytest.approx(0.90, abs=3.9 * np.sqrt(0.09 / n_studies))
@@ -208,12 +208,12 @@ def test_all_signs_are_counted_once() -> None:
     scores = drawn((6, 3), np.random.default_rng())
     signs = np.array(list(product((-1, 1), repeat=6)))
     sums = np.array([np.sum((row @ scores) ** 2) for row in signs])
-    assert permutation_p(ContrastEffect(("a",), scores, 4)) == np.mean(sums >= sums[-1] * (1 - 1e-12))
+    assert permutation_p(ContrastEffect.of(("a",), scores, 4)) == np.mean(sums >= sums[-1] * (1 - 1e-12))
 
 
 def test_many_participants_draw_signs_and_agree_with_f() -> None:
     rng = np.random.default_rng()
-    effect = ContrastEffect(("a",), rng.normal(size=(40, 2)) + 0.25, 3)
+    effect = ContrastEffect.of(("a",), rng.normal(size=(40, 2)) + 0.25, 3)
     found = permutation_p(effect, rng=rng, n_resamples=4000)
     assert found == pytest.approx(effect.p(), abs=0.03)
 

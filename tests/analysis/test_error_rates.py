@@ -51,7 +51,7 @@ def test_false_alarms_of_the_analysis_of_variance_are_4_to_6_percent(design, sce
     n_studies = 60_000 if SOAK else 2_000
     values = drawn(scenario, int(np.prod(n_levels)), (n_studies, N), np.random.default_rng())
     scores = values @ contrasts(n_levels, part).T
-    effects = [ContrastEffect(("x",), each, values.shape[-1]).tested for each in scores]
+    effects = [ContrastEffect.of(("x",), each, values.shape[-1]) for each in scores]
     rate = np.mean([effect.p(effect.sphericity.chi_muller) < 0.05 for effect in effects])
     assert abs(rate - 0.05) < 0.01 + reach(0.06, n_studies)
 

@@ -188,7 +188,7 @@ def test_refuses_a_bound_that_is_none(published, bound) -> None:
 
 
 def test_refuses_a_chance_of_error_of_one_half(published) -> None:
-    with pytest.raises(InvalidParameter, match="alpha: found 0.5, expected a chance between 0 and 0.5"):
+    with pytest.raises(InvalidParameter, match="alpha: found 0.5, expected a number above 0 and below 0.5"):
         equivalence(published, dependent="y", factor="force", subject="subject", bound=1.0, alpha=0.5)
 
 

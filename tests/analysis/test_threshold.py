@@ -328,8 +328,8 @@ def test_a_bootstrap_that_draws_the_same_answers_again_is_not_biased_by_them() -
             "levels, row 0: found 0, expected a level above 0 (it is a logarithm that is fitted) (rows count from 0)",
         ),
         ({"method": "bayes"}, "method: found 'bayes', expected one of ml, map, profile, posterior, bootstrap"),
-        ({"interval": 95}, "interval: found 95, expected a number between 0 and 1"),
-        ({"guess_rate": 1.0}, "guess_rate: found 1.0, expected None or a number from 0 to below 1"),
+        ({"interval": 95}, "fit.interval: found 95, expected a number above 0 and below 1"),
+        ({"guess_rate": 1.0}, "fit.guess_rate: found 1.0, expected a number from 0 to below 1"),
         (
             {"guess_rate": 0.5, "lapse_rate": 0.5},
             "guess_rate, lapse_rate: found 0.5 and 0.5, expected a sum below 1 (a free rate may reach 0.5)",
