@@ -26,16 +26,7 @@ from ..threshold.counts import checked
 from ..threshold.fitting import check_rates
 from ..threshold.likelihood import GUESS, LAPSE
 from ..threshold.prior import BETA_B
-from .layout import (
-    CONDITION_COLUMNS,
-    Layout,
-    ParameterPlace,
-    cells,
-    condition_table,
-    means,
-    participant_table,
-    reaches,
-)
+from .layout import CONDITION_COLUMNS, Layout, ParameterPlace, cells, condition_table, means, participant_table, reaches
 from .model import CORRELATED_FROM, StudyCounts, mixed_model, rate_of, start
 from .result import Contrast, FactorEffect, GroupStatus, HierarchicalFit
 from .starts import Alone, fitted_alone
@@ -145,7 +136,7 @@ def _check(
     if not conditions:
         raise InvalidParameter("conditions: found no factor, expected at least one, with one value if nothing varied")
     between("fit_hierarchical", 0, 1, interval=interval)
-    check_rates(*rates)
+    check_rates("fit_hierarchical", *rates)
 
 
 def _no_data(factors: tuple[str, ...], interval: float) -> HierarchicalFit:

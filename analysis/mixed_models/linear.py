@@ -353,12 +353,7 @@ def coefficient_table(
     )
 
 
-def term_table(
-    matrix: DesignMatrix,
-    estimates: Array,
-    covariance: Array,
-    df: Counts,
-) -> pd.DataFrame:
+def term_table(matrix: DesignMatrix, estimates: Array, covariance: Array, df: Counts) -> pd.DataFrame:
     """Wald's F of each term, averaged over the others (type III)."""
     # The same model in the averaged codes: with treatment codes a main effect is one at the base of the others.
     turn = np.linalg.lstsq(matrix.averaged, matrix.x, rcond=None)[0]

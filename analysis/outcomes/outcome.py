@@ -1,6 +1,6 @@
 """From a table of estimates to an `Outcome`: every analysis that its design allows, and the one that answers."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -92,8 +92,11 @@ def outcome(
         result = _with_model(result, given, forces)
     if given.factors:  # last, as an analysis that has no answer cannot be the one that answers
         result = _with_primary(result, primary, is_whole=given.is_whole)
-    compare = _censored_comparisons if result.primary is Primary.CENSORED else _comparisons
-    return compare(result, given, complete, bounds or {})
+    if result.primary is Primary.CENSORED and result.censored is not None:
+        return _with_comparisons(result, _comparing_censored(given, result.censored), bounds or {})
+    if result.anova is None or complete is None:
+        return result
+    return _with_comparisons(result, _comparing_complete(given, result.anova, complete), bounds or {})
 
 
 def _complete(given: Given) -> tuple[SubDesign | None, tuple[str, ...]]:
@@ -242,74 +245,75 @@ def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outc
     return replace(result, notes=(*result.notes, *lost))
 
 
-def _comparisons(result: Outcome, given: Given, complete: SubDesign | None, bounds: Mapping[str, float]) -> Outcome:
-    """Pairs, groups and simple effects of the complete part."""
-    if result.anova is None or complete is None:
-        return result
-    within, between, table = list(complete.within), given.between, complete.table
-    orders = interacting(result.anova, [*([between] if between else []), *within])
-    arguments = given.arguments
+@dataclass(frozen=True)
+class _Comparing:
+    """How an analysis with `effects` of a `table` compares conditions and groups: `pairs` of a factor at each level of
+    another (None: over all), `equivalence` of a factor's levels within a bound, simple effects by `analysis`."""
+
+    effects: pd.DataFrame
+    table: pd.DataFrame
+    within: Sequence[str]
+    between: str | None
+    analysis: Analysis
+    pairs: Callable[[str, str | None], pd.DataFrame]
+    equivalence: Callable[[str, float], pd.DataFrame]
+
+
+def _with_comparisons(result: Outcome, ways: _Comparing, bounds: Mapping[str, float]) -> Outcome:
+    """Pairs, groups and simple effects."""
+    within, between = ways.within, ways.between
+    orders = interacting(ways.effects, [*([between] if between else []), *within])
     return replace(
         result,
-        pairs={name: pairs(table, factor=name, **arguments) for name in within},
-        group_pairs={between: group_pairs(table, between=between, **arguments)} if between else {},
-        equivalence={
-            name: equivalence(table, factor=name, bound=bound, **arguments)
-            for name, bound in bounds.items()
-            if name in within
-        },
+        pairs={name: ways.pairs(name, None) for name in within},
+        group_pairs={between: ways.pairs(between, None)} if between else {},
+        equivalence={name: ways.equivalence(name, bound) for name, bound in bounds.items() if name in within},
         simple={
-            (name, by): simple_effects(_anova(given), table, within, name, by) for name, by in orders if name != between
+            (name, by): simple_effects(ways.analysis, ways.table, within, name, by)
+            for name, by in orders
+            if name != between
         },
-        simple_pairs={(name, by): _pairs_by(given, table, name, by) for name, by in orders},
+        simple_pairs={(name, by): ways.pairs(name, by) for name, by in orders},
     )
 
 
-def _pairs_by(given: Given, table: pd.DataFrame, factor: str, by: str) -> pd.DataFrame:
-    if factor == given.between:
-        return group_pairs(table, between=factor, by=by, **given.arguments)
-    if by != given.between:
-        return pairs(table, factor=factor, by=by, **given.arguments)
-    # Groups have other participants, so that `by` is no factor within: each group alone, then all corrected together.
-    of_groups = [
-        pairs(members, factor=factor, correction="none", **given.arguments).assign(**{by: value})
-        for value, members in table.groupby(by, sort=True)
-    ]
-    return all_together(pd.concat(of_groups, ignore_index=True), "holm", INTERVAL)
+def _comparing_complete(given: Given, effects: pd.DataFrame, complete: SubDesign) -> _Comparing:
+    """Of the complete part."""
+    table = complete.table
+
+    def compare(factor: str, by: str | None) -> pd.DataFrame:
+        if factor == given.between:
+            return group_pairs(table, between=factor, by=by, **given.arguments)
+        if by is None or by != given.between:
+            return pairs(table, factor=factor, by=by, **given.arguments)
+        # Groups have other participants, so that `by` is no factor within: each group alone, then all corrected
+        # together.
+        of_groups = [
+            pairs(members, factor=factor, correction="none", **given.arguments).assign(**{by: value})
+            for value, members in table.groupby(by, sort=True)
+        ]
+        return all_together(pd.concat(of_groups, ignore_index=True), "holm", INTERVAL)
+
+    def within_bound(factor: str, bound: float) -> pd.DataFrame:
+        return equivalence(table, factor=factor, bound=bound, **given.arguments)
+
+    return _Comparing(effects, table, complete.within, given.between, _anova(given), compare, within_bound)
 
 
-def _censored_comparisons(
-    result: Outcome, given: Given, complete: SubDesign | None, bounds: Mapping[str, float]
-) -> Outcome:
+def _comparing_censored(given: Given, model: CensoredAnova) -> _Comparing:
     """Of the model of all that is known."""
-    del complete
-    censored = result.censored
-    assert censored is not None  # it is the primary analysis
-    within, between = list(censored.design.factors), censored.design.between
-    orders = interacting(censored.table, [*([between] if between else []), *within])
-    table = _rows_of(given.table, censored)
+    within, between = model.design.factors, model.design.between
 
     def analysis(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
         return _censored(given, rows, factors).table
 
-    return replace(
-        result,
-        pairs={name: censored_pairs(censored, name) for name in within},
-        group_pairs={between: censored_group_pairs(censored)} if between else {},
-        equivalence={
-            name: censored_equivalence(censored, name, bound=bound) for name, bound in bounds.items() if name in within
-        },
-        simple={
-            (name, by): simple_effects(analysis, table, within, name, by) for name, by in orders if name != between
-        },
-        simple_pairs={(name, by): _censored_pairs_by(censored, name, by) for name, by in orders},
-    )
+    def compare(factor: str, by: str | None) -> pd.DataFrame:
+        return censored_group_pairs(model, by=by) if factor == between else censored_pairs(model, factor, by=by)
 
+    def within_bound(factor: str, bound: float) -> pd.DataFrame:
+        return censored_equivalence(model, factor, bound=bound)
 
-def _censored_pairs_by(model: CensoredAnova, factor: str, by: str) -> pd.DataFrame:
-    if factor == model.design.between:
-        return censored_group_pairs(model, by=by)
-    return censored_pairs(model, factor, by=by)
+    return _Comparing(model.table, _rows_of(given.table, model), within, between, analysis, compare, within_bound)
 
 
 def _rows_of(table: pd.DataFrame, model: CensoredAnova) -> pd.DataFrame:

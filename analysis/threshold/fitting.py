@@ -167,7 +167,7 @@ def fit_many(
     ['separated', 'threshold_below_range']
     """
     curve = shape_named(shape)
-    check_rates(guess_rate, lapse_rate)
+    check_rates("fit", guess_rate, lapse_rate)
     between("fit", 0, 1, interval=interval)
     _check_method(method, estimate, rng, overdispersion=overdispersion)
     positive("fit", rate_beta=rate_beta, narrowest_spacings=narrowest_spacings)
@@ -206,10 +206,10 @@ def _check_one_rate(guess_rate: float | None, lapse_rate: float | None, n_catch:
         )
 
 
-def check_rates(guess_rate: float | None, lapse_rate: float | None) -> None:
+def check_rates(owner: str, guess_rate: float | None, lapse_rate: float | None) -> None:
     """Refuse rates that are none, or leave a function no room to rise."""
     rates = {"guess_rate": guess_rate, "lapse_rate": lapse_rate}
-    below_1("fit", **{name: rate for name, rate in rates.items() if rate is not None})
+    below_1(owner, **{name: rate for name, rate in rates.items() if rate is not None})
     # Two free rates sum to 1 at the very ends of their priors; known ones that do leave the function no room to rise.
     highest = [LARGEST_RATE if rate is None else rate for rate in rates.values()]
     if sum(highest) > 1 or (guess_rate or 0) + (lapse_rate or 0) >= 1:

@@ -15,13 +15,7 @@ from tactometry.psychometric import Shape
 from ..arrays import Array, Bools, Indices, Rows
 from .chances import weighted
 from .counts import Counts
-from .likelihood import (
-    GUESS,
-    LAPSE,
-    N_PARAMETERS,
-    constant_log_likelihood,
-    log_chances_by_curve,
-)
+from .likelihood import GUESS, LAPSE, N_PARAMETERS, constant_log_likelihood, log_chances_by_curve
 from .prior import LARGEST_RATE, Prior, log_prior, log_rate
 
 N_WIDTHS = 10

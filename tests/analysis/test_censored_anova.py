@@ -87,7 +87,7 @@ def test_one_factor_of_bounds_is_the_mixed_model_with_a_random_intercept() -> No
             against="quadrature",
         )
         assert found.table.loc[0, "F"] == pytest.approx(peer.terms.loc[0, "F"], rel=0.05)
-    assert found.n_censored == peer.n_censored == table["y"].isna().sum()
+    assert found.design.n_censored == peer.n_censored == table["y"].isna().sum()
 
 
 def test_the_likelihood_is_that_of_the_integral() -> None:
@@ -141,7 +141,7 @@ def test_small_studies_with_two_bounds_in_a_participant_are_answered() -> None:
         table["y"] = rng.normal(size=6).repeat(4) + rng.normal(size=24)
         table.loc[[0, 1, 6], "y"] = np.nan
         found = censored_anova(table.assign(low=table["y"].mean(), high=np.nan), within=["f", "g"], **GIVEN)
-        assert (found.n_censored, found.fit.converged) == (3, True)
+        assert (found.design.n_censored, found.fit.converged) == (3, True)
 
 
 def test_units_offset_and_mirror_do_not_matter() -> None:
@@ -158,7 +158,7 @@ def test_a_missing_value_is_no_bound_and_a_known_rest_counts() -> None:
     table = open_ended(long_table(drawn((9, 4), np.random.default_rng())))
     holed = table.assign(y=table["y"].where(table.index != 5))
     found = censored_anova(holed, within="force", **GIVEN)
-    assert (found.n_missing, found.n_censored) == (1, 0)
+    assert (found.design.n_missing, found.design.n_censored) == (1, 0)
     assert censored_anova(holed.drop(index=5), within="force", **GIVEN).table["F"][0] == found.table["F"][0]
     whole = found.table.loc[0, "ddof2"]
     assert 3 * 7 < whole < 3 * 8

@@ -386,7 +386,7 @@ def test_refuses_contrasts_of_what_is_not_there(study, call, message) -> None:
     [
         ({"width_by": ("hz",)}, "width_by: found 'hz', expected factors of force_n"),
         ({"interval": 95}, "fit_hierarchical.interval: found 95, expected a number above 0 and below 1"),
-        ({"guess_rate": 1.0}, "guess_rate: found 1.0, expected None or a number from 0 to below 1"),
+        ({"guess_rate": 1.0}, "fit_hierarchical.guess_rate: found 1.0, expected a number from 0 to below 1"),
         ({"shape": "norml"}, "shape: found 'norml'"),
     ],
 )
