@@ -12,7 +12,7 @@ from time import process_time
 import numpy as np
 from scipy.optimize import minimize
 
-from tactometry.analysis.threshold.counts import checked, normalised
+from tactometry.analysis.threshold.counts import count_arrays, normalise
 from tactometry.analysis.threshold.fitting import fit, fit_many
 from tactometry.analysis.threshold.mode import find_mode, log_density
 from tactometry.analysis.threshold.prior import Prior
@@ -42,14 +42,14 @@ def drawn(n_sets: int, guess: float, rng: np.random.Generator) -> np.ndarray:
 
 
 def modes(k: np.ndarray) -> float:
-    counts = normalised(*checked(LEVELS, k, N_TRIALS, positive=False))
+    counts = normalise(*count_arrays(LEVELS, k, N_TRIALS, positive=False))
     zeros = np.zeros(len(k))
     return seconds(lambda: find_mode(SHAPE, counts, Prior(counts.gap, None, 0.5, zeros, zeros)), 2)
 
 
 def scipy_one_at_a_time(k: np.ndarray) -> float:
     """Nelder-Mead on the same log posterior; seconds per set."""
-    counts = normalised(*checked(LEVELS, k, N_TRIALS, positive=False))
+    counts = normalise(*count_arrays(LEVELS, k, N_TRIALS, positive=False))
     start = process_time()
     for i in range(len(k)):
         one, prior = counts[i : i + 1], Prior(counts.gap[:1], None, 0.5, np.zeros(1), np.zeros(1))

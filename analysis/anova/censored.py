@@ -97,7 +97,7 @@ def censored_anova(
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
     >>> found = censored_anova(table.assign(low=6.5, high=None), dependent="y", low="low", high="high",
     ...     within="force_n", subject="who")
-    >>> found.n_censored, found.means()["mean"].round(1).tolist()
+    >>> found.design.n_censored, found.means()["mean"].round(1).tolist()
     (1, [2.5, 4.0, 6.0])
     """
     factors = names_of(within)
@@ -118,7 +118,7 @@ def censored_anova(
     # With groups the first effect is theirs, and each effect within is followed by its interaction, which shares its
     # error.
     errors = tested[1::2] if between else tested
-    residual = fit.variances[0] * fit.inflation * fit.told(0) + sum(effect.ss_error for effect in errors)
+    residual = fit.variances[0] * fit.inflation * fit.df_of(0) + sum(effect.ss_error for effect in errors)
     effect_rows = effect_table(tested, float(residual), design.scale, interval) if tested else pd.DataFrame()
     effect_rows.attrs |= {"notes": [], "n": len(design.data.low), "status": DesignStatus.OK}
     return CensoredAnova(effect_rows, design, fit)
@@ -160,11 +160,11 @@ def _tested(fit: StrataFit, stratum: int, of_groups: Array, name: str) -> Tested
     contrasts = fit.data.strata[stratum]
     weights = np.kron(of_groups, contrasts)
     estimate, covariance = weights @ fit.means.ravel(), weights @ fit.of_means @ weights.T * fit.inflation
-    first, second = len(weights), len(contrasts) * fit.told(stratum)
+    first, second = len(weights), len(contrasts) * fit.df_of(stratum)
     error = float(fit.variances[stratum]) * fit.inflation
     if fit.variances[stratum] <= LEAST_VARIANCE * fit.variances.max():
         error = 0.0
     f = float(estimate @ np.linalg.solve(covariance, estimate)) / first
-    shape = Sphericity(None, None, *epsilons(contrasts @ fit.pooled @ contrasts.T, fit.told(stratum)), singular=False)
+    shape = Sphericity(None, None, *epsilons(contrasts @ fit.pooled @ contrasts.T, fit.df_of(stratum)), singular=False)
     # Back from F to sums of squares, which every other analysis of variance gives to the table.
     return Tested(name, f * first * error, error * second, (first, second), shape)

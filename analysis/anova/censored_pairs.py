@@ -13,7 +13,7 @@ from scipy.stats import t as student
 
 from ..arrays import Array
 from .censored import CensoredAnova
-from .post_hoc import all_together, told_equivalent, two_one_sided
+from .post_hoc import all_together, two_one_sided, with_verdicts
 
 LEAST_SD = 1e-7
 """In standard deviations of the values: the root of what a variance keeps of rounding."""
@@ -21,9 +21,12 @@ LEAST_SD = 1e-7
 
 @dataclass(frozen=True)
 class CellContrast:
-    """A difference with its standard error and degrees of freedom, and the standard deviation of the participants'
-    differences, all in the unit of the values."""
+    """The difference of two levels of a factor (second less first) at a level of another (None, without), with its
+    standard error and degrees of freedom, and the standard deviation of the participants' differences; all in the unit
+    of the values."""
 
+    names: tuple[object, object]
+    by: object
     estimate: float
     error: float
     df: float
@@ -34,17 +37,8 @@ class CellContrast:
         return self.sd > LEAST_SD
 
 
-@dataclass(frozen=True)
-class Compared:
-    """Two levels of a factor at a level of another (None, without), and their difference, second less first."""
-
-    names: tuple[object, object]
-    by: object
-    difference: CellContrast
-
-
 def censored_pairs(
-    found: CensoredAnova, factor: str, *, by: str | None = None, correction: str = "holm", interval: float = 0.95
+    model: CensoredAnova, factor: str, *, by: str | None = None, correction: str = "holm", interval: float = 0.95
 ) -> pd.DataFrame:
     """All pairs of levels of `factor`, averaged over the other factors and groups, or at each level of `by` (a factor
     or the groups); columns as those of `pairs`, without a Bayes factor and the interval of dz.
@@ -59,49 +53,48 @@ def censored_pairs(
     >>> censored_pairs(found, "force_n")[["a", "b", "difference"]].round(1).values.tolist()
     [[0.5, 1.0, 1.5], [0.5, 2.0, 3.5], [1.0, 2.0, 2.0]]
     """
-    rows = [_row(compared, by, found.design.scale, interval) for compared in _compared(found, factor, by)]
+    rows = [_row(contrast, by, model.design.scale, interval) for contrast in _contrasts(model, factor, by)]
     return all_together(pd.DataFrame(rows), correction, interval)
 
 
-def censored_equivalence(found: CensoredAnova, factor: str, *, bound: float, alpha: float = 0.05) -> pd.DataFrame:
+def censored_equivalence(model: CensoredAnova, factor: str, *, bound: float, alpha: float = 0.05) -> pd.DataFrame:
     """Two one-sided tests of all pairs of levels against +-`bound`; columns as those of `equivalence`."""
-    rows = []
-    for compared in _compared(found, factor, None):
-        contrast, scale = compared.difference, found.design.scale
+    rows, scale = [], model.design.scale
+    for contrast in _contrasts(model, factor, None):
         tested = two_one_sided(contrast.estimate, contrast.error, contrast.df, bound / scale, alpha)
         tested |= {name: tested[name] * scale for name in ("low", "high")}
-        names = {"a": compared.names[0], "b": compared.names[1], "difference": contrast.estimate * scale}
-        rows.append(names | tested | {"bound": bound, "n": len(found.fit.data.low)})
-    return told_equivalent(rows, bound, alpha)
+        names = {"a": contrast.names[0], "b": contrast.names[1], "difference": contrast.estimate * scale}
+        rows.append(names | tested | {"bound": bound, "n": len(model.fit.data.low)})
+    return with_verdicts(rows, bound, alpha)
 
 
 def censored_group_pairs(
-    found: CensoredAnova, *, by: str | None = None, correction: str = "holm", interval: float = 0.95
+    model: CensoredAnova, *, by: str | None = None, correction: str = "holm", interval: float = 0.95
 ) -> pd.DataFrame:
     """All pairs of groups of participants, averaged over the conditions, or at each level of `by`; columns as those of
     `group_pairs`, without a Bayes factor."""
     rows = []
-    for level, weights in _averages(found, by):
-        for a, b in combinations(range(len(found.design.groups)), 2):
-            rows.append(({by: level} if by else {}) | _group_row(found, weights, (a, b), interval))
+    for level, weights in _averages(model, by):
+        for a, b in combinations(range(len(model.design.groups)), 2):
+            rows.append(({by: level} if by else {}) | _group_row(model, weights, (a, b), interval))
     return all_together(pd.DataFrame(rows), correction, interval)
 
 
-def _compared(found: CensoredAnova, factor: str, by: str | None) -> list[Compared]:
-    of_groups = [(name, g) for g, name in enumerate(found.design.groups)]
-    at = of_groups if by is not None and by == found.design.between else [(None, None)]
+def _contrasts(model: CensoredAnova, factor: str, by: str | None) -> list[CellContrast]:
+    of_groups = [(name, g) for g, name in enumerate(model.design.groups)]
+    at = of_groups if by is not None and by == model.design.between else [(None, None)]
     return [
-        Compared(names, level if group is None else name, _contrast(found, cell, group))
+        _contrast(model, cell, group, names, level if group is None else name)
         for name, group in at
-        for level, average in _averages(found, by if group is None else None)
-        for names, cell in _differences(found, factor, average)
+        for level, average in _averages(model, by if group is None else None)
+        for names, cell in _differences(model, factor, average)
     ]
 
 
-def _differences(found: CensoredAnova, factor: str, average: Array) -> list[tuple[tuple[object, object], Array]]:
+def _differences(model: CensoredAnova, factor: str, average: Array) -> list[tuple[tuple[object, object], Array]]:
     """Of all pairs of levels, the weights (cell,) of their difference in a mean of weights `average`."""
-    place = found.design.factors.index(factor)
-    levels, by_level = found.design.levels[place], np.moveaxis(average.reshape(found.fit.data.n_levels), place, 0)
+    place = model.design.factors.index(factor)
+    levels, by_level = model.design.levels[place], np.moveaxis(average.reshape(model.fit.data.n_levels), place, 0)
     pairs = []
     for i, j in combinations(range(len(levels)), 2):
         weights = np.zeros_like(by_level)
@@ -111,24 +104,26 @@ def _differences(found: CensoredAnova, factor: str, average: Array) -> list[tupl
     return pairs
 
 
-def _averages(found: CensoredAnova, by: str | None) -> list[tuple[object, Array]]:
+def _averages(model: CensoredAnova, by: str | None) -> list[tuple[object, Array]]:
     """Weights (cell,) of the mean over all conditions, or over those at each level of a factor."""
-    n_levels = found.fit.data.n_levels
+    n_levels = model.fit.data.n_levels
     whole = np.full(n_levels, 1 / np.prod(n_levels))
     if by is None:
         return [(None, whole.ravel())]
-    place = found.design.factors.index(by)
+    place = model.design.factors.index(by)
     shape = [-1 if axis == place else 1 for axis in range(len(n_levels))]
     masks = np.eye(n_levels[place])
     return [
         (level, (whole * mask.reshape(shape) * n_levels[place]).ravel())
-        for level, mask in zip(found.design.levels[place], masks, strict=True)
+        for level, mask in zip(model.design.levels[place], masks, strict=True)
     ]
 
 
-def _contrast(found: CensoredAnova, cell: Array, group: int | None) -> CellContrast:
+def _contrast(
+    anova: CensoredAnova, cell: Array, group: int | None, names: tuple[object, object], by: object
+) -> CellContrast:
     """Of conditions in one group, or in the plain mean of all groups."""
-    fit, n_groups = found.fit, len(found.fit.means)
+    fit, n_groups = anova.fit, len(anova.fit.means)
     of_groups = np.full(n_groups, 1 / n_groups) if group is None else np.eye(n_groups)[group]
     moments, df = (fit.pooled, fit.df) if group is None else (fit.moments[group], fit.data.sizes[group] - 1)
     weights, own_variance = np.kron(of_groups, cell), max(float(cell @ moments @ cell), 0.0)
@@ -137,14 +132,14 @@ def _contrast(found: CensoredAnova, cell: Array, group: int | None) -> CellContr
     kept = min(1.0, model * float(np.sum(of_groups**2 / fit.data.sizes)) / variance)
     # The model shares a variance within a stratum; the contrast has its own.
     error = float(np.sqrt(variance * own_variance / model))
-    return CellContrast(float(weights @ fit.means.ravel()), error, float(df) * kept, float(np.sqrt(own_variance)))
+    estimate, sd = float(weights @ fit.means.ravel()), float(np.sqrt(own_variance))
+    return CellContrast(names, by, estimate, error, float(df) * kept, sd)
 
 
-def _row(compared: Compared, by: str | None, scale: float, interval: float) -> dict[str, object]:
-    contrast = compared.difference
+def _row(contrast: CellContrast, by: str | None, scale: float, interval: float) -> dict[str, object]:
     estimate, error, df = contrast.estimate, contrast.error, contrast.df
-    row: dict[str, object] = {} if by is None else {by: compared.by}
-    row |= {"a": compared.names[0], "b": compared.names[1], "difference": estimate * scale, "df": df}
+    row: dict[str, object] = {} if by is None else {by: contrast.by}
+    row |= {"a": contrast.names[0], "b": contrast.names[1], "difference": estimate * scale, "df": df}
     names = ("difference_low", "difference_high", "t", "p_unc", "dz", "bf10")
     if not contrast.has_error:
         return row | dict.fromkeys(names) | {"status": "zero_error"}
@@ -154,8 +149,8 @@ def _row(compared: Compared, by: str | None, scale: float, interval: float) -> d
     return row | dict(zip(names, tested, strict=True)) | {"status": "ok"}
 
 
-def _group_row(found: CensoredAnova, cell: Array, places: Sequence[int], interval: float) -> dict[str, object]:
-    fit, scale, k = found.fit, found.design.scale, len(cell)
+def _group_row(model: CensoredAnova, cell: Array, places: Sequence[int], interval: float) -> dict[str, object]:
+    fit, scale, k = model.fit, model.design.scale, len(cell)
     n = fit.data.sizes[list(places)]
     blocks = [fit.of_means[g * k : (g + 1) * k, g * k : (g + 1) * k] for g in places]
     own_variances = np.array([cell @ fit.moments[g] @ cell for g in places])
@@ -167,7 +162,7 @@ def _group_row(found: CensoredAnova, cell: Array, places: Sequence[int], interva
     half = float(student.isf((1 - interval) / 2, df)) * error
     pooled_sd = np.sqrt(np.sum((n - 1) * own_variances) / (n.sum() - 2))
     size = difference / pooled_sd * (1 - 3 / (4 * n.sum() - 9))  # Hedges' correction of Cohen's d
-    counts = {"a": found.design.groups[places[0]], "b": found.design.groups[places[1]]}
+    counts = {"a": model.design.groups[places[0]], "b": model.design.groups[places[1]]}
     counts |= {"difference": difference * scale, "n_a": int(n[0]), "n_b": int(n[1])}
     ends = {"difference_low": (difference - half) * scale, "difference_high": (difference + half) * scale}
     tested = {"t": t, "df": df, "p_unc": 2 * float(student.sf(abs(t), df)), "g": size, "bf10": None}

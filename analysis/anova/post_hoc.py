@@ -103,7 +103,7 @@ def all_together(result: pd.DataFrame, correction: str, interval: float) -> pd.D
     half, middle = (high / 2 - low / 2) * wider, low / 2 + high / 2  # halved first: a sum of large ends may overflow
     added = {
         "difference_high": {"simultaneous_low": middle - half, "simultaneous_high": middle + half},
-        "p_unc": {"p_corr": corrected(result["p_unc"], correction)},
+        "p_unc": {"p_corr": adjusted_p(result["p_unc"], correction)},
     }
     columns: dict[str, object] = {}
     for name in result.columns:
@@ -124,7 +124,7 @@ def rank_pairs(
     compared, notes = compare(table, dependent, factor, subject, by, "rank_pairs")
     result = pd.DataFrame([_rank_row(pair, by) for pair in compared])
     result.attrs["notes"] = notes
-    result.insert(list(result.columns).index("p_unc") + 1, "p_corr", corrected(result["p_unc"], correction))
+    result.insert(list(result.columns).index("p_unc") + 1, "p_corr", adjusted_p(result["p_unc"], correction))
     return result
 
 
@@ -219,7 +219,7 @@ def _rank_row(pair: Pair, by: str | None) -> dict[str, object]:
     return row | {"w": float(test.statistic), "p_unc": float(test.pvalue), "r": r, "status": "ok"}
 
 
-def corrected(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":
+def adjusted_p(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":
     """Adjusted p-values of the tests that there are."""
     from pingouin import multicomp  # statsmodels' equal collects garbage at each call, for 0.1 s
 
@@ -278,12 +278,12 @@ def equivalence(
         raise InvalidParameter(f"bound: found {bound}, expected a difference above 0, in the unit of {dependent}")
     between("equivalence", 0, 0.5, alpha=alpha)
     compared, notes = compare(table, dependent, factor, subject, by, "equivalence")
-    result = told_equivalent([_equivalence_row(pair, by, bound, alpha) for pair in compared], bound, alpha)
+    result = with_verdicts([_equivalence_row(pair, by, bound, alpha) for pair in compared], bound, alpha)
     result.attrs["notes"] = notes
     return result
 
 
-def told_equivalent(rows: Sequence[Mapping[str, object]], bound: float, alpha: float) -> pd.DataFrame:
+def with_verdicts(rows: Sequence[Mapping[str, object]], bound: float, alpha: float) -> pd.DataFrame:
     """A table of pairs with the verdict on each, and that on all of them in `attrs`."""
     result = pd.DataFrame(rows)
     result["equivalent"] = result["p"] < alpha

@@ -6,7 +6,7 @@ from itertools import permutations
 import pandas as pd
 
 from .design import UndefinedStatistic
-from .post_hoc import corrected
+from .post_hoc import adjusted_p
 
 Analysis = Callable[[pd.DataFrame, Sequence[str]], pd.DataFrame]
 """From a table and its factors within participants to effects, in the columns of `repeated_measures`."""
@@ -32,7 +32,7 @@ def simple_effects(
     """
     rows = [_row(analysis, there, factors, factor, by) | {by: value} for value, there in table.groupby(by, sort=True)]
     effects = pd.DataFrame(rows, columns=[by, "Source", *KEPT, "note"])
-    return effects.assign(p_corr=corrected(effects["p_CM_corr"], "holm"))
+    return effects.assign(p_corr=adjusted_p(effects["p_CM_corr"], "holm"))
 
 
 def _row(analysis: Analysis, there: pd.DataFrame, factors: Sequence[str], factor: str, by: str) -> dict[str, object]:
@@ -44,11 +44,11 @@ def _row(analysis: Analysis, there: pd.DataFrame, factors: Sequence[str], factor
     return {"Source": factor, "note": ""} | {name: effect[name] for name in KEPT}
 
 
-def interacting(effects: pd.DataFrame, factors: Sequence[str]) -> list[tuple[str, str]]:
+def interaction_orders(effects: pd.DataFrame, factors: Sequence[str]) -> list[tuple[str, str]]:
     """The pairs of factors whose interaction is told at 5 %, each in both orders.
 
     >>> effects = pd.DataFrame({"Source": ["a", "b", "a * b"], "p_CM_corr": [0.5, 0.2, 0.01]})
-    >>> interacting(effects, ["a", "b"])
+    >>> interaction_orders(effects, ["a", "b"])
     [('a', 'b'), ('b', 'a')]
     """
     significant = set(effects.loc[effects["p_CM_corr"] < ALPHA, "Source"])

@@ -20,7 +20,7 @@ from ..arrays import RELATIVE_ZERO, Array, size_of
 from .contrasts import Sphericity, Tested, effects, participant_scores, sphericity
 from .design import DesignStatus, UndefinedStatistic, finite_rows, names_of, refuse_one, within_design
 from .post_hoc import all_together
-from .within_subjects import INTERVAL, effect_table, scaled_design, told
+from .within_subjects import INTERVAL, effect_table, scaled_design, with_notes
 
 MIN_GROUP = 2
 
@@ -61,7 +61,7 @@ def mixed_anova(
         tested += _within_and_interaction(effect.name, effect.scores, scaled.cells.shape[1], groups, between)
     # Every second one: an effect within and its interaction share their error.
     residual = tested[0].ss_error + sum(within_effect.ss_error for within_effect in tested[1::2])
-    return told(effect_table(tested, residual, scale, interval), design, tested)
+    return with_notes(effect_table(tested, residual, scale, interval), design, tested)
 
 
 @dataclass(frozen=True)

@@ -136,7 +136,7 @@ class StrataFit:
         """From the likelihood's variances to the restricted likelihood's."""
         return len(self.data.low) / self.df
 
-    def told(self, stratum: int) -> float:
+    def df_of(self, stratum: int) -> float:
         """Degrees of freedom of each contrast of a stratum: `df`, less what bounds leave open about its variance
         (Satterthwaite: twice the square of a variance over the variance of its estimate)."""
         n = self.means.size

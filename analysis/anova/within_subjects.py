@@ -84,7 +84,7 @@ def repeated_measures(
     tested = effects(scaled)
     between = participant_scores(scaled)
     residual = float(np.sum((between - between.mean()) ** 2)) + sum(effect.ss_error for effect in tested)
-    return told(effect_table(tested, residual, scale, interval), design, tested)
+    return with_notes(effect_table(tested, residual, scale, interval), design, tested)
 
 
 def permutation_test(
@@ -134,11 +134,11 @@ def scaled_design(design: WithinDesign, dependent: str) -> tuple[WithinDesign, f
     return replace(design, values=values, rounding=design.rounding / scale), scale
 
 
-def effect_table(found: Sequence[Tested], residual: float, scale: float, interval: float) -> pd.DataFrame:
+def effect_table(tested: Sequence[Tested], residual: float, scale: float, interval: float) -> pd.DataFrame:
     """A row for each effect, in pingouin's columns and those added; `residual` are the sums of squares of participants
     and all errors, `scale` the unit of the values."""
-    rows = [effect_row(effect) | _added(effect, residual, interval) for effect in found]
-    result = pd.DataFrame(_with_error(rows[0], found[0]) if len(found) == 1 else rows)
+    rows = [effect_row(effect) | _added(effect, residual, interval) for effect in tested]
+    result = pd.DataFrame(_with_error(rows[0], tested[0]) if len(tested) == 1 else rows)
     with np.errstate(over="ignore"):  # squares of values near the largest float: infinite, and F is right
         return result.assign(SS=result["SS"] * scale * scale, MS=result["MS"] * scale * scale)
 
@@ -188,13 +188,13 @@ def _added(effect: Tested, residual: float, interval: float) -> dict[str, float]
     }
 
 
-def told(result: pd.DataFrame, design: WithinDesign, found: Sequence[Tested]) -> pd.DataFrame:
+def with_notes(result: pd.DataFrame, design: WithinDesign, tested: Sequence[Tested]) -> pd.DataFrame:
     """The table with notes, number of participants and status in its `attrs`."""
-    with_error = [effect for effect in found if effect.has_error]
+    with_error = [effect for effect in tested if effect.has_error]
     singular = [singular_note(effect, design.n) for effect in with_error if effect.sphericity.singular]
     exact = [
         f"{effect.name}: found the same differences in all participants: the error is 0 and F is undefined"
-        for effect in found
+        for effect in tested
         if not effect.has_error
     ]
     status = DesignStatus.SINGULAR if singular else DesignStatus.OK

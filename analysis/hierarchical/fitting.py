@@ -22,14 +22,14 @@ from tactometry.psychometric import shape_named
 
 from ..arrays import Array
 from ..mixed_models.laplace import ClusteredModel, MixedFit, maximise
-from ..threshold.counts import checked
+from ..threshold.counts import count_arrays
 from ..threshold.fitting import check_rates
 from ..threshold.likelihood import GUESS, LAPSE
 from ..threshold.prior import BETA_B
 from .layout import CONDITION_COLUMNS, Layout, ParameterPlace, cells, condition_table, means, participant_table, reaches
 from .model import CORRELATED_FROM, StudyCounts, mixed_model, rate_of, start
 from .result import Contrast, FactorEffect, GroupStatus, HierarchicalFit
-from .starts import Alone, fitted_alone
+from .starts import Alone, fits_alone
 
 ZERO_SD = 1e-3
 """A standard deviation below this part of the range of the levels (below this, for the log width) is none."""
@@ -108,7 +108,7 @@ def fit_hierarchical(
     curve = shape_named(shape)
     _check(conditions, width_by, interval, (guess_rate, lapse_rate))
     names = np.asarray([str(name) for name in participants])
-    x, k, n = (rows[0] for rows in checked(levels, n_correct, n_trials, positive=curve.on_log_levels))
+    x, k, n = (rows[0] for rows in count_arrays(levels, n_correct, n_trials, positive=curve.on_log_levels))
     if curve.on_log_levels:
         x = np.log(np.where(n > 0, x, 1.0))  # unused places hold level 0
     used = n > 0
@@ -123,7 +123,7 @@ def fit_hierarchical(
     study = layout.study(curve, (guess_rate, lapse_rate), (int(all_catch[0]), int(all_catch[1])))
     study = replace(study, rate_beta=rate_beta, scale_free_width=scale_free_width)
     # By now the levels are logarithms, over which a Weibull function is a Gumbel function.
-    alone = fitted_alone(study, "gumbel" if shape == "weibull" else shape)
+    alone = fits_alone(study, "gumbel" if shape == "weibull" else shape)
     return _fitted(layout, replace(study, width_varies=not alone.separated), alone, interval)
 
 
@@ -205,7 +205,7 @@ def _converged(mixed_fit: MixedFit) -> bool:
 
 
 def _means_of_all(
-    layout: Layout, study: StudyCounts, told: StudyCounts, alone: Alone, found: MixedFit, inflation: float
+    layout: Layout, study: StudyCounts, told: StudyCounts, alone: Alone, mixed_fit: MixedFit, inflation: float
 ) -> tuple[Array, Array, tuple[int, ...]]:
     """Means and covariance in the unit of the levels, with zeros for the conditions without a threshold."""
     group = np.zeros(study.n_conditions, dtype=np.int64)
@@ -216,8 +216,8 @@ def _means_of_all(
     scale = np.where(np.arange(n) < study.n_conditions, layout.spread, 1.0)
     offset = np.where(np.arange(n) < study.n_conditions, layout.centre, np.log(layout.spread))
     means, covariance = np.zeros(n), np.zeros((n, n))
-    means[places] = found.parameters[:free]
-    covariance[np.ix_(places, places)] = inflation**2 * found.covariance[:free, :free]
+    means[places] = mixed_fit.parameters[:free]
+    covariance[np.ix_(places, places)] = inflation**2 * mixed_fit.covariance[:free, :free]
     return offset + scale * means, np.outer(scale, scale) * covariance, tuple(group.tolist())
 
 
@@ -235,12 +235,12 @@ def _untold(layout: Layout, study: StudyCounts, alone: Alone, status: GroupStatu
     )
 
 
-def _status(study: StudyCounts, model: ClusteredModel, found: MixedFit) -> GroupStatus:
-    if not _converged(found):
+def _status(study: StudyCounts, model: ClusteredModel, mixed_fit: MixedFit) -> GroupStatus:
+    if not _converged(mixed_fit):
         return GroupStatus.NOT_CONVERGED
     if study.n_participants == 1:
         return GroupStatus.ONE_PARTICIPANT
-    scale = model.scale(model.parts(found.parameters)[2])
+    scale = model.scale(model.parts(mixed_fit.parameters)[2])
     kept = 2 if study.width_varies else 1
     between, deviations = np.linalg.svd(scale[:kept, :kept], compute_uv=False), np.abs(np.diagonal(scale)[2:])
     smallest = min(between.min(), deviations.min(initial=np.inf))
@@ -248,10 +248,10 @@ def _status(study: StudyCounts, model: ClusteredModel, found: MixedFit) -> Group
 
 
 def _components(
-    study: StudyCounts, model: ClusteredModel, found: MixedFit, spread: float
+    study: StudyCounts, model: ClusteredModel, mixed_fit: MixedFit, spread: float
 ) -> tuple[Mapping[str, float], float | None]:
     """Standard deviations in the unit of the levels (of logarithms for widths), and the correlation."""
-    theta = model.parts(found.parameters)[2]
+    theta = model.parts(mixed_fit.parameters)[2]
     if not len(theta):
         return MappingProxyType({}), None
     covariance = model.scale(theta) @ model.scale(theta).T

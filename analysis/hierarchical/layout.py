@@ -12,9 +12,9 @@ from scipy.stats import t as t_distribution
 from tactometry.psychometric import Shape
 
 from ..arrays import Array, Indices
-from ..mixed_models.glmm import clustered
+from ..mixed_models.glmm import lay_out
 from ..mixed_models.laplace import ClusteredModel, MixedFit, inner_mode, precision_of
-from ..threshold.counts import normalised
+from ..threshold.counts import normalise
 from ..threshold.likelihood import LOG_WIDTH, THRESHOLD
 from ..threshold.status import Status
 from .model import StudyCounts
@@ -98,7 +98,7 @@ def _scale(x: Array) -> tuple[float, float]:
 
 def _stacked(cell: Indices, n_cells: int, columns: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
     """Rows as (n_cells, n_rows of the largest cell), equal levels of a cell pooled."""
-    counts = normalised(*clustered(cell, *columns, n_clusters=n_cells))
+    counts = normalise(*lay_out(cell, *columns, n_clusters=n_cells))
     # Back from each cell's own scale to that of the study, which the means of conditions need.
     u = np.where(counts.n_trials > 0, counts.centre[:, None] + counts.spread[:, None] * counts.u, 0.0)
     return u, counts.n_yes, counts.n_trials
@@ -132,18 +132,18 @@ class ParameterPlace:
         return np.asarray(self.threshold[..., None] + reach * self.threshold_se[..., None] * np.array([-1.0, 1.0]))
 
 
-def means(study: StudyCounts, found: MixedFit, inflation: float) -> tuple[Array, ...]:
+def means(study: StudyCounts, mixed_fit: MixedFit, inflation: float) -> tuple[Array, ...]:
     """Of the conditions: thresholds and log widths, each with standard errors."""
     c, group = study.n_conditions, study.n_conditions + study.width_group
-    se = inflation * np.sqrt(np.diagonal(found.covariance))
-    return found.parameters[:c], se[:c], found.parameters[group], se[group]
+    se = inflation * np.sqrt(np.diagonal(mixed_fit.covariance))
+    return mixed_fit.parameters[:c], se[:c], mixed_fit.parameters[group], se[group]
 
 
-def cells(model: ClusteredModel, found: MixedFit) -> tuple[Array, ...]:
+def cells(model: ClusteredModel, mixed_fit: MixedFit) -> tuple[Array, ...]:
     """Of the cells, shrunken: the variance is that of the effects at all parameters of the group, plus that which these
     bring: means, rates and variances (Kass and Steffey 1989, J. Am. Stat. Assoc. 84, 717-726).
     """
-    inner, n_free = found.inner, model.n_fixed + model.n_shared
+    inner, n_free = mixed_fit.inner, model.n_fixed + model.n_shared
     d, hessian = 2, inner.at.hessian
     precision = precision_of(inner.loads, model.curvature(inner.points))
     spread = np.linalg.solve(precision[:, None], np.swapaxes(inner.loads, 2, 3))
@@ -154,20 +154,21 @@ def cells(model: ClusteredModel, found: MixedFit) -> tuple[Array, ...]:
     pushed[..., model.n_fixed :] += hessian[..., :d, d:]
     pull = np.linalg.solve(precision, np.einsum("csaq,csap->cqp", inner.loads, pushed))
     along = direct + np.einsum("csaq,cqp->csap", inner.loads, pull)
-    along = np.concatenate([along, _along_scales(model, found, n_free)], axis=3)
-    variance = inside + np.einsum("csap,pr,csar->csa", along, found.covariance, along, optimize=True)
+    along = np.concatenate([along, _along_scales(model, mixed_fit, n_free)], axis=3)
+    variance = inside + np.einsum("csap,pr,csar->csa", along, mixed_fit.covariance, along, optimize=True)
     eta, se = np.swapaxes(inner.points[..., :d], 0, 1), np.swapaxes(np.sqrt(variance), 0, 1)
     return eta[..., THRESHOLD], se[..., THRESHOLD], eta[..., LOG_WIDTH], se[..., LOG_WIDTH]
 
 
-def _along_scales(model: ClusteredModel, found: MixedFit, n_free: int) -> Array:
+def _along_scales(model: ClusteredModel, mixed_fit: MixedFit, n_free: int) -> Array:
     """How the points of the cells move with each scale, (n_clusters, n_slots, 2, n_theta), by central differences."""
-    moved = np.zeros((*found.inner.points.shape[:2], 2, len(found.parameters) - n_free))
+    moved = np.zeros((*mixed_fit.inner.points.shape[:2], 2, len(mixed_fit.parameters) - n_free))
     for j in range(moved.shape[-1]):
-        step = SCALE_STEP * max(abs(found.parameters[n_free + j]), SCALE_STEP)
-        change = step * (np.arange(len(found.parameters)) == n_free + j)
+        step = SCALE_STEP * max(abs(mixed_fit.parameters[n_free + j]), SCALE_STEP)
+        change = step * (np.arange(len(mixed_fit.parameters)) == n_free + j)
         ahead, behind = (
-            inner_mode(model, found.parameters + side * change, found.inner.effects).points[..., :2] for side in (1, -1)
+            inner_mode(model, mixed_fit.parameters + side * change, mixed_fit.inner.effects).points[..., :2]
+            for side in (1, -1)
         )
         moved[..., j] = (ahead - behind) / (2 * step)
     return moved

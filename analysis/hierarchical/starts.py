@@ -71,7 +71,7 @@ def is_told(one: ThresholdFit) -> bool:
     return one.status in TOLD and one.threshold is not None
 
 
-def fitted_alone(study: StudyCounts, shape: str) -> Alone:
+def fits_alone(study: StudyCounts, shape: str) -> Alone:
     """As an analysis fits them (`cells.estimates`), so that a cell has one verdict."""
     n, c = study.n_participants, study.n_conditions
     by_condition = [np.moveaxis(rows, 1, 0) for rows in (study.u, study.n_yes, study.n_trials)]

@@ -21,7 +21,7 @@ from tactometry.psychometric import log1mexp
 from ..anova.bounded_design import ends_of
 from ..anova.design import expect_columns
 from ..arrays import Array, Bools, Expansion, Indices, size_of
-from .glmm import clustered
+from .glmm import lay_out
 from .laplace import ClusteredModel as Clusters, MixedFit, maximise, maximise_by_quadrature
 from .linear import (
     ALIKE,
@@ -136,7 +136,7 @@ class _Censored:
     def of(cls, ends: Array, x: Array, groups: Indices) -> "_Censored":
         narrow = ends[:, 1] - ends[:, 0] < NARROW
         ends = np.where(narrow[:, None], ends.mean(axis=1, keepdims=True), ends)
-        laid, used = clustered(groups, np.column_stack([ends, x]), np.ones(len(x)))
+        laid, used = lay_out(groups, np.column_stack([ends, x]), np.ones(len(x)))
         return cls(laid[..., 0], laid[..., 1], used > 0, laid[..., 2:])
 
     @property
@@ -240,20 +240,20 @@ def _endless(name: str) -> InvalidParameter:
     )
 
 
-def _refuse_endless(found: MixedFit, matrix: DesignMatrix) -> None:
-    errors = np.sqrt(np.diagonal(found.covariance)[: len(matrix.names)])
+def _refuse_endless(mixed_fit: MixedFit, matrix: DesignMatrix) -> None:
+    errors = np.sqrt(np.diagonal(mixed_fit.covariance)[: len(matrix.names)])
     worst = int(np.argmax(errors))
-    if not (np.isfinite(found.log_marginal) and errors[worst] <= WIDEST_SE):
+    if not (np.isfinite(mixed_fit.log_marginal) and errors[worst] <= WIDEST_SE):
         raise _endless(matrix.names[worst])
-    if found.gradient * errors[worst] > LARGEST_STEP:
+    if mixed_fit.gradient * errors[worst] > LARGEST_STEP:
         raise InvalidParameter(
-            f"censored_model: found that the likelihood still rises (by {found.gradient:.2g} along a parameter), "
+            f"censored_model: found that the likelihood still rises (by {mixed_fit.gradient:.2g} along a parameter), "
             "expected a maximum; too few values are known for these terms"
         )
 
 
 def _model_of(
-    found: MixedFit,
+    mixed_fit: MixedFit,
     matrix: DesignMatrix,
     n_participants: int,
     n_censored: int,
@@ -263,9 +263,9 @@ def _model_of(
 ) -> MixedModel:
     n, p, scale = len(matrix.x), len(matrix.names), unit[1]
     inflation = n_participants / (n_participants - 1)
-    estimates, covariance = found.parameters[:p], found.covariance[:p, :p] * inflation
-    residual = float(np.exp(found.parameters[p]))
-    participant = abs(float(found.parameters[p + 1]))  # a scale may end on either side of 0: u is as likely as -u
+    estimates, covariance = mixed_fit.parameters[:p], mixed_fit.covariance[:p, :p] * inflation
+    residual = float(np.exp(mixed_fit.parameters[p]))
+    participant = abs(float(mixed_fit.parameters[p + 1]))  # a scale may end on either side of 0: u is as likely as -u
     is_singular = participant < ZERO_SD * residual
     n_known = n - n_censored  # a density has the unit 1 / y, the chance of an interval has none
     return MixedModel(
@@ -273,7 +273,7 @@ def _model_of(
         terms=term_table(matrix, estimates, covariance, df),
         participant_sd=0.0 if is_singular else participant * scale * float(np.sqrt(inflation)),
         residual_sd=residual * scale * float(np.sqrt(inflation)),
-        log_likelihood=found.log_marginal - n_known * float(np.log(scale)),
+        log_likelihood=mixed_fit.log_marginal - n_known * float(np.log(scale)),
         n=n,
         n_participants=n_participants,
         status=ModelStatus.SINGULAR if is_singular else ModelStatus.OK,

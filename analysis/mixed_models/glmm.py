@@ -21,7 +21,7 @@ from tactometry.psychometric import SHAPES, Shape
 from ..arrays import Array, Expansion, Indices
 from ..noted_status import NotedStatus
 from ..threshold.chances import by_point, expected_information
-from ..threshold.counts import checked
+from ..threshold.counts import count_arrays
 from .laplace import ClusteredModel, MixedFit, maximise, maximise_by_quadrature
 
 LINKS = MappingProxyType({"probit": "normal", "logit": "logistic"})
@@ -116,7 +116,7 @@ def fit_glmm(
     shape = lookup("link", link, LINKS)
     _check_random(fixed, random, n_nodes)
     names = np.asarray([str(name) for name in participants])
-    x, k, n = checked(np.zeros(len(names)), n_yes, n_trials, positive=False)
+    x, k, n = count_arrays(np.zeros(len(names)), n_yes, n_trials, positive=False)
     used = n[0] > 0
     if not used.any():
         return _nothing(MixedStatus.NO_DATA)
@@ -172,7 +172,7 @@ class _Design:
             )
         scale = np.sqrt(np.square(matrix).mean(axis=0))
         who, cluster = np.unique(participants, return_inverse=True)
-        laid = clustered(cluster, matrix / scale, *answers)
+        laid = lay_out(cluster, matrix / scale, *answers)
         names = tuple(str(one) for one in who)
         return cls(tuple(columns), tuple(random), scale, laid[0], (laid[1], laid[2]), names, correlated)
 
@@ -207,12 +207,12 @@ class _Design:
             log_likelihood, fixed, fixed[..., places], basis, information=information if expected else None
         )
 
-    def _estimate(self, model: ClusteredModel, found: MixedFit) -> MixedEstimate:
-        beta, _, theta = model.parts(found.parameters)
-        covariance, n = found.covariance[: len(beta), : len(beta)], len(self.random)
-        modes = found.inner.effects @ model.scale(theta).T / self._random_scale()
+    def _estimate(self, model: ClusteredModel, mixed_fit: MixedFit) -> MixedEstimate:
+        beta, _, theta = model.parts(mixed_fit.parameters)
+        covariance, n = mixed_fit.covariance[: len(beta), : len(beta)], len(self.random)
+        modes = mixed_fit.inner.effects @ model.scale(theta).T / self._random_scale()
         participants = MappingProxyType(dict(zip(self.participants, modes, strict=True)))
-        status = self._status(model, found, covariance)
+        status = self._status(model, mixed_fit, covariance)
         if status in (MixedStatus.SEPARATED, MixedStatus.NOT_CONVERGED):
             return _nothing(status)
         sigma = model.scale(theta) @ model.scale(theta).T
@@ -227,16 +227,16 @@ class _Design:
             dict(zip(self.random, (sd / self._random_scale()).tolist(), strict=True)) if has_sd else None,
             correlation if has_sd and (sd > ZERO_SD).all() else None,
             participants,
-            found.log_marginal,
+            mixed_fit.log_marginal,
             status,
             status.note,
         )
 
-    def _status(self, model: ClusteredModel, found: MixedFit, covariance: Array) -> MixedStatus:
-        theta = model.parts(found.parameters)[2]
+    def _status(self, model: ClusteredModel, mixed_fit: MixedFit, covariance: Array) -> MixedStatus:
+        theta = model.parts(mixed_fit.parameters)[2]
         if not np.isfinite(covariance).all() or np.diagonal(covariance).max() > WIDEST_SE**2:
             return MixedStatus.SEPARATED
-        if found.gradient > LARGEST_GRADIENT * max(1.0, abs(found.log_marginal)):
+        if mixed_fit.gradient > LARGEST_GRADIENT * max(1.0, abs(mixed_fit.log_marginal)):
             return MixedStatus.NOT_CONVERGED
         if len(self.participants) == 1:
             return MixedStatus.ONE_PARTICIPANT
@@ -250,7 +250,7 @@ class _Design:
         return MappingProxyType(dict(zip(self.names, values.tolist(), strict=True)))
 
 
-def clustered(cluster: Indices, *columns: Array, n_clusters: int = 0) -> list[Array]:
+def lay_out(cluster: Indices, *columns: Array, n_clusters: int = 0) -> list[Array]:
     """Rows (n_rows, ...) laid out as (n_clusters, n_slots, ...), with zeros in the slots that are not used; clusters
     that no row names are empty, up to the largest named or `n_clusters`."""
     order = np.argsort(cluster, kind="stable")  # stable: the slots of a cluster keep the order of its rows

@@ -44,22 +44,22 @@ class HierarchicalOutcome:
         return {key: table for key, table in found.items() if len(table)}
 
 
-def group_fit(found: Sequence[Cell], factors: Sequence[str], n_choices: int, unit: str) -> HierarchicalOutcome | None:
+def group_fit(cells: Sequence[Cell], factors: Sequence[str], n_choices: int, unit: str) -> HierarchicalOutcome | None:
     """The hierarchical fit of the cells of one task; None for fewer than two participants."""
-    task = found[0].task
-    if len({cell.participant for cell in found}) < 2:
+    task = cells[0].task
+    if len({cell.participant for cell in cells}) < 2:
         return None
-    if len(found) > MOST_CELLS:
+    if len(cells) > MOST_CELLS:
         return _without(
-            task, f"no hierarchical fit: {len(found)} cells, at most {MOST_CELLS} are fitted here (fit_hierarchical)"
+            task, f"no hierarchical fit: {len(cells)} cells, at most {MOST_CELLS} are fitted here (fit_hierarchical)"
         )
-    varied = [name for place, name in enumerate(factors) if len({cell.condition[place] for cell in found}) > 1]
+    varied = [name for place, name in enumerate(factors) if len({cell.condition[place] for cell in cells}) > 1]
     rows = [
         (
             *(cell.participant, level, k, n, cell.n_false_alarms, cell.n_catch),
             *(cell.condition[factors.index(name)] for name in varied),
         )
-        for cell in found
+        for cell in cells
         for level, k, n in zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
     ]
     if not rows:

@@ -17,7 +17,7 @@ from ..anova.complete_design import SubDesign, largest_complete, largest_known
 from ..anova.design import MAX_FACTORS, DesignStatus, UndefinedStatistic
 from ..anova.group_means import HIGH, LOW, bounds_of, group_table
 from ..anova.post_hoc import all_together, equivalence, pairs
-from ..anova.simple_effects import Analysis, interacting, simple_effects
+from ..anova.simple_effects import Analysis, interaction_orders, simple_effects
 from ..anova.split_plot import group_pairs, mixed_anova
 from ..anova.within_subjects import permutation_test, repeated_measures
 from ..mixed_models.censored import censored_model
@@ -262,7 +262,7 @@ class _Comparing:
 def _with_comparisons(result: Outcome, ways: _Comparing, bounds: Mapping[str, float]) -> Outcome:
     """Pairs, groups and simple effects."""
     within, between = ways.within, ways.between
-    orders = interacting(ways.effects, [*([between] if between else []), *within])
+    orders = interaction_orders(ways.effects, [*([between] if between else []), *within])
     return replace(
         result,
         pairs={name: ways.pairs(name, None) for name in within},

@@ -10,7 +10,7 @@ from scipy.stats import binom
 from tactometry.psychometric import shape_named
 
 from ..arrays import Array, Indices
-from ..threshold.counts import POOLED_BELOW, Counts, checked, normalised
+from ..threshold.counts import POOLED_BELOW, Counts, count_arrays, normalise
 from ..threshold.goodness import STATISTICS, Goodness, Sequences, goodness
 from ..threshold.mode import climb
 from ..threshold.prior import Prior
@@ -107,7 +107,7 @@ def _goodness_of(
     curve, known = shape_named(options["shape"]), {"lapse_rate": None} | dict(options)
     fitted_cells = [estimate.cell for estimate in estimates]
     levels, n_yes, n_trials = stacked_counts(fitted_cells)
-    counts = normalised(*checked(levels, n_yes, n_trials, positive=curve.on_log_levels))
+    counts = normalise(*count_arrays(levels, n_yes, n_trials, positive=curve.on_log_levels))
     alarms, catch = np.array(catch_counts(fitted_cells), dtype=np.float64)
     del known["shape"]
     prior = Prior(counts.gap, n_false_alarms=alarms, n_catch=catch, **known)

@@ -1,4 +1,4 @@
-"""Counts of answers per level, checked, pooled and brought to a scale without units."""
+"""Counts of answers per level, count_arrays, pooled and brought to a scale without units."""
 
 from dataclasses import dataclass, replace
 
@@ -41,7 +41,7 @@ class Counts(Rows):
         return replace(self, u=u, n_yes=k, n_trials=n)
 
 
-def checked(
+def count_arrays(
     levels: ArrayLike, n_correct: ArrayLike, n_trials: ArrayLike, *, positive: bool
 ) -> tuple[Array, Array, Array]:
     """Levels and counts as arrays (n_sets, n_levels), with one clear refusal for what is neither.
@@ -89,7 +89,7 @@ def _refuse(name: str, values: Array, bad: Bools, expected: str) -> None:
         raise InvalidParameter(f"{where}: found {values[dataset, row]:g}, expected {expected} (rows count from 0)")
 
 
-def normalised(x: Array, k: Array, n: Array, *, robust_range: bool = False) -> Counts:
+def normalise(x: Array, k: Array, n: Array, *, robust_range: bool = False) -> Counts:
     """Sort, pool equal levels, and bring every data set to its own range.
 
     Levels that differ by less than `POOLED_BELOW` of the range are pooled. Shapes (n_sets, n_levels). The

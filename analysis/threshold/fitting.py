@@ -14,7 +14,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.psychometric import Shape, shape_named
 
 from ..arrays import Array
-from .counts import Counts, checked, normalised
+from .counts import Counts, count_arrays, normalise
 from .methods import Fitting
 from .prior import BETA_B, LARGEST_RATE, Prior
 from .result import ThresholdFit
@@ -190,11 +190,11 @@ def _on_their_axis(
     curve: Shape, levels: ArrayLike, n_correct: ArrayLike, n_trials: ArrayLike, *, robust_range: bool
 ) -> Counts:
     """The counts without units, on the axis of the function: of levels, or of their logarithms."""
-    x, k, n = checked(levels, n_correct, n_trials, positive=curve.on_log_levels)
+    x, k, n = count_arrays(levels, n_correct, n_trials, positive=curve.on_log_levels)
     if curve.on_log_levels:
         # Places without trials hold level 0.
         x = np.log(np.where(n > 0, x, 1.0))
-    return normalised(x, k, n, robust_range=robust_range)
+    return normalise(x, k, n, robust_range=robust_range)
 
 
 def _check_one_rate(guess_rate: float | None, lapse_rate: float | None, n_catch: Array) -> None:

@@ -121,20 +121,20 @@ class Fitting:
         all_sets.put(chosen, of_chosen, np.ones(len(chosen), dtype=bool))
         return all_sets
 
-    def _of_posterior(self, mode: Mode, found: Marginals, step: StepFit, eta: Array | None = None) -> PointEstimate:
+    def _of_posterior(self, mode: Mode, posterior: Marginals, step: StepFit, eta: Array | None = None) -> PointEstimate:
         """The mode, median or mean. Of a step the mode is a whole stretch, whose middle is taken; where the mode lies
         on an edge of the priors or outside of its own interval, the median stands for it."""
-        median, theta = found.mean.copy(), _with_width(mode.theta)
-        median[:, [THRESHOLD, LOG_WIDTH]] = found.median
+        median, theta = posterior.mean.copy(), _with_width(mode.theta)
+        median[:, [THRESHOLD, LOG_WIDTH]] = posterior.median
         if self.estimate == "mean":
-            mean_eta = None if eta is None else found.overdispersion
-            return PointEstimate(found.mean, found.threshold, found.width, mean_eta)
+            mean_eta = None if eta is None else posterior.overdispersion
+            return PointEstimate(posterior.mean, posterior.threshold, posterior.width, mean_eta)
         theta[:, THRESHOLD] = np.where(step.is_between, step.place, theta[:, THRESHOLD])
-        is_held = (mode.interior | step.is_between) & _within(theta[:, THRESHOLD], found.threshold)
-        is_wide = _within(theta[:, LOG_WIDTH], found.width)
+        is_held = (mode.interior | step.is_between) & _within(theta[:, THRESHOLD], posterior.threshold)
+        is_wide = _within(theta[:, LOG_WIDTH], posterior.width)
         is_held &= (is_wide | step.is_between) & (self.estimate == "mode")
         theta[:, LOG_WIDTH] = np.where(is_wide, theta[:, LOG_WIDTH], median[:, LOG_WIDTH])
-        return PointEstimate(np.where(is_held[:, None], theta, median), found.threshold, found.width, eta)
+        return PointEstimate(np.where(is_held[:, None], theta, median), posterior.threshold, posterior.width, eta)
 
     def _of_curvature(
         self, basis: Mode, eta: Array | None, rests: Bools, n_resamples: int, rng: np.random.Generator | None

@@ -93,7 +93,7 @@ def marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: 
     mean, threshold, log_width, eta, log_total, beyond = (np.array(column) for column in zip(*by_set, strict=True))
     ends = [(threshold, boxes.low[:, THRESHOLD], boxes.high[:, THRESHOLD])]
     ends += [(log_width, boxes.low[:, LOG_WIDTH], boxes.high[:, LOG_WIDTH])]
-    return described(mean, ends, eta, log_total - log_mass(prior), beyond, interval)
+    return marginals_of(mean, ends, eta, log_total - log_mass(prior), beyond, interval)
 
 
 def _eta_nodes(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> tuple[Array, Array]:
@@ -295,7 +295,7 @@ def _marginal_densities(
     return mean, along[THRESHOLD], along[LOG_WIDTH], mean_eta, log_total, beyond
 
 
-def described(
+def marginals_of(
     mean: Array,
     ends: list[tuple[Array, Array, Array]],
     eta: Array,

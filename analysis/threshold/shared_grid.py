@@ -18,7 +18,7 @@ from .chances import linear
 from .counts import Counts
 from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
 from .mode import Mode
-from .posterior import NEGLIGIBLE, Marginals, beyond_levels, described, log_cell, marginals, rate_rule
+from .posterior import NEGLIGIBLE, Marginals, beyond_levels, log_cell, marginals, marginals_of, rate_rule
 from .prior import Prior, log_mass, log_prior_axes
 from .starts import same_rows
 
@@ -77,13 +77,13 @@ def batched_marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, in
 
 def _shared(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> tuple[Marginals, Bools]:
     """And which of the data sets the grid resolves."""
-    grid = found_grid(shape, counts, prior, mode)
+    grid = common_grid(shape, counts, prior, mode)
     along, log_total, beyond = marginal_masses(shape, counts, prior, grid)
     shared = _described(grid, along, log_total - log_mass(prior), beyond, interval)
     return replace(shared, mean=prior.tied(shared.mean)), _resolved(prior, grid, along)
 
 
-def found_grid(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> Grid:
+def common_grid(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> Grid:
     """The grid of data sets on the same levels."""
     low, high = (end[0] for end in prior.bounds())
     for _ in range(2):  # the first coarse search spans all that the priors allow, the second what that one has left
@@ -200,7 +200,7 @@ def _described(grid: Grid, along: list[Array], log_evidence: Array, beyond: Arra
     for place in (THRESHOLD, LOG_WIDTH):
         low, high = (np.full(len(mean), grid.nodes[place][end]) for end in (0, -1))
         ends.append((along[place], low, high))
-    return described(mean, ends, np.zeros(len(mean)), log_evidence, beyond, interval)
+    return marginals_of(mean, ends, np.zeros(len(mean)), log_evidence, beyond, interval)
 
 
 def _resolved(prior: Prior, grid: Grid, along: list[Array]) -> Bools:

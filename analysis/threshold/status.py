@@ -210,11 +210,11 @@ def _floored(log_chance: Array) -> Array:
     return np.maximum(log_chance, -1e12)
 
 
-def verdict_shares(counts: Counts, prior: Prior, found: Marginals) -> Array:
+def verdict_shares(counts: Counts, prior: Prior, posterior: Marginals) -> Array:
     """Posterior probabilities (n_sets, 4): the levels meet the rise; all lie above it; all lie below it; there is none.
     NaN for sets without a posterior."""
-    met = 1 - found.beyond.sum(axis=1, keepdims=True)
-    curves = found.log_evidence[:, None] + _logarithm(np.hstack([met, found.beyond]))
+    met = 1 - posterior.beyond.sum(axis=1, keepdims=True)
+    curves = posterior.log_evidence[:, None] + _logarithm(np.hstack([met, posterior.beyond]))
     ceiling, guesses, constant = constant_evidence(counts, prior)
     with np.errstate(invalid="ignore"):
         # A rise below all levels leaves them on the ceiling, one above all levels leaves them to guesses.

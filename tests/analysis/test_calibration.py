@@ -8,7 +8,7 @@ from scipy.stats import binom, kstest
 from soak import SOAK
 
 from tactometry.analysis.threshold import shared_grid
-from tactometry.analysis.threshold.counts import normalised
+from tactometry.analysis.threshold.counts import normalise
 from tactometry.analysis.threshold.fitting import fit_many
 from tactometry.analysis.threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, THRESHOLD
 from tactometry.analysis.threshold.mode import find_mode
@@ -75,11 +75,11 @@ def test_ranks_of_truths_from_the_prior_are_uniform(monkeypatch, shape, free_gue
         for m, w, lapse, guess in zip(*truth, strict=True)
     ]
     k = rng.binomial(N_TRIALS, chance).astype(float)
-    counts = normalised(np.broadcast_to(LEVELS, k.shape), k, np.full(k.shape, float(N_TRIALS)))
+    counts = normalise(np.broadcast_to(LEVELS, k.shape), k, np.full(k.shape, float(N_TRIALS)))
     none = np.zeros(n_sets)
     prior = Prior(counts.gap, None, None if free_guess else 0.5, none, none)
     mode = find_mode(SHAPES[shape], counts, prior)
-    grid = shared_grid.found_grid(SHAPES[shape], counts, prior, mode)
+    grid = shared_grid.common_grid(SHAPES[shape], counts, prior, mode)
     along = shared_grid.marginal_masses(SHAPES[shape], counts, prior, grid)[0]
     ranks = {}
     for place in prior.free:

@@ -11,7 +11,7 @@ from scipy.stats import binom
 from soak import SOAK
 
 from tactometry.analysis.tasks.comparison import FIT
-from tactometry.analysis.threshold.counts import checked, normalised
+from tactometry.analysis.threshold.counts import count_arrays, normalise
 from tactometry.analysis.threshold.fitting import fit
 from tactometry.analysis.threshold.mode import climb, find_mode, log_density
 from tactometry.analysis.threshold.posterior import marginals
@@ -63,7 +63,7 @@ def test_five_percent_of_lapses_widen_a_difference_by_less_than_a_fifth(found) -
 @pytest.fixture(scope="module")
 def some() -> tuple:
     n_more = answers(Person(2.5, 20, 0.05), 12, np.random.default_rng(7))[1]
-    counts = normalised(*checked(LEVELS, n_more, 20, positive=False))
+    counts = normalise(*count_arrays(LEVELS, n_more, 20, positive=False))
     nothing = np.zeros(len(counts))
     known = {name: value for name, value in FIT.items() if name != "shape"}
     return counts, Prior(counts.gap, None, n_false_alarms=nothing, n_catch=nothing, **known)

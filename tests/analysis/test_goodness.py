@@ -11,7 +11,7 @@ from soak import SOAK
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.report.summary import summary
 from tactometry.analysis.tasks.goodness import P_COLUMNS, TESTS, goodness_table, goodness_warnings
-from tactometry.analysis.threshold.counts import normalised
+from tactometry.analysis.threshold.counts import normalise
 from tactometry.analysis.threshold.fitting import fit
 from tactometry.analysis.threshold.goodness import ENOUGH, STATISTICS, Sequences, _Tally, goodness, statistics
 from tactometry.analysis.threshold.mode import find_mode
@@ -62,7 +62,7 @@ def problem(levels, answers, guess, n_catch=0, rng=None):
     np.add.at(n, where, 1.0)
     order = np.argsort(n.sum(axis=1) == 0, axis=1, kind="stable")  # levels that a track never met stand last
     yes, n = (np.take_along_axis(part, order[:, None], 2) for part in (yes, n))
-    counts = normalised(every[order], yes.sum(axis=1), n.sum(axis=1), robust_range=True)
+    counts = normalise(every[order], yes.sum(axis=1), n.sum(axis=1), robust_range=True)
     alarms = rng.binomial(n_catch, 0.03, n_sets) if n_catch else np.zeros(n_sets)
     prior = Prior(counts.gap, None, guess, alarms.astype(float), np.full(n_sets, n_catch), scale_free_width=True)
     return counts, prior, Sequences(yes, n)
@@ -131,7 +131,7 @@ def test_each_fault_is_found_by_its_test(fault, test, power):
 def test_the_deviance_is_that_of_the_fit():
     k, n = np.array([10, 11, 12, 15, 18, 16, 20]), 20
     found = fit(LEVELS, k, n, shape="normal", guess_rate=0.5, method="map")
-    counts = normalised(LEVELS[None], k[None].astype(float), np.full((1, 7), 20.0))
+    counts = normalise(LEVELS[None], k[None].astype(float), np.full((1, 7), 20.0))
     zero = np.zeros(1)
     theta = find_mode(SHAPES["normal"], counts, Prior(counts.gap, None, 0.5, zero, zero)).theta
     values = statistics(SHAPES["normal"], counts, theta, Sequences(counts.n_yes[:, None], counts.n_trials[:, None]))
@@ -141,7 +141,7 @@ def test_the_deviance_is_that_of_the_fit():
 def test_the_trend_is_the_standardised_sum_of_residuals_times_time():
     """One level, whose chance is one half: no, no, yes, yes in four stretches of ten. Of the two parts of the
     dispersion, the one that is weighted with the rates less their mean is 0."""
-    counts = normalised(np.zeros((1, 1)), np.array([[20.0]]), np.array([[40.0]]))
+    counts = normalise(np.zeros((1, 1)), np.array([[20.0]]), np.array([[40.0]]))
     theta = np.array([[0.0, 0.0, 0.0, 0.0]])
     answers = Sequences(np.array([[[0.0], [0.0], [10.0], [10.0]]]), np.full((1, 4, 1), 10.0))
     found = dict(zip(STATISTICS, statistics(SHAPES["normal"], counts, theta, answers)[0], strict=True))

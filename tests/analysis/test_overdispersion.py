@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies as st
 from places import SHARED
 from scipy.stats import betabinom, binom
 
-from tactometry.analysis.threshold.counts import normalised
+from tactometry.analysis.threshold.counts import normalise
 from tactometry.analysis.threshold.fitting import fit
 from tactometry.analysis.threshold.likelihood import expansion, log_weight, overdispersed_expansion
 from tactometry.errors import InvalidParameter
@@ -53,7 +53,7 @@ def test_equals_scipys_beta_binomial(p: float, eta: float, n: int, data: st.Data
 @pytest.mark.parametrize("eta", [0.05, 0.3])
 def test_gradient_and_curvature_are_derivatives(shape: str, eta: float) -> None:
     k = np.random.default_rng().binomial(20, 0.7, (1, 7)).astype(float)
-    counts, etas = normalised(np.arange(7.0)[None], k, np.full((1, 7), 20.0)), np.array([eta])
+    counts, etas = normalise(np.arange(7.0)[None], k, np.full((1, 7), 20.0)), np.array([eta])
     theta, h = np.array([[0.1, -0.5, 0.03, 0.1]]), 1e-5
     here = overdispersed_expansion(SHAPES[shape], counts, theta, etas)
     for place, step in enumerate(np.eye(4) * h):
@@ -64,7 +64,7 @@ def test_gradient_and_curvature_are_derivatives(shape: str, eta: float) -> None:
 
 
 def test_little_overdispersion_is_the_binomial() -> None:
-    counts = normalised(np.arange(5.0)[None], np.array([[2.0, 4, 9, 12, 19]]), np.full((1, 5), 20.0))
+    counts = normalise(np.arange(5.0)[None], np.array([[2.0, 4, 9, 12, 19]]), np.full((1, 5), 20.0))
     theta = np.array([[0.1, -0.4, 0.02, 0.05]])
     binomial = expansion(SHAPES["normal"], counts, theta)
     beta = overdispersed_expansion(SHAPES["normal"], counts, theta, np.array([2e-4]))
