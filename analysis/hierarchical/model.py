@@ -90,7 +90,7 @@ def rate_of(angle: Array) -> tuple[Array, Array, Array]:
     return half * (1 - np.cos(2 * angle)), 2 * half * np.sin(2 * angle), 4 * half * np.cos(2 * angle)
 
 
-def angle_of(probability: float) -> float:
+def angle_rad(probability: float) -> float:
     """The angle of a rate."""
     return float(np.arcsin(np.sqrt(probability / LARGEST_RATE)))
 
@@ -220,5 +220,5 @@ def start(study: StudyCounts, model: ClusteredModel, thresholds: Array, log_widt
     inside = np.clip(thresholds, low - 0.2 * (high - low), high + 0.2 * (high - low))
     floor = np.log(1.5 * gap)
     groups = [np.maximum(log_widths, floor)[study.width_group == g].mean() for g in range(study.n_groups)]
-    angles = [angle_of(START_RATE)] * len(study.shared)
+    angles = [angle_rad(START_RATE)] * len(study.shared)
     return np.concatenate([inside, groups, angles, start_scales(model)])
