@@ -137,7 +137,7 @@ def test_a_censored_condition_is_a_bound_and_leaves_the_analysis_of_variance(tmp
         "the analysis of values and bounds leaves out frequency_hz = 60: fewer than 2 participants have a value in "
         "one of its conditions",
     )
-    assert (outcome.primary, outcome.censored.n_censored, outcome.left_out) == (
+    assert (outcome.primary, outcome.censored.design.n_censored, outcome.left_out) == (
         "censored_anova",
         0,
         ("frequency_hz = 60",),
@@ -151,7 +151,11 @@ def test_participants_with_a_bound_stay_in_the_primary_analysis(tmp_path) -> Non
     truth |= {("P01", (480.0,)): 70.0, ("P02", (480.0,)): 70.0}
     file = analysis_data.write_study(tmp_path / "t.csv", truth, ["frequency_hz"], rng=rng, false_alarm_rate=0.0)
     outcome = analyse(file).outcomes[0]
-    assert (outcome.primary, outcome.censored.table.attrs["n"], outcome.censored.n_censored) == ("censored_anova", 6, 2)
+    assert (outcome.primary, outcome.censored.table.attrs["n"], outcome.censored.design.n_censored) == (
+        "censored_anova",
+        6,
+        2,
+    )
     assert outcome.notes == ("the analysis of values and bounds counts 2 values as bounds",)
     known = outcome.estimates.dropna(subset="threshold").groupby("frequency_hz")["threshold"].mean()
     rows = outcome.group.set_index("frequency_hz")
