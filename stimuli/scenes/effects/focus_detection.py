@@ -27,7 +27,7 @@ class FocusDetection(Effect):
     positive = ("reference_m",)
     reads, gives = ("felt_at_1v_m", "voltage_v"), "sensation_db"
     cures: ClassVar[Mapping[str, str]] = {"sensation_db": "add the effect focus_detection"}
-    assumes = ("every focus is felt as one event of displacement, whatever its course",)
+    assumes = ("every focus is felt as one event of displacement, whatever its course; a train by its energy in 0.2 s",)
 
     reference_m: float = 10e-6
 

@@ -15,6 +15,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from ...arrays import ComplexArray, FloatArray, IntArray
+from ...perception.temporal_summation import summed_amplitude
 from ..finger import FINGER_DIAMETER_M, FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Contactor, Fingertip
 from ..focusing.focusing import emitted
 from ..responses.load import PlateLoad, Receptances, carried, contour
@@ -30,11 +31,6 @@ APART_S: Final = 1e-3
 FAINT: Final = 0.5
 """Peaks below this part of the largest one are reverberation, not foci; unverified default."""
 
-TOUCH_HZ: Final = 1000.0
-"""Where the sensitivity of touch is taken to end; it lies 77 dB below the best there."""
-
-GRID_S: Final = 1e-4
-
 READING_M: Final = 1e-9
 """One nanometre, the unit of a vibrometer's reading."""
 
@@ -45,10 +41,9 @@ class TimeReversalSensation:
     """Sensation level of the foci under a finger, by the one that is furthest above threshold, neighbours included.
 
     The plate's displacement under the finger, exact with the finger's load, is in the ultrasonic range, where touch
-    feels nothing: each focus is felt as one event that throws the skin off. A train of events a_k at t_k is weighted
-    by the spectral sensitivity of touch: with g the response of a zero-phase filter of that gain, g(0) = 1, the felt
-    amplitude is the largest |sum_k a_k g(t - t_k)|, at least the largest a_k, and the level 20 log10 of it re
-    `reference_m`.
+    feels nothing: each focus is felt as one event that throws the skin off. Of a train the Pacinian channel sums the
+    energy over 0.2 s (`tactometry.stimuli.perception.temporal_summation`): the level is 20 log10 of the amplitude of
+    the single focus that is felt as strongly, re `reference_m`.
 
     Parameters
     ----------
@@ -240,7 +235,7 @@ def events(displacement_m: Vector, rate_hz: float) -> tuple[FloatArray, FloatArr
 
 @checked
 def felt_amplitude_m(times_s: Vector, peaks_m: Vector) -> float:
-    """Amplitude (m) of the single event that is felt as strongly as these; each is felt before the next one comes.
+    """Amplitude (m) of the single event that is felt as strongly as all of a course; see `summed_amplitude`.
 
     >>> felt_amplitude_m([0.01], [3e-6])
     3e-06
@@ -248,24 +243,7 @@ def felt_amplitude_m(times_s: Vector, peaks_m: Vector) -> float:
     times, peaks = np.asarray(times_s, float), np.asarray(peaks_m, float)
     if len(times) != len(peaks):
         raise InvalidParameter(f"peaks_m: found {len(peaks)}, expected {len(times)}, one per time")
-    instants = np.arange(times.min(), times.max() + GRID_S, GRID_S)
-    together = np.abs(_touch(np.subtract.outer(instants, times)) @ peaks).max()
-    return float(max(together, peaks.max()))
-
-
-def _touch(time_s: FloatArray) -> FloatArray:
-    """g(t): the response of a zero-phase filter with the sensitivity of touch as its gain, 1 at t = 0."""
-    frequency_hz, gain = _gain()
-    return np.asarray(np.cos(2 * np.pi * time_s[..., None] * frequency_hz) @ gain)
-
-
-@lru_cache(maxsize=1)
-def _gain() -> tuple[FloatArray, FloatArray]:
-    from ...perception.sensitivity import sensitivity_db
-
-    frequency_hz = np.asarray(np.arange(5.0, TOUCH_HZ, 10.0), float)
-    gain: FloatArray = 10 ** (-sensitivity_db(frequency_hz) / 20)
-    return frequency_hz, np.asarray(gain / gain.sum())
+    return summed_amplitude(times, peaks)
 
 
 class Keyed:
