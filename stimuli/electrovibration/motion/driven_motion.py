@@ -120,8 +120,11 @@ def _check_resolved(system: LinearSystem, longest_s: float) -> None:
 
 def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple[FloatArray, FloatArray]:
     """(n_kinds, n, n) maps of the states and (n_kinds, n, n_products) of the products over each kind of interval."""
+    from threadpoolctl import threadpool_limits
+
     circuits = [replace(whole, active=moving) for _, moving in groups]
-    flows = [flow(circuit, system, length) for circuit, (length, _) in zip(circuits, groups, strict=True)]
+    with threadpool_limits(1, "blas"):  # threads that wait for each other over small matrices took 20 times as long
+        flows = [flow(circuit, system, length) for circuit, (length, _) in zip(circuits, groups, strict=True)]
     n = len(system.input)
     maps = np.array([step.states for step in flows]).reshape(-1, n, n)
     drives = np.array([_padded(step.products, circuit) for step, circuit in zip(flows, circuits, strict=True)])

@@ -1,10 +1,10 @@
 """Any number of leaky layers between electrode and body, in series with a resistance."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from math import inf
+from math import copysign, inf
+from struct import pack, unpack
 
-import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
@@ -16,7 +16,7 @@ from ...arrays import ComplexArray
 from .relaxation import Relaxations
 
 VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
-SMALLEST, LARGEST = 1e-300, 1e280
+LARGEST = 1e280
 
 
 SMALLEST_OHM_M, LARGEST_OHM_M = DOMAINS["_ohm_m"]
@@ -184,17 +184,46 @@ def _from(
     """The zero between ``rates[origin]`` and ``rates[origin] + reach``."""
     offsets = [rate - rates[origin] for rate in rates]
 
+    others = [(s, o) for i, (s, o) in enumerate(zip(elastances, offsets, strict=True)) if i != origin]
+
     # the secular function times the shift: without the pole at the origin, where the search begins
     def regular(shift: float) -> float:
-        others = [(s, o) for i, (s, o) in enumerate(zip(elastances, offsets, strict=True)) if i != origin]
         return -elastances[origin] + shift * (resistance_ohm_m2 + sum(s / (o - shift) for s, o in others))
 
     if regular(reach) <= 0:  # The zero lies at the reach, and rounding puts it behind.
         return _Pole(rates[origin] + reach, tuple(offset - reach for offset in offsets))
-    from scipy.optimize import brentq  # slow to load
-
-    root = float(brentq(regular, 0.0, reach, xtol=SMALLEST, rtol=4 * np.finfo(float).eps, maxiter=2000))
+    root = _zero(regular, reach)
     return _Pole(rates[origin] + root, tuple(offset - root for offset in offsets))
+
+
+def _zero(function: Callable[[float], float], reach: float) -> float:
+    """Where a function turns from below 0 (at 0) to above 0 (at `reach`), to the last bit.
+
+    Halves the numbers in between, not the distance: the smallest root too takes 63 steps and has all of its digits.
+    A library's search would take longer to load than a scene to compute.
+
+    >>> _zero(lambda x: x * x - 2, 2.0), _zero(lambda x: -1e-300 - x, -1.0)
+    (1.4142135623730951, -1e-300)
+    """
+    below, beyond = 0, _place(abs(reach))
+    while beyond - below > 1:
+        middle = (below + beyond) // 2
+        value = function(copysign(_number(middle), reach))
+        if value == 0:
+            return copysign(_number(middle), reach)
+        below, beyond = (middle, beyond) if value < 0 else (below, middle)
+    return copysign(_number(beyond), reach)
+
+
+def _place(number: float) -> int:
+    """The place of a number of at least 0 among all of them, in order."""
+    place: int = unpack("<q", pack("<d", number))[0]
+    return place
+
+
+def _number(place: int) -> float:
+    number: float = unpack("<d", pack("<q", place))[0]
+    return number
 
 
 def _secular(elastances: Sequence[float], offsets: Sequence[float], resistance_ohm_m2: float, shift: float) -> float:
