@@ -5,6 +5,7 @@ from pathlib import Path
 
 from tactometry.errors import TactometryError
 
+from ..study.dry_run import felt_of
 from ..study.experiment import Experiment, wire
 from ..study.study_file import load
 from .bench_file import BenchFile
@@ -47,4 +48,5 @@ def _study(study: str) -> tuple[list[Finding], Experiment | None]:
         return [Finding("study", study, str(error), "a study that can run", fine=False)], None
     n = len(experiment.bank)
     words = f"{n} {'stimulus' if n == 1 else 'stimuli'}; the strongest levels are within the study's limits"
-    return [Finding("study", study, words, fine=True)], experiment
+    felt = [Finding("scene", "felt", " ".join(map(str.strip, each.lines))) for each in felt_of(experiment)]
+    return [Finding("study", study, words, fine=True), *felt], experiment

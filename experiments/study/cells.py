@@ -126,7 +126,7 @@ class Wiring:
             touch,
             touch.speed_m_per_s if isinstance(touch, Sliding) else None,
         )
-        sensation = self._sensation(kind, of["sensation"], stimulus)
+        sensation = self._felt(kind, of, stimulus, touch)
         return WiredCell(condition, stimulus, self.procedure(of["procedure"]), sensation)
 
     def _name(self, kind: str, factors: Factors, stimulus_class: Any) -> str:
@@ -143,6 +143,17 @@ class Wiring:
         if key not in self._procedures:
             self._procedures[key] = rule_of(table)
         return self._procedures[key]
+
+    def _felt(self, kind: StimulusKind, of: Mapping[str, Mapping[str, Any]], stimulus: Any, touch: Touch) -> Sensation:
+        """What is felt: through the scene that the study states, else by the formula of the stimulus."""
+        if not of["scene"]:
+            return self._sensation(kind, of["sensation"], stimulus)
+        from .scene_table import felt_scene  # a study without a scene imports none
+
+        beside = "expected one of the two: the scene's effects hold such keys; remove one"
+        if of["sensation"]:
+            raise InvalidParameter(f"sensation: found a table beside [scene], {beside}")
+        return felt_scene(of["scene"], of["stimulus"]["kind"], stimulus, touch)
 
     def _sensation(self, kind: StimulusKind, table: Mapping[str, Any], stimulus: Any) -> Sensation:
         shared = {name: getattr(stimulus, name) for name in kind.shared}

@@ -1,16 +1,21 @@
-"""What a session would ask, without asking it."""
+"""What a session would ask, and what would be felt, without asking it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf
+from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter, counted
 from tactometry.protocols.block import Block
 from tactometry.protocols.session import Inquiry, Part
 from tactometry.protocols.tasks.task import AsksForm
 
+from .cells import tables
 from .experiment import Experiment
 from .random_streams import stream
+
+if TYPE_CHECKING:
+    from .felt_effects import FeltEffects
 
 ITEM_S = 5.0
 """What an item of a questionnaire takes a participant (unverified default)."""
@@ -62,6 +67,15 @@ def _planned_block(number: int, part: Part) -> PlannedBlock:
     factors = {name: level for name, level in part.factors.items() if level != ""}
     procedure = part.tracks[0].procedure.name
     return PlannedBlock(number, factors, procedure, n_trials, len(part.tracks), n_items, part.practice)
+
+
+def felt_of(experiment: Experiment) -> "list[FeltEffects]":
+    """What simulated participants feel through scenes; nothing of a study that states none, which imports none."""
+    if not any(tables(experiment.study, cell.condition.factors)["scene"] for cell in experiment.cells.values()):
+        return []
+    from .felt_effects import felt_effects
+
+    return felt_effects(experiment)
 
 
 def _n_trials(block: Block) -> Iterator[int]:

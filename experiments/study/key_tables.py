@@ -29,6 +29,7 @@ from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 from .cells import ELECTROVIBRATION, STIMULI, TOUCHES
 from .keys import Key, KeyTable, keys_of
 from .procedure_table import PROCEDURES
+from .scene_table import SceneTable
 from .study_file import InquiryTable, PlanTable, Study
 from .task_table import TASKS
 
@@ -72,6 +73,7 @@ def study_tables() -> Iterator[tuple[str, KeyTable]]:
     yield "`[[forms.NAME.items]]`", KeyTable(Item, _ITEM)
     yield "`[forms.NAME.dimensions.NAME]`", KeyTable(Dimension, {"min_answered": 1})
     yield "`[limits]`", KeyTable(Limits, {"voltage_peak_v": 100.0})
+    yield "`[scene]`", KeyTable(SceneTable)
     yield "`[sensation]`, electrovibration", KeyTable(resolve(ELECTROVIBRATION))
     yield "`[sensation.skin]`", KeyTable(Skin)
     yield "`[sensation.skin.tissue]`", KeyTable(Layer, {"thickness_m": 5e-3})

@@ -82,9 +82,10 @@ class InquiryTable:
 class Study:
     """One experiment. Tables whose keys depend on their `kind` are kept as they stand and built in `wiring`.
 
+    `scene` is the physics between stimulus and skin, in place of the default formula that `sensation` states.
     `nested` gives the levels of a factor within a level of another; `variants` what a factor's level changes in the
-    tables of stimulus, touch, procedure and sensation; `forms` are questionnaires of the study's own; `analysis` is a
-    plan of analysis (`tactometry.analysis.plan.AnalysisPlan`), stated before the data.
+    tables of stimulus, touch, procedure, sensation and scene; `forms` are questionnaires of the study's own; `analysis`
+    is a plan of analysis (`tactometry.analysis.plan.AnalysisPlan`), stated before the data.
     """
 
     name: str
@@ -104,6 +105,7 @@ class Study:
     practice: dict[str, Any] = field(default_factory=dict)
     inquiries: dict[str, InquiryTable] = field(default_factory=dict)
     forms: dict[str, dict[str, Any]] = field(default_factory=dict)
+    scene: dict[str, Any] = field(default_factory=dict)
     sensation: dict[str, Any] = field(default_factory=dict)
     observer: dict[str, Any] = field(default_factory=dict)
     finger: SimulatedFinger = field(default_factory=SimulatedFinger)
@@ -187,7 +189,7 @@ def _check_places(plan: PlanTable) -> None:
 
 LONGEST_NAME, MOST_CELLS = 100, 2000
 """A study's name stands in names of files; each combination of levels is wired and asked."""
-VARIED = ("stimulus", "touch", "procedure", "sensation")
+VARIED = ("stimulus", "touch", "procedure", "sensation", "scene")
 
 
 def _texts(levels: Levels) -> list[str]:

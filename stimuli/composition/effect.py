@@ -8,6 +8,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 from tactometry.arguments import require
+from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.loading import resolve
 
@@ -196,6 +197,11 @@ class Effect:
         del scene
         return (self.stage(),)
 
+    def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        """The same where nothing but what is felt of a signal is asked for, not its course: an effect that is linear
+        may act on the components in their steady state."""
+        return self.stages(scene)
+
     def stage(self) -> Stage:
         """The stage that calls this value."""
         target = f"{type(self).__module__}:{type(self).__qualname__}"
@@ -243,6 +249,23 @@ class Surface:
 
     def stages(self, scene: "Demand") -> tuple[Stage, ...]:
         raise NotImplementedError
+
+    def played(self) -> "Surface":
+        """The same surface, where each run is given the signal that is played, and nothing else.
+
+        Raises
+        ------
+        InvalidParameter
+            If no signal can be given to it.
+        """
+        raise InvalidParameter(
+            f"surface.kind: found {self.kind!r}, of which no played signal is felt, expected 'electrovibration'; leave "
+            "the scene out"
+        )
+
+    def reaches(self, contact: Contact) -> bool:
+        """Whether anything of this surface reaches the skin under a contact."""
+        return contact.force_n > 0
 
     def stages_of(self, effect: Effect, scene: "Demand") -> tuple[Stage, ...]:
         """The stages of an effect on this surface: as it brings them, in its name."""

@@ -72,7 +72,7 @@ class Plan:
                 f"{', '.join(self.given) or 'nothing'}"
             )
         for name, value in given.items():
-            if not isfinite(value):
+            if isinstance(value, (int, float)) and not isfinite(value):
                 raise InvalidParameter(f"given.{name}: found {value}, expected a finite number")
         registers = [*self._program.constants, *(given[name] for name in self.given)]
         registers += [None] * self._program.n_varying

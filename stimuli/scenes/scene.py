@@ -1,9 +1,12 @@
 """A scene: a surface, the effects that are called for, what is asked of them, and how accurately."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING
 
+from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter, nearest
 
 from ..composition.effect import Demand, Effect, FingerContact, Setting, Stage, Surface
@@ -12,7 +15,13 @@ from .compatibility import check_effects
 from .plan import Plan
 from .result import unit_of
 
+if TYPE_CHECKING:
+    from tactometry.signal import Signal
+
 ROUNDING = 1e-9
+SENSATION = "sensation_db"
+N_PLANS = 8
+"""Contacts whose plans are kept: each holds courses of the whole record."""
 
 
 @dataclass(frozen=True)
@@ -84,6 +93,39 @@ class Scene:
             _check_kept(stage, share)
         given = tuple(name for name in self.surface.given if any(name in stage.needs for stage in stages))
         return Plan(tuple(self._overridden(stages)), given, self.outputs)
+
+    def sensation(self, signal: "Signal", contact: Contact) -> float:
+        """Level (dB) above the threshold of detection of a signal under a finger, which takes the place of the
+        contacts of the scene; ``-inf`` in silence, without contact, and at rest where only a finger that slides feels.
+
+        Raises
+        ------
+        InvalidParameter
+            If the scene gives no sensation, or the signal is not its voltage at any level.
+
+        >>> from tactometry.stimuli.electrovibration import CoulombFriction, Sine
+        >>> from tactometry.stimuli.scenes.effects.force_law import ForceLaw
+        >>> from tactometry.stimuli.scenes.effects.sensitivity import Sensitivity
+        >>> from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
+        >>> effects = ForceLaw("sc_layer"), CoulombFriction(), Sensitivity()
+        >>> touch = FingerContact(1.5, speed_m_per_s=0.05)
+        >>> scene = Scene(Electrovibration(60.0), effects, ("sensation_db",), contacts=(touch,))
+        >>> loud, soft = (scene.sensation(Sine(60.0).at(level), Contact(1.5, 0.05)) for level in (40.0, 30.0))
+        >>> round(loud - soft, 6), scene.sensation(Sine(60.0).at(40.0), Contact(1.5))
+        (20.0, -inf)
+        """
+        if not signal.peak or not self.surface.reaches(contact):
+            return -math.inf
+        return float(self._felt_under(contact).run({"signal": signal})[SENSATION])
+
+    @cached_property
+    def _felt_under(self) -> Callable[[Contact], Plan]:
+        """The plan for what a finger feels, resolved once for each contact."""
+        return lru_cache(maxsize=N_PLANS)(self._felt_plan)
+
+    def _felt_plan(self, contact: Contact) -> Plan:
+        touch = FingerContact(contact.force_n, contact.speed_m_per_s)
+        return replace(self, surface=self.surface.played(), outputs=(SENSATION,), contacts=(touch,)).resolve()
 
     def off(self) -> tuple[Effect, ...]:
         """Effects of the scene of which no output needs a stage."""

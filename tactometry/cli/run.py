@@ -99,7 +99,7 @@ ENDINGS = {
 
 
 def _print_plan(experiment: "Experiment", who: "Who") -> None:
-    from tactometry.experiments.study.dry_run import duration_s, plan
+    from tactometry.experiments.study.dry_run import duration_s, felt_of, plan
 
     from ..trials.cells import cell
 
@@ -113,8 +113,10 @@ def _print_plan(experiment: "Experiment", who: "Who") -> None:
     drawn = "random" in experiment.study.plan.orders and who.seed is None
     notes = ["the order is drawn: this is that of --seed 0"] if drawn else []
     longest = f"at most {counted(math.ceil(minutes), 'minute')}, trials that are asked again not counted"
-    text = "\n".join(["block", *rows, *notes, longest])
-    say(text, {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes})
+    felt = felt_of(experiment)
+    text = "\n".join(["block", *rows, *notes, longest, *(line for each in felt for line in each.lines)])
+    plan_record = {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes}
+    say(text, {**plan_record, "felt": [asdict(each) for each in felt]} if felt else plan_record)
 
 
 def _report(root: Path, recorded: "Recorded") -> int:

@@ -1,6 +1,8 @@
 """`tactometry simulate` and `tactometry demo`: studies with simulated participants."""
 
+from dataclasses import asdict
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -19,9 +21,18 @@ N_PARTICIPANTS = 10
 @click.option("--resume", is_flag=True, help="Go on where an interrupted simulation stopped.")
 @click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
+@click.option("--explain", is_flag=True, help="Tell too which effects are felt, and which were left out.")
 @json_option
 def simulate(
-    study: str, n_participants: int, seed: int, out: Path, *, resume: bool, n_jobs: int, scheduler: str | None
+    study: str,
+    n_participants: int,
+    seed: int,
+    out: Path,
+    *,
+    resume: bool,
+    n_jobs: int,
+    scheduler: str | None,
+    explain: bool,
 ) -> None:
     """Run STUDY (a built-in name or a path) with simulated participants."""
     from tactometry.experiments.sessions.simulation import Simulation, simulate as sessions_of
@@ -43,7 +54,21 @@ def simulate(
     result = {"data_set": str(out), "participants": n_participants, "trials": n_trials, "seed": seed}
     aborted = f", {counted(n_aborted, 'procedure')} aborted" if n_aborted else ""
     text = f"{out}: {counted(n_participants, 'simulated participant')}, {counted(n_trials, 'trial')}{aborted}"
-    say(text, {**result, "aborted": n_aborted})
+    felt_lines, felt = _felt(content, study) if explain else ([], {})
+    say("\n".join([text, *felt_lines]), {**result, "aborted": n_aborted, **felt})
+
+
+def _felt(content: bytes, study: str) -> tuple[list[str], dict[str, Any]]:
+    """What the participants of a study feel, in words and as a record."""
+    from tactometry.experiments.study.dry_run import felt_of
+    from tactometry.experiments.study.experiment import wire
+    from tactometry.experiments.study.study_file import parse
+
+    experiment = wire(parse(content, study), study)
+    felt = felt_of(experiment)
+    formulas = {type(cell.sensation).__name__ for cell in experiment.cells.values()}
+    by_formula = [f"felt by the formula {', '.join(sorted(formulas))}: the study states no [scene]"]
+    return [line for each in felt for line in each.lines] or by_formula, {"felt": [asdict(each) for each in felt]}
 
 
 @click.command(epilog="Example: tactometry demo --out demo --seed 1")

@@ -1,6 +1,8 @@
 """Friction that lags behind the attraction, less so for a faster finger."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,6 +13,9 @@ from tactometry.arguments.checked import checked
 from ...arrays import FloatArray
 from ...composition.effect import Effect, Stage, Surroundings
 from ...composition.sampling import per_sample
+
+if TYPE_CHECKING:
+    from ...perception.detection import Components
 
 LAGGING = "tactometry.stimuli.electrovibration.motion.friction:lagging"
 
@@ -52,3 +57,14 @@ class FrictionLag(Effect):
         needs, touch = ("t_s", "voltage", "form", "friction_law"), scene.contacts[0]
         settings = {**vars(self), "force_n": touch.force_n, "speed_m_per_s": touch.speed_m_per_s}
         return (Stage("friction_lag", needs, "friction_force_n", LAGGING, settings, size=per_sample(280.0)),)
+
+    def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        """Of each component in its steady state, as the exact course costs a hundred times as much."""
+        settings = {**vars(self), "speed_m_per_s": scene.contacts[0].speed_m_per_s}
+        return (Stage("friction_lag", ("components",), "components", f"{__name__}:steady", settings),)
+
+
+def steady(speed_m_per_s: float, **lag: float) -> "Callable[[Components], Components]":
+    """Components behind a lag."""
+    law = FrictionLag(**lag)
+    return lambda parts: replace(parts, amplitudes=parts.amplitudes * law.gain(parts.frequencies_hz, speed_m_per_s))

@@ -44,7 +44,7 @@ class DcOffset(Effect):
         if not demand.surface.ramp_s:
             raise InvalidParameter(
                 "dc_offset: found a constant that is switched on at once (ramp_s = 0), expected ramps; give the "
-                "surface a ramp_s above 0"
+                "tone a ramp_s above 0"
             )
         return Size()
 

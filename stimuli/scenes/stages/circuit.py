@@ -35,8 +35,7 @@ def check_ramp(demand: Demand, effect: str) -> None:
     """Refuse a tone without a ramp: what then relaxes is faster than the tone that the sampling is chosen for."""
     if not demand.surface.ramp_s:
         raise InvalidParameter(
-            f"{effect}: found a tone that sets in at once (ramp_s = 0), expected a ramp; give the surface a "
-            "ramp_s above 0"
+            f"{effect}: found a tone that sets in at once (ramp_s = 0), expected a ramp; give the tone a ramp_s above 0"
         )
 
 

@@ -1,18 +1,22 @@
 """An electrovibration screen: from a level to the attraction of a finger, with whatever effects are called for."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 from tactometry.arguments import require
+from tactometry.contact import Contact
+from tactometry.errors import InvalidParameter
 
-from ...composition.effect import Size, Stage, Surface
+from ...composition.effect import Effect, Size, Stage, Surface
 from ...composition.sampling import per_sample, record
 from ..effects import OF_ELECTROVIBRATION
 from ..stages.circuit import divider_stage
 from ..stages.scaling import MULTIPLIED
 
 if TYPE_CHECKING:
+    from tactometry.signal import Signal
+
     from ...arrays import FloatArray
     from ...composition.effect import Demand
     from ...electrovibration.attraction.force import ForceForm
@@ -20,6 +24,9 @@ if TYPE_CHECKING:
     from ...electrovibration.waveforms.pieces import Pieces
     from ...electrovibration.waveforms.waveform import Waveform
 
+SAME_VOLTAGE = 1e-6
+"""Of the peak: what rounding of two ways to a voltage may leave between them."""
+TINY = 1e-300
 COMPONENTS = "tactometry.stimuli.scenes.stages.spectrum:components_of"
 
 
@@ -91,8 +98,37 @@ class Electrovibration(Surface):
             Stage("peak", force, "peak_force_n", f"{__name__}:highest", size=once),
         )
 
+    def played(self) -> "PlayedElectrovibration":
+        """The panel under a signal that is played."""
+        return PlayedElectrovibration(**vars(self))
+
+    def reaches(self, contact: Contact) -> bool:
+        """A finger at rest feels no friction."""
+        return contact.force_n > 0 and contact.speed_m_per_s > 0
+
     def _skin(self) -> dict[str, float]:
         return {name: value for name, value in vars(self).items() if name.startswith(("insulator", "corneum"))}
+
+
+@dataclass(frozen=True)
+class PlayedElectrovibration(Electrovibration):
+    """A panel whose level is that of the signal that is played: of its tone, at whatever rate it was sampled.
+
+    >>> Electrovibration(frequency_hz=240.0).played().given
+    ('signal',)
+    """
+
+    given = ("signal",)
+
+    def stages(self, scene: "Demand") -> tuple[Stage, ...]:
+        """A signal in place of the level."""
+        needs, ramp = ("unit_voltage", "signal"), {"ramp_s": self.ramp_s}
+        level = Stage("level", needs, "peak_voltage_v", f"{__name__}:peak_of_signal", ramp)
+        return tuple(level if stage.name == level.name else stage for stage in super().stages(scene))
+
+    def stages_of(self, effect: Effect, scene: "Demand") -> tuple[Stage, ...]:
+        """As what is felt needs them."""
+        return tuple(replace(stage, effect=effect.kind) for stage in effect.felt_stages(scene))
 
 
 def tone(frequency_hz: float, duration_s: float, ramp_s: float) -> "Callable[[], Waveform]":
@@ -111,6 +147,35 @@ def of_one_volt() -> "Callable[[Waveform], Pieces]":
 def peak() -> Callable[[float], float]:
     """The peak voltage of a level."""
     from ...electrovibration.waveforms.level import peak_voltage_v
+
+    return peak_voltage_v
+
+
+def peak_of_signal(ramp_s: float) -> "Callable[[Pieces, Signal], float]":
+    """The peak voltage at which the voltage of a scene is a signal, which nothing but its level may set apart.
+
+    Samples end a step before the voltage does, and so does their last ramp: the level is that of the first half.
+    """
+    import numpy as np
+
+    def peak_voltage_v(unit: "Pieces", signal: "Signal") -> float:
+        if signal.unit != "V" or len(signal.samples) != 1:
+            raise InvalidParameter(
+                f"signal: found {len(signal.samples)} channels in {signal.unit!r}, expected one channel in volt ('V')"
+            )
+        (voltage_v,) = signal.samples
+        of_one_volt = unit.at(np.arange(voltage_v.size) / signal.rate_hz)
+        half = of_one_volt[: voltage_v.size // 2]
+        peak_v = float(half @ voltage_v[: half.size] / max(half @ half, TINY))
+        beside = float(np.abs(voltage_v - peak_v * of_one_volt).max()) / signal.peak
+        step_of_ramp = np.pi / (2 * ramp_s * signal.rate_hz) if ramp_s else 0.0
+        if beside > step_of_ramp + SAME_VOLTAGE or abs(signal.duration_s - unit.end_s) > 1 / signal.rate_hz:
+            raise InvalidParameter(
+                f"signal: found a voltage of {signal.duration_s:g} s that is {beside:.2g} of its peak beside that of "
+                f"the scene ({unit.end_s:g} s) at any level, expected the tone of the scene; state the same frequency, "
+                "duration, ramps, phase and carrier"
+            )
+        return peak_v
 
     return peak_voltage_v
 

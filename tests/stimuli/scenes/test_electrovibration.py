@@ -283,7 +283,7 @@ def test_a_law_without_a_term_is_refused_with_the_cure():
 @pytest.mark.parametrize("kind", ["dc_offset", "skin_leakage", "body_resistance"])
 def test_a_sudden_onset_that_would_relax_is_refused_with_the_cure(kind):
     scene = replace(panel(default(kind)), surface=Electrovibration(60.0, duration_s=0.05, ramp_s=0.0))
-    with pytest.raises(InvalidParameter, match=rf"{kind}: .*give the surface a ramp_s above 0"):
+    with pytest.raises(InvalidParameter, match=rf"{kind}: .*give the tone a ramp_s above 0"):
         scene.resolve()
 
 

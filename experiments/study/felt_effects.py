@@ -1,0 +1,142 @@
+"""Which effects the simulated participants of a study feel, which were left out, and what that changes."""
+
+import textwrap
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from math import inf
+
+from tactometry.config.strict import fields_of, is_required
+from tactometry.contact import Contact
+from tactometry.errors import InvalidParameter
+from tactometry.loading import resolve
+from tactometry.signal import Signal
+from tactometry.stimuli.composition.effect import Effect
+from tactometry.stimuli.scenes.effects import EFFECTS
+from tactometry.stimuli.scenes.explain import error_in_words
+from tactometry.stimuli.scenes.scene import Scene
+
+from .cells import WiredCell
+from .experiment import Experiment
+from .scene_table import FeltScene
+
+WIDTH = 100
+LONGEST_S = 1.0
+"""An effect that is left out is computed if it takes no longer than this (predicted)."""
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """An effect that a scene does not have.
+
+    Parameters
+    ----------
+    effect : str
+    instead_of : tuple of str
+        Effects of the scene that it would take the place of.
+    change_db : float or None
+        By how much the sensation level would be higher with it, at its defaults; None where that is not known.
+    why : str
+        Why it is not.
+    """
+
+    effect: str
+    instead_of: tuple[str, ...] = ()
+    change_db: float | None = None
+    why: str = ""
+
+    @property
+    def words(self) -> str:
+        """In a few words.
+
+        >>> LeftOut("receptors", ("sensitivity",), 12.6).words
+        'receptors (instead of sensitivity) +12.6 dB'
+        """
+        place = f" (instead of {', '.join(self.instead_of)})" if self.instead_of else ""
+        change = f" ({self.why})" if self.change_db is None else f" {self.change_db:+.3g} dB"
+        return f"{self.effect}{place}{change}"
+
+
+@dataclass(frozen=True)
+class FeltEffects:
+    """What is felt of a stimulus, at the highest level and the touch that the study asks for."""
+
+    stimulus: str
+    level: str
+    felt: tuple[str, ...]
+    left_out: tuple[LeftOut, ...]
+    assumed: tuple[str, ...]
+    predicted_error: str
+    sensation_db: float
+
+    @property
+    def lines(self) -> list[str]:
+        """In words, no line longer than 100 columns."""
+        paragraphs = (
+            f"felt of {self.stimulus} at {self.level}: {self.sensation_db:.1f} dB above threshold, through "
+            f"{', '.join(self.felt)} (predicted error {self.predicted_error})",
+            f"left out, and what it would change: {'; '.join(each.words for each in self.left_out) or 'nothing'}",
+            f"taken for granted: {'; '.join(self.assumed) or 'nothing'}",
+        )
+        return [line for text in paragraphs for line in textwrap.wrap(text, WIDTH, subsequent_indent="    ")]
+
+
+def felt_effects(experiment: Experiment) -> list[FeltEffects]:
+    """Of each choice of effects in a study the first stimulus; none of a study without a scene."""
+    firsts: dict[object, tuple[WiredCell, Scene]] = {}
+    for cell in experiment.cells.values():
+        if isinstance(cell.sensation, FeltScene):
+            scene = cell.sensation.scene
+            firsts.setdefault(repr((scene.effects, scene.accuracy)), (cell, scene))
+    strongest = {each.name: each for each in experiment.strongest()} if firsts else {}
+    return [_explained(cell, scene, strongest[cell.condition.stimulus].level) for cell, scene in firsts.values()]
+
+
+def _explained(cell: WiredCell, scene: Scene, level: float) -> FeltEffects:
+    (touch,) = scene.contacts
+    contact, signal = Contact(touch.force_n, touch.speed_m_per_s), cell.stimulus.at(level)
+    felt_db, off = scene.sensation(signal, contact), scene.off()
+    return FeltEffects(
+        cell.condition.stimulus,
+        f"{level:g} {cell.stimulus.level_unit}, {touch.force_n:g} N, {1e3 * touch.speed_m_per_s:g} mm/s",
+        tuple(effect.kind for effect in scene.effects if effect not in off),
+        (
+            *(LeftOut(effect.kind, why="no output needs it") for effect in off),
+            *_left_out(scene, signal, contact, felt_db),
+        ),
+        scene.assumed(),
+        error_in_words(scene.resolve()),
+        felt_db,
+    )
+
+
+def _left_out(scene: Scene, signal: Signal, contact: Contact, felt_db: float) -> Iterator[LeftOut]:
+    """Effects of the surface that are not in the scene, those of what is played left out."""
+    named = {effect.kind for effect in scene.effects}
+    for kind in scene.surface.effects:
+        effect_class = resolve(EFFECTS[kind])
+        if kind not in named and getattr(effect_class, "gives", "") != "waveform":
+            yield _change(scene, effect_class, signal, contact, felt_db)
+
+
+def _change(scene: Scene, effect_class: type[Effect], signal: Signal, contact: Contact, felt_db: float) -> LeftOut:
+    """What one more effect changes, at its defaults."""
+    kind = effect_class.kind
+    needed = [name for name, field in fields_of(effect_class).items() if is_required(field)]
+    if needed:
+        return LeftOut(kind, why=f"needs a value of {', '.join(needed)}")
+    others = tuple(effect for effect in scene.effects if not _exclude(effect, effect_class))
+    instead_of = tuple(effect.kind for effect in scene.effects if effect not in others)
+    try:
+        with_it = replace(scene, effects=(*others, effect_class()))
+        predicted_s = with_it.resolve().predicted_s
+        change_db = with_it.sensation(signal, contact) - felt_db if predicted_s <= LONGEST_S else inf
+    except InvalidParameter:
+        return LeftOut(kind, instead_of, why="does not go with the others")
+    return (
+        LeftOut(kind, instead_of, change_db) if abs(change_db) < inf else LeftOut(kind, instead_of, why="not computed")
+    )
+
+
+def _exclude(effect: Effect, other: type[Effect]) -> bool:
+    """Whether two effects cannot be in one scene."""
+    return effect.slot == other.slot or effect.kind in other.excludes or other.kind in effect.excludes

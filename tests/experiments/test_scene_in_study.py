@@ -1,0 +1,226 @@
+"""`[scene]` in a study file: what simulated participants feel, what the commands tell of it, and what is refused."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+from command_line import call, output
+from places import DOCS
+from study_texts import changed
+
+from tactometry.contact import Contact
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.felt_effects import felt_effects
+from tactometry.experiments.study.study_file import load, parse
+from tactometry.stimuli.electrovibration import ElectrovibrationSensation
+from tactometry.stimuli.scenes.effects import EFFECTS, OF_ELECTROVIBRATION
+
+TUTORIAL = load("tutorial")[1].decode()
+EFFECT_LINES = {
+    "force_law": '{ kind = "force_law", law = "sc_layer" }',
+    "friction": '{ kind = "friction" }',
+    "sensitivity": '{ kind = "sensitivity" }',
+}
+
+
+def scene(*lines, **keys):
+    effects = ", ".join(lines or EFFECT_LINES.values())
+    more = "".join(f"{key} = {value}\n" for key, value in keys.items())
+    return f"{TUTORIAL}\n[scene]\n{more}effects = [{effects}]\n"
+
+
+def named(name, more=""):
+    return f'{TUTORIAL}\n[scene]\nname = "{name}"\n{more}'
+
+
+def wired(text):
+    return wire(parse(text.encode(), "s.toml"), "s.toml")
+
+
+def felt_db(text, level=30.0):
+    cell = next(iter(wired(text).cells.values()))
+    return cell.sensation.sensation_db(cell.stimulus.at(level), Contact(1.0, 0.05))
+
+
+def test_a_study_without_a_scene_feels_by_its_formula():
+    assert type(wired(TUTORIAL).sensation()) is ElectrovibrationSensation
+    assert felt_effects(wired(TUTORIAL)) == []
+
+
+def test_each_effect_of_a_scene_is_felt():
+    plain_db = felt_db(scene())
+    masked_db = felt_db(scene(*EFFECT_LINES.values(), '{ kind = "masking", level_db_re_threshold = 25.0 }'))
+    assert plain_db - masked_db == pytest.approx(0.52 * 25)
+    other = [EFFECT_LINES["force_law"], EFFECT_LINES["sensitivity"], '{ kind = "friction", coefficient = 1.0 }']
+    assert felt_db(scene(*other)) - plain_db == pytest.approx(6.0206, abs=1e-3)
+
+
+def test_a_built_in_scene_is_that_of_its_effects_under_the_tone_of_the_study():
+    kinds = ("skin_leakage", "contact_area", "friction_lag")
+    stated = scene(*EFFECT_LINES.values(), *(f'{{ kind = "{kind}" }}' for kind in kinds))
+    assert felt_db(named("electrovibration-panel")) == felt_db(stated)
+
+
+def test_keys_of_the_surface_are_those_of_a_scene_file():
+    thicker = felt_db(scene(surface='{ insulator_thickness_m = "2 um" }'))
+    assert thicker < felt_db(scene())
+
+
+def test_a_level_of_a_factor_changes_the_scene():
+    text = scene() + "\n[variants.frequency_hz.240.scene]\naccuracy = 0.5\n"
+    accuracies = [cell.sensation.scene.accuracy for cell in wired(text).cells.values()]
+    assert accuracies == [0.05, 0.5]
+    assert len(felt_effects(wired(text))) == 2
+
+
+SENTENCES = {
+    "unknown key": (scene(acuracy=0.1), "scene.acuracy: found an unknown key"),
+    "unknown effect": (
+        scene('{ kind = "frictoin" }'),
+        "scene.effects[0].kind: found 'frictoin', expected one of ",
+    ),
+    "effect of another surface": (
+        scene('{ kind = "one_bit" }'),
+        "scene.effects[0]: found 'one_bit', which 'electrovibration' does not know, expected an effect of ",
+    ),
+    "two of one kind": (
+        scene(*EFFECT_LINES.values(), '{ kind = "receptors" }'),
+        "scene.effects[2]: found 'sensitivity' beside 'receptors', expected one of them: ",
+    ),
+    "an effect without its need": (
+        scene('{ kind = "masking", level_db_re_threshold = 25.0 }', *list(EFFECT_LINES.values())[:2]),
+        "scene: outputs: found nothing that gives 'sensation_db'",
+    ),
+    "no threshold": (
+        scene(*list(EFFECT_LINES.values())[:2]),
+        "scene: outputs: found nothing that gives 'sensation_db'",
+    ),
+    "no law": (
+        scene(*list(EFFECT_LINES.values())[1:]),
+        "add the effect force_law and name one of the four laws",
+    ),
+    "accuracy out of range": (scene(accuracy=0.0), "scene.accuracy: found 0.0, expected above 0 and at most 1"),
+    "accuracy out of reach": (scene(accuracy=1e-12), "loosen the accuracy"),
+    "what is played": (
+        scene('{ kind = "carrier" }'),
+        "scene.effects[0]: found 'carrier', which changes what is played, expected what [stimulus] plays alone; remove",
+    ),
+    "the tone": (
+        scene(surface="{ frequency_hz = 60 }"),
+        "scene.surface.frequency_hz: found what [stimulus] states, expected it there alone; remove it",
+    ),
+    "another surface": (
+        scene(surface='{ kind = "time_reversal" }'),
+        "scene.surface.kind: found 'time_reversal', expected 'electrovibration', which the stimulus is played on",
+    ),
+    "unknown scene": (named("electrovibration-panle"), "did you mean 'electrovibration-panel'?"),
+    "scene on a plate": (named("a4-screen"), "scene.name: found 'a4-screen', a scene on 'time_reversal', expected one"),
+    "both": (
+        named("electrovibration-panel", "effects = []\nsurface = { area_m2 = 1e-4 }\n"),
+        "scene.name: found 'electrovibration-panel' beside surface or effects, expected one of the two",
+    ),
+    "sensation too": (
+        scene() + "[sensation]\nreference_force_n = 1e-5\n",
+        "sensation: found a table beside [scene], expected one of the two",
+    ),
+    "another stimulus": (
+        changed(scene(), {'"amplitude_modulated"': '"square"'}),
+        "scene: found a table with the stimulus 'square', expected a stimulus of sine or amplitude_modulated; remove",
+    ),
+    "at rest": (
+        changed(scene(), {'kind = "slide"': 'kind = "press"', 'speed_m_per_s = "50 mm/s"\n': ""}),
+        "touch.kind: found 'press' with a [scene], expected 'slide'",
+    ),
+    "another phase": (
+        changed(scene(), {'"amplitude_modulated"': '"sine"\nphase_rad = 1.0'}),
+        "stimulus.phase_rad: found 1, expected 0",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", SENTENCES)
+def test_a_scene_that_cannot_be_felt_is_refused_before_anything_plays(name, tmp_path, capsys):
+    text, sentence = SENTENCES[name]
+    path = tmp_path / "s.toml"
+    path.write_text(text, encoding="utf-8")
+    status, said, _ = call(capsys, "simulate", path, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
+    assert status == 2
+    assert said.startswith("error: ") or "s.toml, " in said
+    assert sentence in said
+    assert not (tmp_path / "d").exists()
+
+
+# --- what the commands tell
+
+
+@pytest.fixture
+def study(tmp_path):
+    path = tmp_path / "s.toml"
+    text = changed(scene(*EFFECT_LINES.values(), '{ kind = "contact_area" }', '{ kind = "finger_dynamics" }'), SHORT)
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+SHORT = {"[60, 240]": "[60]", "levels = [10, 18, 26, 34]": "levels = [10, 34]", "repeats = 4": "repeats = 1"}
+
+
+def test_a_dry_run_tells_what_is_felt_and_what_was_left_out(study, capsys):
+    said = output(capsys, "run", study, "--participant", "P01", "--dry-run")
+    words = " ".join(said.split())
+    assert "through force_law, friction, sensitivity, contact_area, carrier (predicted error" in words
+    assert "receptors (instead of sensitivity) " in words
+    assert "finger_dynamics (no output needs it)" in words
+    assert "taken for granted: no resistance of body and source" in words
+    record = json.loads(output(capsys, "run", study, "--participant", "P01", "--dry-run", "--json"))
+    (felt,) = record["felt"]
+    changes = {each["effect"]: each["change_db"] for each in felt["left_out"]}
+    assert changes["friction_lag"] < 0
+    assert changes["skin_leakage"] < 0
+    assert changes["air_gap"] is None
+
+
+def test_a_simulation_explains_and_replays(study, tmp_path, capsys):
+    simulated = ("simulate", study, "--participants", 1, "--seed", 1, "--out", tmp_path / "d", "--explain")
+    assert "taken for granted" in output(capsys, *simulated)
+    assert "rows agree" in output(capsys, "replay", tmp_path / "d")
+    formula = output(
+        capsys, "simulate", "tutorial", "--participants", 1, "--seed", 1, "--out", tmp_path / "e", "--explain"
+    )
+    assert "felt by the formula ElectrovibrationSensation: the study states no [scene]" in formula
+
+
+def test_a_check_tells_what_is_felt(study):
+    from tactometry.experiments.bench.preflight import _study
+
+    findings, _ = _study(str(study))
+    assert [finding.part for finding in findings] == ["study", "scene"]
+    assert "felt of amplitude_modulated" in findings[1].found
+
+
+# --- what is not called for is not imported
+
+
+def test_effects_that_no_study_calls_for_are_not_imported(study, tmp_path):
+    script = (
+        "import sys, json; from tactometry.cli import main\n"
+        "try: main()\n"
+        "finally: print(json.dumps(list(sys.modules)), file=sys.stderr)"
+    )
+    words = ["simulate", str(study), "--participants", "1", "--seed", "1", "--out", str(tmp_path / "d")]
+    result = subprocess.run([sys.executable, "-I", "-c", script, *words], capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+    modules = set(json.loads(result.stderr.splitlines()[-1]))
+    stated = {"force_law", "friction", "sensitivity", "contact_area", "finger_dynamics", "carrier"}
+    by_kind = {kind: EFFECTS[kind].partition(":")[0] for kind in OF_ELECTROVIBRATION}
+    assert {kind for kind, module in by_kind.items() if module in modules} == stated
+    # one that is stated, but that no level needs, is a value without its physics
+    assert not {name for name in modules if name.endswith(("motion.finger", "motion.pad", "motion.stick_slip"))}
+    assert "tactometry.stimuli.electrovibration.sensation" not in modules
+
+
+def test_the_table_of_the_page_is_felt():
+    page = (DOCS / "studies.md").read_text("utf-8").partition("## Scenes")[2]
+    table = page.partition("```toml\n")[2].partition("```")[0]
+    (felt,) = felt_effects(wired(f"{TUTORIAL}\n{table}"))
+    assert felt.felt[-2:] == ("masking", "carrier")

@@ -1,0 +1,121 @@
+"""What a finger feels of a signal through a scene: closed forms, silence, and refusals of another signal."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+from scene_cases import default, effect, small_screen
+
+from tactometry.contact import Contact
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.composition.effect import FingerContact
+from tactometry.stimuli.electrovibration import AmplitudeModulated, FrictionLag, Sine, Skin, force_form
+from tactometry.stimuli.perception.detection import Components
+from tactometry.stimuli.scenes.effects.sensitivity import Sensitivity
+from tactometry.stimuli.scenes.scene import Scene
+from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
+
+FELT = ("force_law", "friction", "sensitivity")
+TOUCH = Contact(1.5, 0.05)
+TONES = {
+    "sine": (Sine(60.0, 0.5), (), 120.0, 1 / 2),
+    "sine at another rate": (Sine(60.0, 0.5, rate_hz=48_000.0), (), 120.0, 1 / 2),
+    "level in volt": (Sine(60.0, 0.5, level_unit="V"), (), 120.0, 1 / 2),
+    "carrier": (AmplitudeModulated(240.0, duration_s=0.5), (effect("carrier"),), 240.0, 1 / 4),
+}
+"""A stimulus, what of it is an effect, and by hand: the frequency of its force, and the amplitude there over V^2."""
+
+
+def felt(*kinds, played=(), tone=60.0, **surface):
+    panel = Electrovibration(tone, **{"duration_s": 0.5, **surface})
+    effects = (*(default(kind) for kind in (*FELT, *kinds)), *played)
+    return Scene(panel, effects, ("sensation_db",), 0.05, (FingerContact(1.0, 0.01),))
+
+
+def by_hand_db(frequency_hz, share, voltage_v, contact, lag):
+    """The level of one component of friction, from the divider, the square and the coefficient."""
+    skin = Skin(corneum_resistivity_ohm_m=inf)
+    layer_v = skin.k * voltage_v
+    force_n = force_form("sc_layer", skin, 1e-4).force_n(np.array([layer_v]))[0]
+    gain = FrictionLag().gain(frequency_hz, contact.speed_m_per_s) if lag else 1.0
+    return Sensitivity()(Components(np.array([frequency_hz]), np.array([0.5 * share * force_n * gain])))
+
+
+@pytest.mark.parametrize("lag", [False, True])
+@pytest.mark.parametrize("name", TONES)
+def test_a_level_is_that_of_the_closed_form(name, lag):
+    stimulus, played, frequency_hz, share = TONES[name]
+    tone = stimulus.frequency_hz
+    scene = felt(*(["friction_lag"] if lag else []), played=played, tone=tone)
+    level = 30.0 if stimulus.level_unit == "V" else 20 * np.log10(30.0)
+    for contact in (TOUCH, Contact(0.7, 0.02)):
+        expected_db = by_hand_db(frequency_hz, share, 30.0, contact, lag)
+        assert scene.sensation(stimulus.at(level), contact) == pytest.approx(expected_db, abs=0.01)
+
+
+def test_a_lag_of_components_is_that_of_the_course():
+    """The steady state of the lag beside its exact solution, which a scene uses that is asked for its course."""
+    scene = felt("friction_lag", "skin_leakage")
+    touched = replace(scene, contacts=(FingerContact(1.5, 0.05),), accuracy=1e-3)
+    exact_db = touched.resolve().run({"level_db_re_1v": 30.0})["sensation_db"]
+    assert scene.sensation(Sine(60.0, 0.5).at(30.0), TOUCH) == pytest.approx(exact_db, abs=1e-3)
+
+
+def test_receptors_and_masking_stand_behind_the_skin():
+    scene = replace(felt(), effects=tuple(default(k) for k in ("force_law", "friction", "receptors")))
+    signal = Sine(60.0, 0.5).at(40.0)
+    masked = replace(scene, effects=(*scene.effects, effect("masking", level_db_re_threshold=25.0)))
+    assert scene.sensation(signal, TOUCH) - masked.sensation(signal, TOUCH) == pytest.approx(0.52 * 25.0)
+
+
+@pytest.mark.parametrize("contact", [Contact(0.0), Contact(1.5), Contact(0.0, 0.05)], ids=str)
+def test_nothing_is_felt_at_rest_or_without_contact(contact):
+    assert felt().sensation(Sine(60.0, 0.5).at(40.0), contact) == -inf
+
+
+def test_nothing_is_felt_of_silence():
+    assert felt().sensation(Signal(np.zeros((1, 10_000)), 20_000.0, "V"), TOUCH) == -inf
+
+
+OTHERS = {
+    "frequency": Sine(61.0, 0.5),
+    "duration": Sine(60.0, 1.0),
+    "ramps": Sine(60.0, 0.5, ramp_s=0.1),
+    "phase": Sine(60.0, 0.5, phase_rad=0.1),
+    "carrier": AmplitudeModulated(60.0, duration_s=0.5),
+}
+
+
+@pytest.mark.parametrize("name", OTHERS)
+def test_a_signal_of_another_stimulus_is_refused(name):
+    with pytest.raises(InvalidParameter, match=r"signal: found a voltage .* expected the tone of the scene; state"):
+        felt().sensation(OTHERS[name].at(30.0), TOUCH)
+
+
+def test_a_signal_that_is_no_voltage_is_refused():
+    with pytest.raises(InvalidParameter, match=r"signal: found 2 channels in 'V', expected one channel in volt"):
+        felt().sensation(Signal(np.ones((2, 10_000)), 20_000.0, "V"), TOUCH)
+
+
+def test_a_scene_without_a_threshold_names_the_cure():
+    scene = replace(felt(), effects=(default("force_law"), default("friction")), outputs=("peak_force_n",))
+    with pytest.raises(InvalidParameter, match=r"nothing that gives 'sensation_db'.*sensitivity, or receptors"):
+        scene.sensation(Sine(60.0, 0.5).at(30.0), TOUCH)
+
+
+def test_no_signal_is_felt_on_a_plate():
+    scene = Scene(small_screen(), (), ("peak_m",))
+    with pytest.raises(InvalidParameter, match=r"found 'time_reversal', of which no played signal is felt"):
+        scene.sensation(Sine(60.0, 0.5).at(30.0), Contact(1.0))
+
+
+def test_a_plan_is_resolved_once_for_a_contact(monkeypatch):
+    scene, resolved = felt(), []
+    kept = Scene.resolve
+    monkeypatch.setattr(Scene, "resolve", lambda self: resolved.append(self.contacts) or kept(self))
+    for level in (20.0, 30.0):
+        for contact in (TOUCH, Contact(1.0, 0.05)):
+            scene.sensation(Sine(60.0, 0.5).at(level), contact)
+    assert len(resolved) == 2
