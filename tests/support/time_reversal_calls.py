@@ -262,6 +262,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "deformation_energy_j": {**driven, "sample": 7},
             "capacitance_f": {"area_m2": 1e-4, "thickness_m": 3e-4, "relative_permittivity": 1800.0},
             "switched_power_w": {"signal": SIGNAL, "channel_capacitance_f": 1e-9},
+            "dielectric_power_w": {"signal": SIGNAL, "channel_capacitance_f": 1e-9, "loss_tangent": 0.017},
             "contrast_whole_of": {"amplitude_m": 4.0, "field_m": FIELD},
             "contrast_far_of": {
                 "amplitude_m": 4.0, "field_m": FIELD, "grid_m": (LINE, LINE), "focus_m": (2.0, 2.0), "radius_m": 1.0,

@@ -16,9 +16,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class DriveEnergy(Effect):
-    """Strain energy in the band, and the power that switching `capacitance_f` per channel takes.
+    """Strain energy in the band, and the power that transducers of `capacitance_f` take of each channel.
 
-    5.31 nF, a plate of PZ27 of 1 cm^2 and 0.3 mm, is an unverified default.
+    A drive that switches (an effect of the slot ``quantiser``) loses C dV^2 / 2 in each step; one that does not, what
+    the dielectric of `loss_tangent` turns into heat. 5.31 nF, a plate of PZ27 of 1 cm^2 and 0.3 mm, and 0.017
+    are unverified defaults.
 
     >>> DriveEnergy().slot
     'energy'
@@ -26,19 +28,27 @@ class DriveEnergy(Effect):
 
     kind = "drive_energy"
     slot = "energy"
-    positive = ("capacitance_f",)
+    positive = ("capacitance_f", "loss_tangent")
     cures: ClassVar[Mapping[str, str]] = dict.fromkeys(("energy_j", "power_w"), "add the effect drive_energy")
 
     capacitance_f: float = 5.31e-9
+    loss_tangent: float = 0.017
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        del scene
+        switched = scene.find("quantiser") is not None
         return (
             Stage("strain_energy", ("motion",), "energy_at_1v_j", f"{__name__}:strained", size=_strain_size),
             _squared("energy", "energy_at_1v_j", "energy_j"),
-            Stage("switching", ("emission",), "power_at_1v_w", f"{__name__}:drawn", dict(vars(self))),
+            self._switching() if switched else self._heating(),
             _squared("power", "power_at_1v_w", "power_w"),
         )
+
+    def _switching(self) -> Stage:
+        settings = {"capacitance_f": self.capacitance_f}
+        return Stage("switching", ("emission",), "power_at_1v_w", f"{__name__}:drawn", settings)
+
+    def _heating(self) -> Stage:
+        return Stage("heating", ("emission", "in_band"), "power_at_1v_w", f"{__name__}:heated", dict(vars(self)))
 
 
 def _strain_size(demand: Demand) -> Size:
@@ -69,6 +79,17 @@ def drawn(capacitance_f: float) -> "Callable[[EmittedSignal], float]":
     from ...time_reversal.field.merit import switched_power_w
 
     return lambda emission: switched_power_w(emission.at_1_v, capacitance_f)
+
+
+def heated(capacitance_f: float, loss_tangent: float) -> "Callable[[EmittedSignal, EmittedSignal], float]":
+    """The mean power of dielectric loss during an emission of 1 V, of what of it lies in the band."""
+    from ...time_reversal.field.merit import dielectric_power_w
+
+    def power_w(emission: "EmittedSignal", in_band: "EmittedSignal") -> float:
+        longer = in_band.samples.shape[1] / emission.samples.shape[1]
+        return longer * dielectric_power_w(in_band.at_1_v, capacitance_f, loss_tangent)
+
+    return power_w
 
 
 def grown() -> Callable[[float, float], float]:

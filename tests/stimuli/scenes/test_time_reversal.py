@@ -92,6 +92,15 @@ def test_the_field_and_the_energy_are_those_of_the_physics_in_time(fine):
     assert abs(got["energy_j"] / deformation_energy_j(whole, signal, focus, 240e3) - 1) < 1e-2
 
 
+@pytest.mark.parametrize("quantiser", [(), (ONE_BIT,)], ids=["analogue", "one_bit"])
+def test_the_power_does_not_change_with_the_clock(quantiser):
+    scene = screen(LOSSY, PATCHES, *quantiser, effect("drive_energy"), outputs=("power_w",), accuracy=1e-2)
+    rate_hz = scene.surface.rate_hz
+    clocks = (replace(scene, surface=replace(scene.surface, rate_hz=times * rate_hz)) for times in (2, 4, 8))
+    power_w = [float(run(clock)["power_w"]) for clock in clocks]
+    assert power_w == pytest.approx([power_w[-1]] * 3, rel=0.02)
+
+
 def test_a_finger_is_that_of_the_loaded_responses(fine):
     whole, signal, focus = fine
     finger = Fingertip().load((0.05, 0.04), 2.0)

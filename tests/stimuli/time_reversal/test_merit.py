@@ -15,6 +15,7 @@ from tactometry.stimuli.time_reversal.field.merit import (
     contrast_temporal_of,
     contrast_whole_of,
     deformation_energy_j,
+    dielectric_power_w,
     switched_power_w,
     temporal_width_s,
     uniformity,
@@ -125,6 +126,36 @@ def test_switched_power_is_half_c_swing_squared_per_transition():
     assert switched_power_w(signal, 5e-9) == pytest.approx(expected)
 
 
+def sine(rate_hz):
+    return Signal(30.0 * np.sin(2 * np.pi * 5e3 * np.arange(round(rate_hz * 4e-3)) / rate_hz)[None], rate_hz, "V")
+
+
+@pytest.mark.parametrize("rate_hz", [50e3, 100e3, 200e3, 400e3])
+def test_a_sine_loses_what_its_dielectric_does_at_every_rate(rate_hz):
+    """Heat of pi / 4 f C Upp^2 tan(delta), as makers of actuators give it for a sine of Upp."""
+    expected = math.pi / 4 * 5e3 * 5e-9 * 60.0**2 * 0.017
+    assert dielectric_power_w(sine(rate_hz), 5e-9, 0.017) == pytest.approx(expected, rel=1e-9)
+
+
+@pytest.mark.parametrize("rate_hz", [50e3, 100e3, 200e3, 400e3])
+def test_a_square_wave_loses_c_v_squared_in_each_period_at_every_rate(rate_hz):
+    square = Signal(
+        np.where((np.arange(round(rate_hz * 20e-3)) * 5e3 / rate_hz) % 1 < 0.5, 30.0, -30.0)[None], rate_hz, "V"
+    )
+    assert switched_power_w(square, 5e-9) == pytest.approx(5e-9 * 60.0**2 * 5e3, rel=0.01)
+
+
+def test_dielectric_loss_is_the_integral_of_in_phase_current():
+    """Of two components and two channels, each current turned by its loss: the mean of u i over a period."""
+    rate_hz, tangent = 200e3, 0.05
+    t = np.arange(2000) / rate_hz
+    tones = [(12.0, 3e3), (7.0, 11e3)]
+    volts = sum(a * np.cos(2 * np.pi * f * t) for a, f in tones)
+    in_phase = sum(2 * np.pi * f * 5e-9 * tangent * a * np.cos(2 * np.pi * f * t) for a, f in tones)
+    found = dielectric_power_w(Signal(np.stack([volts, -2 * volts]), rate_hz, "V"), 5e-9, tangent)
+    assert found == pytest.approx(5 * np.mean(volts * in_phase), rel=1e-9)
+
+
 def test_sigma_delta_costs_an_order_of_magnitude_more_than_one_bit():
     raw = impulse_responses(A4_PROTOTYPE, [(0.12, 0.09)], rate_hz=1e6, duration_s=4e-3, f_max_hz=60e3)
     h = inaudible(raw)
@@ -222,6 +253,7 @@ def test_filtering_lowers_the_a_weighted_level_and_one_bit_keeps_some():
             "Screen.attenuation.tau_s: found inf",
         ),
         (lambda: switched_power_w(Signal(np.ones((1, 1)), 1e3, "V"), 1e-9), "signal: found fewer than two samples"),
+        (lambda: dielectric_power_w(Signal(np.ones((1, 1)), 1e3, "V"), 1e-9), "signal: found fewer than two samples"),
     ],
 )
 def test_bad_input_is_refused_in_one_sentence(call, message):
