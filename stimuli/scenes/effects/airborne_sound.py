@@ -29,7 +29,9 @@ class AirborneSound(Effect):
     positive = ("distance_m",)
     cures: ClassVar[Mapping[str, str]] = {"sound_level_dba": "add the effect airborne_sound"}
     requires = ("attenuation",)
-    assumes = ("below coincidence a fixed share of 1 % is radiated: levels are for ranking",)
+    assumes = (
+        "sound is that of a plate in a baffle with simply supported edges, radiated as many modes do in the mean",
+    )
 
     distance_m: float = 0.3
 

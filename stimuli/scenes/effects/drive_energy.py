@@ -86,7 +86,7 @@ def heated(capacitance_f: float, loss_tangent: float) -> "Callable[[EmittedSigna
     from ...time_reversal.field.merit import dielectric_power_w
 
     def power_w(emission: "EmittedSignal", in_band: "EmittedSignal") -> float:
-        longer = in_band.samples.shape[1] / emission.samples.shape[1]
+        longer: float = in_band.samples.shape[1] / emission.samples.shape[1]
         return longer * dielectric_power_w(in_band.at_1_v, capacitance_f, loss_tangent)
 
     return power_w
