@@ -7,7 +7,7 @@ measured nor a prediction. The force law is an unverified default.
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from itertools import product
 from typing import Final
 
@@ -19,7 +19,7 @@ from tactometry.arguments.require import at_most, not_negative, one_of, positive
 from .design.closed_forms import one_bit_amplitude_ratio
 from .focusing.focusing import Emission, focus_amplitude
 from .plate.plate import Plate
-from .responses.load import Attached, PlateLoad
+from .responses.load import Attached, PlateLoad, SprungMass
 from .responses.responses import Point
 from .screen.screen import Screen
 
@@ -139,7 +139,7 @@ RIGID_MODULUS_PA: Final = 3e9
 
 RIGID_MASS_KG: Final = 2e-3
 N_POINTS: Final = 7
-"""Of a disc: the centre and six on 2/3 of the radius share its impedance."""
+"""Of a disc: the centre and six on 2/3 of the radius share its resistance."""
 
 KINDS: Final = ("finger", "soft", "rigid")
 
@@ -155,7 +155,7 @@ class Contactor:
     ----------
     kind : str
         ``finger``: the lumped default of `Fingertip`; ``soft``: a finger's resistance per area over its own
-        area; ``rigid``: that, and the mass of a tip behind a Hertz contact that stiffens with force.
+        area; ``rigid``: that, and at its centre the mass of a tip behind a Hertz contact, in series.
     diameter_m : float
         Above 0; not used for a finger.
     """
@@ -167,24 +167,26 @@ class Contactor:
         one_of("Contactor.kind", self.kind, KINDS)
         positive("Contactor", diameter_m=self.diameter_m)
 
-    def loads(self, plate: Plate, at_m: Point, force_n: float) -> list[PlateLoad]:
+    def loads(self, plate: Plate, at_m: Point, force_n: float) -> list[PlateLoad | SprungMass]:
         """The loads on the plate under a force (N, at least 0), centred on the plate, the parts beyond an edge left
-        out."""
+        out; none under no force. The force stiffens a Hertz contact; the mass of a tip does not grow with it.
+        """
         not_negative("Contactor.loads", force_n=force_n)
         plate.check_holds("at_m", at_m)
+        if force_n == 0:
+            return []
         if self.kind == "finger":
             return [Fingertip().load(at_m, force_n)]
-        points = _disc(at_m, self.diameter_m / 2)
-        return [self._part(point, force_n) for point in points if plate.contains(*point)]
+        skin = [self._part(point, force_n) for point in _disc(at_m, self.diameter_m / 2) if plate.contains(*point)]
+        return [*skin, self._tip(at_m, force_n)] if self.kind == "rigid" else list(skin)
 
     def _part(self, at_m: Point, force_n: float) -> PlateLoad:
         area = (self.diameter_m / FINGER_DIAMETER_M) ** 2
-        rigid = self.kind == "rigid"
-        skin = Fingertip(RESISTANCE_N_S_PER_M * area / N_POINTS, RIGID_MASS_KG / N_POINTS if rigid else 0.0)
-        load = skin.load(at_m, force_n)
-        if not rigid:
-            return load
-        return replace(load, stiffness_n_per_m=hertz_stiffness_n_per_m(force_n, self.diameter_m / 2) / N_POINTS)
+        return Fingertip(RESISTANCE_N_S_PER_M * area / N_POINTS).load(at_m, force_n)
+
+    def _tip(self, at_m: Point, force_n: float) -> SprungMass:
+        """At one point: a Hertz contact of millimetres of radius under newtons is 0.1 mm wide."""
+        return SprungMass(*at_m, RIGID_MASS_KG, hertz_stiffness_n_per_m(force_n, self.diameter_m / 2))
 
 
 @checked

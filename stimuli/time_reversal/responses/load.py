@@ -87,6 +87,37 @@ class PlateLoad:
 
 
 @checked
+@dataclass(frozen=True)
+class SprungMass:
+    """A free mass behind a spring on a point of the plate: near it below its resonance, far above it the spring alone.
+
+    Parameters
+    ----------
+    x_m, y_m : float
+    mass_kg, stiffness_n_per_m : float
+        Above 0.
+    """
+
+    x_m: float
+    y_m: float
+    mass_kg: float
+    stiffness_n_per_m: float
+
+    def __post_init__(self) -> None:
+        positive("SprungMass", mass_kg=self.mass_kg, stiffness_n_per_m=self.stiffness_n_per_m)
+
+    def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
+        """(n_modes,): the shapes at the contact."""
+        screen.plate.check_holds("SprungMass", (self.x_m, self.y_m))
+        return values_at(screen, [(self.x_m, self.y_m)], f_max_hz)[:, 0]
+
+    def dynamic_stiffness(self, s: ComplexArray) -> ComplexArray:
+        """Force per displacement of the plate (N/m), the two in series: 1 / (1 / k + 1 / (m s^2))."""
+        inertia = self.mass_kg * s**2
+        return self.stiffness_n_per_m * inertia / (self.stiffness_n_per_m + inertia)
+
+
+@checked
 @dataclass(frozen=True, eq=False)
 class Receptances:
     """Displacement per force between sets of modal weights, on a grid of complex frequencies.

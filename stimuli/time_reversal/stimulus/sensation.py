@@ -18,7 +18,7 @@ from ...arrays import ComplexArray, FloatArray, IntArray
 from ...perception.temporal_summation import summed_amplitude
 from ..finger import FINGER_DIAMETER_M, FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Contactor, Fingertip
 from ..focusing.focusing import emitted
-from ..responses.load import PlateLoad, Receptances, carried, contour
+from ..responses.load import PlateLoad, Receptances, SprungMass, carried, contour
 from ..responses.responses import Point, impulse_responses, values_at
 from .setup import Setup
 
@@ -199,7 +199,7 @@ def loaded_displacement(free_m: Vector, setup: Setup, load: PlateLoad) -> FloatA
 
 
 @checked
-def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[PlateLoad]) -> FloatArray:
+def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[PlateLoad | SprungMass]) -> FloatArray:
     """(n_samples,): the focus point while the drive lasts, loads on the plate: U_f - T U_c, T = H_fc Z (1 + H_cc Z)^-1.
 
     U_f and U_c are the free plate's displacements at the focus and at the contacts; solved on the contour of
@@ -208,7 +208,7 @@ def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[PlateLoad]
     n = signal.samples.shape[1]
     places = tuple((load.x_m, load.y_m) for load in loads)
     free_m, at_contacts = _free(setup, Keyed(signal), (setup.focus_m,)), _free(setup, Keyed(signal), places)
-    if all(load == PlateLoad(load.x_m, load.y_m) for load in loads):
+    if not loads:
         return np.asarray(free_m[0])
     s, growth, n_fft = contour(n, setup.rate_hz)
     stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)

@@ -296,18 +296,17 @@ def test_bigger_soft_contactors_take_more():
     assert np.all(np.diff(losses) > 0)
 
 
-def test_a_contactor_is_seven_equal_loads_that_add_up_to_its_impedance():
-    """Resistance by area, mass and Hertz stiffness whole; six of the points on 2/3 of the radius."""
-    for kind in ("soft", "rigid"):
-        loads = Contactor(kind, 5e-3).loads(A4_SCREEN, FOCUS, 0.5)
-        assert len(loads) == 7
-        assert sum(load.resistance_n_s_per_m for load in loads) == pytest.approx(10.0 * 0.25 * 0.5)
-        rigid = kind == "rigid"
-        assert sum(load.mass_kg for load in loads) == pytest.approx(1e-3 if rigid else 0.0)
-        stiffness = (6 * 3e9**2 * 2.5e-3 * 0.5) ** (1 / 3) if rigid else 0.0
-        assert sum(load.stiffness_n_per_m for load in loads) == pytest.approx(stiffness)
-        away = sorted(math.dist((load.x_m, load.y_m), FOCUS) for load in loads)
-        assert away == pytest.approx([0.0, *[2.5e-3 * 2 / 3] * 6], abs=1e-15)
+def test_a_contactor_is_seven_equal_dampers_and_a_rigid_one_a_tip_at_its_centre_too():
+    """Resistance by area, six of the points on 2/3 of the radius; a mass and a Hertz stiffness, both whole."""
+    soft, rigid = (Contactor(kind, 5e-3).loads(A4_SCREEN, FOCUS, 0.5) for kind in ("soft", "rigid"))
+    assert rigid[:-1] == soft
+    assert len(soft) == 7
+    assert sum(load.resistance_n_s_per_m for load in soft) == pytest.approx(10.0 * 0.25 * 0.5)
+    away = sorted(math.dist((load.x_m, load.y_m), FOCUS) for load in soft)
+    assert away == pytest.approx([0.0, *[2.5e-3 * 2 / 3] * 6], abs=1e-15)
+    tip = rigid[-1]
+    assert (tip.x_m, tip.y_m, tip.mass_kg) == (*FOCUS, 2e-3)
+    assert tip.stiffness_n_per_m == pytest.approx((6 * 3e9**2 * 2.5e-3 * 0.5) ** (1 / 3))
 
 
 def test_all_of_a_finger_grows_with_the_root_of_its_force():
