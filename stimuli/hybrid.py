@@ -145,8 +145,8 @@ def _together(foci: Signal, friction: Signal) -> Signal:
 class HybridSensation:
     """Sensation level of foci and friction together: that of the stronger one.
 
-    Neither masks the other (an unverified simplification): the foci are felt as if the finger rested at the focus, the
-    friction only while it slides.
+    Neither masks the other (an unverified simplification): the foci are felt as if the finger rested at the focus and
+    whatever its force, the friction only while it slides.
 
     Parameters
     ----------
@@ -160,7 +160,7 @@ class HybridSensation:
     --------
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> focus = FocusTrain(setup, f_max_hz=20e3)
-    >>> signal = Hybrid(focus, AmplitudeModulated(120.0, duration_s=0.5, rate_hz=50e3)).at(20.0)
+    >>> signal = Hybrid(focus, AmplitudeModulated(120.0, duration_s=0.5, rate_hz=50e3)).at(19.0)
     >>> felt = HybridSensation(setup)
     >>> at_rest, sliding = (felt.sensation_db(signal, Contact(1.0, speed)) for speed in (0.0, 0.05))
     >>> at_rest < 0 < sliding

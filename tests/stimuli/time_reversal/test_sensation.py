@@ -37,6 +37,10 @@ def train(**changes):
     return FocusTrain(SMALL, **{"f_max_hz": 20e3, "voltage_max_v": 2000.0, **changes})
 
 
+def loaded(setup, **finger):
+    return TimeReversalSensation(setup, criterion="loaded", **finger)
+
+
 def felt_db(level, force_n=FAINTEST_N, **changes):
     return TimeReversalSensation(SMALL).sensation_db(train(**changes).at(level), Contact(force_n))
 
@@ -60,7 +64,7 @@ def test_the_sensation_level_rises_as_the_level_does(level, higher_by):
 def test_a_finger_of_two_newtons_on_the_prototype_costs_what_the_thesis_measured():
     setup = Setup()
     free, pressed = (
-        TimeReversalSensation(setup).sensation_db(FocusTrain(setup, f_max_hz=25e3).at(20.0), Contact(force_n))
+        loaded(setup).sensation_db(FocusTrain(setup, f_max_hz=25e3).at(20.0), Contact(force_n))
         for force_n in (FAINTEST_N, 2.0)
     )
     assert 0.25 <= 1 - 10 ** ((pressed - free) / 20) <= 0.33
@@ -68,14 +72,16 @@ def test_a_finger_of_two_newtons_on_the_prototype_costs_what_the_thesis_measured
 
 @given(forces_n=st.lists(st.floats(0.01, 10.0), min_size=2, max_size=2, unique=True).map(sorted))
 @settings(max_examples=20, deadline=None)
-def test_more_force_never_adds_sensation(forces_n):
-    gentle, firm = (felt_db(20.0, force_n) for force_n in forces_n)
+def test_more_force_on_a_loaded_plate_never_adds_sensation(forces_n):
+    gentle, firm = (loaded(SMALL).sensation_db(train().at(20.0), Contact(force_n)) for force_n in forces_n)
     assert firm <= gentle + 1e-9
 
 
-def test_the_unloaded_criterion_knows_no_force():
+def test_a_focus_of_the_reference_amplitude_is_at_threshold_under_every_force():
+    """As the thesis found; science note 5.3 keeps an effect of force as an option."""
     drive = train().at(20.0)
-    felt = TimeReversalSensation(SMALL, criterion="unloaded")
+    felt = TimeReversalSensation(SMALL)
+    assert felt.sensation_db(drive, Contact(3.0)) == pytest.approx(0.0, abs=1e-3)
     assert felt.sensation_db(drive, Contact(0.5)) == felt.sensation_db(drive, Contact(5.0))
 
 
@@ -104,7 +110,7 @@ def test_the_displacement_under_the_finger_is_that_of_the_loaded_plate(mass_kg, 
         f_max_hz=SMALL.modes_to_hz,
     )
     expected = emitted(drive, heard)[0]
-    felt = TimeReversalSensation(SMALL, mass_kg=mass_kg, stiffness_n_per_m=stiffness_n_per_m)
+    felt = loaded(SMALL, mass_kg=mass_kg, stiffness_n_per_m=stiffness_n_per_m)
     found = felt.displacement_m(drive, Contact(2.0))
     assert np.linalg.norm(found - expected) < 0.02 * np.linalg.norm(expected)
 
