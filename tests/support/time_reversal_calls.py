@@ -62,6 +62,7 @@ from tactometry.stimuli.time_reversal.design.guide import Transducers
 from tactometry.stimuli.time_reversal.filters import Butterworth, Hold, MeasuredGain
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
 from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
+from tactometry.stimuli.time_reversal.responses.load import SprungMass
 from tactometry.stimuli.time_reversal.responses.plate_constants import MeasuredConstant
 from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
 
@@ -124,6 +125,12 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "ejection_force_n": {"amplitude_m": 1e-5, "frequency_hz": 1e4, "pulp_mass_kg": 1e-4},
             "Contactor.loads": {"self": Contactor("rigid"), "plate": PLATE, "at_m": (0.1, 0.1), "force_n": 2.0},
             "hertz_stiffness_n_per_m": {"force_n": 1.0, "radius_m": 1e-3, "modulus_pa": 1e9},
+        },
+        "lift_off": {
+            "one_sided_contact": {
+                "screen": SCREEN, "at_m": (0.1, 0.1), "free_m": BUMP, "rate_hz": 1e4, "force_n": 2.0,
+                "finger": Fingertip(), **LOW,
+            },
         },
         "responses.plate_constants": {
             "rigidity_ratio_from_dispersion": {"frequency_hz": [1e3, 2e3], "wavenumber_rad_per_m": [60.0, 85.0]},
@@ -231,6 +238,8 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         "responses.load": {
             "PlateLoad.weights": {"self": PlateLoad(0.1, 0.1), "screen": SCREEN, **LOW},
             "PlateLoad.dynamic_stiffness": {"self": PlateLoad(0.1, 0.1, 9.0), "s": S},
+            "SprungMass.weights": {"self": SprungMass(0.1, 0.1, 1e-3, 1e5), "screen": SCREEN, **LOW},
+            "SprungMass.dynamic_stiffness": {"self": SprungMass(0.1, 0.1, 1e-3, 1e5), "s": S},
             "Receptances.of": {"oscillators": SCREEN.oscillators(1e3), "mass_kg": 0.15, "s": S},
             "Receptances.between": {"self": RECEPTANCES, "to": WEIGHTS, "of": WEIGHTS},
             "Receptances.correction": {

@@ -53,9 +53,9 @@ class TimeReversalSensation:
         Amplitude of a single focus at the detection threshold (the thesis: about 10 um); unverified default.
     criterion : {"loaded", "unloaded"}
         Whether the amplitude of the free plate counts, so that the threshold does not depend on the pressing force,
-        as the thesis found, or that under the finger's load, exact for a linear contact. A skin that is thrown off no
-        longer loads the plate, and 10 um throw it off at up to 6 N (`ejection_force_n`). Of vibrations of
-        some hundred hertz others find an effect of force, so that either may be asked for.
+        as the thesis found, or that under the finger's load, exact for a linear contact. That a finger can be thrown
+        off does not decide between them: `one_sided_contact` loses as much at the focus. Of vibrations of some hundred
+        hertz others find an effect of force, so that either may be asked for.
     resistance_n_s_per_m, mass_kg, stiffness_n_per_m, exponent
         The finger of ``loaded`` at 2 N and its growth with force, as in `Fingertip`; unverified defaults, which lose
         31 % at 2 N.

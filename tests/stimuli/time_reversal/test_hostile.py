@@ -56,6 +56,7 @@ from tactometry.stimuli.time_reversal.filters import Butterworth, Hold, Measured
 from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, RaisedCosine, Rectangular, Sinc, Table
 from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
 from tactometry.stimuli.time_reversal.responses.learning import Excitation
+from tactometry.stimuli.time_reversal.responses.load import SprungMass
 from tactometry.stimuli.time_reversal.responses.plate_constants import MeasuredConstant
 from tactometry.stimuli.time_reversal.screen.glass_panel import GlassPanel
 from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
@@ -111,7 +112,8 @@ def constructors() -> Iterator[tuple[str, object]]:
             TRAIN, TimeReversalStimulus(FOCUS, reversal_s=0.1, heard=FOCUS, path=[0], tau_s=0.1),
         ),
         "plate.glass": Glass("x", 64e9, 0.2, 2230.0, "here"),
-        "responses.learning": Excitation(CLICK, 2e3, 0.0, 1e3, "click"), "responses.load": PlateLoad(0.1, 0.1, 10.0),
+        "responses.learning": Excitation(CLICK, 2e3, 0.0, 1e3, "click"),
+        "responses.load": (PlateLoad(0.1, 0.1, 10.0), SprungMass(0.1, 0.1, 1e-3, 1e5)),
         "focusing.pattern": (
             Rectangular(), RaisedCosine(), Exponential(), Sinc(), Table((0.0, 1.0)), Pattern(200.0, 0.05),
         ),
@@ -188,7 +190,7 @@ INFINITE = (
 RESULTS = frozenset(
     {
         "focusing.closed_reversal.ClosedReversal", "responses.plate_constants.Decay", "design.guide.Guide",
-        "finger.LossRow",
+        "finger.LossRow", "lift_off.Touch",
         "responses.load.Receptances",
         "responses.measured.Findings", "plate.modes.RitzModes", "plate.modes.SeparableModes",
     }
