@@ -23,7 +23,7 @@ from .screen.transducer import PointForce
 
 
 @dataclass(frozen=True, eq=False)
-class Touch:
+class ContactCourse:
     """Plate and skin at a contact that can open: (n_samples,) each.
 
     `contact_force_n` is the mean over the step that ends at a sample, and 0 where the two are apart.
@@ -48,7 +48,7 @@ def one_sided_contact(
     f_max_hz: float,
     force_n: float = REFERENCE_FORCE_N,
     finger: Fingertip | None = None,
-) -> Touch:
+) -> ContactCourse:
     """What a finger that lifts off makes of the displacement that the free plate has at a place.
 
     Each step takes the force of a closed contact, or that of an open one where a closed one would pull: one of the
@@ -96,7 +96,7 @@ def _midpoint_compliance(screen: Screen, at_m: Point, n: int, rate_hz: float, f_
 
 def _stepped(
     free_m: FloatArray, compliance: FloatArray, force_n: float, towards_new: float, towards_old: float
-) -> Touch:
+) -> ContactCourse:
     """f = towards_new z - towards_old z_before in each step, z = u or f = -F."""
     n = len(free_m)
     plate, skin, answer = (np.zeros(n) for _ in range(3))
@@ -109,4 +109,4 @@ def _stepped(
         answer[i] = max(together, -force_n)
         plate[i] = left - compliance[0] * answer[i]
         skin[i] = (answer[i] + towards_old * skin[i - 1]) / towards_new
-    return Touch(plate, skin, force_n + answer)
+    return ContactCourse(plate, skin, force_n + answer)

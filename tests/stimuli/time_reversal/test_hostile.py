@@ -190,7 +190,7 @@ INFINITE = (
 RESULTS = frozenset(
     {
         "focusing.closed_reversal.ClosedReversal", "responses.plate_constants.Decay", "design.guide.Guide",
-        "finger.LossRow", "lift_off.Touch",
+        "finger.LossRow", "lift_off.ContactCourse",
         "responses.load.Receptances",
         "responses.measured.Findings", "plate.modes.RitzModes", "plate.modes.SeparableModes",
     }
