@@ -11,12 +11,12 @@ from tactometry.errors import DeviceFailed
 from .measure import GOALS, Climb, Point, cheapest
 from .problem import OURS
 
-ROW = "{:<29}{:>10}{:>12}{:>12}{:>11}{:>12}{:>12}"
+ROW = "{:<29}{:>9}{:>10}{:>10}{:>10}{:>8}{:>11}{:>11}"
 
 
 def table(climb: Climb) -> str:
-    """The points of a ladder, 98 columns wide, and the cheapest rungs."""
-    head = ROW.format("setting", "error", "price", "median (s)", "+- (s)", "memory (B)", "answer (B)")
+    """The points of a ladder, 98 columns wide, and the cheapest rungs; *cold* is the first call, *warm* the median."""
+    head = ROW.format("setting", "error", "price", "cold (s)", "warm (s)", "+- (s)", "memory (B)", "answer (B)")
     problem = climb.problem
     lines = [f"{problem.name}: {problem.title}", f"against {problem.by}", f"price: {problem.price}", head]
     lines += [
@@ -24,6 +24,7 @@ def table(climb: Climb) -> str:
             label(point),
             "unstable" if point.unstable else f"{point.error:.1e}",
             f"{point.price:.3g}",
+            f"{point.first_s:.3g}",
             f"{point.median_s:.3g}",
             f"{point.spread_s:.1g}",
             point.peak_bytes,

@@ -11,20 +11,21 @@ from ..composition.effect import Stage
 from .plan import Plan, predicted_s
 from .scene import Scene
 
-COLUMNS = (("stage", 24), ("on", 4), ("why", 30), ("error", 8), ("predicted", 10), ("measured", 10))
+COLUMNS = (("stage", 24), ("on", 4), ("why", 26), ("error", 8), ("predicted", 10), ("cold", 8), ("warm", 8))
 WIDTH = 100
 
 
 @dataclass(frozen=True)
 class Row:
-    """A line of the explanation."""
+    """A line of the explanation; `cold` is the time of the first run of this process, `warm` that of the second."""
 
     stage: str
     on: str
     why: str
     error: str
     predicted: str
-    measured: str
+    cold: str
+    warm: str
     settings: str = ""
 
 
@@ -37,20 +38,15 @@ def explained(scene: Scene, given: Mapping[str, float]) -> str:
         If the plan takes a quantity that is not given.
     """
     plan = scene.resolve()
-    measured = _warm(plan, given)
-    rows = [*(_on(stage, plan, time_s) for stage, time_s in zip(plan.stages, measured, strict=True)), *_off(scene)]
+    values = values_for(plan, given)
+    cold, warm = plan.timed(values), plan.timed(values)  # the first run imports, loads machine code and starts threads
+    on = (_on(stage, plan, *times_s) for stage, *times_s in zip(plan.stages, cold, warm, strict=True))
+    rows = [*on, *_off(scene)]
     lines = [*_assumed(scene), "", _line(name.title() for name, _ in COLUMNS), "-" * WIDTH]
     for row in rows:
-        lines.append(_line((row.stage, row.on, row.why, row.error, row.predicted, row.measured)))
+        lines.append(_line((row.stage, row.on, row.why, row.error, row.predicted, row.cold, row.warm)))
         lines += [f"    {text}" for text in textwrap.wrap(row.settings, WIDTH - 4)]
-    return "\n".join([*lines, "-" * WIDTH, *_totals(scene, plan, sum(measured))])
-
-
-def _warm(plan: Plan, given: Mapping[str, float]) -> tuple[float, ...]:
-    """Times of the second run: the first one compiles."""
-    values = values_for(plan, given)
-    plan.timed(values)
-    return plan.timed(values)
+    return "\n".join([*lines, "-" * WIDTH, *_totals(scene, plan, sum(cold), sum(warm))])
 
 
 def values_for(plan: Plan, given: Mapping[str, float]) -> dict[str, float]:
@@ -67,10 +63,11 @@ def values_for(plan: Plan, given: Mapping[str, float]) -> dict[str, float]:
     return {name: given[name] for name in plan.given}
 
 
-def _on(stage: Stage, plan: Plan, measured_s: float) -> Row:
+def _on(stage: Stage, plan: Plan, cold_s: float, warm_s: float) -> Row:
     settings = ", ".join(f"{key} = {_short(value)}" for key, value in stage.settings.items())
     error = "exact" if stage.error == 0 else "set" if isinf(stage.error) else f"{stage.error:.1e}"
-    return Row(stage.name, "on", _why(stage, plan), error, _time(predicted_s(stage)), _time(measured_s), settings)
+    predicted = _time(predicted_s(stage))
+    return Row(stage.name, "on", _why(stage, plan), error, predicted, _time(cold_s), _time(warm_s), settings)
 
 
 def _why(stage: Stage, plan: Plan) -> str:
@@ -84,10 +81,10 @@ def _why(stage: Stage, plan: Plan) -> str:
 
 def _off(scene: Scene) -> list[Row]:
     """Effects of the scene that no output needs, then those of the surface that are not in it."""
-    unused = [Row(effect.kind, "off", "no output needs it", "", "", "") for effect in scene.off()]
+    unused = [Row(effect.kind, "off", "no output needs it", "", "", "", "") for effect in scene.off()]
     named = {effect.kind for effect in scene.effects}
     kinds = [kind for kind in scene.surface.effects if kind not in named]
-    return [*unused, *(Row(kind, "off", "not called for", "", "0", "0") for kind in kinds)]
+    return [*unused, *(Row(kind, "off", "not called for", "", "0", "0", "0") for kind in kinds)]
 
 
 def _assumed(scene: Scene) -> list[str]:
@@ -99,10 +96,10 @@ def error_in_words(plan: Plan) -> str:
     return "not known (a setting is given)" if isinf(plan.error) else f"{plan.error:.1e}"
 
 
-def _totals(scene: Scene, plan: Plan, measured_s: float) -> list[str]:
+def _totals(scene: Scene, plan: Plan, cold_s: float, warm_s: float) -> list[str]:
     total = (
         f"accuracy {scene.accuracy:g}: predicted error {error_in_words(plan)}, "
-        f"predicted time {_time(plan.predicted_s)}, measured {_time(measured_s)}"
+        f"predicted time {_time(plan.predicted_s)}, measured {_time(cold_s)} cold, {_time(warm_s)} warm"
     )
     return [total, _one_more_digit(scene, plan)]
 

@@ -226,13 +226,13 @@ def test_one_more_digit_is_priced_by_the_plan_of_a_tenth():
     assert last.endswith(f", {ratio:.1f} times as long")
 
 
-def test_the_measured_column_is_that_of_a_run(monkeypatch):
+def test_the_measured_columns_are_those_of_a_first_and_a_second_run(monkeypatch):
     found = load_scene(path_of("electrovibration-panel"))
-    n_stages = len(found.scene.resolve().stages)
-    monkeypatch.setattr(Plan, "timed", lambda _plan, _values: (12.5,) * n_stages)
+    n_stages, runs = len(found.scene.resolve().stages), iter((12.5, 0.25))
+    monkeypatch.setattr(Plan, "timed", lambda _plan, _values: (next(runs),) * n_stages)
     lines = explained(found.scene, found.given).splitlines()
-    assert sum(line.endswith("12.5 s") for line in lines) == n_stages
-    assert lines[-2].endswith(f"measured {12.5 * n_stages:.3g} s")
+    assert sum(line.endswith("12.5 s    250 ms") for line in lines) == n_stages
+    assert lines[-2].endswith(f"measured {12.5 * n_stages:.3g} s cold, {0.25 * n_stages:.3g} s warm")
 
 
 def test_every_effect_of_a_surface_is_on_or_off_in_the_plan():

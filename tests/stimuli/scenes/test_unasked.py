@@ -206,7 +206,7 @@ def words(scene, given):
     """The explanation but for the times that were measured."""
     lines = explained(scene, given).splitlines()
     return [
-        line[:86].rstrip() if not line.startswith("accuracy") else line.partition(", measured")[0] for line in lines
+        line[:82].rstrip() if not line.startswith("accuracy") else line.partition(", measured")[0] for line in lines
     ]
 
 
