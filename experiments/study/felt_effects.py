@@ -94,7 +94,8 @@ def felt_effects(experiment: Experiment) -> list[FeltEffects]:
 def _explained(cell: WiredCell, scene: Scene, level: float) -> FeltEffects:
     (touch,) = scene.contacts
     contact, signal = Contact(touch.force_n, touch.speed_m_per_s), cell.stimulus.at(level)
-    felt_db, off = scene.sensation(signal, contact), scene.off()
+    felt_db, felt = scene.sensation(signal, contact), scene.felt(contact)
+    off = felt.off()
     return FeltEffects(
         cell.condition.stimulus,
         f"{level:g} {cell.stimulus.level_unit}, {touch.force_n:g} N, {1e3 * touch.speed_m_per_s:g} mm/s",
@@ -103,8 +104,8 @@ def _explained(cell: WiredCell, scene: Scene, level: float) -> FeltEffects:
             *(LeftOut(effect.kind, why="no output needs it") for effect in off),
             *_left_out(scene, signal, contact, felt_db),
         ),
-        scene.assumed(),
-        error_in_words(scene.resolve()),
+        felt.assumed(),
+        error_in_words(felt.resolve()),
         felt_db,
     )
 
@@ -128,7 +129,7 @@ def _change(scene: Scene, effect_class: type[Effect], signal: Signal, contact: C
     instead_of = tuple(effect.kind for effect in scene.effects if effect not in others)
     try:
         with_it = replace(scene, effects=(*others, effect_class()))
-        predicted_s = with_it.resolve().predicted_s
+        predicted_s = with_it.felt(contact).resolve().predicted_s
         change_db = with_it.sensation(signal, contact) - felt_db if predicted_s <= LONGEST_S else inf
     except InvalidParameter:
         return LeftOut(kind, instead_of, why="does not go with the others")

@@ -91,7 +91,7 @@ def felt_scene(table: Mapping[str, Any], kind: str, stimulus: Any, touch: Touch)
         contacts = (FingerContact(touch.force_n, touch.speed_m_per_s),)
         panel = build_kind({**surface, **tone}, "surface", SURFACES)
         scene = Scene(panel, (*effects, *played), (SENSATION,), read.accuracy, contacts)
-        scene.resolve()
+        scene.felt(Contact(touch.force_n, touch.speed_m_per_s)).resolve()
     except InvalidParameter as error:
         raise InvalidParameter(_in_study(str(error))) from None
     return FeltScene(scene)

@@ -121,11 +121,18 @@ class Scene:
     @cached_property
     def _felt_under(self) -> Callable[[Contact], Plan]:
         """The plan for what a finger feels, resolved once for each contact."""
-        return lru_cache(maxsize=N_PLANS)(self._felt_plan)
+        return lru_cache(maxsize=N_PLANS)(lambda contact: self.felt(contact).resolve())
 
-    def _felt_plan(self, contact: Contact) -> Plan:
+    def felt(self, contact: Contact) -> "Scene":
+        """The scene whose plan gives the sensation of a signal under a contact: its touch, and no other output.
+
+        Raises
+        ------
+        InvalidParameter
+            If no signal can be given to the surface.
+        """
         touch = FingerContact(contact.force_n, contact.speed_m_per_s)
-        return replace(self, surface=self.surface.played(), outputs=(SENSATION,), contacts=(touch,)).resolve()
+        return replace(self, surface=self.surface.played(), outputs=(SENSATION,), contacts=(touch,))
 
     def off(self) -> tuple[Effect, ...]:
         """Effects of the scene of which no output needs a stage."""

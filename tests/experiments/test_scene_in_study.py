@@ -132,6 +132,13 @@ SENTENCES = {
         changed(scene(), {'kind = "slide"': 'kind = "press"', 'speed_m_per_s = "50 mm/s"\n': ""}),
         "touch.kind: found 'press' with a [scene], expected 'slide'",
     ),
+    "a sudden onset that relaxes": (
+        changed(
+            scene(*EFFECT_LINES.values(), '{ kind = "skin_leakage" }', '{ kind = "friction_lag" }'),
+            {'duration_s = "500 ms"': 'duration_s = "500 ms"\nramp_s = 0.0'},
+        ),
+        "s.toml, scene: skin_leakage: found a tone that sets in at once (ramp_s = 0), expected a ramp; give the tone",
+    ),
     "another phase": (
         changed(scene(), {'"amplitude_modulated"': '"sine"\nphase_rad = 1.0'}),
         "stimulus.phase_rad: found 1, expected 0",
