@@ -40,7 +40,7 @@ debian() {
 }
 endef
 
-.PHONY: help demo test soak static check bench pages keys stability constraints platforms clean system
+.PHONY: help demo test soak static check bench pages reproduced keys stability constraints platforms clean system
 
 help: ## what can be made
 	@sed -nE 's/^([a-z]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 20
@@ -66,9 +66,12 @@ check: static system $(VENV)/.test ## the static checks, then all tests with bra
 bench: system $(VENV)/.test ## every benchmark: ratios measured in one run
 	@for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark; done
 
-pages: $(VENV)/.test ## write docs/cost.md (what accuracy costs) and docs/stability.md (hard cases) anew
+pages: $(VENV)/.test ## write docs/cost.md (accuracy), docs/reproduced.md (the thesis) and docs/stability.md (hard cases) anew
 	@$(BIN)/tactometry cost all --page docs/cost.md >/dev/null
-	$(MAKE) --no-print-directory stability
+	$(MAKE) --no-print-directory reproduced stability
+
+reproduced: $(VENV)/.core ## write docs/reproduced.md: what of the thesis comes out
+	@$(BIN)/tactometry reproduce all --page docs/reproduced.md >/dev/null
 
 keys: $(VENV)/.core ## write the tables of keys in docs/studies.md and docs/procedures.md anew
 	@$(BIN)/python -m tactometry.experiments.study.key_tables

@@ -29,6 +29,7 @@ COMMANDS = {
     "export": ("tactometry.cli.data_sets:export", "The data set for other programs: BIDS, PsychoPy, R."),
     "scene": ("tactometry.cli.scene:command", "The physics of a scene: only what is called for, as finely as asked."),
     "cost": ("tactometry.cli.cost:command", "What accuracy costs in time, emission and trials."),
+    "reproduce": ("tactometry.cli.reproduce:command", "The thesis's tables, figures and findings, made anew."),
     "design": ("tactometry.cli.design:command", "Time-reversal screens: what is wanted, what can be reached and why."),
 }
 

@@ -1,0 +1,40 @@
+"""Table 4.1: the material of the patches."""
+
+from tactometry.stimuli.time_reversal.field.merit import PZ27_RELATIVE_PERMITTIVITY, capacitance_f
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
+from tactometry.stimuli.time_reversal.screen.transducer import Patch
+
+from ..reproduction import Number, Reproduction
+
+PATCH_THICKNESS_M = 0.3e-3
+NAVY_TYPE_II = {
+    "relative permittivity K": (1900.0, ""),
+    "d33": (400.0, "pC/N"),
+    "d31": (-175.0, "pC/N"),
+    "Young's modulus Y11": (63.0, "GPa"),
+    "mechanical quality": (80.0, ""),
+    "density": (7600.0, "kg/m3"),
+    "Curie temperature": (360.0, "deg C"),
+}
+
+
+def patch_capacitance_f() -> float:
+    """Of a patch of the prototype."""
+    patch = A4_PROTOTYPE.sources[0]
+    assert isinstance(patch, Patch)
+    return capacitance_f(patch.area_m2, PATCH_THICKNESS_M)
+
+
+def numbers() -> list[Number]:
+    stand_in = [Number(name, "stand-in", *constant, "assumed") for name, constant in NAVY_TYPE_II.items()]
+    used = Number("relative permittivity used here", "PZ27", PZ27_RELATIVE_PERMITTIVITY, "", "assumed")
+    return [*stand_in, used, Number("capacitance of a patch", "PZ27", 1e9 * patch_capacitance_f(), "nF", "derived")]
+
+
+TABLE = Reproduction(
+    title="Material of the patches (PZ27)",
+    stated="That the patches are of PZ27 (page 16); its data sheet is not in our sources.",
+    assumes="The constants of a ceramic of the same class (Navy type II, APC 850) stand in; the permittivity "
+    "that is used (1800) and the thickness of a patch (0.3 mm) are unverified defaults.",
+    numbers=numbers,
+)

@@ -1,0 +1,104 @@
+"""The page of all that is made anew: what is derived, and what it agrees with."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+from .reproduction import Number, Reproduced
+
+HEAD = """# What of the thesis comes out
+
+```
+tactometry reproduce all --out reproduced           # CSV of every table and finding, CSV and PNG of every figure
+tactometry reproduce table-4.3 --out reproduced
+tactometry reproduce all --page docs/reproduced.md  # this page
+```
+
+The thesis is H. Zophoniasson's (2017). Our sources hold its front matter, lists of figures and tables, abstract and
+pages 17 to 39; what they state stands beside each item, with its page. Most values of its tables are not among it, so
+that most numbers here can be compared with nothing. Each number is
+
+- **derived** (d): it comes out of the physics, given the input that is said to be assumed,
+- **calibrated** (c): one constant was set to it, or to what it is proportional to,
+- **assumed** (a): the input says so.
+
+In the tables ✓ agrees with what is stated and ✗ does not; of what our sources hold nothing there is no mark.
+Only a derived number that agrees with what is stated counts as *reproduced*. This page is made by the command;
+nobody writes in it.
+"""
+SCORE_HEAD = ("| item | quantity | condition | found | how | stated | verdict |", "|---|---|---|---|---|---|---|")
+
+
+def page(made: Sequence[Reproduced]) -> str:
+    """The text of the page, of items in their order; a drawing is named without its curves."""
+    return "\n".join([HEAD, *_score(made), *(line for each in made for line in _section(each))]) + "\n"
+
+
+def verdict(number: Number) -> str:
+    """What a number is worth beside what is stated."""
+    if number.holds is None:
+        return "not compared"
+    if number.is_reproduced:
+        return "**reproduced**"
+    return f"agrees, as {number.origin}" if number.holds else "does not agree"
+
+
+def count_verdicts(made: Sequence[Reproduced]) -> Counter[str]:
+    """How many of the numbers that something is stated of have each verdict."""
+    return Counter(verdict(number) for each in made for number in each.compared)
+
+
+def show(value: float) -> str:
+    """Three digits, and no exponent where none is needed.
+
+    >>> show(0.012345), show(1490.2), show(-0.0)
+    ('0.0123', '1490', '0')
+    """
+    digits = f"{value:.0f}" if 1000 <= abs(value) < 1e6 else f"{value:.3g}"
+    return digits.removeprefix("-") if float(digits) == 0 else digits
+
+
+def _score(made: Sequence[Reproduced]) -> Iterator[str]:
+    counts = count_verdicts(made)
+    yield "## What is stated, and what comes out\n"
+    yield f"{', '.join(f'{words}: {n}' for words, n in sorted(counts.items()))}.\n"
+    yield from SCORE_HEAD
+    for each in made:
+        for number in each.compared:
+            found = f"{show(number.value)} {number.unit}".strip()
+            cells = (f"[{each.item.name}](#{_anchor(each)})", number.quantity, number.condition, found, number.origin)
+            yield f"| {' | '.join((*cells, number.stated, verdict(number)))} |"
+    yield ""
+
+
+def _anchor(each: Reproduced) -> str:
+    return each.item.name.replace(".", "")
+
+
+def _section(each: Reproduced) -> Iterator[str]:
+    item = each.item
+    yield f"## {item.name}\n"
+    yield f"{item.title}.\n"
+    yield f"*Stated:* {item.stated}\n"
+    yield f"*Assumed:* {item.assumes}\n"
+    if item.outcome:
+        yield f"*Outcome:* {item.outcome}\n"
+    if item.drawing is not None:
+        yield f"*Figure:* {item.name}.png, its curves in {item.name}.csv; {item.origin}.\n"
+    if each.numbers:
+        yield from _table(each.numbers)
+        yield ""
+
+
+def _cell(number: Number) -> str:
+    mark = {None: "", True: " ✓", False: " ✗"}[number.holds]
+    return f"{show(number.value)} {number.origin[0]}{mark}"
+
+
+def _table(numbers: Sequence[Number]) -> Iterator[str]:
+    """A row per condition, a column per quantity, each number with the letter of its origin."""
+    quantities = {number.quantity: number.unit for number in numbers}
+    cells = {(number.condition, number.quantity): _cell(number) for number in numbers}
+    yield f"| | {' | '.join(f'{name} ({unit})' if unit else name for name, unit in quantities.items())} |"
+    yield f"|---|{'---|' * len(quantities)}"
+    for condition in dict.fromkeys(number.condition for number in numbers):
+        yield f"| {condition} | {' | '.join(cells.get((condition, name), '') for name in quantities)} |"

@@ -1,0 +1,166 @@
+"""What `tactometry reproduce` makes of the thesis, and that docs/reproduced.md is what it makes."""
+
+import csv
+import json
+import math
+import re
+
+import numpy as np
+import pytest
+from command_line import call, output
+from places import DOCS
+
+from tactometry.errors import InvalidParameter
+from tactometry.experiments.thesis.figures.writing import points, write_drawing
+from tactometry.experiments.thesis.items import REPRODUCTIONS, reproduction_of
+from tactometry.experiments.thesis.page import page, verdict
+from tactometry.experiments.thesis.reproduction import Number, reproduce
+from tactometry.stimuli.electrovibration.figures import force_against_area
+
+PAGE = DOCS / "reproduced.md"
+QUICK = ("table-2.1", "table-4.1", "table-6.1", "table-6.2")
+TOLERANCE = 0.02
+"""Of a number on the page: its three digits, and the rounding of other machines."""
+
+
+def number(**changes):
+    return Number(**{"quantity": "q", "condition": "c", "value": 1.0, "unit": "m", "origin": "derived", **changes})
+
+
+# --- labels
+
+
+@pytest.mark.parametrize(
+    ("changes", "expected"),
+    [
+        ({"stated": "1 m", "holds": True}, "**reproduced**"),
+        ({"stated": "1 m", "holds": True, "origin": "calibrated"}, "agrees, as calibrated"),
+        ({"stated": "1 m", "holds": True, "origin": "assumed"}, "agrees, as assumed"),
+        ({"stated": "2 m", "holds": False}, "does not agree"),
+        ({}, "not compared"),
+    ],
+)
+def test_only_what_is_derived_and_agrees_is_reproduced(changes, expected):
+    assert verdict(number(**changes)) == expected
+
+
+def test_a_label_that_is_none_is_refused():
+    with pytest.raises(InvalidParameter, match=r"Number.origin: found 'guessed', expected one of derived"):
+        number(origin="guessed")
+
+
+# --- items
+
+
+@pytest.mark.parametrize("name", REPRODUCTIONS)
+def test_an_item_says_what_the_thesis_states_and_what_is_assumed(name):
+    item = reproduction_of(name)
+    assert item.title
+    assert item.stated.endswith(".")
+    assert item.assumes.endswith(".")
+    assert (item.numbers is None) != (item.drawing is None)
+    assert bool(item.outcome) == name.startswith("finding")
+
+
+@pytest.fixture(
+    scope="module",
+    params=[name if name in QUICK else pytest.param(name, marks=pytest.mark.slow) for name in REPRODUCTIONS],
+)
+def made(request):
+    return reproduce(reproduction_of(request.param))
+
+
+def test_each_number_stands_once_and_is_compared_if_and_only_if_something_is_stated(made):
+    places = [(each.quantity, each.condition) for each in made.numbers]
+    assert len(set(places)) == len(places)
+    assert all((each.holds is not None) == bool(each.stated) for each in made.numbers)
+    assert all(math.isfinite(each.value) for each in made.numbers)
+
+
+def test_the_page_has_what_the_command_makes(made):
+    """Word by word, numbers within their digits."""
+    name = made.item.name
+    now, then = (words_of(text, name) for text in (page([made]), PAGE.read_text(encoding="utf-8")))
+    assert [word for word in now if not is_number(word)] == [word for word in then if not is_number(word)], "make pages"
+    found, stated = ([float(word) for word in words if is_number(word)] for words in (now, then))
+    np.testing.assert_allclose(found, stated, rtol=TOLERANCE, atol=TOLERANCE, err_msg="make pages")
+
+
+def words_of(text, name):
+    """Those of the section of an item, and of its rows of the score."""
+    section = text.partition(f"\n## {name}\n")[2].partition("\n## ")[0]
+    rows = [line for line in text.splitlines() if line.startswith(f"| [{name}]")]
+    return " ".join([*rows, section]).split()
+
+
+def is_number(word):
+    return re.fullmatch(r"-?[\d.]+(e[+-]?\d+)?", word) is not None
+
+
+def test_the_page_has_each_item_once_and_in_order():
+    text = PAGE.read_text(encoding="utf-8")
+    assert re.findall(r"^## (\w+-[\w.]+)$", text, re.MULTILINE) == list(REPRODUCTIONS)
+
+
+# --- numbers that are known otherwise
+
+
+def test_the_circuit_of_table_6_1_has_the_published_closed_forms():
+    found = {each.quantity: each.value for each in reproduce(reproduction_of("table-6.1")).numbers}
+    assert found["capacitance of the insulator"] == pytest.approx(3.4531332)
+    assert found["capacitance of the corneum"] == pytest.approx(4.4270939)
+    assert found["resistance of the corneum"] == pytest.approx(40.0)
+    assert found["share of a fast voltage across the corneum"] == pytest.approx(0.438202247)
+    assert found["time constant"] == pytest.approx(315.209086)
+    assert found["corner of the high-pass"] == pytest.approx(504.918640)
+
+
+# --- the command
+
+
+def test_an_item_is_written_with_its_labels(capsys, tmp_path):
+    said = output(capsys, "reproduce", "table-6.1", "--out", tmp_path)
+    with (tmp_path / "table-6.1.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["origin"] for row in rows} == {"assumed", "derived"}
+    assert all(f"{row['quantity']}, {row['condition']}: " in said for row in rows)
+
+
+def test_the_page_is_made_by_the_command(capsys, tmp_path):
+    made = tmp_path / "page.md"
+    output(capsys, "reproduce", "table-2.1", "--page", made)
+    assert made.read_text(encoding="utf-8") == page([reproduce(reproduction_of("table-2.1"))])
+
+
+def test_json_has_the_numbers(capsys):
+    told = json.loads(output(capsys, "reproduce", "table-6.2", "--json"))
+    assert [each["origin"] for each in told["table-6.2"]["numbers"]] == ["assumed"] * 3
+
+
+def test_an_unknown_item_is_one_sentence(capsys):
+    code, said, _ = call(capsys, "reproduce", "table-4.33")
+    assert code == 2
+    assert said.startswith("tactometry: NAME: found 'table-4.33', expected one of all, ")
+    assert "table-4.3" in said
+
+
+def test_a_place_that_cannot_be_written_is_one_sentence(capsys, tmp_path):
+    (tmp_path / "taken").write_text("", encoding="utf-8")
+    code, said, _ = call(capsys, "reproduce", "table-6.2", "--out", tmp_path / "taken")
+    assert code == 3
+    assert "cannot write" in said
+
+
+# --- curves of a drawing
+
+
+def test_a_drawing_is_a_picture_and_its_curves(tmp_path):
+    figure = force_against_area(laws=("sc_layer", "interface"))
+    write_drawing(figure, tmp_path, "area")
+    assert (tmp_path / "area.png").stat().st_size > 5_000
+    with (tmp_path / "area.csv").open(newline="", encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    assert {row["curve"] for row in rows} == {"sc_layer", "interface"}
+    assert [(row["curve"], float(row["x"]), float(row["y"])) for row in rows] == [
+        (row[1], row[3], row[5]) for row in points(figure)
+    ]
