@@ -17,6 +17,7 @@ LADDERS: Mapping[str, str] = {
     "field-grid": f"{_HERE}.field_grid:problem",
     "time-integration": f"{_HERE}.time_integration:problem",
     "finger-load": f"{_HERE}.finger_load:problem",
+    "lift-off": f"{_HERE}.lift_off:problem",
     "drive-oversampling": f"{_HERE}.drive_oversampling:problem",
     "sigma-delta-1": f"{_HERE}.sigma_delta:first_order",
     "sigma-delta-2": f"{_HERE}.sigma_delta:second_order",
