@@ -16,6 +16,7 @@ from tactometry.signal import Signal
 
 from .electrovibration.sensation import ElectrovibrationSensation
 from .electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
+from .electrovibration.waveforms.pulsed_carrier import pulses
 from .time_reversal.responses.responses import Responses
 from .time_reversal.stimulus import focus_train
 from .time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus
@@ -33,7 +34,7 @@ class Hybrid:
     Parameters
     ----------
     focus : FocusTrain
-        Its level in dB re 1 um.
+        Its level in dB re 1 um. Its `supply_v`, where one is stated, makes the friction too, by the width of pulses.
     friction : AmplitudeModulated
         Its level in dB re 1 V, its rate that of the screen (`focus.setup.rate_hz`), its duration that of the focus.
     electrode_offset_db : float
@@ -94,7 +95,7 @@ class Hybrid:
         LimitExceeded
             If the foci need more than `focus.voltage_max_v`.
         """
-        return _together(self.focus.at(level), self.friction.at(level + self.electrode_offset_db))
+        return _together(self.focus, self.friction, level, self.electrode_offset_db)
 
 
 @dataclass(frozen=True)
@@ -111,7 +112,7 @@ class MeasuredHybrid:
 
     def at(self, level: float) -> Signal:
         """As `Hybrid.at`."""
-        return _together(self.focus.at(level), self.friction.at(level + self.electrode_offset_db))
+        return _together(self.focus, self.friction, level, self.electrode_offset_db)
 
 
 def measured(hybrid: Hybrid, heard: Responses) -> MeasuredHybrid:
@@ -134,7 +135,13 @@ def measured(hybrid: Hybrid, heard: Responses) -> MeasuredHybrid:
     return MeasuredHybrid(focus_train.measured(hybrid.focus, heard), friction, hybrid.electrode_offset_db)
 
 
-def _together(foci: Signal, friction: Signal) -> Signal:
+def _together(
+    train: FocusTrain | TimeReversalStimulus, waveform: AmplitudeModulated, level: float, offset_db: float
+) -> Signal:
+    """What switches the transducers switches the electrode too."""
+    foci, friction = train.at(level), waveform.at(level + offset_db)
+    if train.supply_v is not None:
+        friction = pulses(friction, train.supply_v)
     samples = np.zeros((foci.samples.shape[0] + 1, friction.samples.shape[1]))
     samples[:-1, : foci.samples.shape[1]] = foci.samples
     samples[-1] = friction.samples[0]

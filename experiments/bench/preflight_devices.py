@@ -20,9 +20,9 @@ from tactometry.signal import Signal
 
 from ..study.experiment import Experiment
 from .bench_file import BenchFile
+from .board_stimuli import bank_on
 from .calibration import tone
 from .finding import Finding, duration, findings_of
-from .learnt_stimuli import bank_of
 
 LISTEN_S = 2.0
 RATE_TOLERANCE = 0.02
@@ -148,7 +148,7 @@ def tone_of(output: Guarded) -> Signal:
 
 def _strongest(output: Guarded, experiment: Experiment, bench: BenchFile) -> Iterator[Finding]:
     """Each stimulus at its highest level against the output; none is played."""
-    for strongest in experiment.strongest(bank_of(experiment, bench.time_reversal)):
+    for strongest in experiment.strongest(bank_on(experiment, bench)):
         words, fine, device = f"level {strongest.level:g}", True, False
         try:
             output.check(with_ramps(strongest.signal, bench.output.ramp_s))

@@ -29,12 +29,13 @@ def _equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog") ->
     from tactometry.rigs.device_rig import Equipment
 
     from ..bench.bench_file import device_facts
-    from ..bench.learnt_stimuli import bank_of, learnt_facts
+    from ..bench.board_stimuli import bank_on
+    from ..bench.learnt_stimuli import learnt_facts
 
     devices = bench.devices(experiment.study.limits, date.today())
     for caution in bench.cautions:
         click.echo(caution, err=True)
-    bank, learnt = bank_of(experiment, bench.time_reversal), learnt_facts(bench.time_reversal)
+    bank, learnt = bank_on(experiment, bench), learnt_facts(bench.time_reversal)
     for strongest in experiment.strongest(bank):
         check_format(strongest.signal, devices.output.driver)
     if devices.output.limits is not None:

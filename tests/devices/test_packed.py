@@ -37,7 +37,7 @@ from tactometry.signal import Signal
 
 @pytest.mark.parametrize(("values", "unit"), [([[1.0, -1.0]], "N"), ([[0.0, 0.0]], "V"), ([[1.0, -0.5]], "V")])
 def test_only_volts_of_one_size_are_packed(values, unit):
-    with pytest.raises(InvalidParameter, match="packed stream: found samples of more than one size"):
+    with pytest.raises(InvalidParameter, match="packed stream: found samples of more than one size, or of none"):
         encode(Signal(np.array(values), RATE_HZ, unit))
 
 
@@ -45,7 +45,8 @@ def test_only_volts_of_one_size_are_packed(values, unit):
     ("at", "value", "message"),
     [
         (0, b"TACT2BIT", "found no header, expected 48 bytes that begin with b'TACT1BIT'"),
-        (8, b"\x02\x00", "found version 2, header of 48 bytes, expected 1 and 48"),
+        (8, b"\x03\x00", "found version 3, header of 48 bytes, expected 1 or 2, and 48"),
+        (8, b"\x02\x00", "found 1 bytes after the header, expected 2"),
         (10, b"\x31\x00", "found version 1, header of 49 bytes"),
         (12, b"\x00\x00\x00\x00", "found 0 channels, expected from 1 to 65535"),
         (12, b"\x00\x00\x01\x00", "found 65536 channels, expected from 1 to 65535"),
@@ -69,7 +70,8 @@ def test_a_stream_of_too_many_channels_is_not_made():
 def test_a_packed_stream_gives_back_every_bit(values, voltage_v, rate_hz):
     signal = Signal(values * voltage_v, rate_hz, "V")
     stream = encode(signal)
-    assert len(stream) == HEADER_BYTES + word_bytes(values.shape[0]) * values.shape[1]
+    n_words = 1 if signal.samples.all() else 2
+    assert len(stream) == HEADER_BYTES + n_words * word_bytes(values.shape[0]) * values.shape[1]
     assert decode(stream).digest() == signal.digest()
     exact_case("a packed one-bit stream", against="every bit")
 
@@ -98,9 +100,18 @@ def test_the_bytes_are_those_of_the_documented_form():
     assert int.from_bytes(stream[44:48], "little") == zlib.crc32(stream[:44])
 
 
-@pytest.mark.parametrize("values", [[[1.0, 0.5]], [[1.0, 0.0]], [[0.0]]])
-def test_one_bit_is_plus_or_minus_one_voltage(values):
-    with pytest.raises(InvalidParameter, match=r"expected \+V and -V alone"):
+def test_a_second_word_says_which_channels_are_on():
+    values = np.zeros((9, 2))
+    values[[0, 8], [0, 1]] = 1.0, -1.0
+    stream = encode(Signal(30.0 * values, 1e6, "V"))
+    assert stream[8:10] == bytes([2, 0])
+    assert stream[48:] == bytes([1, 0, 1, 0, 0, 0, 0, 1])
+    assert decode(stream).samples.tolist() == (30.0 * values).tolist()
+
+
+@pytest.mark.parametrize("values", [[[1.0, 0.5]], [[1.0, 0.0, -0.5]], [[0.0]]])
+def test_one_bit_is_plus_or_minus_one_voltage_or_off(values):
+    with pytest.raises(InvalidParameter, match=r"expected \+V, -V and 0 \(off\) alone"):
         encode(volts(values))
 
 
@@ -380,8 +391,9 @@ def test_a_supply_cannot_be_scaled_by_one_bit():
     assert output.final(volts([[30.0, -30.0]])).samples.tolist() == [[30.0, -30.0]]
     with pytest.raises(DeviceFailed, match="found a signal of 20 V, expected the 30 V of the supply"):
         output.final(volts([[20.0, -20.0]]))
-    with pytest.raises(DeviceFailed, match="expected \\+V and -V alone .*nothing was played"):
-        output.final(volts([[30.0, 0.0]]))
+    assert output.final(volts([[30.0, 0.0]])).samples.tolist() == [[30.0, 0.0]]
+    with pytest.raises(DeviceFailed, match="expected \\+V, -V and 0 .*nothing was played"):
+        output.final(volts([[30.0, 15.0]]))
     with pytest.raises(DeviceFailed, match="found a signal of 20 V"):
         output.play(volts([[20.0, -20.0]]))
 

@@ -309,6 +309,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 "reversal_s": 0.1, "path": [0, 1], "modulation": "burst", "tau_s": 3e-2,
             },
             "focus_samples": {"pattern": Pattern(10.0, 0.2), "rate_hz": 2e3, "n_reversal": 9},
+            "focus_starts": {"pattern": Pattern(10.0, 0.2), "rate_hz": 2e3},
             "burst_s": {"weight": 0.5, "reversal_s": 7e-3, "tau_s": 3.5e-3},
         },
         "plate.plate": {

@@ -204,7 +204,7 @@ def pattern_drive(
     rule = quantiser or one_bit()
     waves = {row: reversed_waveform(foci.at_point(row), reversal_s=reversal_s) for row in set(rows)}
     n = next(iter(waves.values())).shape[1]
-    starts = _starts(pattern, foci.rate_hz)
+    starts = focus_starts(pattern, foci.rate_hz)
     overlaps = len(starts) > 1 and int(np.min(np.diff(starts))) < n
     pieces = []
     for row, weight in zip(rows, pattern.weights, strict=True):
@@ -221,8 +221,7 @@ def pattern_drive(
 @checked
 def focus_samples(pattern: Pattern, rate_hz: float, n_reversal: int) -> IntArray:
     """(n_foci,): the sample of each focus in a drive with `n_reversal` samples of reversal."""
-    positive("focus_samples", rate_hz=rate_hz)
-    return _starts(pattern, rate_hz) + n_reversal - 1
+    return focus_starts(pattern, rate_hz) + n_reversal - 1
 
 
 @checked
@@ -241,7 +240,10 @@ def burst_s(weight: float, reversal_s: float, tau_s: float) -> float:
     return reversal_s if reached == 1 else -tau_s * math.log1p(-reached)
 
 
-def _starts(pattern: Pattern, rate_hz: float) -> IntArray:
+@checked
+def focus_starts(pattern: Pattern, rate_hz: float) -> IntArray:
+    """(n_foci,): the sample where the drive of each focus begins."""
+    positive("focus_starts", rate_hz=rate_hz)
     at_most("samples of the pattern", pattern.times_s[-1] * rate_hz, MAX_SAMPLES)
     return np.round(pattern.times_s * rate_hz).astype(np.int64)
 

@@ -14,6 +14,7 @@ from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.signal import Signal
 
 from ..filters import Band
+from ..focusing.bursts import Bursts, check_supply
 from ..focusing.focusing import emitted
 from ..focusing.one_bit import OneBit
 from ..focusing.pattern import (
@@ -70,6 +71,9 @@ class TimeReversalStimulus:
         The row of each focus of the pattern, for a moving one, as in `pattern_drive`.
     modulation : str
         ``voltage`` or ``burst``, which needs `tau_s` (above 0).
+    supply_v : float, optional
+        Above 0: an amplifier that switches between this voltage, its negative and off. The level and the weights of the
+        pattern are made by the length of the bursts, each focus to 2 %; `voltage_max_v` and `modulation` have no part.
 
     Examples
     --------
@@ -89,6 +93,7 @@ class TimeReversalStimulus:
     path: Sequence[int] | None = None
     modulation: str = "voltage"
     tau_s: float | None = None
+    supply_v: float | None = None
 
     def __post_init__(self) -> None:
         one_of("TimeReversalStimulus.level_unit", self.level_unit, LEVEL_UNITS)
@@ -96,6 +101,7 @@ class TimeReversalStimulus:
         positive("TimeReversalStimulus", voltage_max_v=self.voltage_max_v)
         one_of("TimeReversalStimulus.modulation", self.modulation, MODULATIONS)
         _check_heard(self)
+        check_supply("TimeReversalStimulus", self.supply_v, self.quantiser)
         if self.reversal_s is not None:
             positive("TimeReversalStimulus", reversal_s=self.reversal_s)
             whole("TimeReversalStimulus", lowest=1, n_reversal=self._n_reversal)
@@ -108,8 +114,10 @@ class TimeReversalStimulus:
         InvalidParameter
             If the amplitude is not above 0.
         LimitExceeded
-            If it needs more than `voltage_max_v`.
+            If it needs more than `voltage_max_v`, or no burst at `supply_v` makes it.
         """
+        if self.supply_v is not None:
+            return self._at_supply(level)
         voltage_v = self.voltage_v(level)
         if voltage_v > self.voltage_max_v * (1 + 1e-12):
             raise LimitExceeded(
@@ -118,24 +126,31 @@ class TimeReversalStimulus:
             )
         return Signal(voltage_v * self._unit.samples, self._unit.rate_hz, "V")
 
+    def _at_supply(self, level: float) -> Signal:
+        try:
+            return self._bursts.drive(self._amplitude_m(level) * self.pattern.weights)
+        except LimitExceeded as error:
+            raise LimitExceeded(
+                f"level: found {level} {self.level_unit}, {error}; the largest level is about {self.level_max:.6g}: "
+                "lower it, lengthen reversal_s, or raise the supply"
+            ) from None
+
     def voltage_v(self, level: float) -> float:
         """Peak voltage of a level, before anything is played."""
-        amplitude_m = self._amplitude_m(level)
-        positive("TimeReversalStimulus", level=amplitude_m)
-        return amplitude_m / self.metres_per_volt
+        return self.supply_v or self._amplitude_m(level) / self.metres_per_volt
 
     @cached_property
     def metres_per_volt(self) -> float:
         """Amplitude of the largest focus per peak volt."""
         n = self.focus.n_samples if self.reversal_s is None else self._n_reversal
         instants = focus_samples(self.pattern, self.focus.rate_hz, n)
-        rows = [0] * len(instants) if self.path is None else list(self.path)
-        return float(np.abs(emitted(self._unit, self.heard or self.focus)[rows, instants]).max())
+        return float(np.abs(emitted(self._unit, self.heard or self.focus)[self._rows, instants]).max())
 
     @property
     def level_max(self) -> float:
-        """The largest level within `voltage_max_v`."""
-        amplitude_m = self.voltage_max_v * self.metres_per_volt
+        """The largest level within `voltage_max_v`; of bursts that of a single focus, which a train reaches nearly."""
+        by_voltage = self.supply_v is None
+        amplitude_m = self.voltage_max_v * self.metres_per_volt if by_voltage else self._bursts.reach_m
         return amplitude_m if self.level_unit == "m" else 20 * math.log10(amplitude_m / 1e-6)
 
     @cached_property
@@ -152,12 +167,30 @@ class TimeReversalStimulus:
         )
         return Signal(drive.samples / drive.peak, drive.rate_hz, "V")
 
+    @cached_property
+    def _bursts(self) -> Bursts:
+        assert self.supply_v is not None
+        return Bursts.of(
+            self.focus,
+            self.heard or self.focus,
+            self.pattern,
+            self.quantiser,
+            self.reversal_s,
+            self._rows,
+            self.supply_v,
+        )
+
+    @property
+    def _rows(self) -> list[int]:
+        return [0] * self.pattern.n_foci if self.path is None else list(self.path)
+
     @property
     def _n_reversal(self) -> int:
         return samples_in("reversal_s", self.reversal_s or 0.0, self.focus.rate_hz)
 
     def _amplitude_m(self, level: float) -> float:
         if self.level_unit == "m":
+            positive("TimeReversalStimulus", level=level)
             return level
         within("TimeReversalStimulus", -HIGHEST_LEVEL_DB, HIGHEST_LEVEL_DB, **{"level (dB re 1 um)": level})
         return 1e-6 * 10 ** (level / 20)
@@ -200,6 +233,10 @@ class FocusTrain:
         Weights at equal steps over the train, in place of a named envelope.
     modulation : {"voltage", "burst"}
         Whether the voltage or the length of the burst makes a focus weaker.
+    supply_v : float, optional
+        Above 0: the level too is made by the lengths of bursts, at this voltage and off, as amplifiers that switch need
+        it (a bench with a `packed` output sets it); `voltage_max_v` and `modulation` have no part then. By default the
+        voltage makes the level.
 
     Examples
     --------
@@ -223,6 +260,7 @@ class FocusTrain:
     train_s: float | None = None
     envelope_table: tuple[float, ...] | None = None
     modulation: Literal["voltage", "burst"] = "voltage"
+    supply_v: float | None = None
 
     def __post_init__(self) -> None:
         if self.envelope_table is not None:
@@ -230,6 +268,7 @@ class FocusTrain:
         positive("FocusTrain", duration_s=self.duration_s, voltage_max_v=self.voltage_max_v)
         _check_band(self)
         _check_times(self)
+        check_supply("FocusTrain", self.supply_v, DRIVES[self.drive])
 
     @property
     def foci(self) -> Pattern:
@@ -263,7 +302,7 @@ class FocusTrain:
         InvalidParameter
             If the level is not finite or not above 0 m.
         LimitExceeded
-            If it needs more than `voltage_max_v`.
+            If it needs more than `voltage_max_v`, or no burst at `supply_v` makes it.
         """
         return _family(self).at(level)
 
@@ -328,6 +367,7 @@ def _reversed(train: FocusTrain, learnt: Responses, heard: Responses) -> TimeRev
         heard,
         modulation=train.modulation,
         tau_s=train.setup.tau_s,
+        supply_v=train.supply_v,
     )
 
 

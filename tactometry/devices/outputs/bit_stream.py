@@ -6,20 +6,21 @@ A stream is a header of 48 bytes and its payload, all little-endian:
 offset  type  what
 ======  ====  ===================================================================================
 0       8s    magic, ``TACT1BIT``
-8       u16   version, 1
+8       u16   version: 1, or 2 if a channel is off somewhere
 10      u16   bytes of the header, 48
 12      u32   n_channels, 1 to 65535
 16      f64   rate_hz, samples per second
-24      f64   voltage_v: a bit of 1 is +voltage_v, 0 is -voltage_v
+24      f64   voltage_v: a sign bit of 1 is +voltage_v, 0 is -voltage_v
 32      u64   n_samples
 40      u32   CRC-32 (zlib's) of the payload
 44      u32   CRC-32 of the header's bytes 0 to 43
 ======  ====  ===================================================================================
 
-The payload is one word of ``ceil(n_channels / 8)`` bytes per sample; channel q is bit q mod 8 of byte q div 8; the bits
-beyond the last channel are 0. One bit has no zero: a board plays a stream once it has all of it and its checksum is
-right, and switches its outputs off before it, after its last sample, at the end of the file, and at once when it reads
-a stream of no samples, which is how "stop" is said.
+The payload of version 1 is one word of signs per sample, ``ceil(n_channels / 8)`` bytes; channel q is bit q mod 8 of
+byte q div 8; the bits beyond the last channel are 0. In version 2 a second word follows it, of which channels are on:
+where its bit is 0, the channel is switched off, and its sign bit is 0. A board plays a stream once it has all of it and
+its checksum is right, and switches its outputs off before it, after its last sample, at the end of the file, and at
+once when it reads a stream of no samples, which is how "stop" is said.
 """
 
 import struct
@@ -33,7 +34,9 @@ from ...arguments.require import expect
 from ...signal import Signal
 
 MAGIC: Final = b"TACT1BIT"
-VERSION: Final = 1
+SIGNS: Final = 1
+SIGNS_AND_OFF: Final = 2
+"""Versions: words in each sample."""
 _FIELDS: Final = struct.Struct("<8sHHIddQI")
 _CHECKSUM: Final = struct.Struct("<I")
 HEADER_BYTES: Final = _FIELDS.size + _CHECKSUM.size
@@ -42,7 +45,7 @@ _STREAM: Final = "packed stream"
 
 
 def word_bytes(n_channels: int) -> int:
-    """Bytes of one sample of all channels.
+    """Bytes of a word, a bit for each channel.
 
     >>> word_bytes(32), word_bytes(33)
     (4, 5)
@@ -51,44 +54,48 @@ def word_bytes(n_channels: int) -> int:
 
 
 def encode(signal: Signal) -> bytes:
-    """A signal of +V and -V as a stream; a signal of no samples is "stop".
+    """A signal of +V, -V and 0 (off) as a stream; a signal of no samples is "stop".
 
     Raises
     ------
     InvalidParameter
-        If a sample is neither +V nor -V for one V, the peak.
+        If a sample is neither +V, -V nor 0 for one V, the peak, or all of them are 0.
 
     Examples
     --------
     >>> stream = encode(Signal(np.array([[30.0, -30.0], [30.0, 30.0]]), 1e6, "V"))
     >>> len(stream), stream[48:].hex(), decode(stream).samples.tolist()
     (50, '0302', [[30.0, -30.0], [30.0, 30.0]])
+    >>> encode(Signal(np.array([[0.0, -30.0], [30.0, 0.0]]), 1e6, "V"))[48:].hex()
+    '02020001'
     """
-    voltage_v = signal.peak
-    one_size = np.all(np.abs(signal.samples) == voltage_v)
-    is_zero = signal.samples.size > 0 and voltage_v == 0  # zeros are of one size too, and have no sign
-    one_bit = "+V and -V alone (a one-bit signal in volt, without ramps)"
-    expect(signal.unit == "V" and one_size and not is_zero, _STREAM, "samples of more than one size", one_bit)
-    bits = np.packbits(signal.samples.T > 0, axis=1, bitorder="little")
-    return _header(signal, voltage_v, zlib.crc32(bits.tobytes())) + bits.tobytes()
+    voltage_v, is_on = signal.peak, signal.samples != 0
+    one_size = np.all(np.abs(signal.samples[is_on]) == voltage_v)
+    some = signal.samples.size == 0 or voltage_v > 0
+    one_bit = "+V, -V and 0 (off) alone (one bit, in volt, no ramps; a bench makes foci and amplitude_modulated so)"
+    expect(signal.unit == "V" and one_size and some, _STREAM, "samples of more than one size, or of none", one_bit)
+    words = [signal.samples > 0] if is_on.all() else [signal.samples > 0, is_on]
+    payload = np.concatenate([_words(bits) for bits in words], axis=1).tobytes()
+    return _header(signal, voltage_v, len(words), zlib.crc32(payload)) + payload
 
 
 def decode(stream: bytes) -> Signal:
-    """The signal of a stream, bit by bit.
+    """The signal of a stream, bit by bit; 0 where a channel is off.
 
     Raises
     ------
     InvalidParameter
         If it is no stream, or was damaged.
     """
-    n_channels, rate_hz, voltage_v, n_samples, checksum = _read_header(stream)
+    n_words, n_channels, rate_hz, voltage_v, n_samples, checksum = _read_header(stream)
     payload = stream[HEADER_BYTES:]
-    n_bytes = n_samples * word_bytes(n_channels)
+    n_bytes = n_samples * n_words * word_bytes(n_channels)
     expect(len(payload) == n_bytes, _STREAM, f"{len(payload)} bytes after the header", f"{n_bytes}")
     expect(zlib.crc32(payload) == checksum, _STREAM, "a payload whose checksum is wrong", "it undamaged")
-    words = np.frombuffer(payload, np.uint8).reshape(n_samples, word_bytes(n_channels))
-    bits: NDArray[np.uint8] = np.unpackbits(words, axis=1, count=n_channels, bitorder="little")
-    return Signal(np.where(bits.T == 1, voltage_v, -voltage_v), rate_hz, "V")
+    words = np.frombuffer(payload, np.uint8).reshape(n_samples, n_words, word_bytes(n_channels))
+    bits: NDArray[np.uint8] = np.unpackbits(words, axis=2, count=n_channels, bitorder="little")
+    signs = np.where(bits[:, 0].T == 1, voltage_v, -voltage_v)
+    return Signal(signs if n_words == SIGNS else np.where(bits[:, 1].T == 1, signs, 0.0), rate_hz, "V")
 
 
 def stop_stream(n_channels: int, rate_hz: float) -> bytes:
@@ -96,10 +103,15 @@ def stop_stream(n_channels: int, rate_hz: float) -> bytes:
     return encode(Signal(np.zeros((n_channels, 0)), rate_hz, "V"))
 
 
-def _header(signal: Signal, voltage_v: float, checksum: int) -> bytes:
+def _words(bits: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """(n_samples, bytes of a word)."""
+    return np.packbits(bits.T, axis=1, bitorder="little")
+
+
+def _header(signal: Signal, voltage_v: float, version: int, checksum: int) -> bytes:
     n_channels, n_samples = signal.samples.shape
     _check_channels(n_channels)
-    fields = _FIELDS.pack(MAGIC, VERSION, HEADER_BYTES, n_channels, signal.rate_hz, voltage_v, n_samples, checksum)
+    fields = _FIELDS.pack(MAGIC, version, HEADER_BYTES, n_channels, signal.rate_hz, voltage_v, n_samples, checksum)
     return fields + _CHECKSUM.pack(zlib.crc32(fields))
 
 
@@ -107,14 +119,15 @@ def _check_channels(n_channels: int) -> None:
     expect(1 <= n_channels <= MOST_CHANNELS, _STREAM, f"{n_channels} channels", f"from 1 to {MOST_CHANNELS}")
 
 
-def _read_header(stream: bytes) -> tuple[int, float, float, int, int]:
+def _read_header(stream: bytes) -> tuple[int, int, float, float, int, int]:
     begins = len(stream) >= HEADER_BYTES and stream[:8] == MAGIC
     expect(begins, _STREAM, "no header", f"{HEADER_BYTES} bytes that begin with {MAGIC!r}")
     fields = stream[: _FIELDS.size]
     _, version, n_header, n_channels, rate_hz, voltage_v, n_samples, checksum = _FIELDS.unpack(fields)
     sound = zlib.crc32(fields) == _CHECKSUM.unpack_from(stream, _FIELDS.size)[0]
     expect(sound, _STREAM, "a header whose checksum is wrong", "it undamaged")
-    known = (version, n_header) == (VERSION, HEADER_BYTES)
-    expect(known, _STREAM, f"version {version}, header of {n_header} bytes", f"{VERSION} and {HEADER_BYTES}")
+    known = version in (SIGNS, SIGNS_AND_OFF) and n_header == HEADER_BYTES
+    versions = f"{SIGNS} or {SIGNS_AND_OFF}, and {HEADER_BYTES}"
+    expect(known, _STREAM, f"version {version}, header of {n_header} bytes", versions)
     _check_channels(n_channels)
-    return n_channels, rate_hz, voltage_v, n_samples, checksum
+    return version, n_channels, rate_hz, voltage_v, n_samples, checksum

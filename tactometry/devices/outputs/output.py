@@ -129,7 +129,7 @@ class NullSettings:
 
 
 REMEDIES = {
-    "n_channels": "name one outlet of the output for each channel of the stimulus",
+    "n_channels": "name one outlet of the output for each channel of the stimulus, and of a packed one the electrode",
     "rate_hz": "state that rate_hz in the study's [stimulus] (or its setup), or another one in [output]",
 }
 

@@ -8,7 +8,7 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from ...arguments.require import positive
+from ...arguments.require import positive, whole
 from ...errors import DeviceFailed, InvalidParameter
 from ...signal import Signal
 from .bit_stream import decode, encode, stop_stream
@@ -30,6 +30,7 @@ STOP_WITHIN_S: Final = 0.25
 class PackedSettings:
     """`path` is opened for appending; `rate_hz` and `n_channels` are the board's.
 
+    `electrode` is the channel (from 0) that leads to an electrode, where one does; the others lead to transducers.
     With ``gain`` a bit of 1 is 1 unit: ``volts_per_unit * amplifier_gain`` is what a board's supply puts on a load.
     """
 
@@ -37,9 +38,12 @@ class PackedSettings:
     path: str
     n_channels: int
     rate_hz: float
+    electrode: int | None = None
 
     def __post_init__(self) -> None:
         positive("PackedSettings", n_channels=self.n_channels, rate_hz=self.rate_hz)
+        if self.electrode is not None:
+            whole("PackedSettings", lowest=0, highest=self.n_channels - 1, electrode=self.electrode)
 
     def driver(self, gain: Gain | None) -> "PackedOutput":
         return PackedOutput(self, required_gain(gain, "output.gain"))
@@ -88,7 +92,7 @@ class PackedOutput(Driver):
         self.stop()
 
     def final(self, signal: Signal) -> Signal:
-        """What comes out of the bits again; every voltage is that of the supply."""
+        """What comes out of the bits again; every voltage is that of the supply, or 0 where a channel is off."""
         try:
             emitted = decode(self._stream_of(signal))
         except InvalidParameter as error:
@@ -98,7 +102,8 @@ class PackedOutput(Driver):
         if signal.samples.size and abs(signal.peak - supply_v) > 1e-9 * supply_v:
             raise DeviceFailed(
                 f"output {self.name!r}: found a signal of {signal.peak:.6g} V, expected the {supply_v:.6g} V of the "
-                "supply, which one bit cannot scale; nothing was played"
+                "supply, which one bit cannot scale; take foci or amplitude_modulated, whose level a bench makes by "
+                "bursts and pulses; nothing was played"
             )
         return Signal(np.sign(emitted.samples) * supply_v, emitted.rate_hz, "V")
 

@@ -143,7 +143,7 @@ LEARNT = "time-reversal-threshold"
 SHORT = {
     "time-reversal-threshold": (
         ("force_n = [0.5, 1.5, 3.0] ", "force_n = [0.5] "),
-        ("levels = [12.0, 16.0, 20.0, 24.0, 28.0, 32.0]\nrepeats = 20", "levels = [20.0, 28.0]\nrepeats = 1"),
+        ("levels = [10.0, 14.0, 18.0, 22.0, 26.0, 30.0]\nrepeats = 20", "levels = [20.0, 28.0]\nrepeats = 1"),
         ("n_correct = 4 ", "n_correct = 1 "),
     ),
     "time-reversal-patterns": (

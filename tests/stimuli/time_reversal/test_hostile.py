@@ -87,6 +87,7 @@ INNER = frozenset(
         "rectangle.rectangle",
         "rectangle.ritz",
         "focusing.modulator",
+        "focusing.bursts",
     }
 )
 """Numerical kernels: their arguments are arrays that the public functions make."""

@@ -1,0 +1,114 @@
+"""The stimuli of a study as a bench plays them: from learnt responses, and switched, where a board has two voltages."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.signal import Signal, Stimulus
+
+from ..study.experiment import Experiment
+from .bench_file import BenchFile, OutputPart
+from .learnt_stimuli import bank_of
+
+
+@dataclass(frozen=True)
+class OnChannels:
+    """A stimulus on some channels of `n_channels`; the others are off."""
+
+    stimulus: Stimulus
+    channels: tuple[int, ...]
+    n_channels: int
+
+    @property
+    def level_unit(self) -> str:
+        return self.stimulus.level_unit
+
+    def at(self, level: float) -> Signal:
+        """As that of the stimulus; one of another number of channels stays as it is, and the output refuses it."""
+        signal = self.stimulus.at(level)
+        if signal.samples.shape[0] != len(self.channels):
+            return signal
+        samples = np.zeros((self.n_channels, signal.samples.shape[1]))
+        samples[list(self.channels)] = signal.samples
+        return Signal(samples, signal.rate_hz, signal.unit)
+
+
+@dataclass(frozen=True)
+class Board:
+    """What switches between `supply_v`, its negative and off; channels move plates, that of an `electrode` does not.
+
+    Foci get their level by the length of bursts, the carrier of electrovibration by the width of pulses.
+    """
+
+    supply_v: float
+    rate_hz: float
+    n_channels: int
+    electrode: int | None
+
+    def switched(self, stimulus: Stimulus) -> Stimulus:
+        """The stimulus as this board makes it; what it cannot make stays as it is, and the output refuses it."""
+        from tactometry.stimuli.electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
+        from tactometry.stimuli.electrovibration.waveforms.pulsed_carrier import of_supply
+        from tactometry.stimuli.hybrid import Hybrid, MeasuredHybrid
+        from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus
+
+        plates = tuple(channel for channel in range(self.n_channels) if channel != self.electrode)
+        electrode = () if self.electrode is None else (self.electrode,)
+        match stimulus:
+            case FocusTrain() | TimeReversalStimulus():
+                return self._on(plates, replace(stimulus, supply_v=self.supply_v))
+            case Hybrid(focus=train):
+                return self._on((*plates, *electrode), replace(stimulus, focus=replace(train, supply_v=self.supply_v)))
+            case MeasuredHybrid(focus=foci):
+                return self._on((*plates, *electrode), replace(stimulus, focus=replace(foci, supply_v=self.supply_v)))
+            case AmplitudeModulated():
+                return self._on(electrode, of_supply(stimulus, self.rate_hz, self.supply_v))
+        return stimulus
+
+    def _on(self, channels: tuple[int, ...], stimulus: Stimulus) -> Stimulus:
+        return stimulus if self.electrode is None else OnChannels(stimulus, channels, self.n_channels)
+
+
+def board_of(output: OutputPart) -> Board | None:
+    """The board of a bench, where its output is one."""
+    if not output.settings.connected:
+        return None
+    from tactometry.devices.outputs.packed import PackedSettings
+
+    settings, gain = output.settings, output.gain
+    if not isinstance(settings, PackedSettings) or gain is None:
+        return None
+    return Board(gain.load_volts_per_unit, settings.rate_hz, settings.n_channels, settings.electrode)
+
+
+def bank_on(experiment: Experiment, bench: BenchFile) -> Mapping[str, Stimulus]:
+    """The stimuli by name, as this bench plays them.
+
+    Raises
+    ------
+    InvalidFile, InvalidParameter
+        If the responses that were learnt cannot be read or do not suit a stimulus, or its board cannot switch one.
+    """
+    bank, board = bank_of(experiment, bench.time_reversal), board_of(bench.output)
+    if board is None:
+        return bank
+    return {name: _switched(name, stimulus, _lowest(experiment, name), board) for name, stimulus in bank.items()}
+
+
+def _lowest(experiment: Experiment, name: str) -> float:
+    """The lowest level of a procedure with this stimulus."""
+    cells = (cell for cell in experiment.cells.values() if cell.condition.stimulus == name)
+    return min(cell.procedure.rule.bounds[0] for cell in cells)
+
+
+def _switched(name: str, stimulus: Stimulus, lowest: float, board: Board) -> Stimulus:
+    """As the board makes it, down to the lowest level; the highest is for the output to refuse, as of any other."""
+    try:
+        switched = board.switched(stimulus)
+        if switched is not stimulus:
+            switched.at(lowest)
+        return switched
+    except (InvalidParameter, LimitExceeded) as error:
+        raise InvalidParameter(f"output, {name}: {error}; nothing was played") from None

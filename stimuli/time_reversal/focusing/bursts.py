@@ -1,0 +1,145 @@
+"""Foci by the length of their bursts: an amplifier that switches between its supply and off cannot scale a voltage.
+
+A drive that is off until shortly before its focus makes a smaller one: the sum over what is on of the supply times the
+response. Channels are switched on one by one, so that a step is one sample of one channel. The foci of a train are made
+one after another, each beside what the ones before it leave at its place, so that each has the amplitude asked for.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from tactometry.arguments.require import expect, positive
+from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.signal import Signal
+
+from ...arrays import FloatArray, IntArray
+from ..responses.responses import Responses
+from .focusing import reversed_waveform
+from .pattern import Pattern, focus_starts
+from .quantiser import Analogue, Quantiser, one_bit
+
+RESOLVED: Final = 0.02
+"""How far a focus may be off, in parts of the largest one: 0.17 dB (unverified default)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bursts:
+    """Trains of bursts at one supply.
+
+    Parameters
+    ----------
+    bits : sequence of (n_channels, n_reversal) array
+        Of each focus, -1 and +1: its whole emission.
+    starts : (n_foci,) array of int
+        The sample where each emission begins; none begins before the one before it is over.
+    heard : Responses
+        Displacement at the focus points, m per V.
+    rows : sequence of int
+        The point of each focus.
+    supply_v : float
+        Above 0.
+
+    Examples
+    --------
+    >>> h = Responses(np.array([[[1.0, 2.0, 4.0]]]), 1e3)
+    >>> Bursts([np.ones((1, 3))], np.array([0]), h, [0], 30.0).drive(np.array([90.0])).samples
+    array([[ 0., 30., 30.]])
+    """
+
+    bits: Sequence[FloatArray]
+    starts: IntArray
+    heard: Responses
+    rows: Sequence[int]
+    supply_v: float
+
+    @classmethod
+    def of(
+        cls,
+        focus: Responses,
+        heard: Responses,
+        pattern: Pattern,
+        quantiser: Quantiser | None,
+        reversal_s: float | None,
+        rows: Sequence[int],
+        supply_v: float,
+    ) -> "Bursts":
+        """Those of a pattern; the arguments are those of `TimeReversalStimulus`.
+
+        Raises
+        ------
+        InvalidParameter
+            If one emission begins before the one before it is over.
+        """
+        rule, starts = quantiser or one_bit(), focus_starts(pattern, focus.rate_hz)
+        bits = {
+            row: rule.quantise(reversed_waveform(focus.at_point(row), reversal_s=reversal_s), focus.rate_hz)
+            for row in set(rows)
+        }
+        _check_apart(starts, bits[rows[0]].shape[1], focus.rate_hz)
+        return cls([bits[row] for row in rows], starts, heard, rows, supply_v)
+
+    @property
+    def reach_m(self) -> float:
+        """The largest first focus."""
+        return float(self._made_m(self.bits[0], self.heard.samples[self.rows[0]]).max())
+
+    def drive(self, amplitudes_m: FloatArray) -> Signal:
+        """The drive (V: the supply, its negative, and 0 where a channel is off) whose foci have these amplitudes.
+
+        Raises
+        ------
+        LimitExceeded
+            If no burst makes a focus to `RESOLVED`.
+        """
+        n_channels, n = self.bits[0].shape
+        nearest_m = RESOLVED * float(np.abs(amplitudes_m).max())
+        on = np.zeros((n_channels, int(self.starts[-1]) + n))
+        for bits, start, row, wanted_m in zip(self.bits, self.starts, self.rows, amplitudes_m, strict=True):
+            response = self.heard.samples[row]
+            missing_m = float(wanted_m) - self._left_m(on[:, :start], response, int(start) + n - 1)
+            on[:, start : start + n] = np.sign(missing_m) * self._burst(bits, response, abs(missing_m), nearest_m)
+        return Signal(self.supply_v * on + 0.0, self.heard.rate_hz, "V")
+
+    def _left_m(self, before: FloatArray, response: FloatArray, instant: int) -> float:
+        """What the emission before a focus still does at its place and instant."""
+        first = max(0, instant - response.shape[1] + 1)
+        lags = instant - np.arange(first, before.shape[1])
+        return self.supply_v * float(np.sum(before[:, first:] * response[:, lags]))
+
+    def _burst(self, bits: FloatArray, response: FloatArray, missing_m: float, nearest_m: float) -> FloatArray:
+        """The bits that make `missing_m`, from the focus backwards; the others are 0."""
+        made_m = self._made_m(bits, response)
+        n_on = int(np.argmin(np.abs(made_m - missing_m)))
+        if abs(made_m[n_on] - missing_m) > nearest_m:
+            raise LimitExceeded(
+                f"a focus of {1e6 * missing_m:.4g} um, expected one that a burst at the {self.supply_v:.4g} V of the "
+                f"supply makes: the nearest has {1e6 * made_m[n_on]:.4g} um"
+            )
+        is_on = np.arange(bits.size) < n_on
+        return np.asarray(bits * is_on.reshape(bits.T.shape).T[:, ::-1])
+
+    def _made_m(self, bits: FloatArray, response: FloatArray) -> FloatArray:
+        """The focus of 0, 1, ... samples that are on, backwards from the instant and channel by channel."""
+        latest_first = (bits[:, ::-1] * response[:, : bits.shape[1]]).T.ravel()
+        return self.supply_v * np.concatenate([[0.0], np.cumsum(latest_first)])
+
+
+def check_supply(owner: str, supply_v: float | None, quantiser: Quantiser | None) -> None:
+    """Refuse a supply of no size, or one that would have to scale; None is none."""
+    if supply_v is None:
+        return
+    positive(owner, supply_v=supply_v)
+    if isinstance(quantiser, Analogue):
+        raise InvalidParameter(
+            f'{owner}.supply_v: found {supply_v:g} with an analogue drive, expected drive = "one_bit" or a '
+            "sigma-delta, whose values a supply can switch"
+        )
+
+
+def _check_apart(starts: IntArray, n_reversal: int, rate_hz: float) -> None:
+    apart = int(np.diff(starts).min(initial=n_reversal))
+    longest = f"at most the {apart / rate_hz:g} s from focus to focus, as supply_v makes one after another; shorten it"
+    expect(n_reversal <= apart, "TimeReversalStimulus.reversal_s", f"{n_reversal / rate_hz:g} s", longest)
