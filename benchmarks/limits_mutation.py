@@ -13,7 +13,8 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("tactometry", "stimuli", "protocols", "analysis", "experiments", "tests")
-SOURCE = (ROOT / "tactometry" / "limits.py").read_text(encoding="utf-8")
+LIMITS = Path("tactometry", "safety", "limits.py")
+SOURCE = (ROOT / LIMITS).read_text(encoding="utf-8")
 
 
 def mutants() -> dict[str, str]:
@@ -33,10 +34,10 @@ def mutants() -> dict[str, str]:
         "patches need no displacement": ('"duration_s", "displacement_peak_m"', '"duration_s"'),
         "a signal as long as it likes": ("return LONGEST_SIGNAL_S if", "return 1e9 if"),
         "a force as large as it likes": ("target_n * (1 + tolerance)", "target_n"),
-        "the looser of two forces": ('    "force_peak_n",\n    "charge_session_c",\n)', '    "charge_session_c",\n)'),
+        "the looser of two forces": ('("duty", "duty_window_s")]', '("duty", "duty_window_s", "force_peak_n")]'),
         "the looser of two charges of a session": (
-            '    "force_peak_n",\n    "charge_session_c",\n)',
-            '    "force_peak_n",\n)',
+            '("duty", "duty_window_s")]',
+            '("duty", "duty_window_s", "charge_session_c")]',
         ),
         "displacement of unknown gain": ("and load.displacement_m_per_v is None", "and False"),
         "any value of a limit": ('positive("Limits", ', "dict("),
@@ -63,7 +64,7 @@ def _replaced(old: str, new: str) -> str:
 
 
 def passes(tree: Path, source: str) -> bool:
-    (tree / "tactometry" / "limits.py").write_text(source, encoding="utf-8")
+    (tree / LIMITS).write_text(source, encoding="utf-8")
     command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "tests/kernel/test_limits.py"]
     env = {**os.environ, "PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1"}
     return subprocess.run(command, cwd=tree, env=env, capture_output=True, check=False).returncode == 0
