@@ -159,7 +159,7 @@ def _text(scene_file: "SceneFile", record: dict[str, Any], result: "Result") -> 
 def _lift_notes(record: dict[str, Any]) -> list[str]:
     return [
         f"note: finger {n} pulls by up to {pull_n:.2g} N more than presses it: a real one would lift off, which no "
-        "effect computes"
+        "effect computes; in Python `one_sided_contact` of tactometry.stimuli.time_reversal.lift_off does"
         for n, pull_n in enumerate(record["pulls_n"], 1)
         if pull_n
     ]

@@ -23,6 +23,7 @@ PREFIXED = re.compile(r"_(?:ms|us|khz|mhz|mm|um|nm|cm|mn|kn|kv|mv|ma|kpa|mpa|gpa
 
 BARE = {
     "guess_rate": "a probability",
+    "summed_amplitude": "of the event that is felt as strongly as a train, in the unit of its peaks",
     "lapse_rate": "a probability",
     "catch_rate": "a share of trials",
     "rate_beta": "a parameter of a beta distribution",
