@@ -50,9 +50,9 @@ def test_a_level_is_that_of_the_closed_form(name, lag):
     tone = stimulus.frequency_hz
     scene = felt(*(["friction_lag"] if lag else []), played=played, tone=tone)
     level = 30.0 if stimulus.level_unit == "V" else 20 * np.log10(30.0)
-    for contact in (TOUCH, Contact(0.7, 0.02)):
+    for contact in (TOUCH, Contact(0.7, 0.1)):
         expected_db = by_hand_db(frequency_hz, share, 30.0, contact, lag)
-        assert scene.sensation(stimulus.at(level), contact) == pytest.approx(expected_db, abs=0.01)
+        assert scene.sensation(stimulus.at(level), contact) == pytest.approx(expected_db, abs=0.02)
 
 
 def test_a_lag_of_components_is_that_of_the_course():
