@@ -13,7 +13,7 @@ import sys
 import time
 from pathlib import Path
 
-RUNS = 7
+RUNS = 5
 LIMITS_S = {"electrovibration-panel": 1.0, "a4-screen": 1.5}
 NUMPY = [sys.executable, "-c", "import numpy"]
 TWICE = """
