@@ -18,7 +18,8 @@ from tactometry.experiments.thesis.reproduction import Number, reproduce
 from tactometry.stimuli.electrovibration.figures import force_against_area
 
 PAGE = DOCS / "reproduced.md"
-QUICK = ("table-2.1", "table-4.1", "table-6.1", "table-6.2")
+QUICK = ("table-2.1", "table-4.1", "table-6.1", "table-6.2", *(name for name in REPRODUCTIONS if "figure" in name))
+DRAWN_AT_ONCE = ("figure-3.4", "figure-5.8", "figure-6.3", "figure-6.5", "figure-6.6", "figure-6.8", "figure-B.1")
 TOLERANCE = 0.02
 """Of a number on the page: its three digits, and the rounding of other machines."""
 
@@ -164,3 +165,13 @@ def test_a_drawing_is_a_picture_and_its_curves(tmp_path):
     assert [(row["curve"], float(row["x"]), float(row["y"])) for row in rows] == [
         (row[1], row[3], row[5]) for row in points(figure)
     ]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [pytest.param(n, marks=[] if n in DRAWN_AT_ONCE else pytest.mark.slow) for n in REPRODUCTIONS if "figure" in n],
+)
+def test_a_figure_has_curves_with_labels_and_units(name):
+    rows = list(points(reproduction_of(name).drawing()))
+    assert rows
+    assert all(math.isfinite(x) and math.isfinite(y) for _, _, _, x, _, y in rows)

@@ -1,4 +1,4 @@
-"""Tables, figures and findings of the thesis: one file each, one line here."""
+"""Tables, findings and figures of the thesis: a file for each (one for the figures of two chapters), one line here."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -27,6 +27,39 @@ REPRODUCTIONS: Mapping[str, str] = {
     "table-6.1": f"{_HERE}.table_6_1:TABLE",
     "table-6.2": f"{_HERE}.table_6_2:TABLE",
     "table-6.3": f"{_HERE}.table_6_3:TABLE",
+    "figure-3.4": f"{_HERE}.figures_3_4:FIGURE_3_4",
+    "figure-3.8": f"{_HERE}.figures_3_4:FIGURE_3_8",
+    "figure-3.9": f"{_HERE}.figures_3_4:FIGURE_3_9",
+    "figure-3.11": f"{_HERE}.figures_3_4:FIGURE_3_11",
+    "figure-3.13": f"{_HERE}.figures_3_4:FIGURE_3_13",
+    "figure-3.14": f"{_HERE}.figures_3_4:FIGURE_3_14",
+    "figure-3.15": f"{_HERE}.figures_3_4:FIGURE_3_15",
+    "figure-3.16": f"{_HERE}.figures_3_4:FIGURE_3_16",
+    "figure-3.18": f"{_HERE}.figures_3_4:FIGURE_3_18",
+    "figure-3.19": f"{_HERE}.figures_3_4:FIGURE_3_19",
+    "figure-3.20": f"{_HERE}.figures_3_4:FIGURE_3_20",
+    "figure-3.21": f"{_HERE}.figures_3_4:FIGURE_3_21",
+    "figure-4.9": f"{_HERE}.figures_3_4:FIGURE_4_9",
+    "figure-4.11": f"{_HERE}.figures_3_4:FIGURE_4_11",
+    "figure-4.13": f"{_HERE}.figures_3_4:FIGURE_4_13",
+    "figure-4.15": f"{_HERE}.figures_3_4:FIGURE_4_15",
+    "figure-4.25": f"{_HERE}.figures_3_4:FIGURE_4_25",
+    "figure-4.28": f"{_HERE}.figures_3_4:FIGURE_4_28",
+    "figure-4.29": f"{_HERE}.figures_3_4:FIGURE_4_29",
+    "figure-4.30": f"{_HERE}.figures_3_4:FIGURE_4_30",
+    "figure-4.31": f"{_HERE}.figures_3_4:FIGURE_4_31",
+    "figure-4.33": f"{_HERE}.figures_3_4:FIGURE_4_33",
+    "figure-4.34": f"{_HERE}.figures_3_4:FIGURE_4_34",
+    "figure-5.4": f"{_HERE}.figures_5_6:FIGURE_5_4",
+    "figure-5.7": f"{_HERE}.figures_5_6:FIGURE_5_7",
+    "figure-5.8": f"{_HERE}.figures_5_6:FIGURE_5_8",
+    "figure-5.12": f"{_HERE}.figures_5_6:FIGURE_5_12",
+    "figure-6.3": f"{_HERE}.figures_5_6:FIGURE_6_3",
+    "figure-6.5": f"{_HERE}.figures_5_6:FIGURE_6_5",
+    "figure-6.6": f"{_HERE}.figures_5_6:FIGURE_6_6",
+    "figure-6.8": f"{_HERE}.figures_5_6:FIGURE_6_8",
+    "figure-6.15": f"{_HERE}.figures_5_6:FIGURE_6_15",
+    "figure-B.1": f"{_HERE}.figures_5_6:FIGURE_B_1",
 }
 """The name of each item, and where it is."""
 

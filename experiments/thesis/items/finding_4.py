@@ -7,11 +7,11 @@ import numpy as np
 from tactometry.observers.signal_detection import COMFORT_DB, COMFORT_RANGE_DB
 from tactometry.stimuli.time_reversal.focusing.pattern import HIGH_HZ, LOW_HZ, PATTERNS
 
+from ...study.cells import WiredCell
 from ..reproduction import Number, Reproduction
 from .studies import contact_of, experiment
 
 STUDY = "time-reversal-patterns"
-LEVEL_DB = 28.0
 SAME_DB = 1.0
 """A difference of less is no order."""
 BEST, LEAST = "P3", "P0"
@@ -36,13 +36,13 @@ def numbers() -> list[Number]:
 
 def levels_db() -> dict[str, float]:
     """What each pattern of the built-in study is felt as, at its level and touch."""
-    cells = experiment(STUDY).cells.values()
-    return {
-        str(cell.condition.factors["pattern"]): cell.sensation.sensation_db(
-            cell.stimulus.at(LEVEL_DB), contact_of(cell)
-        )
-        for cell in cells
-    }
+    return {str(cell.condition.factors["pattern"]): _felt_db(cell) for cell in experiment(STUDY).cells.values()}
+
+
+def _felt_db(cell: WiredCell) -> float:
+    """At the highest level that the study asks for, which is its only one."""
+    _, level = cell.procedure.rule.bounds
+    return cell.sensation.sensation_db(cell.stimulus.at(level), contact_of(cell))
 
 
 def liking(level_db: float) -> float:
@@ -72,7 +72,7 @@ FINDING = Reproduction(
     stated="200 Hz and a cardinal sine are the most pleasant; a single focus is judged brief and not pleasant "
     "(page 4); seven patterns P0 to P6 (page 13). Scores, and the other frequency and envelopes, are not in our "
     "sources.",
-    assumes="The patterns, level (28 dB re 1 um) and touch of the built-in study time-reversal-patterns; 500 "
+    assumes="The patterns, level and touch of the built-in study time-reversal-patterns; 500 "
     "Hz, a rectangle and an exponential beside 200 Hz and a sinc are unverified defaults. Pleasantness is an "
     "inverted U of the sensation level, best at 15 dB (the rating model of simulated participants, unverified). "
     "A spread of the levels below 1 dB is no order.",
