@@ -69,8 +69,8 @@ def one_sided_contact(
     --------
     >>> from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
     >>> sampling = {"rate_hz": 100e3, "duration_s": 2e-3, "f_max_hz": 5e3}
-    >>> tapped = impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], **sampling).samples[0, 0]
-    >>> gentle, firm = (one_sided_contact(A4_PROTOTYPE, (0.1, 0.1), tapped, 100e3, 5e3, f) for f in (1e-9, 2.0))
+    >>> driven = 1e5 * impulse_responses(A4_PROTOTYPE, [(0.1, 0.1)], **sampling).samples[0, 0]
+    >>> gentle, firm = (one_sided_contact(A4_PROTOTYPE, (0.1, 0.1), driven, 100e3, 5e3, f) for f in (1e-3, 20.0))
     >>> bool(gentle.apart.any()), bool(firm.apart.any())
     (True, False)
     """
