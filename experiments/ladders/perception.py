@@ -16,7 +16,7 @@ FALL_S, RISE_S = 4e-3, 5e-4
 RATES_HZ = (1_000, 4_000, 16_000, 64_000)
 FREQUENCIES_HZ = np.array([41.3, 87.7, 173.1, 311.9])
 RATE_HZ, OFFSET = 4e3, 3.0
-DURATIONS_S = (0.1, 0.4, 1.6, 6.4, 25.6)
+DURATION_S, PADDINGS = 1.6, (1, 2, 4, 8, 16)
 
 
 def filter_bank() -> Problem:
@@ -81,16 +81,16 @@ def _against(weight: Literal["cos", "sin"], omega_rad_per_s: float) -> float:
 def sensitivity() -> Problem:
     """Four tones one after another, each with a constant beside it, as amplitudes over their thresholds."""
     return Problem(
-        "largest error of the sensed amplitude of tones between 40 and 320 Hz, flat-top spectrum of a record",
+        "largest error of the sensed amplitude of tones between 40 and 320 Hz, windowed spectrum of a record",
         "the curve of sensitivity at the tone",
         "the formula of the curve, written out",
         reference=lambda: (np.array([_sensed(Components(np.array([f]), np.ones(1))) for f in FREQUENCIES_HZ]), 1e-12),
         independent=lambda: (np.array([_written_out(f) for f in FREQUENCIES_HZ]), 1e-12),
         error=largest_relative,
         rungs=tuple(
-            Rung(f"{duration_s:g} s", partial(_from_record, duration_s), duration_s) for duration_s in DURATIONS_S
+            Rung(f"padded to {p * DURATION_S:g} s", partial(_from_record, p), p * DURATION_S) for p in PADDINGS
         ),
-        price="length of the record (s)",
+        price="length of the padded record (s)",
     )
 
 
@@ -98,10 +98,10 @@ def _sensed(parts: Components) -> float:
     return float(10 ** (sensation_level_db(parts, 1.0) / 20))
 
 
-def _from_record(duration_s: float) -> Real:
-    time_s = np.arange(round(duration_s * RATE_HZ)) / RATE_HZ
+def _from_record(padding: int) -> Real:
+    time_s = np.arange(round(DURATION_S * RATE_HZ)) / RATE_HZ
     tones = [OFFSET + np.sin(2 * np.pi * f * time_s) for f in FREQUENCIES_HZ]
-    return np.array([_sensed(components(tone, RATE_HZ)) for tone in tones])
+    return np.array([_sensed(components(tone, RATE_HZ, padding)) for tone in tones])
 
 
 def _written_out(frequency_hz: float) -> float:

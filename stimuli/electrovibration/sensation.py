@@ -97,7 +97,8 @@ class ElectrovibrationSensation:
         return sensation_level_db(self._friction(parts, contact), relative * self.reference_force_n)
 
     def _friction(self, parts: Components, contact: Contact) -> Components:
-        modulation_n = self.friction.modulation_n(parts.amplitudes, contact.force_n)
+        friction = self.friction.at_speed(contact.speed_m_per_s)
+        modulation_n = friction.modulation_n(parts.amplitudes, contact.force_n)
         if self.lag is not None:
             modulation_n = modulation_n * self.lag.gain(parts.frequencies_hz, contact.speed_m_per_s)
         return Components(parts.frequencies_hz, modulation_n)
@@ -138,7 +139,7 @@ def _room_for_the_square(voltage_v: FloatArray, rate_hz: float) -> tuple[FloatAr
     The square has twice the bandwidth: the force of a carrier of 9.9 kHz at 20 kHz would seem to vibrate at 200 Hz.
     """
     lines, n = np.fft.rfft(voltage_v), voltage_v.size
-    power = np.abs(lines) ** 2
+    power = lines.real**2 + lines.imag**2
     if n < 4 or power[lines.size // 2 :].sum() <= HIGH_SHARE * power.sum():
         return voltage_v, rate_hz
     lines[n // 2 :] *= 1.0 if n % 2 else 0.5

@@ -12,8 +12,12 @@ from tactometry.errors import InvalidParameter
 from ..arrays import FloatArray
 from .sensitivity import sensitivity_db
 
+WINDOW = (0.35875, 0.48829, 0.14128, 0.01168)
+"""Coefficients of the four-term Blackman-Harris window: sidelobes at -92 dB, four lines to either side of a peak."""
 FAINT = 1e-9
 SHORTEST = 4
+STEEP = 0.2
+"""Of the power of a peak, what a line beside it has at least; less is where the mean was taken out."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,27 +28,30 @@ class Components:
     amplitudes: FloatArray
 
 
-def components(samples: ArrayLike, rate_hz: float) -> Components:
+def components(samples: ArrayLike, rate_hz: float, padding: int = 1) -> Components:
     """The peaks of the amplitude spectrum of a record (n_samples,), its mean left out.
 
-    A flat-top window reads the amplitude of a steady component within 0.2 % wherever it lies between two
-    bins, and keeps on and off ramps out. Peaks fainter than 1e-9 of the strongest are rounding.
+    The record is padded with zeros to `padding` times its length. Through the highest line of a peak and its neighbours
+    goes a parabola in logarithms, which the transform of a Blackman-Harris window nearly is: it reads the amplitude of
+    a steady component within 0.37 %, and its frequency within 0.004 lines, wherever it lies between two lines. Of one
+    with ramps it reads the mean under the window. Peaks fainter than 1e-9 of the largest sample are rounding.
 
     >>> t = np.arange(4000) / 4000
     >>> found = components(3 + 0.5 * np.sin(2 * np.pi * 60 * t), 4000.0)
-    >>> found.frequencies_hz.tolist(), found.amplitudes.round(3).tolist()
+    >>> found.frequencies_hz.round(3).tolist(), found.amplitudes.round(3).tolist()
     ([60.0], [0.5])
     """
     x = np.asarray(samples, dtype=np.float64)
     if x.ndim != 1 or not np.isfinite(x).all():
         raise InvalidParameter(f"components.samples: found shape {x.shape}, expected (n_samples,) finite numbers")
-    if x.size < SHORTEST or not x.any():
+    largest = float(np.abs(x).max(initial=0.0))
+    if x.size < SHORTEST or not largest:
         return Components(np.zeros(0), np.zeros(0))
-    window = _window(x.size)
-    weight = window.sum()
-    lines = np.fft.rfft((x - window @ x / weight) * window)
-    spectrum = np.asarray(2 * np.abs(lines) / weight, dtype=np.float64)
-    return _peaks(spectrum, rate_hz / x.size, FAINT * max(float(spectrum.max()), float(np.abs(x).max())))
+    window = blackman_harris(x.size)
+    scaled, weight = x / largest, float(window.sum())
+    lines = np.fft.rfft((scaled - window @ scaled / weight) * window, padding * x.size)
+    found = _peaks(lines.real**2 + lines.imag**2, (FAINT * weight / 2) ** 2)
+    return Components(found.frequencies_hz * rate_hz / (padding * x.size), found.amplitudes * 2 * largest / weight)
 
 
 def sensation_level_db(parts: Components, reference: float) -> float:
@@ -67,16 +74,24 @@ def sensation_level_db(parts: Components, reference: float) -> float:
 
 
 @lru_cache(maxsize=8)
-def _window(n: int) -> FloatArray:
-    from scipy.signal.windows import flattop  # half of the start of a session, if it stood above
+def blackman_harris(n: int) -> FloatArray:
+    """(n,): the window, of a period n, so that sample n would be the first again.
 
-    window = np.asarray(flattop(n, sym=False))
+    scipy.signal has it too, and takes longer to load than a scene to compute.
+
+    >>> blackman_harris(4).round(5).tolist()
+    [6e-05, 0.21747, 1.0, 0.21747]
+    """
+    angle = np.linspace(-np.pi, np.pi, n + 1)[:-1]
+    window = np.asarray(sum(weight * np.cos(k * angle) for k, weight in enumerate(WINDOW)), dtype=np.float64)
     window.setflags(write=False)
     return window
 
 
-def _peaks(spectrum: FloatArray, bin_hz: float, floor: float) -> Components:
-    inner = spectrum[1:-1]
-    is_peak = (inner > spectrum[:-2]) & (inner >= spectrum[2:]) & (inner > floor)
-    index = 1 + np.flatnonzero(is_peak)
-    return Components(np.asarray(index * bin_hz, dtype=np.float64), spectrum[index])
+def _peaks(power: FloatArray, floor: float) -> Components:
+    """Places (in lines) and heights of the peaks above a power; of two equal lines the first counts."""
+    inner = power[1:-1]
+    index = 1 + np.flatnonzero((inner > power[:-2]) & (inner >= power[2:]) & (inner > floor))
+    before, at, after = (np.log(np.maximum(power[index + k], STEEP * power[index])) / 2 for k in (-1, 0, 1))
+    away = (before - after) / (2 * (before - 2 * at + after))
+    return Components(index + away, np.exp(at - (before - after) * away / 4))

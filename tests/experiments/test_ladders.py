@@ -210,7 +210,7 @@ def test_the_command_writes_a_page(tmp_path):
     assert status("cost", "spectral-sensitivity", "--rounds", 1, "--page", tmp_path / "all.md") == 0
     text = (tmp_path / "all.md").read_text(encoding="utf-8")
     assert "## spectral-sensitivity" in text
-    assert "| 0.1 s | 8.3e-02 | 0.1 |" in text
+    assert "| padded to 1.6 s | 1.8e-03 | 1.6 |" in text
     assert "![error against price](all/spectral-sensitivity.svg)" in text
     assert (tmp_path / "all" / "spectral-sensitivity.svg").read_text(encoding="utf-8").startswith("<?xml")
     (tmp_path / "file").write_text("", encoding="utf-8")

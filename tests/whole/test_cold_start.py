@@ -12,8 +12,8 @@ from threadpoolctl import threadpool_info, threadpool_limits
 from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.electrovibration.motion import driven_motion
 from tactometry.stimuli.electrovibration.skin.stack import _zero
+from tactometry.stimuli.perception.detection import blackman_harris
 from tactometry.stimuli.scenes.file import load_scene
-from tactometry.stimuli.scenes.stages.spectrum import blackman_harris
 
 DRAWING_AND_TABLES = {"matplotlib", "pandas", "statsmodels", "pingouin"}
 NEVER = {

@@ -1,8 +1,9 @@
 """Coulomb friction of a finger that slides all the time."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
-from typing import ClassVar
+from dataclasses import dataclass, replace
+from math import hypot
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -22,6 +23,9 @@ class CoulombFriction(Quantity):
     A coefficient of 0.5 at 1 N is an unverified default; with an exponent below 0 it falls with load. The load F_n is
     that of the finger: the voltage does not change the coefficient.
 
+    At a speed v it is the regularised law, ``mu v/sqrt(v^2 + v_s^2)``: a finger far below `slip_speed_m_per_s` creeps
+    and hardly slips, so that sensation goes smoothly to nothing at rest; 1 mm/s is an unverified default.
+
     >>> float(CoulombFriction(0.5).modulation_n(0.01, force_n=1.0))
     0.005
     """
@@ -30,17 +34,29 @@ class CoulombFriction(Quantity):
     slot = "friction"
     requires = ("sliding contact",)
     gives = stage_name = "friction_law"
-    assumes = ("the finger slides all the time; its coefficient knows no speed",)
+    assumes = ("the finger slides all the time; its coefficient knows no speed far above slip_speed_m_per_s",)
     cures: ClassVar[Mapping[str, str]] = {
         "friction_force_n": "add the effect friction, or dry_friction with finger_dynamics, and a sliding contact"
     }
 
     coefficient: float = 0.5
     load_exponent: float = 0.0
+    slip_speed_m_per_s: float = 1e-3
 
     def __post_init__(self) -> None:
+        require.positive("CoulombFriction", slip_speed_m_per_s=self.slip_speed_m_per_s)
         require.not_negative("CoulombFriction", coefficient=self.coefficient)
         require.finite("CoulombFriction", load_exponent=self.load_exponent)
+
+    def at_speed(self, speed_m_per_s: float) -> Self:
+        """The law of a finger that slides at a speed (at least 0).
+
+        >>> [round(CoulombFriction(0.5).at_speed(speed).coefficient, 4) for speed in (0.0, 1e-3, 0.05)]
+        [0.0, 0.3536, 0.4999]
+        """
+        require.not_negative("CoulombFriction", speed_m_per_s=speed_m_per_s)
+        share = speed_m_per_s / hypot(speed_m_per_s, self.slip_speed_m_per_s)
+        return replace(self, coefficient=share * self.coefficient)
 
     def coefficient_at(self, force_n: float) -> float:
         """The coefficient under a normal force (N).
@@ -68,9 +84,11 @@ class CoulombFriction(Quantity):
         return require.in_range("CoulombFriction.modulation_n", change_n)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        settings = {**vars(self), "force_n": scene.contacts[0].force_n}
+        touch = scene.contacts[0]
+        sliding = self.at_speed(touch.speed_m_per_s)
+        settings = {**vars(sliding), "force_n": touch.force_n}
         dragged = Stage("friction", ("electrostatic_force_n",), "friction_force_n", f"{__name__}:dragged", settings)
-        return self.stage(), dragged
+        return sliding.stage(), dragged
 
 
 def dragged(force_n: float, **law: float) -> Callable[[FloatArray], FloatArray]:

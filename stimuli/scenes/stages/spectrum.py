@@ -1,26 +1,24 @@
 """Components of a record: peaks of its spectrum through a window, refined until they are read off exactly enough.
 
-The record is padded with zeros, and a parabola through the highest line and its neighbours gives height and frequency
-of a peak. What is then lost is how far the transform of the window (Blackman-Harris, sidelobes at -92 dB) is from a
-parabola over three lines: known in closed form. An error of frequency counts by the steepest slope of sensitivity.
+They are read as everywhere (`tactometry.stimuli.perception.detection.components`), padded as far as asked. What is then
+lost is how far the transform of the window is from a parabola in logarithms over three lines: known in closed
+form. An error of frequency counts by the steepest slope of sensitivity.
 """
 
 from collections.abc import Callable
-from math import log, pi, sin
+from math import exp, log, pi, sin
 from typing import TYPE_CHECKING
 
 from ...composition.effect import Demand, Size
 from ...composition.sampling import content_of, samples
+from ...perception.detection import WINDOW, components
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
     from ...perception.detection import Components
 
-WINDOW = (0.35875, 0.48829, 0.14128, 0.01168)
-"""Coefficients of the four-term Blackman-Harris window."""
 PADDINGS = (1, 2, 4, 8, 16, 32, 64)
 MOST_LINES = 3e7
-FAINT = 1e-9
 N_OFFSETS = 21
 
 
@@ -57,45 +55,15 @@ def size(demand: Demand) -> Size:
 
 def components_of(padding: int) -> "Callable[[FloatArray, FloatArray], Components]":
     """The components of a record (n_samples,) at equal steps, its mean left out."""
-    import numpy as np
-
-    from ...perception.detection import Components
-
-    def peaks(t_s: "FloatArray", record: "FloatArray") -> "Components":
-        x = record[:-1]  # a period of the transform ends before the sample that would begin the next
-        window = blackman_harris(x.size)
-        lines = np.fft.rfft((x - window @ x / window.sum()) * window, padding * x.size)
-        height = 2 * np.abs(lines) / window.sum()
-        inner = height[1:-1]
-        # of two equal lines the first, so that a peak between them counts once
-        is_peak = (inner > height[:-2]) & (inner >= height[2:]) & (inner > FAINT * height.max())
-        index = 1 + np.flatnonzero(is_peak)
-        before, at, after = height[index - 1], height[index], height[index + 1]
-        away = (before - after) / (2 * (before - 2 * at + after))
-        return Components((index + away) / (padding * t_s[-1]), at - (before - after) * away / 4)
-
-    return peaks
-
-
-def blackman_harris(n: int) -> "FloatArray":
-    """(n,): the window, of a period n, so that sample n would be the first again.
-
-    scipy.signal has it too, and takes longer to load than a scene to compute.
-
-    >>> blackman_harris(4).round(5).tolist()
-    [6e-05, 0.21747, 1.0, 0.21747]
-    """
-    import numpy as np
-
-    angle = np.linspace(-pi, pi, n + 1)[:-1]
-    return np.asarray(sum(weight * np.cos(k * angle) for k, weight in enumerate(WINDOW)))
+    # a period of the transform ends before the sample that would begin the next
+    return lambda t_s, record: components(record[:-1], (record.size - 1) / float(t_s[-1]), padding)
 
 
 def _read_off(offset: float, padding: int) -> tuple[float, float]:
     """Height, and place in lines off the truth, that a parabola reads off a component `offset` lines off a line."""
-    before, at, after = (_transform((offset + k) / padding) / WINDOW[0] for k in (1, 0, -1))
+    before, at, after = (log(_transform((offset + k) / padding) / WINDOW[0]) for k in (1, 0, -1))
     away = (before - after) / (2 * (before - 2 * at + after))
-    return at - (before - after) * away / 4, away - offset
+    return exp(at - (before - after) * away / 4), away - offset
 
 
 def _transform(lines: float) -> float:

@@ -48,7 +48,7 @@ CONSTRUCTORS: dict[str, Call] = {
         "modulation": "full", "level_unit": "V"}),
     "Bump": (ev.Bump, {"centre_m": 0.0, "width_m": 1e-3, "height_sign": 1, "direction": -1}),
     "Corners": (ev.Corners, {"phases": (0.0, 0.5, 0.5, 1.0), "values": (1.0, 1.0, -1.0, -1.0)}),
-    "CoulombFriction": (ev.CoulombFriction, {"coefficient": 0.5, "load_exponent": -0.1}),
+    "CoulombFriction": (ev.CoulombFriction, {"coefficient": 0.5, "load_exponent": -0.1, "slip_speed_m_per_s": 1e-3}),
     "DispersiveLayer": (ev.DispersiveLayer, {
         "thickness_m": 1e-4, "frequencies_hz": (1.0, 2.0), "permittivities": (2.0, 1.0),
         "resistivities_ohm_m": (2.0, 1.0)}),
@@ -165,6 +165,7 @@ METHODS: dict[str, Call] = {
     "Corners.pieces": (CORNERS.pieces, {"frequency_hz": 60.0, "duration_s": 0.1}),
     "Corners.harmonics": (CORNERS.harmonics, {"n": [1, 2]}),
     "Corners.band_limited": (CORNERS.band_limited, {"phase": np.array([0.1, 0.5]), "n_highest": 5}),
+    "CoulombFriction.at_speed": (ev.CoulombFriction().at_speed, {"speed_m_per_s": 0.05}),
     "CoulombFriction.coefficient_at": (ev.CoulombFriction(0.5, -0.1).coefficient_at, {"force_n": 1.0}),
     "CoulombFriction.modulation_n": (ev.CoulombFriction().modulation_n, {"electrostatic_n": [1.0], "force_n": 1.0}),
     "DispersiveLayer.properties": (TABLE.properties, {"frequency_hz": [0.0, 60.0]}),

@@ -5,11 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from corneum_closed_form import sine_mean_force_n
+from scene_cases import effect
 from scipy.optimize import brentq
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
+from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     CoulombFriction,
@@ -20,8 +22,11 @@ from tactometry.stimuli.electrovibration import (
     Skin,
 )
 from tactometry.stimuli.perception import sensitivity_db
+from tactometry.stimuli.scenes.scene import Scene
+from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 
 MODEL = ElectrovibrationSensation()
+LAW = effect("force_law", law="sc_layer")
 NO_LAG = ElectrovibrationSensation(lag=None)
 TOUCH = Contact(force_n=1.5, speed_m_per_s=0.05)
 OCTAVES_HZ = [15, 30, 60, 120, 240, 480, 960, 1920]
@@ -104,6 +109,30 @@ def test_doubling_the_voltage_quadruples_the_force() -> None:
 @pytest.mark.parametrize("touch", [Contact(1.5, 0.0), Contact(0.0, 0.05), Contact(0.0, 0.0)])
 def test_nothing_is_felt_at_rest_or_without_contact(touch: Contact) -> None:
     assert MODEL.sensation_db(sine(120.0).at(40.0), touch) == -np.inf
+
+
+@pytest.mark.parametrize("model", [MODEL, NO_LAG])
+def test_sensation_goes_smoothly_to_nothing_at_rest(model) -> None:
+    """In proportion to the speed, once it is far below the speed of slip."""
+    speeds_m_per_s = np.geomspace(1e-12, 1e-5, 8)
+    signal = sine(120.0).at(40.0)
+    levels_db = np.array([model.sensation_db(signal, Contact(1.5, speed)) for speed in speeds_m_per_s])
+    assert np.diff(levels_db) == pytest.approx(20.0, abs=1e-3)
+    assert levels_db[0] < -100
+
+
+@pytest.mark.parametrize("speed_m_per_s", [1e-4, 0.05])
+@pytest.mark.parametrize(("frequency_hz", "ramp_s"), [(30.0, 0.02), (60.0, 0.05), (120.0, 0.05), (240.0, 0.05)])
+def test_a_tenth_of_a_second_with_ramps_feels_the_same_by_a_scene(frequency_hz, ramp_s, speed_m_per_s) -> None:
+    tone = {"frequency_hz": frequency_hz, "duration_s": 0.1, "ramp_s": ramp_s, "carrier_hz": 2000.0}
+    signal = AmplitudeModulated(**tone, rate_hz=64e3).at(30.0)
+    carrier_effect = effect("carrier", carrier_hz=tone.pop("carrier_hz"))
+    felt = carrier_effect, LAW, effect("contact_area"), effect("friction"), effect("sensitivity")
+    touch = FingerContact(1.5, speed_m_per_s)
+    scene = Scene(Electrovibration(**tone), felt, ("sensation_db",), 1e-3, (touch,))
+    by_scene_db = scene.resolve().run({"level_db_re_1v": 30.0})["sensation_db"]
+    lossless = ElectrovibrationSensation(lag=None, skin=Skin(corneum_resistivity_ohm_m=float("inf")))
+    assert lossless.sensation_db(signal, Contact(1.5, speed_m_per_s)) == pytest.approx(by_scene_db, abs=0.1)
 
 
 @pytest.mark.parametrize("frequency_hz", [6_000.0, 9_900.0])

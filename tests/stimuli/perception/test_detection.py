@@ -26,15 +26,15 @@ def test_nothing_is_felt_better_than_250_hz(frequency_hz: float) -> None:
 
 
 @given(frequency_hz=st.floats(20, 900), amplitude=st.floats(1e-9, 1e9), offset=st.floats(-10, 10))
-def test_the_amplitude_of_a_steady_tone_is_read_within_a_tenth_of_a_percent(
+def test_the_amplitude_of_a_steady_tone_is_read_within_four_parts_in_a_thousand(
     frequency_hz: float, amplitude: float, offset: float
 ) -> None:
     t_s = np.arange(4000) / 4000
     found = components(amplitude * (offset + np.sin(2 * np.pi * frequency_hz * t_s)), 4000.0)
     strongest = np.argmax(found.amplitudes)
     read = found.amplitudes[strongest]
-    hard_case("a tone of 1e-9 to 1e9 beside a constant", read, amplitude, 2e-3, against="its amplitude")
-    assert abs(found.frequencies_hz[strongest] - frequency_hz) <= 1.0
+    hard_case("a tone of 1e-9 to 1e9 beside a constant", read, amplitude, 4e-3, against="its amplitude")
+    assert abs(found.frequencies_hz[strongest] - frequency_hz) <= 0.004
 
 
 def test_the_component_furthest_above_threshold_decides() -> None:
