@@ -88,7 +88,7 @@ class Sampled:
 def strongest_hz(samples: FloatArray, rate_hz: float) -> float:
     """Frequency of the strongest line of samples (n_samples,), their mean left out; 0 if there is none.
 
-    >>> strongest_hz(np.cos(2 * np.pi * 30 * np.arange(400) / 400), 400.0)
+    >>> round(strongest_hz(np.cos(2 * np.pi * 30 * np.arange(400) / 400), 400.0), 3)
     30.0
     """
     parts = components(samples, rate_hz)
