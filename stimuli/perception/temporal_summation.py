@@ -43,13 +43,16 @@ def summed_amplitude(times_s: FloatArray, peaks: FloatArray) -> float:
     (True, True)
     """
     order = np.argsort(times_s, kind="stable")
-    times, amplitudes = times_s[order], peaks[order]
+    largest = float(peaks.max())
+    if largest == 0:
+        return 0.0
+    times, amplitudes = times_s[order], peaks[order] / largest  # squares of the faintest would be 0
     later, sooner = _neighbours(times)
     lag_s = times[later] - times[sooner]
     shared = amplitudes[later] * amplitudes[sooner] * likeness(lag_s) * np.exp(-lag_s / (2 * TAU_S))
     gained = amplitudes**2 + 2 * np.bincount(later, shared, times.size)
     kept = np.exp(-np.diff(times, prepend=times[:1]) / TAU_S)
-    return float(np.sqrt(max(_largest_energy(kept, gained), (amplitudes**2).max())))
+    return largest * max(float(np.sqrt(_largest_energy(kept, gained))), 1.0)
 
 
 def likeness(lag_s: FloatArray) -> FloatArray:
