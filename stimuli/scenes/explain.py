@@ -11,7 +11,7 @@ from ..composition.effect import Stage
 from .plan import Plan, predicted_s
 from .scene import Scene
 
-COLUMNS = (("stage", 24), ("on", 4), ("why", 26), ("error", 8), ("predicted", 10), ("cold", 8), ("warm", 8))
+COLUMNS = (("stage", 24), ("on", 4), ("why", 30), ("error", 7), ("predicted", 9), ("cold", 7), ("warm", 7))
 WIDTH = 100
 
 

@@ -231,7 +231,7 @@ def test_the_measured_columns_are_those_of_a_first_and_a_second_run(monkeypatch)
     n_stages, runs = len(found.scene.resolve().stages), iter((12.5, 0.25))
     monkeypatch.setattr(Plan, "timed", lambda _plan, _values: (next(runs),) * n_stages)
     lines = explained(found.scene, found.given).splitlines()
-    assert sum(line.endswith("12.5 s    250 ms") for line in lines) == n_stages
+    assert sum(line.endswith("12.5 s   250 ms") for line in lines) == n_stages
     assert lines[-2].endswith(f"measured {12.5 * n_stages:.3g} s cold, {0.25 * n_stages:.3g} s warm")
 
 
