@@ -38,12 +38,16 @@ class Point:
 
 @dataclass(frozen=True)
 class Climb:
-    """All points of a ladder, the reference's answer and the floor below which no error is believed."""
+    """All points of a ladder, and the reference's answer."""
 
     problem: Problem
     points: tuple[Point, ...]
     answer: Any
-    floor: float
+
+    @property
+    def floor(self) -> float:
+        """Below the reference's own uncertainty no error is believed."""
+        return self.problem.reference.uncertainty
 
     @property
     def contenders(self) -> tuple[str, ...]:
@@ -63,14 +67,14 @@ def climb(problem: Problem, n_rounds: int = N_ROUNDS) -> Climb:
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
-        answer, floor = problem.reference()
+        answer = problem.reference.answer()
         firsts = [run_once(rung.run) for rung in problem.rungs]
         rounds = [_round(problem.rungs, first=not n) for n in range(n_rounds)]
     points = tuple(
         _point(problem, rung, first, [times[n] for times in rounds if n in times], answer)
         for n, (rung, first) in enumerate(zip(problem.rungs, firsts, strict=True))
     )
-    return Climb(problem, points, answer, floor)
+    return Climb(problem, points, answer)
 
 
 def _round(rungs: Sequence[Rung], *, first: bool) -> dict[int, float]:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from datetime import date
 from pathlib import Path
 
-from tactometry.errors import DeviceFailed
+from tactometry.errors import attempt
 
 from .figures import error_against_price, frontier, write_svg
 from .measure import GOALS, Climb, Point, cheapest
@@ -51,13 +51,11 @@ def write_page(climbs: Sequence[Climb], path: Path, today: date) -> None:
         If a file cannot be written.
     """
     folder = path.with_suffix("")
-    try:
+    with attempt(path, "cannot write", "a place to write to"):
         folder.mkdir(parents=True, exist_ok=True)
         for climb in climbs:
             write_svg(error_against_price(climb, peers_of(climb)), folder / f"{climb.problem.name}.svg")
         path.write_text(page(climbs, folder.name, today), encoding="utf-8")
-    except OSError as error:
-        raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a place to write to") from None
 
 
 def page(climbs: Sequence[Climb], folder: str, today: date) -> str:
@@ -95,13 +93,14 @@ def _price(climb: Climb, point: Point | None) -> str:
 
 def _section(climb: Climb, folder: str) -> list[str]:
     problem = climb.problem
-    words = f"{problem.title[0].upper()}{problem.title[1:]}. Reference: {problem.by} (good to {climb.floor:.0e}); "
+    title = f"{problem.title[0].upper()}{problem.title[1:]}"
+    words = f"{title}. Reference: {problem.reference.by} (good to {climb.floor:.0e}); "
     rows = [_row(point) for point in (*climb.points, *peers_of(climb))]
     return [
         "",
         f"## {problem.name}",
         "",
-        f"{words}checked against: {problem.checked_by}. Price: {problem.price}.",
+        f"{words}checked against: {problem.independent.by}. Price: {problem.price}.",
         "",
         f"![error against price]({folder}/{problem.name}.svg)",
         "",

@@ -22,18 +22,24 @@ class Rung:
 
 
 @dataclass(frozen=True)
+class Reference:
+    """What a ladder is held against, in words; its answer, and the relative uncertainty of that."""
+
+    by: str
+    answer: Callable[[], Any]
+    uncertainty: float
+
+
+@dataclass(frozen=True)
 class Problem:
     """A workload with rungs from coarse to fine, those of each contender together.
 
     Parameters
     ----------
     title : str
-    by, checked_by : str
-        What the reference and the independent one are, in words.
-    reference : callable
-        Gives the answer and its own relative uncertainty, below which no error is believed.
-    independent : callable
-        The same by another way, with its own relative uncertainty.
+    reference : Reference
+    independent : Reference
+        The same by another way.
     error : callable
         Of an answer against the reference's: relative, in the norm that `title` states.
     rungs : tuple of Rung
@@ -44,10 +50,8 @@ class Problem:
     """
 
     title: str
-    by: str
-    checked_by: str
-    reference: Callable[[], tuple[Any, float]]
-    independent: Callable[[], tuple[Any, float]]
+    reference: Reference
+    independent: Reference
     error: Callable[[Any, Any], float]
     rungs: tuple[Rung, ...]
     price: str = "computing time (s)"

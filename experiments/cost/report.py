@@ -1,12 +1,10 @@
 """A ladder as a table, as CSV, and in words: the cheapest rung for 10 %, 1 %, 0.1 % and 0.01 %."""
 
-import csv
 import platform
 from collections.abc import Sequence
-from dataclasses import asdict, fields
 from pathlib import Path
 
-from tactometry.errors import DeviceFailed
+from tactometry.files.rows import write_records
 
 from .measure import GOALS, Climb, Point, cheapest
 from .problem import OURS
@@ -18,7 +16,7 @@ def table(climb: Climb) -> str:
     """The points of a ladder, 98 columns wide, and the cheapest rungs; *cold* is the first call, *warm* the median."""
     head = ROW.format("setting", "error", "price", "cold (s)", "warm (s)", "+- (s)", "memory (B)", "answer (B)")
     problem = climb.problem
-    lines = [f"{problem.name}: {problem.title}", f"against {problem.by}", f"price: {problem.price}", head]
+    lines = [f"{problem.name}: {problem.title}", f"against {problem.reference.by}", f"price: {problem.price}", head]
     lines += [
         ROW.format(
             label(point),
@@ -57,14 +55,7 @@ def write_csv(climbs: Sequence[Climb], path: Path) -> None:
     DeviceFailed
         If the file cannot be written.
     """
-    try:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.DictWriter(file, [field.name for field in fields(Point)])
-            writer.writeheader()
-            writer.writerows(asdict(point) for climb in climbs for point in climb.points)
-    except OSError as error:
-        raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected a place to write to") from None
+    write_records(Point, (point for climb in climbs for point in climb.points), path)
 
 
 def machine() -> str:

@@ -8,7 +8,7 @@ import numpy as np
 
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz_frequencies_hz
 
-from ..cost.problem import Problem, Real, Rung
+from ..cost.problem import Problem, Real, Reference, Rung
 from .plate_modes import largest
 
 F_MAX_HZ = 4e3
@@ -22,10 +22,8 @@ def problem() -> Problem:
     p_x, p_y = degrees(PLATE, F_MAX_HZ)
     return Problem(
         f"largest error of the frequencies below {F_MAX_HZ / 1e3:g} kHz, 0.2 x 0.14 m, two edges S, two F",
-        "Levy's solution",
-        "4 degrees more than the rule",
-        reference=lambda: (levy_hz(), 1e-11),
-        independent=lambda: (_ritz_hz(p_x + FINEST, p_y + FINEST), 1e-9),
+        reference=Reference("Levy's solution", levy_hz, 1e-11),
+        independent=Reference("4 degrees more than the rule", lambda: _ritz_hz(p_x + FINEST, p_y + FINEST), 1e-9),
         error=largest,
         rungs=tuple(
             Rung(f"{p_x - k} x {p_y - k}{'' if k else ' (rule)'}", partial(_ritz_hz, p_x - k, p_y - k)) for k in FEWER

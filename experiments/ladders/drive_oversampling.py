@@ -10,7 +10,7 @@ from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.responses.responses import values_at
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 
-from ..cost.problem import Problem, Real, Rung, over_rms
+from ..cost.problem import Problem, Real, Reference, Rung, over_rms
 
 F_MAX_HZ, DURATION_S = 10e3, 4e-3
 FOCI_M = ((0.121, 0.093), (0.06, 0.15), (0.2, 0.05), (0.17, 0.13))
@@ -23,10 +23,8 @@ def problem() -> Problem:
     screen = replace(A4_PROTOTYPE, sources=A4_PROTOTYPE.sources[::8])
     return Problem(
         "rms error of the focus that a channel makes over the rms focus, one bit, modes below 10 kHz, 4 ms",
-        "closed integrals between the zeros",
-        "samples at 12.8 MHz",
-        reference=lambda: (_at_crossings(screen), 1e-8),
-        independent=lambda: (_sampled(screen, FINE_HZ), 2e-5),
+        reference=Reference("closed integrals between the zeros", lambda: _at_crossings(screen), 1e-8),
+        independent=Reference("samples at 12.8 MHz", lambda: _sampled(screen, FINE_HZ), 2e-5),
         error=over_rms,
         rungs=tuple(Rung(f"{rate_hz / 1e3:g} kHz", partial(_sampled, screen, rate_hz)) for rate_hz in RATES_HZ),
     )

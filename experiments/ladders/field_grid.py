@@ -7,7 +7,7 @@ import numpy as np
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.plate.modes import Modes, modes_of, values
 
-from ..cost.problem import Problem, Real, Rung
+from ..cost.problem import Problem, Real, Reference, Rung
 
 F_MAX_HZ = 20e3
 POINTS_PER_M = (200, 400, 800, 1600, 3200)
@@ -22,10 +22,8 @@ def problem() -> Problem:
     points = _points()
     return Problem(
         f"largest error between grid points over the peak, A4 plate, {len(amplitude)} modes, bicubic",
-        "the sum over modes at points",
-        "sines written out",
-        reference=lambda: (values(modes, *points).T @ amplitude, 1e-12),
-        independent=lambda: (_sines(amplitude, points), 1e-12),
+        reference=Reference("the sum over modes at points", lambda: values(modes, *points).T @ amplitude, 1e-12),
+        independent=Reference("sines written out", lambda: _sines(amplitude, points), 1e-12),
         error=_error,
         rungs=tuple(Rung(f"{n} per m", partial(_field, modes, amplitude, n)) for n in POINTS_PER_M),
     )

@@ -9,7 +9,7 @@ from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.responses.responses import values_at
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 
-from ..cost.problem import Problem, Real, Rung, over_largest
+from ..cost.problem import Problem, Real, Reference, Rung, over_largest
 
 F_MAX_HZ, COARSEST_HZ, DURATION_S = 4e3, 8e3, 4e-3
 FACTORS = (1, 4, 16, 64)
@@ -23,10 +23,8 @@ def problem() -> Problem:
     load = Fingertip(mass_kg=1e-4, stiffness_n_per_m=1e3).load(AT_M, 2.0)
     return Problem(
         "largest error of the responses under a finger of 2 N over the largest, modes below 4 kHz, 4 ms",
-        "the exponential of all modes at once",
-        "correction sampled at 4.1 MHz",
-        reference=lambda: (_exponentials(load), 1e-9),
-        independent=lambda: (_corrected(load, FINEST), 2e-5),
+        reference=Reference("the exponential of all modes at once", lambda: _exponentials(load), 1e-9),
+        independent=Reference("correction sampled at 4.1 MHz", lambda: _corrected(load, FINEST), 2e-5),
         error=over_largest,
         rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_corrected, load, k)) for k in FACTORS),
     )

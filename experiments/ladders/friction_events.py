@@ -7,7 +7,7 @@ import numpy as np
 from tactometry.stimuli.electrovibration import DryFriction, Finger, Sine, Skin, StickSlip, Travel, stick_slip
 from tactometry.stimuli.electrovibration.attraction.force import force_form
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Reference, Rung
 
 DURATION_S, FORCE_N, SPEED_M_PER_S = 0.2, 0.2, 0.05
 N_SAMPLES = (20, 200, 2_000, 20_000)
@@ -21,10 +21,8 @@ def problem() -> Problem:
     breakaway_s = hold_n / (finger.stiffness_n_per_m * SPEED_M_PER_S)
     return Problem(
         "time of the first break-away between two samples; the motion itself is exact",
-        "the event, a root of the exact motion",
-        "closed form without voltage",
-        reference=lambda: (_event(), 1e-12),
-        independent=lambda: ((breakaway_s, breakaway_s), 1e-10),
+        reference=Reference("the event, a root of the exact motion", _event, 1e-12),
+        independent=Reference("closed form without voltage", lambda: (breakaway_s, breakaway_s), 1e-10),
         error=lambda ends_s, reference: max(abs(end_s / reference[0] - 1) for end_s in ends_s),
         rungs=(
             *(Rung(f"{n} samples", partial(_read_off, n)) for n in N_SAMPLES),

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from tactometry.analysis.threshold.fitting import fit_many
 from tactometry.psychometric import PsychometricFunction
 
-from ..cost.problem import Problem, Real, Rung, error_of_decibels
+from ..cost.problem import Problem, Real, Reference, Rung, error_of_decibels
 
 MEAN_DB, BETWEEN_SD_DB = 20.0, 5.0
 LEVELS_DB, N_TRIALS = np.linspace(2.0, 38.0, 10), 16
@@ -21,10 +21,8 @@ def problem() -> Problem:
     """Participants whose thresholds differ by 5 dB, each with 16 trials at each of ten levels."""
     return Problem(
         f"standard error of the group's threshold as a part of the amplitude, {N_GROUPS} simulated groups",
-        "the mean that was simulated",
-        "a fit to answers without scatter",
-        reference=lambda: (np.array([MEAN_DB]), 0.0),
-        independent=lambda: (_without_scatter_db(), 0.02),
+        reference=Reference("the mean that was simulated", lambda: np.array([MEAN_DB]), 0.0),
+        independent=Reference("a fit to answers without scatter", _without_scatter_db, 0.02),
         error=error_of_decibels,
         rungs=tuple(Rung(f"{n} participants", partial(_means_db, n), float(n)) for n in N_PARTICIPANTS),
         price="participants, 160 trials each",

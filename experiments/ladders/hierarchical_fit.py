@@ -9,7 +9,7 @@ from tactometry.analysis.hierarchical.model import mixed_model
 from tactometry.analysis.mixed_models.laplace import ClusteredModel, inner_mode, log_marginal_by_quadrature
 from tactometry.psychometric import shape_named
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Reference, Rung
 
 LEVELS = np.array([-6.0, -3.0, 0.0, 3.0, 6.0])
 N_YES = np.array([[0, 4, 8, 8, 8], [0, 2, 6, 7, 8], [0, 1, 5, 8, 8], [0, 1, 4, 6, 7], [0, 0, 2, 7, 8], [0, 0, 1, 4, 7]])
@@ -24,10 +24,8 @@ def problem() -> Problem:
     model = _model()
     return Problem(
         "relative error of the likelihood of a group, 6 participants with 5 levels of 8 trials",
-        "21 x 21 nodes",
-        "equidistant sum, the function written out",
-        reference=lambda: (_log_likelihood(model, N_FINEST), 1e-6),
-        independent=lambda: (_on_a_grid(), 1e-6),
+        reference=Reference("21 x 21 nodes", lambda: _log_likelihood(model, N_FINEST), 1e-6),
+        independent=Reference("equidistant sum, the function written out", _on_a_grid, 1e-6),
         error=lambda found, reference: abs(float(np.expm1(found - reference))),
         rungs=tuple(
             Rung(f"{n} x {n} nodes{' (Laplace)' if n == 1 else ''}", partial(_log_likelihood, model, n))

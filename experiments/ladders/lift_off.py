@@ -12,7 +12,7 @@ from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses, values_at
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 
-from ..cost.problem import Problem, Real, Rung, over_largest
+from ..cost.problem import Problem, Real, Reference, Rung, over_largest
 
 Event = Callable[[float, Real], float]
 
@@ -28,10 +28,10 @@ def problem() -> Problem:
     """A tap beside a finger of 0.5 N throws it off twice."""
     return Problem(
         "largest error of the displacement under a finger of 0.5 N that lifts off, over the largest, 3 ms",
-        "Runge-Kutta of order 8 from event to event",
-        "contact looked at 3.2 million times a second",
-        reference=lambda: (by_events(Fingertip(), FORCE_N, COARSEST_HZ)[0], 1e-8),
-        independent=lambda: (_stepped(FINEST), 3e-6),
+        reference=Reference(
+            "Runge-Kutta of order 8 from event to event", lambda: by_events(Fingertip(), FORCE_N, COARSEST_HZ)[0], 1e-8
+        ),
+        independent=Reference("contact looked at 3.2 million times a second", lambda: _stepped(FINEST), 3e-6),
         error=over_largest,
         rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_stepped, k)) for k in FACTORS),
     )

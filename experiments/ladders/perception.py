@@ -1,6 +1,7 @@
 """How strongly taps and tones are felt, read off samples, against their series and the tones themselves."""
 
 import math
+from collections.abc import Iterable
 from functools import partial
 from typing import Any, Literal
 
@@ -9,7 +10,7 @@ import numpy as np
 from tactometry.stimuli.perception import Components, components, sensation_level_db
 from tactometry.stimuli.perception.channels import channel_levels_db
 
-from ..cost.problem import Problem, Real, Rung, largest_relative
+from ..cost.problem import Problem, Real, Reference, Rung, largest_relative
 
 TAPS_HZ, N_TAPS, HIGHEST_HZ = 2.5, 16, 800.0
 FALL_S, RISE_S = 4e-3, 5e-4
@@ -23,10 +24,10 @@ def filter_bank() -> Problem:
     """Taps ``exp(-t/FALL_S) - exp(-t/RISE_S)``, with harmonics in every channel; those that fold back are the error."""
     return Problem(
         "largest error of the amplitude that a channel (NP III, NP I, P) senses of taps at 2.5 Hz, by sampling rate",
-        "the Fourier series of the taps through the channels",
-        "its integrals by adaptive quadrature, thresholds written out",
-        reference=lambda: (_sensed_by_channel(Components(_harmonics_hz(), _series())), 1e-12),
-        independent=lambda: (_channels_written_out(), 1e-8),
+        reference=Reference("the Fourier series of the taps through the channels", _series, 1e-12),
+        independent=Reference(
+            "its integrals by adaptive quadrature, thresholds written out", _channels_written_out, 1e-8
+        ),
         error=largest_relative,
         rungs=tuple(Rung(f"{rate_hz / 1e3:g} kHz", partial(_sampled_taps, rate_hz)) for rate_hz in RATES_HZ),
     )
@@ -50,10 +51,10 @@ def _harmonics_hz() -> Real:
 
 
 def _series() -> Real:
-    """Amplitudes of the harmonics."""
+    """Amplitudes of the harmonics, as channels sense them."""
     turn = 2j * np.pi * _harmonics_hz()
     fall, rise = (-np.expm1(-1 / TAPS_HZ / tau_s) / (1 / tau_s + turn) for tau_s in (FALL_S, RISE_S))
-    return np.asarray(2 * TAPS_HZ * np.abs(fall - rise))
+    return _sensed_by_channel(Components(_harmonics_hz(), 2 * TAPS_HZ * np.abs(fall - rise)))
 
 
 def _channels_written_out() -> Real:
@@ -82,10 +83,8 @@ def sensitivity() -> Problem:
     """Four tones one after another, each with a constant beside it, as amplitudes over their thresholds."""
     return Problem(
         "largest error of the sensed amplitude of tones between 40 and 320 Hz, windowed spectrum of a record",
-        "the curve of sensitivity at the tone",
-        "the formula of the curve, written out",
-        reference=lambda: (np.array([_sensed(Components(np.array([f]), np.ones(1))) for f in FREQUENCIES_HZ]), 1e-12),
-        independent=lambda: (np.array([_written_out(f) for f in FREQUENCIES_HZ]), 1e-12),
+        reference=Reference("the curve of sensitivity at the tone", _at_tones, 1e-12),
+        independent=Reference("the formula of the curve, written out", _written_out, 1e-12),
         error=largest_relative,
         rungs=tuple(
             Rung(f"padded to {p * DURATION_S:g} s", partial(_from_record, p), p * DURATION_S) for p in PADDINGS
@@ -94,16 +93,20 @@ def sensitivity() -> Problem:
     )
 
 
-def _sensed(parts: Components) -> float:
-    return float(10 ** (sensation_level_db(parts, 1.0) / 20))
+def _sensed(records: Iterable[Components]) -> Real:
+    return np.array([10 ** (sensation_level_db(parts, 1.0) / 20) for parts in records])
+
+
+def _at_tones() -> Real:
+    return _sensed(Components(np.array([f]), np.ones(1)) for f in FREQUENCIES_HZ)
 
 
 def _from_record(padding: int) -> Real:
     time_s = np.arange(round(DURATION_S * RATE_HZ)) / RATE_HZ
     tones = [OFFSET + np.sin(2 * np.pi * f * time_s) for f in FREQUENCIES_HZ]
-    return np.array([_sensed(components(tone, RATE_HZ, padding)) for tone in tones])
+    return _sensed(components(tone, RATE_HZ, padding) for tone in tones)
 
 
-def _written_out(frequency_hz: float) -> float:
-    bowl_db = 62 * (math.log10(frequency_hz / 550 + 6 / 11) / math.log10(6 / 11)) ** 2
-    return float(10 ** (-min(bowl_db, 77.0) / 20))
+def _written_out() -> Real:
+    bowls_db = 62 * (np.log10(FREQUENCIES_HZ / 550 + 6 / 11) / math.log10(6 / 11)) ** 2
+    return np.asarray(10 ** (-np.minimum(bowls_db, 77.0) / 20))

@@ -6,7 +6,7 @@ import numpy as np
 
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz_frequencies_hz
 
-from ..cost.problem import Problem, Real, Rung
+from ..cost.problem import Problem, Real, Reference, Rung
 
 F_MAX_HZ = 5e3
 SIDE_M = 0.2
@@ -22,10 +22,8 @@ def simply_supported() -> Problem:
     plate = _square("SSSS")
     return Problem(
         f"largest error of the frequencies below {F_MAX_HZ / 1e3:g} kHz, 0.2 m square, edges S",
-        "Navier's closed form",
-        "Navier's formula, written anew",
-        reference=lambda: (plate.frequencies_hz(F_MAX_HZ), ROUNDING),
-        independent=lambda: (_navier_hz(plate), ROUNDING),
+        reference=Reference("Navier's closed form", lambda: plate.frequencies_hz(F_MAX_HZ), ROUNDING),
+        independent=Reference("Navier's formula, written anew", lambda: _navier_hz(plate), ROUNDING),
         error=largest,
         rungs=_rungs(plate),
     )
@@ -37,10 +35,8 @@ def free() -> Problem:
     constant = plate.wave_constant_m2_per_s / SIDE_M**2 / (2 * np.pi)
     return Problem(
         f"largest error of the frequencies below {F_MAX_HZ / 1e3:g} kHz, 0.2 m square, edges F",
-        "38 degrees",
-        "published values of the square plate",
-        reference=lambda: (_frequencies_hz(plate, FINEST), ROUNDING),
-        independent=lambda: (constant * np.array(PUBLISHED), 4e-7),
+        reference=Reference("38 degrees", lambda: _frequencies_hz(plate, FINEST), ROUNDING),
+        independent=Reference("published values of the square plate", lambda: constant * np.array(PUBLISHED), 4e-7),
         error=largest,
         rungs=_rungs(plate),
     )

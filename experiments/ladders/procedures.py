@@ -10,9 +10,10 @@ import numpy as np
 
 from tactometry.analysis.threshold.fitting import fit_many
 from tactometry.protocols import ConstantStimuli, ParameterGrid, Procedure, Quest, QuestPlus, Staircase
+from tactometry.protocols.procedures.procedure import Rule
 from tactometry.psychometric import PsychometricFunction
 
-from ..cost.problem import Problem, Real, Rung, error_of_decibels
+from ..cost.problem import Problem, Real, Reference, Rung, error_of_decibels
 
 LOW_DB, MIDDLE_DB, HIGH_DB, SD_DB = 0.0, 20.0, 40.0, 3.0
 WIDTH_DB, GUESS_RATE, LAPSE_RATE = 10.1, 0.5, 0.02
@@ -26,9 +27,9 @@ Run = tuple[Any, list[tuple[float, bool]]]
 
 @dataclass(frozen=True)
 class Method:
-    """A procedure of so many trials, what runs of it say in the end, and the chance that its threshold stands for."""
+    """The rule for so many trials, what runs of it say in the end, and the chance that its threshold stands for."""
 
-    make: Callable[[int, np.random.Generator], Procedure]
+    rule: Callable[[int], Rule[Any]]
     thresholds_db: Callable[[Sequence[Run]], Sequence[float | None]]
     target: float
 
@@ -37,10 +38,8 @@ def problem() -> Problem:
     """Two-alternative tasks with participants whose thresholds differ by 3 dB about 20 dB."""
     return Problem(
         f"rms error of the threshold as a part of the amplitude, two alternatives, {N_RUNS} simulated runs",
-        "the threshold that was simulated",
-        "target levels by the root of the function, written out",
-        reference=lambda: (np.zeros(1), 0.0),
-        independent=lambda: (_targets_db() - [FUNCTION.level(method.target) for method in METHODS.values()], 1e-9),
+        reference=Reference("the threshold that was simulated", lambda: np.zeros(1), 0.0),
+        independent=Reference("target levels by the root of the function, written out", _target_errors_db, 1e-9),
         error=error_of_decibels,
         rungs=tuple(
             Rung(f"{n} trials", partial(_errors_db, method, n), n * TRIAL_S / 60, name)
@@ -55,7 +54,7 @@ def _errors_db(method: Method, n_trials: int) -> Real:
     """(n_runs,): the same participants for all procedures; a run that tells no threshold counts as the middle."""
     rngs = [np.random.default_rng(seed) for seed in np.random.SeedSequence(0).spawn(N_RUNS)]
     true_db = [MIDDLE_DB + SD_DB * float(rng.standard_normal()) for rng in rngs]
-    runs = [_run(method.make(n_trials, rng), own_db, rng) for own_db, rng in zip(true_db, rngs, strict=True)]
+    runs = [_run(method.rule(n_trials).begin(rng), own_db, rng) for own_db, rng in zip(true_db, rngs, strict=True)]
     estimates_db = [MIDDLE_DB if level_db is None else level_db for level_db in method.thresholds_db(runs)]
     return np.asarray(np.subtract(estimates_db, true_db) - (FUNCTION.level(method.target) - MIDDLE_DB))
 
@@ -75,40 +74,38 @@ def _chance(above_db: float) -> float:
     return GUESS_RATE + (1 - GUESS_RATE - LAPSE_RATE) * unscaled
 
 
-def _targets_db() -> Real:
+def _target_errors_db() -> Real:
     from scipy.optimize import brentq
 
-    found = [brentq(lambda x, p=method.target: _chance(x) - p, -20, 20, xtol=1e-12) for method in METHODS.values()]
-    return MIDDLE_DB + np.array(found)
+    targets = [method.target for method in METHODS.values()]
+    roots_db = [brentq(lambda x, p=target: _chance(x) - p, -20, 20, xtol=1e-12) for target in targets]
+    return np.asarray(MIDDLE_DB + np.array(roots_db) - [FUNCTION.level(target) for target in targets])
 
 
-def _staircase(n_trials: int, rng: np.random.Generator) -> Staircase:
-    del rng
+def _staircase(n_trials: int) -> Staircase:
     return Staircase(MIDDLE_DB, (4.0, 2.0, 1.0), LOW_DB, HIGH_DB, n_reversals=n_trials, n_trials=n_trials)
 
 
-def _quest(n_trials: int, rng: np.random.Generator) -> Quest:
-    del rng
+def _quest(n_trials: int) -> Quest:
     blind = LAPSE_RATE / (1 - GUESS_RATE)
     return Quest(MIDDLE_DB, 10.0, LOW_DB, HIGH_DB, 0.5, blind_share=blind, n_trials=n_trials)
 
 
-def _quest_plus(n_trials: int, rng: np.random.Generator) -> QuestPlus:
-    del rng
+def _quest_plus(n_trials: int) -> QuestPlus:
     thresholds_db = tuple(np.arange(MIDDLE_DB - 4 * SD_DB, MIDDLE_DB + 4 * SD_DB + 0.5, 0.5).tolist())
     grid = ParameterGrid(thresholds_db, (7.0, 10.0, 14.0), lapse_rates=(LAPSE_RATE,))
     return QuestPlus(LEVELS_DB, grid, n_trials, aim="threshold")
 
 
-def _constant(n_trials: int, rng: np.random.Generator) -> Procedure:
-    return ConstantStimuli(CONSTANT_DB, n_trials // len(CONSTANT_DB)).begin(rng)
+def _constant(n_trials: int) -> ConstantStimuli:
+    return ConstantStimuli(CONSTANT_DB, n_trials // len(CONSTANT_DB))
 
 
 def _fitted(runs: Sequence[Run]) -> list[float | None]:
     answers = np.array([answered for _, answered in runs], dtype=np.float64)
     rates: Any = {"guess_rate": GUESS_RATE, "lapse_rate": LAPSE_RATE}
-    found = fit_many(answers[..., 0], answers[..., 1], 1, shape="gumbel", method="map", **rates)
-    return [each.threshold for each in found]
+    fits = fit_many(answers[..., 0], answers[..., 1], 1, shape="gumbel", method="map", **rates)
+    return [fit.threshold for fit in fits]
 
 
 def _by_rule(runs: Sequence[Run]) -> list[float | None]:

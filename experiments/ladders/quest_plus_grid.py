@@ -7,7 +7,7 @@ import numpy as np
 from tactometry.protocols import ParameterGrid, QuestPlus
 from tactometry.psychometric import PsychometricFunction
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Reference, Rung
 
 LOW, HIGH, NARROW, WIDE = 0.0, 40.0, 4.0, 12.0
 ANSWERS = ((30.0, 1), (20.0, 1), (14.0, 0), (18.0, 1), (16.0, 0), (18.0, 1), (17.0, 1), (15.0, 0), (19.0, 1), (16.0, 1))
@@ -17,12 +17,11 @@ N_FINEST, N_NODES = 641, 60
 
 def problem() -> Problem:
     """Ten answers of a two-alternative task; the widths have half as many values as the thresholds."""
+    finest = _mean(N_FINEST)
     return Problem(
         "error of the posterior mean of the threshold after ten answers, over the range of 40 dB",
-        "a far finer grid",
-        "Gauss and Legendre, function by function",
-        reference=lambda: (_mean(N_FINEST), abs(_mean(N_FINEST) - _mean(N_FINEST // 2 + 1)) / (HIGH - LOW)),
-        independent=lambda: (_integral(), 1e-5),
+        reference=Reference("a far finer grid", lambda: finest, abs(finest - _mean(N_FINEST // 2 + 1)) / (HIGH - LOW)),
+        independent=Reference("Gauss and Legendre, function by function", _integral, 1e-5),
         error=lambda found, reference: abs(found - reference) / (HIGH - LOW),
         rungs=tuple(Rung(f"{n} x {n_widths(n)}", partial(_mean, n)) for n in N_THRESHOLDS),
     )

@@ -11,7 +11,7 @@ from tactometry.stimuli.time_reversal.field.merit import contrast_whole_of
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, TAU_S
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Reference, Rung
 
 RATE_HZ, F_MAX_HZ, FOCUS_M = 60e3, 20e3, (0.121, 0.093)
 N_TAU = (0.5, 1.0, 2.0, 4.0, 6.0, 8.0)
@@ -25,8 +25,7 @@ def amplitude() -> Problem:
     return _against_time(
         "amplitude of the focus that a shorter reversal time T loses (one bit, tau = 3.5 ms)",
         partial(_amplitude_m, heard),
-        "convolution of the whole drive, last sample",
-        lambda: (_emitted_m(heard), 6.2e-6),
+        Reference("convolution of the whole drive, last sample", lambda: _emitted_m(heard), 6.2e-6),
     )
 
 
@@ -36,20 +35,15 @@ def contrast() -> Problem:
     return _against_time(
         "contrast of the focus (over the rms of the plate) that a shorter T loses (one bit, tau = 3.5 ms)",
         partial(_contrast, heard),
-        "exact steps of the modes",
-        lambda: (_contrast_of_modes(heard), 1e-9),
+        Reference("exact steps of the modes", lambda: _contrast_of_modes(heard), 1e-9),
     )
 
 
-def _against_time(
-    what: str, after: Callable[[float], float], check: str, independent: Callable[[], tuple[float, float]]
-) -> Problem:
+def _against_time(what: str, after: Callable[[float], float], independent: Reference) -> Problem:
     """The loss of what a reversal time gives, against that time."""
     return Problem(
         what,
-        "twelve time constants",
-        check,
-        reference=lambda: (after(LONGEST * TAU_S), 6.2e-6),
+        reference=Reference("twelve time constants", lambda: after(LONGEST * TAU_S), 6.2e-6),
         independent=independent,
         error=lambda found, reference: abs(1 - found / reference),
         rungs=tuple(Rung(f"T = {n:g} tau", partial(after, n * TAU_S), price=n * TAU_S) for n in N_TAU),

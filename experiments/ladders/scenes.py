@@ -32,7 +32,7 @@ from tactometry.stimuli.time_reversal import (
     loaded_responses,
 )
 
-from ..cost.problem import Problem, Real, Rung, over_largest
+from ..cost.problem import Problem, Real, Reference, Rung, over_largest
 from ..scenes import path_of
 
 ACCURACIES, FINEST = (1e-1, 1e-2, 1e-3, 1e-4), 3e-4
@@ -52,10 +52,8 @@ def panel() -> Problem:
     force = partial(_samples, scene, "electrostatic_force_n")
     return Problem(
         "largest error of the electrostatic force over its peak, for the accuracy asked for",
-        "the exact solution in pieces",
-        "recurrence on fine samples",
-        reference=lambda: (_exact(scene), 1e-12),
-        independent=lambda: (_stepped(scene), 1e-4),
+        reference=Reference("the exact solution in pieces", lambda: _exact(scene), 1e-12),
+        independent=Reference("recurrence on fine samples", lambda: _stepped(scene), 1e-4),
         error=lambda answer, reference: over_largest(np.interp(reference[0], *answer), reference[1]),
         rungs=tuple(Rung(f"accuracy {accuracy:g}", partial(force, accuracy)) for accuracy in ACCURACIES),
     )
@@ -109,10 +107,12 @@ def _problem(name: str, loads: Sequence[PlateLoad], uncertainty: float) -> Probl
 
     return Problem(
         "largest error of the displacement in the 0.1 ms before the focus over its peak, for the accuracy asked for",
-        f"the scene at an accuracy of {FINEST:g}",
-        "impulse responses and the drive in time, extrapolated to all modes",
-        reference=lambda: (before_the_focus(FINEST), FINEST),
-        independent=lambda: (_in_time(scene, loads, len(at_s)), uncertainty),
+        reference=Reference(f"the scene at an accuracy of {FINEST:g}", lambda: before_the_focus(FINEST), FINEST),
+        independent=Reference(
+            "impulse responses and the drive in time, extrapolated to all modes",
+            lambda: _in_time(scene, loads, len(at_s)),
+            uncertainty,
+        ),
         error=over_largest,
         rungs=tuple(Rung(f"accuracy {accuracy:g}", partial(before_the_focus, accuracy)) for accuracy in ACCURACIES[:3]),
     )

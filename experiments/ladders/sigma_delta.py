@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from tactometry.stimuli.time_reversal.focusing.modulator import modulate
 
-from ..cost.problem import Problem, Real, Rung, over_rms
+from ..cost.problem import Problem, Real, Reference, Rung, over_rms
 
 TONE_HZ, BAND_HZ, DURATION_S, AMPLITUDE = 5e3, 25e3, 20e-3, 0.5
 RATES_HZ = (250e3, 1e6, 4e6, 16e6)
@@ -25,10 +25,8 @@ def second_order() -> Problem:
 def _problem(order: int) -> Problem:
     return Problem(
         f"rms error in the band of 0 to 25 kHz over the rms of a 5 kHz tone, order {order}, 20 ms",
-        "the line of the tone",
-        "transform of the tone",
-        reference=lambda: (_line(), 1e-12),
-        independent=lambda: (_spectrum(_tone(RATES_HZ[0])), 1e-12),
+        reference=Reference("the line of the tone", _line, 1e-12),
+        independent=Reference("transform of the tone", lambda: _spectrum(_tone(RATES_HZ[0])), 1e-12),
         error=over_rms,
         rungs=tuple(Rung(f"{rate_hz / 1e6:g} MHz", partial(_modulated, order, rate_hz)) for rate_hz in RATES_HZ),
     )

@@ -8,7 +8,7 @@ from tactometry.stimuli.electrovibration import Sine, Skin, electrostatic_force_
 from tactometry.stimuli.electrovibration.attraction.closed_form import sine_voltage_v
 from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
 
-from ..cost.problem import Problem, Real, Rung, over_largest
+from ..cost.problem import Problem, Real, Reference, Rung, over_largest
 
 FREQUENCY_HZ, DURATION_S, COARSEST_HZ = 240.0, 0.1, 5_000
 FACTORS = (1, 4, 16, 64, 256)
@@ -20,10 +20,8 @@ def problem() -> Problem:
     times_s = np.arange(round(DURATION_S * COARSEST_HZ)) / COARSEST_HZ
     return Problem(
         "largest error of the force of a 240 Hz sine over its peak, exact recurrence on samples",
-        "the exact solution in pieces",
-        "closed form of a sine",
-        reference=lambda: (_exact(times_s), 1e-12),
-        independent=lambda: (_closed_form(times_s), 1e-12),
+        reference=Reference("the exact solution in pieces", lambda: _exact(times_s), 1e-12),
+        independent=Reference("closed form of a sine", lambda: _closed_form(times_s), 1e-12),
         error=over_largest,
         rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_sampled, k)) for k in FACTORS),
     )

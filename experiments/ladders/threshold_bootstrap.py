@@ -9,7 +9,7 @@ from scipy.special import comb, ndtr, ndtri
 
 from tactometry.analysis.threshold.fitting import fit_many
 
-from ..cost.problem import Problem, Real, Rung
+from ..cost.problem import Problem, Real, Reference, Rung
 from .threshold_fit import threshold_prior, width_prior
 
 LEVELS, N_YES, N_TRIALS, RATE = np.array([-1.0, 0.0, 1.0]), np.array([3, 6, 10]), 12, 0.02
@@ -22,10 +22,10 @@ def problem() -> Problem:
     """Yes or no at three levels, 12 trials each: 2197 answers are possible, and each has its chance."""
     return Problem(
         f"rms error of the ends of the bootstrap's interval over its width, {N_INTERVALS} intervals, by resamples",
-        "every possible answer with its chance, fitted",
-        "the same with modes on a grid of the posterior, written out",
-        reference=lambda: (_interval(_fitted_modes()), 1e-3),
-        independent=lambda: (_interval(_grid_modes()), 1e-2),
+        reference=Reference("every possible answer with its chance, fitted", lambda: _interval(_fitted_modes()), 1e-3),
+        independent=Reference(
+            "the same with modes on a grid of the posterior, written out", lambda: _interval(_grid_modes()), 1e-2
+        ),
         error=lambda found, reference: float(np.sqrt(np.mean((found - reference) ** 2)) / np.ptp(reference)),
         rungs=tuple(Rung(f"{n} resamples", partial(_bootstrapped, n)) for n in N_RESAMPLES),
     )

@@ -9,7 +9,7 @@ from scipy.special import ndtr, ndtri
 
 from tactometry.analysis.threshold.fitting import ThresholdFit, fit, fit_many
 
-from ..cost.problem import Problem, Real, Rung, over_interval
+from ..cost.problem import Problem, Real, Reference, Rung, over_interval
 
 LEVELS = np.array([-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0])
 N_CORRECT, N_TRIALS = np.array([23, 20, 26, 30, 37, 39, 40]), 40
@@ -26,10 +26,8 @@ def problem() -> Problem:
     """Two-alternative answers at seven levels; the shared grid takes its time for 16 sets at once."""
     return Problem(
         "largest error of mean and 95 % interval of the threshold over its width, 7 levels x 40 trials, 2AFC",
-        "the posterior written out, integrated finely",
-        "the same with fewer nodes",
-        reference=lambda: (posterior(*N_FINEST), 1e-5),
-        independent=lambda: (posterior(*N_COARSER), 1e-4),
+        reference=Reference("the posterior written out, integrated finely", lambda: posterior(*N_FINEST), 1e-5),
+        independent=Reference("the same with fewer nodes", lambda: posterior(*N_COARSER), 1e-4),
         error=over_interval,
         rungs=(
             Rung("Laplace (map)", partial(_fitted, "map")),
@@ -96,10 +94,8 @@ def likelihood() -> Problem:
     """Wald and profile against the profile written out: the same answers, with the lapse rate known."""
     return Problem(
         "largest error of threshold and 95 % interval of likelihood over its width, 7 levels x 40 trials, 2AFC",
-        "the profile written out, by Brent's methods",
-        "its highest values on a grid",
-        reference=lambda: (_by_brent(), 1e-7),
-        independent=lambda: (_on_a_grid(), 1e-4),
+        reference=Reference("the profile written out, by Brent's methods", _by_brent, 1e-7),
+        independent=Reference("its highest values on a grid", _on_a_grid, 1e-4),
         error=over_interval,
         rungs=(Rung("Wald (ml)", partial(_likelihood_fit, "ml")), Rung("profile", partial(_likelihood_fit, "profile"))),
     )

@@ -8,7 +8,7 @@ from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.oscillators.propagator import run_linear
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
 
-from ..cost.problem import Problem, Real, Rung, over_largest
+from ..cost.problem import Problem, Real, Reference, Rung, over_largest
 
 F_MAX_HZ, TONE_HZ, COARSEST_HZ, DURATION_S = 10e3, 4e3, 40e3, 5e-3
 FACTORS = (1, 4, 16, 64)
@@ -20,10 +20,8 @@ def problem() -> Problem:
     modes = A4_PROTOTYPE.oscillators(F_MAX_HZ)
     return Problem(
         f"largest error of {modes.n} modal displacements over the largest, tone of 4 kHz from rest, 5 ms",
-        "the response of a mode in closed form",
-        "powers of the exponential of mode and tone",
-        reference=lambda: (closed_form(modes), 1e-11),
-        independent=lambda: (_exponentials(modes), 1e-10),
+        reference=Reference("the response of a mode in closed form", lambda: closed_form(modes), 1e-11),
+        independent=Reference("powers of the exponential of mode and tone", lambda: _exponentials(modes), 1e-10),
         error=over_largest,
         rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_stepped, modes, k)) for k in FACTORS),
     )

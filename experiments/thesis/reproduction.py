@@ -1,13 +1,12 @@
 """A table, figure or finding of the thesis made anew: its numbers, each with how it came about."""
 
-import csv
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import asdict, dataclass, fields
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal, get_args
 
 from tactometry.arguments.require import one_of
-from tactometry.errors import attempt
+from tactometry.files.rows import write_records
 
 Origin = Literal["derived", "calibrated", "assumed"]
 ORIGINS: Final[tuple[Origin, ...]] = get_args(Origin)
@@ -109,21 +108,4 @@ def write_numbers(made: Reproduced, path: Path) -> None:
     DeviceFailed
         If the file cannot be written.
     """
-    rows = ({**asdict(number), "holds": "" if number.holds is None else number.holds} for number in made.numbers)
-    write_rows([field.name for field in fields(Number)], (row.values() for row in rows), path)
-
-
-def write_rows(head: Sequence[str], rows: Iterable[Iterable[object]], path: Path) -> None:
-    """A CSV in a folder that is made.
-
-    Raises
-    ------
-    DeviceFailed
-        If the file cannot be written.
-    """
-    with attempt(path, "cannot write", "a place to write to"):
-        path.parent.mkdir(parents=True, exist_ok=True)
-        with path.open("w", newline="", encoding="utf-8") as file:
-            writer = csv.writer(file)
-            writer.writerow(head)
-            writer.writerows(rows)
+    write_records(Number, made.numbers, path)

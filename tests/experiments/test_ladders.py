@@ -15,7 +15,7 @@ from tactometry.experiments.cost.figures import error_against_price, frontier
 from tactometry.experiments.cost.measure import cheapest, climb
 from tactometry.experiments.cost.page import digit
 from tactometry.experiments.cost.peers import RECORD, peers_of, recorded_on
-from tactometry.experiments.cost.problem import Problem, Rung
+from tactometry.experiments.cost.problem import Problem, Reference, Rung
 from tactometry.experiments.cost.report import answers, label, table
 from tactometry.experiments.ladders import LADDERS, problem_of
 
@@ -49,10 +49,10 @@ def test_the_error_falls_along_the_ladder_down_to_the_floor(found):
 
 @pytest.mark.slow
 def test_the_reference_agrees_with_an_independent_one(found):
-    other, uncertainty = found.problem.independent()
-    assert found.problem.error(other, found.answer) <= found.floor + uncertainty
+    independent = found.problem.independent
+    assert found.problem.error(independent.answer(), found.answer) <= found.floor + independent.uncertainty
     assert found.floor < found.points[0].error / 10
-    assert uncertainty < found.points[0].error / 2
+    assert independent.uncertainty < found.points[0].error / 2
 
 
 def test_errors_are_the_same_in_every_run(found):
@@ -91,10 +91,8 @@ def known(prices=(5.0, 3.0, 4.0, 9.0)) -> Problem:
     rungs = tuple(Rung(f"n = {n}", partial(halves, n), price) for n, price in zip(steps, prices, strict=True))
     return Problem(
         "halves",
-        "one",
-        "one",
-        lambda: (1.0, 1e-3),
-        lambda: (1.0, 0.0),
+        Reference("one", lambda: 1.0, 1e-3),
+        Reference("one", lambda: 1.0, 0.0),
         lambda a, b: abs(a - b),
         rungs,
         "coins",

@@ -8,8 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tactometry.errors import attempt
-
-from ..reproduction import write_rows
+from tactometry.files.rows import write_rows
 
 RESOLUTION_DPI = 150
 HEAD = ("panel", "curve", "x_label", "x", "y_label", "y")

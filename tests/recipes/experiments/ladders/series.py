@@ -3,7 +3,7 @@
 import math
 from functools import partial
 
-from ..cost.problem import Problem, Rung
+from ..cost.problem import Problem, Reference, Rung
 
 N_TERMS = (1, 10, 100, 1000)
 
@@ -12,10 +12,8 @@ def problem() -> Problem:
     """Leibniz: a quarter of pi."""
     return Problem(
         "relative error of pi, by the terms of Leibniz's series",
-        "the constant of the standard library",
-        "Machin's formula",
-        reference=lambda: (math.pi, 1e-15),
-        independent=lambda: (16 * math.atan(1 / 5) - 4 * math.atan(1 / 239), 1e-15),
+        reference=Reference("the constant of the standard library", lambda: math.pi, 1e-15),
+        independent=Reference("Machin's formula", lambda: 16 * math.atan(1 / 5) - 4 * math.atan(1 / 239), 1e-15),
         error=lambda answer, reference: abs(answer / reference - 1),
         rungs=tuple(Rung(f"{n} terms", partial(_sum, n), float(n)) for n in N_TERMS),
         price="terms",
