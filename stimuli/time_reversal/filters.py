@@ -6,8 +6,9 @@ from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 
+from tactometry.arguments.annotations import Positive, PositiveWhole
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import positive, within
+from tactometry.arguments.require import within
 from tactometry.errors import InvalidParameter
 
 from ..arrays import ComplexArray, FloatArray
@@ -25,11 +26,10 @@ class GainCurve(Protocol):
 
 
 @checked
-def filtered(samples: FloatArray, rate_hz: float, gain: GainCurve) -> FloatArray:
+def filtered(samples: FloatArray, rate_hz: Positive, gain: GainCurve) -> FloatArray:
     """Samples (..., n) behind a linear element; what rings beyond the end, or before the beginning, is cut off."""
     from scipy.fft import next_fast_len
 
-    positive("filtered", rate_hz=rate_hz)
     n = samples.shape[-1]
     n_fft = int(next_fast_len(max(2 * n, 1), real=True))  # what wraps round falls into zeros that are cut off
     frequency_hz = np.asarray(np.fft.rfftfreq(n_fft, 1 / rate_hz), float)
@@ -55,11 +55,10 @@ class Band:
     """
 
     f_min_hz: float
-    f_max_hz: float
+    f_max_hz: Positive
     flank_hz: float = 0.0
 
     def __post_init__(self) -> None:
-        positive("Band", f_max_hz=self.f_max_hz)
         within("Band", 0, np.inf, f_min_hz=self.f_min_hz, flank_hz=self.flank_hz)
         if not self.f_min_hz < self.f_max_hz:
             raise InvalidParameter(
@@ -84,11 +83,8 @@ class Band:
 class Butterworth:
     """Amplifier that rolls off: 1 / prod(s - poles), order n, -3 dB at the cut-off."""
 
-    cutoff_hz: float
-    order: int = 1
-
-    def __post_init__(self) -> None:
-        positive("Butterworth", cutoff_hz=self.cutoff_hz, order=self.order)
+    cutoff_hz: Positive
+    order: PositiveWhole = 1
 
     def at(self, frequency_hz: FloatArray) -> ComplexArray:
         s = 1j * np.asarray(frequency_hz) / self.cutoff_hz

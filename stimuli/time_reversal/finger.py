@@ -13,8 +13,9 @@ from typing import Final
 
 import numpy as np
 
+from tactometry.arguments.annotations import NotNegative, Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import at_most, not_negative, one_of, positive, some
+from tactometry.arguments.require import at_most, one_of, some
 
 from .design.closed_forms import one_bit_amplitude_ratio
 from .focusing.focusing import Emission, focus_amplitude
@@ -42,22 +43,20 @@ class Fingertip:
         From 1/3 (radius of a Hertz contact) to 2/3 (its area); unverified default 1/2.
     """
 
-    resistance_n_s_per_m: float = RESISTANCE_N_S_PER_M
-    mass_kg: float = 0.0
-    stiffness_n_per_m: float = 0.0
-    exponent: float = FORCE_EXPONENT
+    resistance_n_s_per_m: NotNegative = RESISTANCE_N_S_PER_M
+    mass_kg: NotNegative = 0.0
+    stiffness_n_per_m: NotNegative = 0.0
+    exponent: NotNegative = FORCE_EXPONENT
 
     def __post_init__(self) -> None:
-        not_negative("Fingertip", **vars(self))
         at_most("Fingertip.exponent", self.exponent, 2.0)
 
-    def load(self, at_m: Point, force_n: float = REFERENCE_FORCE_N) -> PlateLoad:
+    def load(self, at_m: Point, force_n: NotNegative = REFERENCE_FORCE_N) -> PlateLoad:
         """The load on the plate at a place, under a force of at least 0; at 0 nothing touches.
 
         >>> Fingertip().load((0.1, 0.1), 0.5).resistance_n_s_per_m
         5.0
         """
-        not_negative("Fingertip.load", force_n=force_n)
         # 0 ** 0 is 1: with an exponent of 0 a finger that touches nothing would load the plate
         growth = (force_n / REFERENCE_FORCE_N) ** self.exponent if force_n > 0 else 0.0
         at_2_n = self.resistance_n_s_per_m, self.mass_kg, self.stiffness_n_per_m
@@ -99,14 +98,15 @@ def absorbing_tau_s(plate: Plate, impedance_n_s_per_m: complex) -> float:
 
 
 @checked
-def amplitude_ratio_elsewhere(plate: Plate, impedance_n_s_per_m: complex, tau_s: float, reversal_s: float) -> float:
+def amplitude_ratio_elsewhere(
+    plate: Plate, impedance_n_s_per_m: complex, tau_s: Positive, reversal_s: Positive
+) -> float:
     """Closed form of absorption alone, 1 bit, learnt without the finger.
 
     A' / A = tau' (1 - exp(-T / tau')) / (tau (1 - exp(-T / tau))), 1 / tau' = 1 / tau + 1 / tau_f.
 
     Scattering adds to the loss; relearning removes that part only.
     """
-    positive("amplitude_ratio_elsewhere", tau_s=tau_s, reversal_s=reversal_s)
     loaded_tau_s = 1 / (1 / tau_s + 1 / absorbing_tau_s(plate, impedance_n_s_per_m))
     ratio = one_bit_amplitude_ratio(reversal_s, loaded_tau_s) / one_bit_amplitude_ratio(reversal_s, tau_s)
     return float(loaded_tau_s / tau_s * ratio)
@@ -125,9 +125,8 @@ def contact_is_lost(
 
 
 @checked
-def ejection_force_n(amplitude_m: float, frequency_hz: float, pulp_mass_kg: float = PULP_MASS_KG) -> float:
+def ejection_force_n(amplitude_m: float, frequency_hz: float, pulp_mass_kg: Positive = PULP_MASS_KG) -> float:
     """m w^2 A: the force that a focus of this amplitude can lift."""
-    positive("ejection_force_n", pulp_mass_kg=pulp_mass_kg)
     return float(pulp_mass_kg * np.abs(amplitude_m) * (2 * math.pi * frequency_hz) ** 2)
 
 
@@ -161,17 +160,15 @@ class Contactor:
     """
 
     kind: str
-    diameter_m: float = FINGER_DIAMETER_M
+    diameter_m: Positive = FINGER_DIAMETER_M
 
     def __post_init__(self) -> None:
         one_of("Contactor.kind", self.kind, KINDS)
-        positive("Contactor", diameter_m=self.diameter_m)
 
-    def loads(self, plate: Plate, at_m: Point, force_n: float) -> list[PlateLoad | SprungMass]:
+    def loads(self, plate: Plate, at_m: Point, force_n: NotNegative) -> list[PlateLoad | SprungMass]:
         """The loads on the plate under a force (N, at least 0), centred on the plate, the parts beyond an edge left
         out; none under no force. The force stiffens a Hertz contact; the mass of a tip does not grow with it.
         """
-        not_negative("Contactor.loads", force_n=force_n)
         plate.check_holds("at_m", at_m)
         if force_n == 0:
             return []
@@ -190,14 +187,12 @@ class Contactor:
 
 
 @checked
-def hertz_stiffness_n_per_m(force_n: float, radius_m: float, modulus_pa: float = RIGID_MODULUS_PA) -> float:
+def hertz_stiffness_n_per_m(force_n: NotNegative, radius_m: Positive, modulus_pa: Positive = RIGID_MODULUS_PA) -> float:
     """Slope of Hertz's law of a sphere, (6 E^2 R F)^(1/3).
 
     >>> round(hertz_stiffness_n_per_m(1.0, 1e-3, 1e9))
     181712
     """
-    not_negative("hertz_stiffness_n_per_m", force_n=force_n)
-    positive("hertz_stiffness_n_per_m", radius_m=radius_m, modulus_pa=modulus_pa)
     return float((6 * modulus_pa**2 * radius_m * force_n) ** (1 / 3))
 
 

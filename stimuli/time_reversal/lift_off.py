@@ -10,9 +10,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.annotations import Vector
+from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import positive
 from tactometry.errors import InvalidParameter
 
 from ..arrays import FloatArray
@@ -44,9 +43,9 @@ def one_sided_contact(
     screen: Screen,
     at_m: Point,
     free_m: Vector,
-    rate_hz: float,
+    rate_hz: Positive,
     f_max_hz: float,
-    force_n: float = REFERENCE_FORCE_N,
+    force_n: Positive = REFERENCE_FORCE_N,
     finger: Fingertip | None = None,
 ) -> ContactCourse:
     """What a finger that lifts off makes of the displacement that the free plate has at a place.
@@ -74,7 +73,6 @@ def one_sided_contact(
     >>> bool(gentle.apart.any()), bool(firm.apart.any())
     (True, False)
     """
-    positive("one_sided_contact", force_n=force_n, rate_hz=rate_hz)
     skin = (finger or Fingertip()).load(at_m, force_n)
     if skin.mass_kg > 0 or skin.resistance_n_s_per_m == 0:
         raise InvalidParameter(

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .magnitudes import LARGEST_COUNT, is_number
+from .require import not_negative, not_negative_array, positive, positive_array
 
 Vector = Annotated[NDArray[np.float64], 1]
 Matrix = Annotated[NDArray[np.float64], 2]
@@ -18,8 +19,15 @@ Unbounded = Annotated[float, inf]
 """A number that may be infinite."""
 UnboundedArray = Annotated[ArrayLike, inf]
 UnboundedComplex = Annotated[NDArray[np.complex128], inf]
+Positive = Annotated[float, positive]
+PositiveWhole = Annotated[int, positive]
+NotNegative = Annotated[float, not_negative]
+PositiveArray = Annotated[ArrayLike, positive_array]
+NotNegativeArray = Annotated[ArrayLike, not_negative_array]
+"""Annotated with the word of `require` that says what such a number must be."""
 
 Test = Callable[[Any], bool]
+Demand = Callable[[str, Any], object]
 SHORT = 2**14
 
 
@@ -28,7 +36,7 @@ class AnnotationRule:
     """What a value must be: a test of it, and in words.
 
     Of what holds something, the rule of its parts; of numbers, the test of each in an array; of words, which there are;
-    of an array, its type.
+    of an array, its type. Of what fits, what is demanded of its sign; it is told where the value stands.
     """
 
     fits: Test
@@ -37,6 +45,7 @@ class AnnotationRule:
     good: Callable[[NDArray[Any]], NDArray[np.bool_]] | None = None
     choices: tuple[str, ...] = ()
     dtype: type[np.generic] | None = None
+    demand: Demand | None = None
 
 
 @functools.cache
@@ -141,12 +150,24 @@ def _all_within(found: NDArray[Any], high: float) -> bool:
 
 
 def _annotated(hint: Any, note: Any, high: float) -> AnnotationRule:
+    if callable(note):
+        return replace(rule_of(hint, high), demand=note if hint == ArrayLike else _of_place(note))
     if note == inf:
         return rule_of(hint, high, unbounded=True)
     rule, least = rule_of(hint, high), 1 if note == 1 else 0
     words = f"an array in {note} dimension{'s' * (note > 1)} of finite numbers{', at least one' * least}"
     fits = rule.fits
     return replace(rule, fits=lambda v: fits(v) and np.ndim(v) == note and np.size(v) >= least, words=words)
+
+
+def _of_place(word: Callable[..., None]) -> Demand:
+    """A word of `require` that takes numbers by their names, told where one stands: ``owner.name``."""
+
+    def demand(where: str, value: Any) -> None:
+        owner, _, name = where.rpartition(".")
+        word(owner, **{name: value})
+
+    return demand
 
 
 def _either(rules: Sequence[AnnotationRule]) -> AnnotationRule:
@@ -159,6 +180,7 @@ def _either(rules: Sequence[AnnotationRule]) -> AnnotationRule:
         good=next((rule.good for rule in rules if rule.good), None),
         choices=tuple(choice for rule in rules for choice in rule.choices),
         dtype=next((rule.dtype for rule in rules if rule.dtype), None),
+        demand=next((rule.demand for rule in rules if rule.demand), None),
     )
 
 

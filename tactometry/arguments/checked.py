@@ -1,18 +1,18 @@
 """Arguments checked by what their annotations and names say: the kind by the annotation, the domain by the unit.
 
-What else must hold (above 0, ascending, not longer than) each function and constructor says itself, with `require`.
+What else must hold (ascending, not longer than) each function and constructor says itself, with `require`.
 """
 
 import functools
 import inspect
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InvalidParameter, nearest
-from .annotations import AnnotationRule, as_array, parts_of, rule_of
+from .annotations import AnnotationRule, Demand, as_array, parts_of, rule_of
 from .magnitudes import domain
 from .require import shown
 
@@ -23,8 +23,8 @@ def checked(thing: T) -> T:
     """A function, or a class with its constructor and public methods, that looks at its arguments first.
 
     A number is finite and within the domain of its name (`magnitudes`), never a truth value; where the annotation
-    is `Unbounded`, infinity is a number too. A list where an array belongs is made one. An array may have any
-    dimensions, a `Vector` one and at least one number, a `Matrix` two.
+    is `Unbounded`, infinity is a number too, and a `Positive` number is above 0. A list where an array belongs is made
+    one. An array may have any dimensions, a `Vector` one and at least one number, a `Matrix` two.
 
     Examples
     --------
@@ -54,26 +54,36 @@ def _with_check(function: Callable[..., Any], owner: str) -> Callable[..., Any]:
     names = tuple(inspect.signature(function).parameters)
 
     @functools.cache
-    def rules() -> tuple[tuple[AnnotationRule | None, ...], Mapping[str, AnnotationRule], bool]:
+    def rules() -> tuple[tuple[AnnotationRule | None, ...], Mapping[str, AnnotationRule], Mapping[str, Demand], bool]:
         hints = {name: hint for name, hint in function.__annotations__.items() if name != "return"}
         known = {name: rule_of(hint, domain(name)[1]) for name, hint in hints.items() if not isinstance(hint, str)}
-        return tuple(map(known.get, names)), known, any(rule.dtype for rule in known.values())
+        demands = {name: rule.demand for name, rule in known.items() if rule.demand}
+        return tuple(map(known.get, names)), known, demands, any(rule.dtype for rule in known.values())
 
     @functools.wraps(function)
     def guarded(*args: Any, **kwargs: Any) -> Any:
-        by_place, by_name, makes_arrays = rules()
+        by_place, by_name, demands, makes_arrays = rules()
         for rule, value, name in zip(by_place, args, names, strict=False):
             if rule is not None and not rule.fits(value):
                 raise _refusal(f"{owner}.{name}", value, rule)
         for name, value in kwargs.items():
             if name in by_name and not by_name[name].fits(value):
                 raise _refusal(f"{owner}.{name}", value, by_name[name])
+        if demands:
+            _meet(demands, owner, (*zip(names, args, strict=False), *kwargs.items()))
         if not (makes_arrays and any(isinstance(value, list | tuple) for value in (*args, *kwargs.values()))):
             return function(*args, **kwargs)
         named = {name: _as_array(by_name.get(name), value) for name, value in kwargs.items()}
         return function(*map(_as_array, by_place, args), *args[len(names) :], **named)
 
     return guarded
+
+
+def _meet(demands: Mapping[str, Demand], owner: str, values: Iterable[tuple[str, Any]]) -> None:
+    """What is demanded of the arguments that are given."""
+    for name, value in values:
+        if name in demands and value is not None:
+            demands[name](f"{owner}.{name}", value)
 
 
 def _as_array(rule: AnnotationRule | None, value: Any) -> Any:

@@ -10,7 +10,17 @@ import pytest
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments import require
-from tactometry.arguments.annotations import Matrix, Unbounded, UnboundedArray, Vector
+from tactometry.arguments.annotations import (
+    Matrix,
+    NotNegative,
+    NotNegativeArray,
+    Positive,
+    PositiveArray,
+    PositiveWhole,
+    Unbounded,
+    UnboundedArray,
+    Vector,
+)
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
@@ -27,6 +37,12 @@ SENTENCES: Mapping[str, tuple[Any, Any, str]] = {
     "one dimension": (Vector, [[1.0]], "found shape (1, 1), expected an array in 1 dimension of finite numbers"),
     "at least one": (Vector, [], "found shape (0,), expected an array in 1 dimension of finite numbers, at least one"),
     "two dimensions": (Matrix, [1.0], "found shape (1,), expected an array in 2 dimensions of finite numbers"),
+    "a number above 0": (Positive, 0.0, "found 0.0, expected a finite number above 0"),
+    "a count above 0": (PositiveWhole, 0, "found 0, expected a finite number above 0"),
+    "a number above 0, or None": (Positive | None, -1.0, "found -1.0, expected a finite number above 0"),
+    "a number of at least 0": (NotNegative, -1.0, "found -1.0, expected a finite number, at least 0"),
+    "numbers above 0": (PositiveArray, [1.0, 0.0], "[1]: found 0.0, expected a finite number above 0"),
+    "numbers of at least 0": (NotNegativeArray, [0.0, -1.0], "[1]: found -1.0, expected a finite number, at least 0"),
     "a list of numbers": (tuple[float, ...], (1.0, "a"), "[1]: found 'a', expected a finite number"),
     "a list of points": (Sequence[tuple[float, float]], [(0.0,)], "[0]: found (0.0,), expected (a finite number, "),
     "a mapping": (Mapping[str, float], {"a": nan}, "['a']: found nan, expected a finite number"),

@@ -13,12 +13,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tactometry.arguments.annotations import UnboundedArray
+from tactometry.arguments.annotations import NotNegative, Positive, PositiveArray, PositiveWhole, UnboundedArray
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import (
     at_most,
     between,
-    not_negative,
     not_negative_array,
     positive,
     positive_array,
@@ -45,22 +44,20 @@ ALPHA: Final = math.sqrt(math.pi / 2)
 
 
 @checked
-def one_bit_amplitude_ratio(reversal_s: UnboundedArray, tau_s: float) -> FloatArray:
+def one_bit_amplitude_ratio(reversal_s: UnboundedArray, tau_s: Positive) -> FloatArray:
     """A(T) / A(inf) = 1 - exp(-T / tau) of the one-bit drive; T at least 0 or infinite, tau finite and above 0.
 
     >>> round(float(one_bit_amplitude_ratio(2.0, 1.0)), 3)
     0.865
     """
     not_negative_array("one_bit_amplitude_ratio.reversal_s", reversal_s, infinite=True)
-    positive("one_bit_amplitude_ratio", tau_s=tau_s)
     return np.asarray(-np.expm1(-np.asarray(reversal_s, float) / tau_s))
 
 
 @checked
-def analogue_amplitude_ratio(reversal_s: UnboundedArray, tau_s: float) -> FloatArray:
+def analogue_amplitude_ratio(reversal_s: UnboundedArray, tau_s: Positive) -> FloatArray:
     """A(T) / A(inf) = 1 - exp(-2 T / tau) of the analogue drive at a fixed gain."""
     not_negative_array("analogue_amplitude_ratio.reversal_s", reversal_s, infinite=True)
-    positive("analogue_amplitude_ratio", tau_s=tau_s)
     return np.asarray(-np.expm1(-2 * np.asarray(reversal_s, float) / tau_s))
 
 
@@ -79,16 +76,12 @@ class Reverberation:
         kappa, at least 0: 2 for chaotic shapes, 5/4 for a simply supported rectangle.
     """
 
-    n_channels: int
-    bandwidth_hz: float
-    tau_s: float
-    reversal_s: float
-    modal_density_s: float
-    kurtosis: float = CHAOTIC_KURTOSIS
-
-    def __post_init__(self) -> None:
-        positive("Reverberation", **{name: value for name, value in vars(self).items() if name != "kurtosis"})
-        not_negative("Reverberation", kurtosis=self.kurtosis)
+    n_channels: PositiveWhole
+    bandwidth_hz: Positive
+    tau_s: Positive
+    reversal_s: Positive
+    modal_density_s: Positive
+    kurtosis: NotNegative = CHAOTIC_KURTOSIS
 
     @property
     def n_modes(self) -> float:
@@ -113,19 +106,17 @@ def contrast_whole(room: Reverberation) -> float:
 
 
 @checked
-def contrast_far(room: Reverberation, k_max_rad_per_m: float, radius_m: float) -> float:
+def contrast_far(room: Reverberation, k_max_rad_per_m: Positive, radius_m: Positive) -> float:
     """As `contrast_whole`, leaving out r < radius: sqrt(Q N / (eps Q + kappa + G)), eps = 2 / (pi k_max
     r), at most 1. Both arguments are above 0.
     """
-    positive("contrast_far", k_max_rad_per_m=k_max_rad_per_m, radius_m=radius_m)
     q, near = room.n_channels, min(2 / (math.pi * k_max_rad_per_m * radius_m), 1.0)
     return math.sqrt(q * room.n_modes / (near * q + room.kurtosis + room.absorption))
 
 
 @checked
-def contrast_temporal(room: Reverberation, start_s: float, stop_s: float) -> float:
+def contrast_temporal(room: Reverberation, start_s: NotNegative, stop_s: float) -> float:
     """Amplitude over the rms at the focus point from `start_s` to `stop_s` after the focus, 0 <= start < stop."""
-    not_negative("contrast_temporal", start_s=start_s)
     positive("contrast_temporal", **{"stop_s - start_s": stop_s - start_s})
     decay = math.exp(-2 * start_s / room.tau_s) - math.exp(-2 * stop_s / room.tau_s)
     share = decay / (2 * (stop_s - start_s) / room.tau_s)
@@ -140,17 +131,16 @@ def contrast_limit(room: Reverberation) -> float:
 
 
 @checked
-def repetition_noise_ratio(repetition_s: UnboundedArray, tau_s: float) -> FloatArray:
+def repetition_noise_ratio(repetition_s: UnboundedArray, tau_s: Positive) -> FloatArray:
     """Residual noise power of an endless train of linear foci over that of one: 1 / (1 - exp(-2 T_r /
     tau)).
     """
     positive_array("repetition_noise_ratio.repetition_s", repetition_s, infinite=True)
-    positive("repetition_noise_ratio", tau_s=tau_s)
     return np.asarray(-1 / np.expm1(-2 * np.asarray(repetition_s, float) / tau_s))
 
 
 @checked
-def repetition_amplitude_ratio(reversal_s: float, repetition_s: float, tau_s: float) -> float:
+def repetition_amplitude_ratio(reversal_s: Positive, repetition_s: Positive, tau_s: Positive) -> float:
     """A / A_single in a long 1-bit train whose drives overlap and are quantised as a sum.
 
     At each instant the reversed responses of several foci add up as Gaussian signals of standard deviations
@@ -160,7 +150,6 @@ def repetition_amplitude_ratio(reversal_s: float, repetition_s: float, tau_s: fl
     >>> repetition_amplitude_ratio(6e-3, 10e-3, 3e-3)
     1.0
     """
-    positive("repetition_amplitude_ratio", reversal_s=reversal_s, repetition_s=repetition_s, tau_s=tau_s)
     from scipy.special import logsumexp
 
     heard_s = min(reversal_s, SILENT_TAUS * tau_s)
@@ -200,21 +189,18 @@ def resolution_m(plate: Plate, band: Band, level: float = 0.5) -> float:
 
 
 @checked
-def half_wavelength_m(plate: Plate, f_mean_hz: ArrayLike, alpha: float = ALPHA) -> FloatArray:
+def half_wavelength_m(plate: Plate, f_mean_hz: PositiveArray, alpha: Positive = ALPHA) -> FloatArray:
     """The handy law R_s = alpha (D / rho_s)^(1/4) / sqrt(f_mean), 0.3 to 3.3 % above `resolution_m`."""
-    positive_array("half_wavelength_m.f_mean_hz", f_mean_hz)
-    positive("half_wavelength_m", alpha=alpha)
     return np.asarray(alpha * math.sqrt(plate.wave_constant_m2_per_s) / np.sqrt(np.asarray(f_mean_hz, float)))
 
 
 @checked
-def mistuned_amplitude_ratio(relative_shift: float, band: Band, tau_s: float) -> float:
+def mistuned_amplitude_ratio(relative_shift: float, band: Band, tau_s: Positive) -> float:
     """A(d) / A(0) when every frequency moves by 1 + d: the band's mean of 1 / (1 + (d w tau / 2)^2).
 
     >>> round(mistuned_amplitude_ratio(1e-2, Band(0.0, 1e3), 1e-9), 6)
     1.0
     """
-    positive("mistuned_amplitude_ratio", tau_s=tau_s)
     reach = abs(relative_shift) * math.pi * tau_s
     low, high = reach * band.f_min_hz, reach * band.f_max_hz
     if high - low < 1e-8:
@@ -231,7 +217,7 @@ def _airy(x: FloatArray) -> FloatArray:
 
 
 @checked
-def passed(plate: Plate, side_m: float, band: Band) -> tuple[FloatArray, FloatArray, FloatArray]:
+def passed(plate: Plate, side_m: Positive, band: Band) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Frequencies over the band, and W^2 and W^4 there, each averaged over directions: how a patch weights the modes.
 
     A patch with a moment along its outline moves a mode by the mean of its curvature over the patch: a wave along the
@@ -239,7 +225,6 @@ def passed(plate: Plate, side_m: float, band: Band) -> tuple[FloatArray, FloatAr
     wave passes some directions and not others, and all patches pass the same: the square of the mean of W^2 in place of
     the mean of W^4 would count the modes of those others.
     """
-    positive("passed", side_m=side_m)
     f = np.linspace(max(band.f_min_hz, 1.0), band.f_max_hz, 200)
     half = wavenumber_rad_per_m(plate, f) * side_m / 2
     angle = (np.arange(64) + 0.5) * math.pi / 128

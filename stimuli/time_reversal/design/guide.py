@@ -12,9 +12,9 @@ from typing import Final
 
 import numpy as np
 
-from tactometry.arguments.annotations import Vector
+from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import given, positive
+from tactometry.arguments.require import positive
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
@@ -89,13 +89,10 @@ class Target:
         Rate at which foci follow one another.
     """
 
-    resolution_m: float | None = None
-    contrast: float | None = None
-    amplitude_m: float | None = None
-    repetition_hz: float | None = None
-
-    def __post_init__(self) -> None:
-        positive("Target", **given(vars(self)))
+    resolution_m: Positive | None = None
+    contrast: Positive | None = None
+    amplitude_m: Positive | None = None
+    repetition_hz: Positive | None = None
 
 
 @checked
@@ -106,13 +103,11 @@ class Design:
     plate: Plate
     transducers: Transducers
     band: Band
-    tau_s: float
-    reversal_s: float
-    repetition_s: float | None = None
+    tau_s: Positive
+    reversal_s: Positive
+    repetition_s: Positive | None = None
 
     def __post_init__(self) -> None:
-        times = {"tau_s": self.tau_s, "reversal_s": self.reversal_s, "repetition_s": self.repetition_s}
-        positive("Design", **given(times))
         held = n_held(self.plate, self.transducers.side_m)
         if self.transducers.n > held:
             raise InvalidParameter(
@@ -190,7 +185,7 @@ class Guide:
 
 
 @checked
-def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: float, target: Target) -> Guide:
+def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: Positive, target: Target) -> Guide:
     """Choose T, T_r, Q and band for a target, changing as little as possible of what is given.
 
     Parameters
@@ -210,7 +205,6 @@ def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: float, 
     >>> guide.design.reversal_s
     0.007
     """
-    positive("recommend", tau_s=tau_s)
     repetition_s = None if target.repetition_hz is None else 1 / target.repetition_hz
     reversal_s = 2 * tau_s if repetition_s is None else min(2 * tau_s, repetition_s)
     start = Design(plate, transducers, band, tau_s, reversal_s, repetition_s)
@@ -240,14 +234,13 @@ def contrast_over(design: Design, n_channels: Vector, reversal_s: Vector) -> Flo
 
 
 @checked
-def n_held(plate: Plate, side_m: float) -> int:
+def n_held(plate: Plate, side_m: Positive) -> int:
     """Square patches of side `side_m` in one row along the edges; 0 if a patch is larger than the plate.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> n_held(A4_SCREEN, 35e-3)
     24
     """
-    positive("n_held", side_m=side_m)
     room_m = (plate.length_m - side_m, plate.width_m - side_m)
     return 0 if min(room_m) < 0 else max(1, 2 * sum(math.floor(room / side_m + 1e-9) for room in room_m))
 
@@ -290,9 +283,8 @@ def _moved_up(design: Design, wanted_m: float) -> Design | None:
 
 
 @checked
-def wavelength_to_patch(plate: Plate, frequency_hz: float, side_m: float) -> float:
+def wavelength_to_patch(plate: Plate, frequency_hz: Positive, side_m: Positive) -> float:
     """Wavelength over the side of a patch; below 1 the patch hardly radiates."""
-    positive("wavelength_to_patch", frequency_hz=frequency_hz, side_m=side_m)
     return float(2 * math.pi / wavenumber_rad_per_m(plate, frequency_hz) / side_m)
 
 

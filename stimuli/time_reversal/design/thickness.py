@@ -13,8 +13,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import positive, positive_array, some
+from tactometry.arguments.require import positive_array, some
 
 from ..filters import Band
 from ..plate.plate import Plate
@@ -96,7 +97,7 @@ def sheets(
 
 
 @checked
-def recommended(among: Sequence[Sheet], thickness_m: float) -> Sheet:
+def recommended(among: Sequence[Sheet], thickness_m: Positive) -> Sheet:
     """The sheet that misses the least; of several that nearest to `thickness_m`, by ratio.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
@@ -106,5 +107,4 @@ def recommended(among: Sequence[Sheet], thickness_m: float) -> Sheet:
     (0.0009, ())
     """
     some("recommended.among", among)
-    positive("recommended", thickness_m=thickness_m)
     return min(among, key=lambda sheet: (len(sheet.unreachable), abs(math.log(sheet.thickness_m / thickness_m))))

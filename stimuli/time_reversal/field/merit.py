@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from tactometry.arguments.annotations import Matrix, Vector
+from tactometry.arguments.annotations import Matrix, NotNegative, Positive, Vector
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import ascending, between, not_negative, positive, whole, within
 from tactometry.errors import InvalidParameter
@@ -34,18 +34,18 @@ def contrast_whole_of(amplitude_m: float, field_m: FloatArray) -> float:
 
 @checked
 def contrast_far_of(
-    amplitude_m: float, field_m: Matrix, grid_m: Grid, focus_m: tuple[float, float], radius_m: float
+    amplitude_m: float, field_m: Matrix, grid_m: Grid, focus_m: tuple[float, float], radius_m: NotNegative
 ) -> float:
     """As `contrast_whole_of`, without the points nearer than `radius_m` to the focus."""
-    not_negative("contrast_far_of", radius_m=radius_m)
     away = np.hypot(grid_m[0][:, None] - focus_m[0], grid_m[1][None, :] - focus_m[1]) >= radius_m
     return _ratio(amplitude_m, field_m[away])
 
 
 @checked
-def contrast_temporal_of(signal_m: Vector, focus_sample: int, rate_hz: float, start_s: float, stop_s: float) -> float:
+def contrast_temporal_of(
+    signal_m: Vector, focus_sample: int, rate_hz: Positive, start_s: float, stop_s: float
+) -> float:
     """|A| over the rms at the focus point from `start_s` to `stop_s` after the focus."""
-    positive("contrast_temporal_of", rate_hz=rate_hz)
     within("contrast_temporal_of", 0, len(signal_m) - 1, focus_sample=focus_sample)
     first, last = (focus_sample + round(t * rate_hz) for t in (start_s, stop_s))
     if not 0 <= first < last <= len(signal_m):
@@ -107,9 +107,8 @@ def envelope(signal: FloatArray) -> FloatArray:
 
 
 @checked
-def temporal_width_s(signal_m: Vector, rate_hz: float, level: float = HALF) -> float:
+def temporal_width_s(signal_m: Vector, rate_hz: Positive, level: float = HALF) -> float:
     """Full width in time of the envelope around its peak, at `level` times the peak."""
-    positive("temporal_width_s", rate_hz=rate_hz)
     return width_m(np.arange(len(signal_m)) / rate_hz, envelope(signal_m), level)
 
 
@@ -160,14 +159,13 @@ def deformation_energy_j(screen: Screen, signal: Signal, sample: int, f_max_hz: 
 
 @checked
 def capacitance_f(
-    area_m2: float, thickness_m: float, relative_permittivity: float = PZ27_RELATIVE_PERMITTIVITY
+    area_m2: Positive, thickness_m: Positive, relative_permittivity: Positive = PZ27_RELATIVE_PERMITTIVITY
 ) -> float:
     """C = eps A / t of a piezoelectric plate.
 
     >>> round(capacitance_f(1e-4, 0.3e-3) * 1e9, 2)
     5.31
     """
-    positive("capacitance_f", area_m2=area_m2, thickness_m=thickness_m, relative_permittivity=relative_permittivity)
     return relative_permittivity * VACUUM_PERMITTIVITY_F_PER_M * area_m2 / thickness_m
 
 
@@ -184,7 +182,9 @@ def switched_power_w(signal: Signal, channel_capacitance_f: float) -> float:
 
 
 @checked
-def dielectric_power_w(signal: Signal, channel_capacitance_f: float, loss_tangent: float = PZ27_LOSS_TANGENT) -> float:
+def dielectric_power_w(
+    signal: Signal, channel_capacitance_f: float, loss_tangent: NotNegative = PZ27_LOSS_TANGENT
+) -> float:
     """Mean power that the ceramics turn into heat under a drive without steps, taken as a period of one that repeats.
 
     P = w C tan(delta) V^2 / 2 for a component of amplitude V (the definition of the loss tangent), summed over the
@@ -196,7 +196,6 @@ def dielectric_power_w(signal: Signal, channel_capacitance_f: float, loss_tangen
     1202
     """
     _drive("dielectric_power_w", signal, channel_capacitance_f)
-    not_negative("dielectric_power_w", loss_tangent=loss_tangent)
     n = signal.samples.shape[1]
     omega_rad_per_s = 2 * np.pi * np.abs(np.fft.fftfreq(n, 1 / signal.rate_hz))
     mean_square_v2 = np.sum(np.abs(np.fft.fft(signal.samples, axis=1)) ** 2, axis=0) / n**2

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from tactometry.arguments.annotations import Vector
+from tactometry.arguments.annotations import NotNegativeArray, Positive, Vector
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import ascending, not_negative_array, positive
 from tactometry.errors import InvalidParameter
@@ -34,13 +33,12 @@ _POLES_HZ: Final = (20.598997, 107.65265, 737.86223, 12194.217)
 
 
 @checked
-def a_weighting_db(frequency_hz: ArrayLike) -> FloatArray:
+def a_weighting_db(frequency_hz: NotNegativeArray) -> FloatArray:
     """A-weighting of IEC 61672, 0 dB at 1 kHz; minus infinity above 20 kHz, which has no weight.
 
     >>> [round(float(a), 1) for a in a_weighting_db([100.0, 1000.0, 10000.0])]
     [-19.1, 0.0, -2.5]
     """
-    not_negative_array("a_weighting_db.frequency_hz", frequency_hz)
     f = np.atleast_1d(np.asarray(frequency_hz, float))
     with np.errstate(divide="ignore"):
         db = 20 * np.log10(_a_gain(f) / _a_gain(np.array([1000.0])))
@@ -48,19 +46,18 @@ def a_weighting_db(frequency_hz: ArrayLike) -> FloatArray:
 
 
 @checked
-def coincidence_frequency_hz(plate: Plate, sound_speed_m_per_s: float = SOUND_SPEED_M_PER_S) -> float:
+def coincidence_frequency_hz(plate: Plate, sound_speed_m_per_s: Positive = SOUND_SPEED_M_PER_S) -> float:
     """Where bending waves are as fast as sound: c^2 / (2 pi) sqrt(rho_s / D).
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> round(coincidence_frequency_hz(A4_SCREEN) / 1e3, 1)
     10.8
     """
-    positive("coincidence_frequency_hz", sound_speed_m_per_s=sound_speed_m_per_s)
     return sound_speed_m_per_s**2 / (2 * math.pi * plate.wave_constant_m2_per_s)
 
 
 @checked
-def radiation_efficiency(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
+def radiation_efficiency(plate: Plate, frequency_hz: NotNegativeArray) -> FloatArray:
     """sigma of a plate in a baffle, the mean over the modes that resonate near a frequency; without a step.
 
     Above coincidence (1 - f_c / f)^(-1/2); below it the edges radiate (Maidanik 1962; Leppington, Broadbent and Heron
@@ -72,7 +69,6 @@ def radiation_efficiency(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
     >>> [round(float(sigma), 3) for sigma in radiation_efficiency(A4_SCREEN, [5e3, 10.8e3, 20e3])]
     [0.075, 2.539, 1.473]
     """
-    not_negative_array("radiation_efficiency.frequency_hz", frequency_hz)
     f = np.asarray(frequency_hz, float)
     f_c = coincidence_frequency_hz(plate)
     unlimited = np.where(
@@ -134,14 +130,13 @@ def noise(
     signal: Signal,
     f_max_hz: float,
     *,
-    distance_m: float = 0.3,
+    distance_m: Positive = 0.3,
     duration_s: float | None = None,
 ) -> NoiseSpectrum:
     """Sound of a drive at a distance, averaged over `duration_s`, above 0 (by default the drive and 5 tau).
 
     W = rho_0 c S sigma <v^2>, spread over a hemisphere; <v^2> from the modes in the frequency domain.
     """
-    positive("noise", distance_m=distance_m)
     frequency_hz, power = velocity_spectrum(screen, signal, f_max_hz)
     span_s = signal.duration_s + 5 * screen.attenuation.tau_s if duration_s is None else duration_s
     positive("noise", duration_s=span_s)

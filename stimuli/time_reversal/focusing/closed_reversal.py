@@ -13,8 +13,9 @@ from typing import Final
 import numpy as np
 from numba import njit
 
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import positive, shaped
+from tactometry.arguments.require import shaped
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
@@ -39,9 +40,8 @@ class ClosedReversal:
     overlap: FloatArray
 
     @classmethod
-    def of(cls, plate: Plate, attenuation: Attenuation, f_max_hz: float, reversal_s: float) -> "ClosedReversal":
+    def of(cls, plate: Plate, attenuation: Attenuation, f_max_hz: float, reversal_s: Positive) -> "ClosedReversal":
         """From the modes below `f_max_hz`, which must all oscillate (no rigid body, tau above their 1 / omega)."""
-        positive("ClosedReversal.of", reversal_s=reversal_s)
         modes = modes_of(plate, f_max_hz)
         decay = attenuation.rate_per_s(modes.frequency_hz)
         oscillators = Oscillators(modes.angular_frequency_rad_per_s, decay)
@@ -71,13 +71,12 @@ class ClosedReversal:
 
 
 @checked
-def overlap(oscillators: Oscillators, reversal_s: float) -> FloatArray:
+def overlap(oscillators: Oscillators, reversal_s: Positive) -> FloatArray:
     """(n, n): integrals of g_n g_m from 0 to T, for modes that oscillate.
 
     e^{(l_n + l_m*) T} is the product of two numbers per mode, so that no exponential is taken per pair; pairs with a
     z T near 0, where e^{zT} - 1 would cancel, take its power series.
     """
-    positive("overlap", reversal_s=reversal_s)
     if not oscillators.oscillates.all():
         raise InvalidParameter("oscillators: found rigid or overdamped modes, expected modes that oscillate")
     decay, omega = (

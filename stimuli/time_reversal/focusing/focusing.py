@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import given, positive
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
@@ -73,7 +73,7 @@ def reversed_waveform(
 @checked
 def drive(
     foci: Responses,
-    voltage_v: float,
+    voltage_v: Positive,
     quantiser: Quantiser | None = None,
     *,
     reversal_s: float | None = None,
@@ -97,7 +97,6 @@ def drive(
     >>> round(focus_amplitude(drive(h, 30.0), h), 9)
     180.0
     """
-    positive("drive", voltage_v=voltage_v)
     waveform = reversed_waveform(foci, reversal_s=reversal_s, weights=weights, window=window)
     values = (quantiser or one_bit()).quantise(waveform, foci.rate_hz)
     return Signal(voltage_v * values, foci.rate_hz, "V")
@@ -169,15 +168,13 @@ class Emission:
     """
 
     band: Band
-    reversal_s: float
-    rate_hz: float
-    voltage_v: float = 30.0
+    reversal_s: Positive
+    rate_hz: Positive
+    voltage_v: Positive = 30.0
     quantiser: Quantiser | None = None
-    modes_to_hz: float | None = None
+    modes_to_hz: Positive | None = None
 
     def __post_init__(self) -> None:
-        positive("Emission", reversal_s=self.reversal_s, rate_hz=self.rate_hz, voltage_v=self.voltage_v)
-        positive("Emission", **given({"modes_to_hz": self.modes_to_hz}))
         if samples_in("Emission.reversal_s", self.reversal_s, self.rate_hz) == 0:
             raise InvalidParameter(
                 f"Emission.reversal_s: found {self.reversal_s}, expected at least half a sample of 1 / {self.rate_hz} s"

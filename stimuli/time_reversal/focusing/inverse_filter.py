@@ -9,8 +9,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import finite_array, positive, within
+from tactometry.arguments.require import finite_array, within
 from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray
@@ -25,7 +26,7 @@ def inverse_filter_waveform(
     band: Band,
     *,
     reversal_s: float,
-    regularisation: float = 1e-2,
+    regularisation: Positive = 1e-2,
 ) -> FloatArray:
     """Waveforms that focus at the last sample, as `focusing.reversed_waveform`.
 
@@ -50,7 +51,6 @@ def inverse_filter_waveform(
         If the band passes the Nyquist frequency, `wanted` does not fit or is not finite, all responses are zero, or
         `regularisation` is not above 0.
     """
-    positive("inverse_filter_waveform", regularisation=regularisation)
     within("Band", 0.0, points.rate_hz / 2, **{"f_max_hz (the Nyquist frequency is the limit)": band.f_max_hz})
     target = np.asarray(wanted, float)
     finite_array("inverse_filter_waveform.wanted", target)

@@ -12,8 +12,9 @@ from typing import Final, Literal, Protocol, runtime_checkable
 
 import numpy as np
 
+from tactometry.arguments.annotations import NotNegative, Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import at_most, not_negative, one_of, positive, within
+from tactometry.arguments.require import at_most, one_of, within
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
@@ -60,10 +61,7 @@ class RaisedCosine:
 class Exponential:
     """exp(-x / decay): `decay` as a share of the duration, above 0."""
 
-    decay: float = 0.25
-
-    def __post_init__(self) -> None:
-        positive("Exponential", decay=self.decay)
+    decay: Positive = 0.25
 
     def at(self, position: FloatArray) -> FloatArray:
         return np.asarray(np.exp(-position / self.decay))
@@ -127,12 +125,11 @@ class Pattern:
     10
     """
 
-    repetition_hz: float
-    duration_s: float
+    repetition_hz: Positive
+    duration_s: Positive
     envelope: Envelope = Rectangular()
 
     def __post_init__(self) -> None:
-        positive("Pattern", repetition_hz=self.repetition_hz, duration_s=self.duration_s)
         at_most("Pattern.repetition_hz times duration_s", self.repetition_hz * self.duration_s, MAX_FOCI)
 
     @property
@@ -171,7 +168,7 @@ PATTERNS: Final[Mapping[str, Pattern]] = {
 def pattern_drive(
     foci: Responses,
     pattern: Pattern,
-    voltage_v: float,
+    voltage_v: Positive,
     quantiser: Quantiser | None = None,
     *,
     reversal_s: float | None = None,
@@ -198,7 +195,6 @@ def pattern_drive(
     InvalidParameter
         If the path does not fit, or burst modulation has no tau.
     """
-    positive("pattern_drive", voltage_v=voltage_v)
     one_of("pattern_drive.modulation", modulation, MODULATIONS)
     rows = _rows(path, pattern.n_foci, foci.n_points)
     rule = quantiser or one_bit()
@@ -225,7 +221,7 @@ def focus_samples(pattern: Pattern, rate_hz: float, n_reversal: int) -> IntArray
 
 
 @checked
-def burst_s(weight: float, reversal_s: float, tau_s: float) -> float:
+def burst_s(weight: float, reversal_s: NotNegative, tau_s: Positive) -> float:
     """Emission that reaches `weight` times the amplitude of the whole T: -tau ln(1 - w (1 - exp(-T / tau))).
 
     The weight lies from 0 to 1, T is at least 0 and tau above 0.
@@ -234,16 +230,13 @@ def burst_s(weight: float, reversal_s: float, tau_s: float) -> float:
     7.0
     """
     within("burst_s", 0.0, 1.0, weight=weight)
-    not_negative("burst_s", reversal_s=reversal_s)
-    positive("burst_s", tau_s=tau_s)
     reached = -weight * math.expm1(-reversal_s / tau_s)
     return reversal_s if reached == 1 else -tau_s * math.log1p(-reached)
 
 
 @checked
-def focus_starts(pattern: Pattern, rate_hz: float) -> IntArray:
+def focus_starts(pattern: Pattern, rate_hz: Positive) -> IntArray:
     """(n_foci,): the sample where the drive of each focus begins."""
-    positive("focus_starts", rate_hz=rate_hz)
     at_most("samples of the pattern", pattern.times_s[-1] * rate_hz, MAX_SAMPLES)
     return np.round(pattern.times_s * rate_hz).astype(np.int64)
 

@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.arguments.annotations import Matrix
+from tactometry.arguments.annotations import Matrix, Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import positive, within
+from tactometry.arguments.require import within
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
@@ -20,11 +20,10 @@ class PulseWidth(Quantity):
 
     kind, slot, gives = "pulse_width", "quantiser", "quantiser"
 
-    carrier_hz: float
-    scale: float = 1.0
+    carrier_hz: Positive
+    scale: Positive = 1.0
 
     def __post_init__(self) -> None:
-        positive("PulseWidth", carrier_hz=self.carrier_hz, scale=self.scale)
         within("PulseWidth", 0.0, 1.0, scale=self.scale)
 
     def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:

@@ -2,9 +2,8 @@
 
 from dataclasses import dataclass
 
-from tactometry.arguments.annotations import Matrix
+from tactometry.arguments.annotations import Matrix, Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import positive
 from tactometry.errors import InvalidParameter, LimitExceeded
 
 from ...arrays import FloatArray
@@ -35,12 +34,11 @@ class SigmaDelta(Quantity):
     kind, slot, gives = "sigma_delta", "quantiser", "quantiser"
 
     order: int = 2
-    scale: float = 0.7
+    scale: Positive = 0.7
 
     def __post_init__(self) -> None:
         if self.order not in (1, 2):
             raise InvalidParameter(f"SigmaDelta.order: found {self.order}, expected 1 or 2")
-        positive("SigmaDelta", scale=self.scale)
 
     def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
         from .modulator import modulate

@@ -5,8 +5,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tactometry.arguments.annotations import NotNegativeArray, Positive, PositiveArray
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import not_negative_array, positive, positive_array
 
 from ...arrays import FloatArray
 from .plate import Plate
@@ -15,28 +15,25 @@ MINDLIN_SHEAR_FACTOR: Final = 5 / 6
 
 
 @checked
-def wavenumber_rad_per_m(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
+def wavenumber_rad_per_m(plate: Plate, frequency_hz: NotNegativeArray) -> FloatArray:
     """Kirchhoff: k = sqrt(omega) (rho_s / D)^(1/4)."""
-    not_negative_array("wavenumber_rad_per_m.frequency_hz", frequency_hz)
     return np.sqrt(2 * np.pi * np.asarray(frequency_hz, float) / plate.wave_constant_m2_per_s)
 
 
 @checked
-def wavelength_m(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
+def wavelength_m(plate: Plate, frequency_hz: PositiveArray) -> FloatArray:
     """Kirchhoff wavelength 2 pi / k.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> round(float(wavelength_m(A4_SCREEN, 25e3)) * 1e3, 1)
     20.9
     """
-    positive_array("wavelength_m.frequency_hz", frequency_hz)
     return 2 * np.pi / wavenumber_rad_per_m(plate, frequency_hz)
 
 
 @checked
-def phase_velocity_m_per_s(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
+def phase_velocity_m_per_s(plate: Plate, frequency_hz: NotNegativeArray) -> FloatArray:
     """Kirchhoff: omega / k."""
-    not_negative_array("phase_velocity_m_per_s.frequency_hz", frequency_hz)
     return np.sqrt(2 * np.pi * np.asarray(frequency_hz, float) * plate.wave_constant_m2_per_s)
 
 
@@ -48,7 +45,7 @@ def group_velocity_m_per_s(plate: Plate, frequency_hz: ArrayLike) -> FloatArray:
 
 @checked
 def mindlin_group_velocity_m_per_s(
-    plate: Plate, frequency_hz: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
+    plate: Plate, frequency_hz: PositiveArray, shear_factor: float = MINDLIN_SHEAR_FACTOR
 ) -> FloatArray:
     """d omega / d k of the flexural branch, by differentiating its equation in omega^2 and k^2; frequencies above 0.
 
@@ -57,7 +54,6 @@ def mindlin_group_velocity_m_per_s(
     >>> round(float(thick / thin), 2)
     0.94
     """
-    positive_array("mindlin_group_velocity_m_per_s.frequency_hz", frequency_hz)
     omega = 2 * np.pi * np.asarray(frequency_hz, float)
     k = mindlin_wavenumber_rad_per_m(plate, frequency_hz, shear_factor)
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
@@ -72,7 +68,7 @@ def mindlin_group_velocity_m_per_s(
 
 @checked
 def mindlin_angular_frequency_rad_per_s(
-    plate: Plate, wavenumber_rad_per_m: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
+    plate: Plate, wavenumber_rad_per_m: NotNegativeArray, shear_factor: Positive = MINDLIN_SHEAR_FACTOR
 ) -> FloatArray:
     """Flexural branch of Mindlin's plate at a wavenumber.
 
@@ -80,8 +76,6 @@ def mindlin_angular_frequency_rad_per_s(
     (A k^2 - m W)(D k^2 + A - J W) = A^2 k^2, taken as 2c / (b + sqrt(b^2 - 4ac)): no subtraction of near
     equals.
     """
-    positive("mindlin_angular_frequency_rad_per_s", shear_factor=shear_factor)
-    not_negative_array("mindlin_angular_frequency_rad_per_s.wavenumber_rad_per_m", wavenumber_rad_per_m)
     k2 = np.square(np.asarray(wavenumber_rad_per_m, float))
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
     shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), plate.rotary_inertia_kg
@@ -92,11 +86,9 @@ def mindlin_angular_frequency_rad_per_s(
 
 @checked
 def mindlin_wavenumber_rad_per_m(
-    plate: Plate, frequency_hz: ArrayLike, shear_factor: float = MINDLIN_SHEAR_FACTOR
+    plate: Plate, frequency_hz: NotNegativeArray, shear_factor: Positive = MINDLIN_SHEAR_FACTOR
 ) -> FloatArray:
     """Wavenumber of the flexural branch at a frequency: the larger root k^2 of the same quadratic."""
-    positive("mindlin_wavenumber_rad_per_m", shear_factor=shear_factor)
-    not_negative_array("mindlin_wavenumber_rad_per_m.frequency_hz", frequency_hz)
     w2 = np.square(2 * np.pi * np.asarray(frequency_hz, float))
     rigidity, m = plate.bending_rigidity_n_m, plate.area_density_kg_per_m2
     shear, inertia = shear_stiffness_n_per_m(plate, shear_factor), plate.rotary_inertia_kg

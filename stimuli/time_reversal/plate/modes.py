@@ -12,9 +12,9 @@ from typing import TYPE_CHECKING, Final, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tactometry.arguments.annotations import Vector
+from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import finite_array, positive, shaped
+from tactometry.arguments.require import finite_array, shaped
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray, IntArray
@@ -147,7 +147,7 @@ class RitzModes(Modes):
 
 
 @checked
-def modes_of(plate: Plate, f_max_hz: float, *, shear_factor: float | None = None) -> SeparableModes | RitzModes:
+def modes_of(plate: Plate, f_max_hz: Positive, *, shear_factor: float | None = None) -> SeparableModes | RitzModes:
     """The modes of a plate from 0 Hz to `f_max_hz`, sorted; the last solutions are kept.
 
     Parameters
@@ -167,7 +167,6 @@ def modes_of(plate: Plate, f_max_hz: float, *, shear_factor: float | None = None
     InvalidParameter
         If `f_max_hz` is not above 0, or a Ritz solution would be too large.
     """
-    positive("modes_of", f_max_hz=f_max_hz)
     return _modes_of(plate, f_max_hz, shear_factor)
 
 

@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
+from tactometry.arguments.annotations import NotNegative, Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import at_most, not_negative, positive, within
+from tactometry.arguments.require import at_most, positive, within
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
@@ -53,17 +54,15 @@ class Plate:
     [92.8, 185.5, 278.3]
     """
 
-    length_m: float
-    width_m: float
-    thickness_m: float
-    youngs_modulus_pa: float
+    length_m: Positive
+    width_m: Positive
+    thickness_m: Positive
+    youngs_modulus_pa: Positive
     poisson_ratio: float
-    density_kg_per_m3: float
+    density_kg_per_m3: Positive
     boundary: str
 
     def __post_init__(self) -> None:
-        above_0 = {name: value for name, value in vars(self).items() if name not in {"poisson_ratio", "boundary"}}
-        positive("Plate", **above_0)
         within("Plate", 0.0, 0.5, poisson_ratio=self.poisson_ratio)
         if len(self.boundary) != 4 or not set(self.boundary) <= set("SCF"):
             raise InvalidParameter(
@@ -141,7 +140,7 @@ class Plate:
             return self.wave_constant_m2_per_s * navier(self, f_max_hz).wavenumber2_per_m2 / (2 * math.pi)
         return ritz_frequencies_hz(self, f_max_hz)
 
-    def mode_count(self, frequency_hz: float) -> float:
+    def mode_count(self, frequency_hz: NotNegative) -> float:
         """Number of simply supported modes below a frequency by Weyl's law with perimeter and corner terms.
 
         N = S k^2 / (4 pi) - P k / (4 pi) + 1/4.
@@ -150,7 +149,6 @@ class Plate:
         >>> round(plate.mode_count(25e3)), len(plate.frequencies_hz(25e3))
         (425, 425)
         """
-        not_negative("Plate.mode_count", frequency_hz=frequency_hz)
         k = math.sqrt(2 * math.pi * frequency_hz / self.wave_constant_m2_per_s)
         return (self.area_m2 * k**2 - self.perimeter_m * k) / (4 * math.pi) + 0.25
 

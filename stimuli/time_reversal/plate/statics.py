@@ -5,8 +5,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import positive, whole, within
+from tactometry.arguments.require import whole, within
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
@@ -61,7 +62,7 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
 
 
 @checked
-def bending_stress_pa(plate: Plate, force_n: float, contact_m: float) -> float:
+def bending_stress_pa(plate: Plate, force_n: float, contact_m: Positive) -> float:
     """Largest bending stress of a simply supported plate, loaded over a square at its centre.
 
     The edges count as simply supported whatever `plate.boundary` says. The square's side `contact_m` is above 0
@@ -74,7 +75,6 @@ def bending_stress_pa(plate: Plate, force_n: float, contact_m: float) -> float:
     >>> round(bending_stress_pa(A4_SCREEN, 2.0, 10e-3) / 1e6, 1)
     3.6
     """
-    positive("bending_stress_pa", contact_m=contact_m)
     within("bending_stress_pa", 0.0, min(plate.length_m, plate.width_m), contact_m=contact_m)
     push_x, kx2 = _side_terms(plate.length_m, contact_m)
     push_y, ky2 = _side_terms(plate.width_m, contact_m)

@@ -13,8 +13,9 @@ from typing import Final
 
 import numpy as np
 
+from tactometry.arguments.annotations import NotNegative, Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import not_negative, positive, whole, within
+from tactometry.arguments.require import whole, within
 
 from ...arrays import ComplexArray, FloatArray
 from ..plate.modes import laplacians
@@ -39,10 +40,7 @@ class Stiffener:
 
     x_m: float
     y_m: float
-    rigidity_n_m3: float
-
-    def __post_init__(self) -> None:
-        not_negative("Stiffener", rigidity_n_m3=self.rigidity_n_m3)
+    rigidity_n_m3: NotNegative
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
         return laplacians(screen.modes(f_max_hz), self.x_m, self.y_m)[:, 0]
@@ -56,13 +54,12 @@ class Stiffener:
 class Ceramic:
     """A patch's material and thickness; PZ27, 0.3 mm (unverified defaults)."""
 
-    thickness_m: float = PATCH_THICKNESS_M
-    density_kg_per_m3: float = CERAMIC_DENSITY_KG_PER_M3
-    youngs_modulus_pa: float = CERAMIC_MODULUS_PA
+    thickness_m: Positive = PATCH_THICKNESS_M
+    density_kg_per_m3: Positive = CERAMIC_DENSITY_KG_PER_M3
+    youngs_modulus_pa: Positive = CERAMIC_MODULUS_PA
     poisson_ratio: float = CERAMIC_POISSON_RATIO
 
     def __post_init__(self) -> None:
-        positive("Ceramic", **{name: value for name, value in vars(self).items() if name != "poisson_ratio"})
         within("Ceramic", 0.0, 0.5, poisson_ratio=self.poisson_ratio)
 
     def added_rigidity_n_m(self, plate: Plate) -> float:

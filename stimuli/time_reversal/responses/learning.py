@@ -15,9 +15,9 @@ from typing import Final
 
 import numpy as np
 
-from tactometry.arguments.annotations import Vector
+from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import positive, within
+from tactometry.arguments.require import within
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.files.durable import read_file
 from tactometry.files.samples import Npz
@@ -51,7 +51,7 @@ class Excitation:
 
 
 @checked
-def sweep(f_min_hz: float, f_max_hz: float, *, rate_hz: float, duration_s: float) -> Excitation:
+def sweep(f_min_hz: Positive, f_max_hz: float, *, rate_hz: float, duration_s: float) -> Excitation:
     """An exponential sweep with raised-cosine ends.
 
     Raises
@@ -59,7 +59,6 @@ def sweep(f_min_hz: float, f_max_hz: float, *, rate_hz: float, duration_s: float
     InvalidParameter
         If the band does not rise, begins at 0 or passes the Nyquist frequency, or the sweep has no samples.
     """
-    positive("sweep", f_min_hz=f_min_hz)
     within("sweep", np.nextafter(f_min_hz, np.inf), rate_hz / 2, f_max_hz=f_max_hz)  # above `f_min_hz`, never at it
     n = samples_in("sweep.duration_s", duration_s, rate_hz)
     if n < 2:
@@ -74,7 +73,7 @@ def sweep(f_min_hz: float, f_max_hz: float, *, rate_hz: float, duration_s: float
 
 
 @checked
-def sequence(order: int, *, rate_hz: float) -> Excitation:
+def sequence(order: int, *, rate_hz: Positive) -> Excitation:
     """A maximum-length sequence of 2^order - 1 values of +1 and -1; it fills the band up to the Nyquist frequency.
 
     Raises
@@ -85,7 +84,6 @@ def sequence(order: int, *, rate_hz: float) -> Excitation:
     from scipy.signal import max_len_seq
 
     within("sequence", 2, 24, order=order)
-    positive("sequence", rate_hz=rate_hz)
     return Excitation(
         1.0 - 2.0 * max_len_seq(order)[0].astype(np.float64), rate_hz, 0.0, rate_hz / 2, "maximum-length sequence"
     )
@@ -139,7 +137,7 @@ def deconvolved(
 
 
 @checked
-def delay_s(played: Vector, recorded: Vector, rate_hz: float) -> float:
+def delay_s(played: Vector, recorded: Vector, rate_hz: Positive) -> float:
     """How much later `recorded` is, s: the peak of the correlation, by a parabola to a part of a sample.
 
     Examples
@@ -150,7 +148,6 @@ def delay_s(played: Vector, recorded: Vector, rate_hz: float) -> float:
     """
     from scipy.signal import correlate, correlation_lags
 
-    positive("delay_s", rate_hz=rate_hz)
     matched = np.abs(correlate(recorded, played, method="fft"))
     lags = correlation_lags(len(recorded), len(played))
     peak = int(np.argmax(np.where(lags >= 0, matched, -1.0)))  # nothing is recorded before it is played
@@ -201,7 +198,7 @@ def learnt(
 
 
 @checked
-def as_displacement(responses: Responses, f_min_hz: float, f_max_hz: float) -> Responses:
+def as_displacement(responses: Responses, f_min_hz: Positive, f_max_hz: float) -> Responses:
     """The displacement of responses in velocity or acceleration: divided by (i omega)^k within a band, 0 beside it.
 
     The band's edges rise and fall over a tenth of `f_min_hz`, so that the response stays short.
@@ -217,7 +214,6 @@ def as_displacement(responses: Responses, f_min_hz: float, f_max_hz: float) -> R
     >>> as_displacement(velocity, 100.0, 400.0).quantity
     'displacement'
     """
-    positive("as_displacement", f_min_hz=f_min_hz)
     within("as_displacement", np.nextafter(f_min_hz, np.inf), responses.rate_hz / 2, f_max_hz=f_max_hz)
     n_fft = 2 * responses.n_samples
     frequency_hz = np.fft.rfftfreq(n_fft, 1 / responses.rate_hz)

@@ -13,9 +13,9 @@ from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 
-from tactometry.arguments.annotations import Unbounded, UnboundedComplex
+from tactometry.arguments.annotations import NotNegative, Positive, Unbounded, UnboundedComplex
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import not_negative, positive, shaped, whole
+from tactometry.arguments.require import shaped, whole
 from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray, real_product
@@ -65,12 +65,11 @@ class PlateLoad:
 
     x_m: float
     y_m: float
-    resistance_n_s_per_m: float = 0.0
-    mass_kg: float = 0.0
+    resistance_n_s_per_m: NotNegative = 0.0
+    mass_kg: NotNegative = 0.0
     stiffness_n_per_m: Unbounded = 0.0
 
     def __post_init__(self) -> None:
-        not_negative("PlateLoad", resistance_n_s_per_m=self.resistance_n_s_per_m, mass_kg=self.mass_kg)
         if not self.stiffness_n_per_m >= 0:
             raise InvalidParameter(
                 f"PlateLoad.stiffness_n_per_m: found {self.stiffness_n_per_m}, expected at least 0, or inf for a pin"
@@ -100,11 +99,8 @@ class SprungMass:
 
     x_m: float
     y_m: float
-    mass_kg: float
-    stiffness_n_per_m: float
-
-    def __post_init__(self) -> None:
-        positive("SprungMass", mass_kg=self.mass_kg, stiffness_n_per_m=self.stiffness_n_per_m)
+    mass_kg: Positive
+    stiffness_n_per_m: Positive
 
     def weights(self, screen: Screen, f_max_hz: float) -> FloatArray:
         """(n_modes,): the shapes at the contact."""
@@ -128,9 +124,8 @@ class Receptances:
     compliance: ComplexArray
 
     @classmethod
-    def of(cls, oscillators: Oscillators, mass_kg: float, s: ComplexArray) -> "Receptances":
+    def of(cls, oscillators: Oscillators, mass_kg: Positive, s: ComplexArray) -> "Receptances":
         """`compliance` (n_modes, n_frequencies)."""
-        positive("Receptances.of", mass_kg=mass_kg)
         omega2 = oscillators.omega_rad_per_s[:, None] ** 2
         return cls(1 / (mass_kg * (s * (s + 2 * oscillators.decay_per_s[:, None]) + omega2)))
 
@@ -280,14 +275,13 @@ def loaded_responses(
 
 
 @checked
-def contour(n_samples: int, rate_hz: float) -> tuple[ComplexArray, FloatArray, int]:
+def contour(n_samples: int, rate_hz: Positive) -> tuple[ComplexArray, FloatArray, int]:
     """Complex frequencies, the factor exp(sigma t) that undoes their shift, and the length of the
     transform.
     """
     from scipy.fft import next_fast_len
 
     whole("contour", lowest=1, n_samples=n_samples)
-    positive("contour", rate_hz=rate_hz)
     n_fft = int(next_fast_len(2 * n_samples, real=True))
     shift = -math.log(WRAP_AROUND) * rate_hz / n_fft  # sigma, by which exp(-sigma t) falls to that in one period
     s = np.asarray(shift + 2j * np.pi * np.fft.rfftfreq(n_fft, 1 / rate_hz), complex)

@@ -20,9 +20,9 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from tactometry.arguments.annotations import Vector
+from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import one_of, positive, shaped, some, within
+from tactometry.arguments.require import one_of, shaped, some, within
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.files.durable import LARGEST_BYTES, read_file
 from tactometry.files.hdf5 import as_npz
@@ -45,7 +45,7 @@ FLUCTUATION: Final = 20.0
 
 
 @checked
-def read(paths: Sequence[Path], *, full_scale: float = 1.0, quantity: str = "displacement") -> Responses:
+def read(paths: Sequence[Path], *, full_scale: Positive = 1.0, quantity: str = "displacement") -> Responses:
     """Responses from files, one point after the other.
 
     Parameters
@@ -63,7 +63,6 @@ def read(paths: Sequence[Path], *, full_scale: float = 1.0, quantity: str = "dis
         If a file cannot be read as what it claims to be, or the files do not match.
     """
     some("read.paths", paths)
-    positive("read", full_scale=full_scale)
     parts = [_read_one(Path(path), full_scale, quantity) for path in paths]
     for path, part in zip(paths, parts, strict=True):
         if (part.rate_hz, part.quantity, part.samples.shape[1:]) != _kind(parts[0]):

@@ -12,9 +12,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tactometry.arguments.annotations import Unbounded, Vector
+from tactometry.arguments.annotations import Positive, Unbounded, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import between, positive, positive_array
+from tactometry.arguments.require import between, positive_array
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray, IndexArray
@@ -63,7 +63,7 @@ class Decay:
 
 
 @checked
-def tau_s(response: Vector, rate_hz: float) -> float:
+def tau_s(response: Vector, rate_hz: Positive) -> float:
     """Time constant of the amplitude of one response.
 
     Parameters
@@ -81,7 +81,6 @@ def tau_s(response: Vector, rate_hz: float) -> float:
     >>> round(tau_s(np.exp(-t / 4e-3) * np.sin(1e4 * t), 1e5) * 1e3, 1)
     4.0
     """
-    positive("tau_s", rate_hz=rate_hz)
     energy, length_s = _blocks(np.asarray(response, float)[None], rate_hz)
     return length_s / _clear_decay(energy[0]).n_taus
 

@@ -7,8 +7,9 @@ from typing import Final, Protocol, runtime_checkable
 
 import numpy as np
 
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import positive, some, whole
+from tactometry.arguments.require import some, whole
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
@@ -73,12 +74,9 @@ class Patch:
 
     x_m: float
     y_m: float
-    length_m: float
-    width_m: float
+    length_m: Positive
+    width_m: Positive
     moment_n_per_v: float = MOMENT_N_PER_V
-
-    def __post_init__(self) -> None:
-        positive("Patch", length_m=self.length_m, width_m=self.width_m)
 
     @property
     def area_m2(self) -> float:
@@ -112,11 +110,8 @@ class DiscPatch:
 
     x_m: float
     y_m: float
-    diameter_m: float
+    diameter_m: Positive
     moment_n_per_v: float = MOMENT_N_PER_V
-
-    def __post_init__(self) -> None:
-        positive("DiscPatch", diameter_m=self.diameter_m)
 
     @property
     def area_m2(self) -> float:

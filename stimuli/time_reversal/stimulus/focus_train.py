@@ -8,8 +8,9 @@ from typing import Final, Literal
 
 import numpy as np
 
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import given, one_of, positive, whole, within
+from tactometry.arguments.require import one_of, positive, whole, within
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.signal import Signal
 
@@ -86,8 +87,8 @@ class TimeReversalStimulus:
     focus: Responses
     pattern: Pattern = PATTERNS["P0"]
     quantiser: Quantiser | None = None
-    reversal_s: float | None = None
-    voltage_max_v: float = 30.0
+    reversal_s: Positive | None = None
+    voltage_max_v: Positive = 30.0
     level_unit: str = "m"
     heard: Responses | None = None
     path: Sequence[int] | None = None
@@ -98,12 +99,10 @@ class TimeReversalStimulus:
     def __post_init__(self) -> None:
         one_of("TimeReversalStimulus.level_unit", self.level_unit, LEVEL_UNITS)
         one_of("TimeReversalStimulus.focus.quantity", self.focus.quantity, ("displacement",))
-        positive("TimeReversalStimulus", voltage_max_v=self.voltage_max_v)
         one_of("TimeReversalStimulus.modulation", self.modulation, MODULATIONS)
         _check_heard(self)
         check_supply("TimeReversalStimulus", self.supply_v, self.quantiser)
         if self.reversal_s is not None:
-            positive("TimeReversalStimulus", reversal_s=self.reversal_s)
             whole("TimeReversalStimulus", lowest=1, n_reversal=self._n_reversal)
 
     def at(self, level: float) -> Signal:
@@ -251,13 +250,13 @@ class FocusTrain:
     drive: Drive = "one_bit"
     f_min_hz: float = 200.0
     f_max_hz: float = 60e3
-    reversal_s: float | None = None
-    voltage_max_v: float = 200.0
-    duration_s: float = 0.5
+    reversal_s: Positive | None = None
+    voltage_max_v: Positive = 200.0
+    duration_s: Positive = 0.5
     level_unit: Literal["dB re 1 um", "m"] = "dB re 1 um"
-    repetition_hz: float | None = None
+    repetition_hz: Positive | None = None
     envelope: EnvelopeName | None = None
-    train_s: float | None = None
+    train_s: Positive | None = None
     envelope_table: tuple[float, ...] | None = None
     modulation: Literal["voltage", "burst"] = "voltage"
     supply_v: float | None = None
@@ -265,7 +264,6 @@ class FocusTrain:
     def __post_init__(self) -> None:
         if self.envelope_table is not None:
             object.__setattr__(self, "envelope_table", tuple(self.envelope_table))
-        positive("FocusTrain", duration_s=self.duration_s, voltage_max_v=self.voltage_max_v)
         _check_band(self)
         _check_times(self)
         check_supply("FocusTrain", self.supply_v, DRIVES[self.drive])
@@ -381,8 +379,6 @@ def _check_band(train: FocusTrain) -> None:
 
 
 def _check_times(train: FocusTrain) -> None:
-    times = {"repetition_hz": train.repetition_hz, "train_s": train.train_s, "reversal_s": train.reversal_s}
-    positive("FocusTrain", **given(times))
     n_reversal = samples_in("reversal_s", train.emission_s, train.setup.rate_hz)
     whole("FocusTrain.reversal_s", lowest=1, n_samples=n_reversal)
     if train.emission_s > train.setup.learnt_s:

@@ -7,9 +7,8 @@ from typing import Final, Literal
 
 import numpy as np
 
-from tactometry.arguments.annotations import Vector
+from tactometry.arguments.annotations import NotNegative, Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import not_negative, positive
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
@@ -75,23 +74,16 @@ class TimeReversalSensation:
     """
 
     setup: Setup = field(default_factory=Setup)
-    reference_m: float = 10e-6
+    reference_m: Positive = 10e-6
     criterion: Literal["loaded", "unloaded"] = "unloaded"
-    resistance_n_s_per_m: float = RESISTANCE_N_S_PER_M
-    mass_kg: float = 0.0
-    stiffness_n_per_m: float = 0.0
+    resistance_n_s_per_m: NotNegative = RESISTANCE_N_S_PER_M
+    mass_kg: NotNegative = 0.0
+    stiffness_n_per_m: NotNegative = 0.0
     exponent: float = FORCE_EXPONENT
     finger_x_m: float | None = None
     finger_y_m: float | None = None
 
     def __post_init__(self) -> None:
-        positive("TimeReversalSensation", reference_m=self.reference_m)
-        not_negative(
-            "TimeReversalSensation",
-            resistance_n_s_per_m=self.resistance_n_s_per_m,
-            mass_kg=self.mass_kg,
-            stiffness_n_per_m=self.stiffness_n_per_m,
-        )
         self.setup.plate.check_holds("TimeReversalSensation.finger_x_m, finger_y_m", self._place)
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
@@ -221,7 +213,7 @@ def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[PlateLoad 
 
 
 @checked
-def events(displacement_m: Vector, rate_hz: float) -> tuple[FloatArray, FloatArray]:
+def events(displacement_m: Vector, rate_hz: Positive) -> tuple[FloatArray, FloatArray]:
     """Times (s) and magnitudes (m) of the foci in a displacement: peaks of at least half the largest one, 1 ms apart.
 
     >>> events(np.array([0, 1.0, 0, 0, -3.0, 0, 0, 2.0, 0]), 1000.0)
@@ -229,7 +221,6 @@ def events(displacement_m: Vector, rate_hz: float) -> tuple[FloatArray, FloatArr
     """
     from scipy.signal import find_peaks
 
-    positive("events", rate_hz=rate_hz)
     magnitude = np.abs(np.concatenate([[0.0], displacement_m, [0.0]]))
     apart = max(round(APART_S * rate_hz), 1)
     index: IntArray = find_peaks(magnitude, height=FAINT * magnitude.max(), distance=apart)[0]

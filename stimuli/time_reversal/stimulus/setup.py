@@ -3,8 +3,8 @@
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import given, positive
 
 from ..plate.glass import GLASSES
 from ..plate.plate import Plate
@@ -51,18 +51,15 @@ class Setup(GlassPanel):
     """
 
     boundary: str = "SSSS"
-    side_m: float = SIDE_M
-    moment_n_per_v: float = MOMENT_N_PER_V
-    tau_s: float = TAU_S
+    side_m: Positive = SIDE_M
+    moment_n_per_v: Positive = MOMENT_N_PER_V
+    tau_s: Positive = TAU_S
     modes_to_hz: float = 66e3
-    learnt_s: float = LEARNT_S
-    shear_factor: float | None = None
+    learnt_s: Positive = LEARNT_S
+    shear_factor: Positive | None = None
 
     def __post_init__(self) -> None:
         self._check_panel(highest_hz="modes_to_hz")
-        positive("Setup", learnt_s=self.learnt_s, tau_s=self.tau_s)
-        positive("Setup", side_m=self.side_m, moment_n_per_v=self.moment_n_per_v)
-        positive("Setup", **given({"shear_factor": self.shear_factor}))
         self.plate.check_holds("Setup.focus", self.focus_m)
         _ = self.screen
 
