@@ -19,7 +19,7 @@ from tactometry.errors import InvalidParameter
 from ..arrays import RELATIVE_ZERO, Array, size_of
 from .contrasts import Sphericity, Tested, effects, participant_scores, sphericity
 from .design import DesignStatus, UndefinedStatistic, finite_rows, names_of, refuse_one, within_design
-from .post_hoc import all_together
+from .post_hoc import all_together, bayes_factor
 from .within_subjects import INTERVAL, effect_table, scaled_design, with_notes
 
 MIN_GROUP = 2
@@ -195,7 +195,7 @@ def _tested(first: Array, second: Array, interval: float) -> dict[str, object]:
     welch, student = (ttest_ind(second, first, equal_var=alike) for alike in (False, True))
     ends = welch.confidence_interval(interval)
     g = float(pingouin.compute_effsize(second, first, eftype="hedges"))
-    bayes = float(pingouin.bayesfactor_ttest(float(student.statistic), len(second), len(first)))
+    bayes = bayes_factor(float(student.statistic), len(second), len(first))
     tested = (ends.low * size, ends.high * size, welch.statistic, welch.df, welch.pvalue, g, bayes)
     return counts | dict(zip(_TESTED, map(float, tested), strict=True)) | {"status": "ok"}
 

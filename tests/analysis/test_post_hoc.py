@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pandas as pd
+import pingouin
 import pytest
 from designs import drawn, long_table as any_table
 from hard_cases import hard_case
@@ -14,7 +15,7 @@ from soak import SOAK
 
 from tactometry.analysis.anova.design import UndefinedStatistic
 from tactometry.analysis.anova.nonparametric import aligned_rank_transform, art_contrasts, friedman
-from tactometry.analysis.anova.post_hoc import dz_interval, equivalence, evidence, pairs, rank_pairs
+from tactometry.analysis.anova.post_hoc import bayes_factor, dz_interval, equivalence, evidence, pairs, rank_pairs
 from tactometry.errors import InvalidParameter
 
 
@@ -65,7 +66,6 @@ def test_adjusted_p_are_monotone_and_at_most_one(found) -> None:
 
 
 def test_pairs_equal_scipy_and_pingouin() -> None:
-    import pingouin
 
     values = drawn((12, 2), np.random.default_rng())
     row = pairs(any_table(values), dependent="y", factor="force", subject="subject").iloc[0]
@@ -145,6 +145,37 @@ def test_refuses_a_pair_with_a_hole(published) -> None:
         )
 
 
+@pytest.mark.parametrize(
+    ("t", "sizes", "bf10"),
+    [
+        (562.0, (3,), 387.777239921),
+        (-3160.0, (3,), 2182.69374081),
+        (1e6, (4,), 188034794836.0),
+        (1e4, (8,), 7.75281127859e20),
+        (57.4, (1000,), np.inf),
+        (315.0, (2, 2), 126.145471834),
+        (200.0, (2, 30), 5.52262382051e43),
+    ],
+)
+def test_bayes_factors_of_large_t_are_those_of_more_digits(t, sizes, bf10) -> None:
+    assert bayes_factor(t, *sizes) == pytest.approx(bf10, rel=1e-9)
+
+
+@pytest.mark.parametrize("t", [99.99, 100.01])
+def test_bayes_factors_are_pingouins_until_it_misses_the_peak(t) -> None:
+    for sizes in ((3,), (24,), (2, 2), (5, 12)):
+        peer = pingouin.bayesfactor_ttest(t, *sizes, paired=len(sizes) == 1)
+        assert bayes_factor(t, *sizes) == pytest.approx(float(peer), rel=1e-6)
+
+
+@pytest.mark.parametrize("spread", [2e-2, 2e-3, 2e-6])
+def test_three_participants_who_differ_nearly_alike_have_a_bayes_factor(spread) -> None:
+    values = np.array([[0.0, 20.0], [1.0, 21.0 + spread], [2.0, 22.0 - spread]])
+    found = pairs(any_table(values), dependent="y", factor="force", subject="subject").iloc[0]
+    # Far out the null has no chance: the factor grows as t^(n - 2), here as t.
+    assert found["bf10"] / found["t"] == pytest.approx(0.690884, rel=1e-3)
+
+
 @pytest.mark.parametrize("bf10", [0.001, 0.4, 1.0, 2.9, 3.1, 99.0, 1e9])
 def test_evidence_has_a_word(bf10) -> None:
     assert evidence(bf10).endswith("no difference" if bf10 < 1 else "a difference")
@@ -154,7 +185,6 @@ def test_evidence_has_a_word(bf10) -> None:
 
 
 def test_equivalence_equals_pingouin() -> None:
-    import pingouin
 
     values = drawn((14, 2), np.random.default_rng())
     row = equivalence(any_table(values), dependent="y", factor="force", subject="subject", bound=1.5).iloc[0]
