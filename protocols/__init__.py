@@ -7,20 +7,14 @@ from .bayesian.outcome_model import (
 )
 from .bayesian.parameter_grid import ParameterGrid as ParameterGrid
 from .bayesian.quest import Quest as Quest
-from .bayesian.quest_plus import QuestPlus as QuestPlus
+from .bayesian.quest_plus import QuestPlus as QuestPlus, SharedQuestPlus as SharedQuestPlus, SharedTrack as SharedTrack
 from .bayesian.settings import PsiSettings as PsiSettings, QuestPlusSettings as QuestPlusSettings, psi as psi
-from .bayesian.shared_quest_plus import SharedQuestPlus as SharedQuestPlus, SharedTrack as SharedTrack
 from .block import Block as Block
 from .block_state import BlockOptions as BlockOptions
 from .order import williams_square as williams_square
 from .procedures.constant_stimuli import ConstantStimuli as ConstantStimuli
 from .procedures.method_of_limits import MethodOfLimits as MethodOfLimits
-from .procedures.procedure import (
-    Ending as Ending,
-    Procedure as Procedure,
-    Sharing as Sharing,
-    after_answer as after_answer,
-)
+from .procedures.procedure import Ending as Ending, Procedure as Procedure, after_answer as after_answer
 from .procedures.staircase import Staircase as Staircase
 from .procedures.weighted_staircase import WeightedStaircase as WeightedStaircase
 from .session import Inquiry as Inquiry, session as session

@@ -14,7 +14,7 @@ from tactometry.trials.trial import Trial
 
 from .block_state import BlockOptions, BlockState, Slot, catch_schedule, turns
 from .tasks.task import Presentation, Reply, Task, TrialOutcome
-from .track import Track
+from .track import PartCourse, Track
 
 FEEDBACK_S = 0.7
 """How long a page says right or wrong (unverified default)."""
@@ -74,13 +74,11 @@ class Block:
     def page(self) -> str:
         return "practice" if self.practice else "block"
 
-    def course(self, number: int, first_trial: int, rng: np.random.Generator) -> Course[tuple[tuple[Track, ...], int]]:
+    def course(self, number: int, first_trial: int, rng: np.random.Generator) -> PartCourse:
         return run_block(self, number, first_trial, rng)
 
 
-def run_block(
-    block: Block, number: int, first_trial: int, rng: np.random.Generator
-) -> Course[tuple[tuple[Track, ...], int]]:
+def run_block(block: Block, number: int, first_trial: int, rng: np.random.Generator) -> PartCourse:
     """Present until every track has finished; gives how the tracks stand then, and the number of the next trial."""
     state = BlockState(block.options, block.tracks, first_trial)
     catches = [catch_schedule(block.catch_rate, rng) for _ in block.tracks]
@@ -123,9 +121,8 @@ def _record_rows(
     for reply in replies:
         yield Record(trial_row(block, number, slot, track, outcome, reply))
     yield Record(trial_row(block, number, slot, track, outcome, last), _aborted(number, before, after))
-    correct = outcome.replies[0].correct if outcome.valid else None
-    if block.options.feedback and correct is not None:
-        yield Show("right" if correct else "wrong", duration_s=FEEDBACK_S)
+    if block.options.feedback and outcome.correct is not None:
+        yield Show("right" if outcome.correct else "wrong", duration_s=FEEDBACK_S)
 
 
 def _aborted(number: int, before: BlockState, after: BlockState) -> str | None:
@@ -151,7 +148,7 @@ def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: Tria
     """The row of a reply."""
     # Where no touch is the one whose level counts, the first stands for the trial.
     touch = outcome.stimulus or next(iter(outcome.touches), UNTOUCHED)
-    is_catch = slot.level is None
+    is_catch, answer = slot.level is None, reply.answer
     return Trial(
         block=number,
         trial=slot.trial,
@@ -161,14 +158,14 @@ def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: Tria
         level_unit=track.condition.level_unit,
         task=block.task.name,
         response=reply.response,
-        correct=reply.correct,
+        correct=outcome.correct,
         onset_s=outcome.onset_s,
-        latency_s=reply.latency_s,
+        latency_s=None if answer is None else answer.latency_s,
         force_mean_n=touch.force_mean_n,
         force_sd_n=touch.force_sd_n,
         force_in_band=touch.force_in_band,
         valid=outcome.valid,
-        timestamp_utc=reply.timestamp_utc,
+        timestamp_utc=None if answer is None else answer.timestamp_utc,
         track=track.name,
         attempt=slot.attempt,
         catch=is_catch if block.task.takes_catch_trials else None,

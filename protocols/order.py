@@ -46,32 +46,11 @@ def nth_permutation(n: int, row: int) -> list[int]:
     return order
 
 
-def _williams(n: int, row: int, rng: np.random.Generator) -> list[int]:
-    del rng
-    square = williams_square(n)
-    return square[row % len(square)]
-
-
-def _complete(n: int, row: int, rng: np.random.Generator) -> list[int]:
-    del rng
-    return nth_permutation(n, row)
-
-
-def _random(n: int, row: int, rng: np.random.Generator) -> list[int]:
-    del row
-    return [int(k) for k in rng.permutation(n)]
-
-
-def _fixed(n: int, row: int, rng: np.random.Generator) -> list[int]:
-    del row, rng
-    return list(range(n))
-
-
 ORDERS: Mapping[str, Callable[[int, int, np.random.Generator], list[int]]] = {
-    "williams": _williams,
-    "complete": _complete,
-    "random": _random,
-    "fixed": _fixed,
+    "williams": lambda n, row, rng: williams_square(n)[row % n_orders("williams", n)],
+    "complete": lambda n, row, rng: nth_permutation(n, row),
+    "random": lambda n, row, rng: [int(k) for k in rng.permutation(n)],
+    "fixed": lambda n, row, rng: list(range(n)),
 }
 """The order of n levels for a row: balanced for carry-over, every order in turn, drawn, as in the file."""
 

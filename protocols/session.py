@@ -16,7 +16,7 @@ from tactometry.trials.trial import Trial
 
 from .tasks.rating import fill_in
 from .tasks.task import Reply
-from .track import Track
+from .track import PartCourse, Track
 
 
 class Part(Protocol):
@@ -36,9 +36,7 @@ class Part(Protocol):
     @property
     def tracks(self) -> tuple[Track, ...]: ...
 
-    def course(
-        self, number: int, first_trial: int, rng: np.random.Generator
-    ) -> Course[tuple[tuple[Track, ...], int]]: ...
+    def course(self, number: int, first_trial: int, rng: np.random.Generator) -> PartCourse: ...
 
 
 @dataclass(frozen=True)
@@ -65,12 +63,13 @@ class Inquiry:
     def __post_init__(self) -> None:
         of_kind("Inquiry", Questionnaire, form=self.form)
 
-    def course(self, number: int, first_trial: int, rng: np.random.Generator) -> Course[tuple[tuple[Track, ...], int]]:
+    def course(self, number: int, first_trial: int, rng: np.random.Generator) -> PartCourse:
         for reply in (yield from fill_in(self.form, rng, shuffled=self.shuffled)):
             yield Record(self._row(number, first_trial, reply))
         return (), first_trial + 1
 
     def _row(self, number: int, trial: int, reply: Reply) -> Trial:
+        assert reply.answer is not None  # that of its page
         return Trial(
             block=number,
             trial=trial,
@@ -80,9 +79,9 @@ class Inquiry:
             level_unit="",
             task=FORM_TASK,
             response=reply.response,
-            onset_s=reply.onset_s,
-            latency_s=reply.latency_s,
-            timestamp_utc=reply.timestamp_utc,
+            onset_s=reply.answer.onset_s,
+            latency_s=reply.answer.latency_s,
+            timestamp_utc=reply.answer.timestamp_utc,
             item=reply.item,
             practice=False,
         )

@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
+from tactometry.session.run import Course
+
 from .procedures.procedure import Procedure
 from .tasks.task import Alternative
 from .tasks.touch import Touch
@@ -38,3 +40,7 @@ class Track:
         if not self.begun:
             return "not begun"
         return "aborted" if self.aborted else self.procedure.ending
+
+
+PartCourse = Course[tuple[tuple[Track, ...], int]]
+"""The course of a part of a session: how its tracks end, and the number of the next trial."""

@@ -10,9 +10,7 @@ from tactometry.arguments.require import expect
 from tactometry.config.strict import build, kind_of
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.bayesian.quest import Quest
-from tactometry.protocols.bayesian.quest_plus import QuestPlus
 from tactometry.protocols.bayesian.settings import PsiSettings, QuestPlusSettings
-from tactometry.protocols.bayesian.shared_quest_plus import SharedQuestPlus
 from tactometry.protocols.procedures.constant_stimuli import ConstantStimuli
 from tactometry.protocols.procedures.method_of_limits import MethodOfLimits
 from tactometry.protocols.procedures.practice import Practice
@@ -72,8 +70,7 @@ class ReadyProcedure:
     def for_tracks(self, names: Sequence[str], rng: np.random.Generator) -> tuple[Procedure, ...]:
         """One procedure for each track of a block, with an order of its own where it has one."""
         if self.shared:
-            assert isinstance(self.rule, QuestPlus)
-            return SharedQuestPlus(self.rule, tuple(names)).procedures()
+            return self.rule.begin_together(names)
         return tuple(self.rule.begin(rng) for _ in names)
 
 

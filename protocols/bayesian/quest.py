@@ -94,10 +94,6 @@ class Quest(WeighingRule):
         asymptotes = f"a chance between the asymptotes ({low:g} and {high:g})"
         expect(low < self.target < high, "Quest.target", f"{self.target:g}", asymptotes)
 
-    @property
-    def bounds(self) -> tuple[float, float]:
-        return self.low, self.high
-
     def begin(self, rng: np.random.Generator | None = None) -> "QuestRun":
         del rng
         return QuestRun(self, state=self.prior_state)
@@ -154,10 +150,6 @@ class QuestRun(WeighingRun[Quest]):
     def posterior(self) -> Array:
         """Weights of the thresholds that add up to 1."""
         return self.state.weights
-
-    @property
-    def marginal_of_threshold(self) -> Array:
-        return self.posterior
 
     @cached_property
     def level(self) -> float:

@@ -5,6 +5,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Any, Self, TypeVar
 
+import numpy as np
+
 from tactometry.arguments.require import given, positive, whole
 
 from ..procedures.procedure import Ending, Rule, RuleThreshold, Run
@@ -16,12 +18,7 @@ class WeighingRule(Rule[Any]):
     """Numbers of a rule that asks until `n_trials`, or until the posterior standard deviation of the threshold is at
     most `sd_stop`."""
 
-    n_trials: int
     sd_stop: float | None
-
-    @property
-    def n_trials_at_most(self) -> int:
-        return self.n_trials
 
     @property
     @abstractmethod
@@ -61,9 +58,9 @@ class WeighingRun(Run[RuleT]):
     contradicted: bool = False
 
     @property
-    @abstractmethod
     def marginal_of_threshold(self) -> Array:
         """Weights of the thresholds that add up to 1, (n_thresholds,)."""
+        return np.asarray(self.state.weights.reshape(len(self.rule.thresholds), -1).sum(axis=1), dtype=np.float64)
 
     @cached_property
     def mean_sd(self) -> tuple[float, float]:

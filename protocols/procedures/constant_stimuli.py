@@ -48,10 +48,6 @@ class ConstantStimuli(Rule["ConstantStimuliRun"], FixedOrder):
         expect(self.n_trials_at_most <= MOST_TRIALS, "ConstantStimuli.repeats", in_all, most)
 
     @property
-    def bounds(self) -> tuple[float, float]:
-        return min(self.levels), max(self.levels)
-
-    @property
     def n_trials_at_most(self) -> int:
         return self.repeats * len(self.levels)
 

@@ -84,10 +84,6 @@ class MethodOfLimits(Rule["MethodOfLimitsRun"]):
         return math.floor((self.high - self.low) / self.step * (1 + 1e-12))
 
     @property
-    def bounds(self) -> tuple[float, float]:
-        return self.low, self.high
-
-    @property
     def n_trials_at_most(self) -> int:
         return self.n_series * (self.n_steps + 1)
 

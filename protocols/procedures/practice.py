@@ -42,14 +42,6 @@ class Practice(Rule["PracticeRun"]):
             possible = f"from 1 to {highest}, {most}; it must be possible to meet the criterion"
             expect(number <= highest, f"Practice.{name}", number, possible)
 
-    @property
-    def bounds(self) -> tuple[float, float]:
-        return min(self.levels), max(self.levels)
-
-    @property
-    def n_trials_at_most(self) -> int:
-        return self.n_trials
-
     def begin(self, rng: np.random.Generator | None = None) -> "PracticeRun":
         del rng
         return PracticeRun(self)

@@ -85,6 +85,11 @@ class Procedure(ABC):
         rule that makes no estimate, and where the answers only bound it."""
         return self.estimate.level
 
+    def learning_from(self, other: "Procedure") -> Self:
+        """This procedure, when that of another track has just had an answer; itself if the two share nothing."""
+        del other
+        return self
+
 
 class FixedOrder(Procedure):
     """A procedure whose order no response changes: it can leave out a level that the block presents later."""
@@ -98,14 +103,6 @@ class FixedOrder(Procedure):
         """The answer counts, the presentation stays."""
 
 
-class Sharing(Procedure):
-    """A procedure to which an answer on another track tells something."""
-
-    @abstractmethod
-    def learning_from(self, other: Procedure) -> Self:
-        """This procedure, when `other` has just had an answer; unchanged if the two share nothing."""
-
-
 RunT = TypeVar("RunT", bound="Run[Any]")
 RuleT = TypeVar("RuleT", bound="Rule[Any]")
 
@@ -116,12 +113,29 @@ class Rule(Procedure, Generic[RunT]):
     It is a procedure too, that which stands before its first answer.
     """
 
+    low: float
+    high: float
+    n_trials: int
     unreplayed: ClassVar[str] = ""
     """Why answers and levels alone do not bring a run back; empty where they do."""
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        """The least and the greatest of its `levels`, or, where it has none, its `low` and its `high`."""
+        levels: tuple[float, ...] = getattr(self, "levels", None) or (self.low, self.high)
+        return min(levels), max(levels)
+
+    @property
+    def n_trials_at_most(self) -> int:
+        return self.n_trials
 
     @abstractmethod
     def begin(self, rng: np.random.Generator | None = None) -> RunT:
         """A run without answers; an order of its own is drawn from `rng`, and the given one without."""
+
+    def begin_together(self, tracks: Sequence[str]) -> "tuple[Procedure, ...]":
+        """A procedure for each of some tracks that learn from each other's answers; most rules share nothing."""
+        return tuple(self.begin() for _ in tracks)
 
     @property
     def n_outcomes(self) -> int:
@@ -223,5 +237,4 @@ def after_answer(
     (True, False)
     """
     moved = procedures[index].after(response, delivered)
-    others = (other.learning_from(moved) if isinstance(other, Sharing) else other for other in procedures)
-    return tuple(moved if n == index else other for n, other in enumerate(others))
+    return tuple(moved if n == index else other.learning_from(moved) for n, other in enumerate(procedures))

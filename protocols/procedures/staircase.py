@@ -18,12 +18,9 @@ class UpDown(Rule["StaircaseRun"]):
     """What the transformed and the weighted staircase share: everything but the sizes of their steps."""
 
     start: float
-    low: float
-    high: float
     n_up: int
     n_down: int
     n_reversals: int
-    n_trials: int
     n_at_bound: int
     initial_rule: bool
 
@@ -35,14 +32,6 @@ class UpDown(Rule["StaircaseRun"]):
     @abstractmethod
     def point(self) -> str:
         """At which level it settles, in words."""
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        return self.low, self.high
-
-    @property
-    def n_trials_at_most(self) -> int:
-        return self.n_trials
 
     def begin(self, rng: np.random.Generator | None = None) -> "StaircaseRun":
         del rng

@@ -5,16 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.arguments.require import below, expect, finite
-from tactometry.errors import InvalidParameter
 from tactometry.session.answer import Adjusted
 from tactometry.session.request import Adjust, Play, Slide
 from tactometry.session.run import Course
 
-from .task import Presentation, TaskKind, TrialOutcome, reply
+from .task import Presentation, Reply, Task, TaskKind, TrialOutcome
 
 
 @dataclass(frozen=True)
-class AdjustmentTask:
+class AdjustmentTask(Task):
     """The participant sets the level itself, from where the trial starts it, in steps of `step` within the bounds.
 
     The row's `level` is the start, its response the level that was left standing. Gescheider, Psychophysics: The
@@ -31,7 +30,6 @@ class AdjustmentTask:
     high: float
 
     name = "adjustment"
-    takes_catch_trials = False
 
     def __post_init__(self) -> None:
         finite("AdjustmentTask", step=self.step, low=self.low, high=self.high)
@@ -48,11 +46,9 @@ class AdjustmentTask:
         InvalidParameter
             If `low` or `high` is beyond them.
         """
-        if not self.low <= low <= high <= self.high:
-            raise InvalidParameter(
-                f"procedure: found levels from {low:g} to {high:g} where an adjustment starts, expected them within "
-                f"the bounds of the task ({self.low:g} to {self.high:g})"
-            )
+        starts = f"levels from {low:g} to {high:g} where an adjustment starts"
+        bounds = f"them within the bounds of the task ({self.low:g} to {self.high:g})"
+        expect(self.low <= low <= high <= self.high, "procedure", starts, bounds)
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         del rng
@@ -63,7 +59,7 @@ class AdjustmentTask:
         adjusted: Adjusted = yield Adjust(
             shown.stimulus, shown.level, self.step, self.low, self.high, force_n, speed_m_per_s
         )
-        return TrialOutcome((), None, (reply(adjusted, adjusted.level),))
+        return TrialOutcome((), None, (Reply(adjusted, adjusted.level),))
 
 
 TASK = TaskKind(

@@ -10,12 +10,12 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .task import Presentation, TaskKind, TrialOutcome, reply
+from .task import Presentation, Reply, Task, TaskKind, TrialOutcome
 from .touch import feel_in_turn, nth
 
 
 @dataclass(frozen=True)
-class Comparison:
+class Comparison(Task):
     """The standard and a level in random order, then: which is stronger? For just noticeable differences.
 
     The response is 1 if the level was called stronger than the standard, and it is what the procedure is told; it is
@@ -31,7 +31,6 @@ class Comparison:
     standard_level: float
 
     name = "comparison"
-    takes_catch_trials = False
 
     def __post_init__(self) -> None:
         finite("Comparison", standard_level=self.standard_level)
@@ -45,7 +44,7 @@ class Comparison:
             return outcome
         choice: Chosen = yield Choose("which_stronger", (1, 2), ("1", "2"))
         stronger = choice.option == target
-        answer = reply(choice, int(stronger), correct=self._correct(shown.level, stronger=stronger))
+        answer = Reply(choice, int(stronger), self._correct(shown.level, stronger=stronger))
         return replace(outcome, replies=(answer,), success=stronger)
 
     def _correct(self, level: float | None, *, stronger: bool) -> bool | None:

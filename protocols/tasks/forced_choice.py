@@ -10,12 +10,12 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .task import Presentation, TaskKind, TrialOutcome
+from .task import Presentation, Task, TaskKind, TrialOutcome
 from .touch import feel_in_turn, nth
 
 
 @dataclass(frozen=True)
-class ForcedChoice:
+class ForcedChoice(Task):
     """`n_intervals` intervals of which one, drawn at random, holds the stimulus, then: which? Chance is 1/n_intervals.
 
     Green and Swets, Signal Detection Theory and Psychophysics (1966), section 2.4.
@@ -29,7 +29,6 @@ class ForcedChoice:
     n_intervals: int = 2
 
     name = "forced_choice"
-    takes_catch_trials = False
 
     def __post_init__(self) -> None:
         expect(self.n_intervals in (2, 3, 4), "ForcedChoice.n_intervals", shown(self.n_intervals), "2, 3 or 4")

@@ -9,18 +9,17 @@ from tactometry.session.answer import Chosen, Touched
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .task import Over, Presentation, TaskKind, TrialOutcome
+from .task import Over, Presentation, Task, TaskKind, TrialOutcome
 
 
 @dataclass(frozen=True)
-class Localisation:
+class Localisation(Task):
     """One of several alternatives (places, foci), drawn at random, then: which? An m-alternative forced choice.
 
     `target` is the number of the alternative, from 1; chance is one over their number.
     """
 
     name = "localisation"
-    takes_catch_trials = False
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         target = int(rng.integers(1, len(shown.alternatives) + 1))

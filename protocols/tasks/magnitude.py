@@ -9,11 +9,11 @@ from tactometry.session.answer import Rated, Touched
 from tactometry.session.request import Enter
 from tactometry.session.run import Course
 
-from .task import Presentation, TaskKind, TrialOutcome, reply
+from .task import Presentation, Reply, Task, TaskKind, TrialOutcome
 
 
 @dataclass(frozen=True)
-class Magnitude:
+class Magnitude(Task):
     """One stimulus, then a number for its strength, from 0, without a modulus unless `high` bounds it.
 
     Stevens, American Journal of Psychology 69, 1 (1956). The procedure is told whether anything was felt (above 0).
@@ -40,7 +40,7 @@ class Magnitude:
             return TrialOutcome((touch,), touch)
         rated: Rated = yield Enter("how_strong", 0.0, self.high)
         is_felt = (rated.value or 0.0) > 0
-        return TrialOutcome((touch,), touch, (reply(rated, rated.value),), is_felt)
+        return TrialOutcome((touch,), touch, (Reply(rated, rated.value),), is_felt)
 
 
 TASK = TaskKind(Magnitude)

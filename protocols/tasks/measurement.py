@@ -1,7 +1,7 @@
 """A measurement: a stimulus under a held contact, and what an instrument reads meanwhile."""
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final, Literal, get_args
 
 import numpy as np
@@ -11,14 +11,14 @@ from tactometry.session.answer import Rated, Touched
 from tactometry.session.request import Enter
 from tactometry.session.run import Course
 
-from .task import Presentation, TaskKind, TrialOutcome, reply
+from .task import Presentation, Reply, Task, TaskKind, TrialOutcome
 
 QUESTION: Final = "vibrometer_nm"
 LevelUnit = Literal["dB re 1 um", "m"]
 
 
 @dataclass(frozen=True)
-class Measurement:
+class Measurement(Task):
     """One stimulus, then the reading of a vibrometer in nm: entered by the experimenter, simulated or recorded.
 
     The row holds the reading as `response` (nm) and as `level_measured` in the unit of the levels. A reading of 0 is
@@ -38,7 +38,6 @@ class Measurement:
     level_unit: LevelUnit = "dB re 1 um"
 
     name = "measurement"
-    takes_catch_trials = False
 
     def __post_init__(self) -> None:
         one_of("Measurement.level_unit", self.level_unit, get_args(LevelUnit))
@@ -49,7 +48,7 @@ class Measurement:
         if not touch.valid:
             return TrialOutcome((touch,), touch)
         read: Rated = yield Enter(QUESTION, 0.0)
-        answer = replace(reply(read, read.value), level_measured=level_of(read.value, self.level_unit))
+        answer = Reply(read, read.value, level_measured=level_of(read.value, self.level_unit))
         return TrialOutcome((touch,), touch, (answer,))
 
 

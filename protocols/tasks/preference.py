@@ -9,12 +9,12 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .task import Over, Presentation, TaskKind, TrialOutcome, reply
+from .task import Over, Presentation, Reply, Task, TaskKind, TrialOutcome
 from .touch import feel_in_turn
 
 
 @dataclass(frozen=True)
-class Preference:
+class Preference(Task):
     """Two alternatives in random order, then: which do you prefer?
 
     A row holds them as `item` and `item_b` in the order in which they were felt; the response is 1 or 2, so that the
@@ -22,7 +22,6 @@ class Preference:
     """
 
     name = "preference"
-    takes_catch_trials = False
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         first, second = (shown.alternatives[int(n)] for n in rng.permutation(2))
@@ -30,7 +29,7 @@ class Preference:
         if not touches[-1].valid:
             return TrialOutcome(touches, touches[0])
         choice: Chosen = yield Choose("which_preferred", (1, 2), ("1", "2"))
-        answer = reply(choice, choice.option, item=first.label, item_b=second.label)
+        answer = Reply(choice, choice.option, item=first.label, item_b=second.label)
         return TrialOutcome(touches, touches[0], (answer,))
 
 

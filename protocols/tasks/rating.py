@@ -11,7 +11,7 @@ from tactometry.session.answer import Filled, Touched
 from tactometry.session.request import Fill, Question
 from tactometry.session.run import Course
 
-from .task import Presentation, Reply, TaskKind, TrialOutcome, reply
+from .task import Presentation, Reply, Task, TaskKind, TrialOutcome
 
 N_PER_PAGE, N_STATEMENTS_PER_PAGE = 7, 5
 MOST_TOUCHES = 1000
@@ -43,12 +43,12 @@ def fill_in(form: Questionnaire, rng: np.random.Generator, *, shuffled: bool) ->
     for page in pages(form, [form.items[int(n)] for n in order]):
         filled: Filled = yield page
         pairs = zip(page.questions, filled.values, strict=True)
-        replies += [reply(filled, value, item=question.item) for question, value in pairs]
+        replies += [Reply(filled, value, item=question.item) for question, value in pairs]
     return tuple(replies)
 
 
 @dataclass(frozen=True)
-class Rating:
+class Rating(Task):
     """A stimulus, felt `n_touches` times, then a questionnaire about it. A row for each item.
 
     Raises
@@ -62,7 +62,6 @@ class Rating:
     n_touches: int = 1
 
     name = "rating"
-    takes_catch_trials = False
 
     def __post_init__(self) -> None:
         of_kind("Rating", Questionnaire, form=self.form)

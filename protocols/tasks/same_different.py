@@ -10,12 +10,12 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .task import Presentation, TaskKind, TrialOutcome
+from .task import Presentation, Task, TaskKind, TrialOutcome
 from .touch import feel_in_turn, nth
 
 
 @dataclass(frozen=True)
-class SameDifferent:
+class SameDifferent(Task):
     """The standard and a level in random order, or (as catch trials) the standard twice, then: same or different?
 
     The response is 1 for "different". Macmillan and Creelman, Detection Theory, 2nd ed. (2005), chapter 9.

@@ -8,7 +8,7 @@ import numpy as np
 
 from tactometry.observers.decisions import Decision
 from tactometry.questionnaire import Questionnaire
-from tactometry.session.answer import Adjusted, Chosen, Filled, Rated, Touched
+from tactometry.session.answer import Answer, Chosen, Touched
 from tactometry.session.run import Course
 from tactometry.trials.trial import Reason
 
@@ -36,44 +36,14 @@ class Presentation:
 
 @dataclass(frozen=True)
 class Reply:
-    """What a row says of an answer; without a response the question was not put, or left open."""
+    """What a row says of an answer: without a response it was left open, without an answer the question was not put."""
 
+    answer: Answer | None = None
     response: float | None = None
     correct: bool | None = None
-    onset_s: float | None = None
-    latency_s: float | None = None
-    timestamp_utc: str | None = None
-    valid: bool = True
     item: str | None = None
     item_b: str | None = None
     level_measured: float | None = None
-    invalid_reason: Reason | None = None
-    n_gaps: int | None = None
-
-
-def reply(
-    answer: Chosen | Rated | Adjusted | Filled,
-    response: float | None,
-    *,
-    correct: bool | None = None,
-    item: str | None = None,
-    item_b: str | None = None,
-) -> Reply:
-    """The reply of an answer; one that the experimenter declared invalid, or whose stimulus had gaps, is not scored."""
-    n_gaps = answer.n_gaps if isinstance(answer, Adjusted) else None
-    reason: Reason = "output_gap" if n_gaps else "experimenter"
-    return Reply(
-        response,
-        correct if answer.valid else None,
-        answer.onset_s,
-        answer.latency_s,
-        answer.timestamp_utc,
-        answer.valid,
-        item,
-        item_b,
-        invalid_reason=None if answer.valid else reason,
-        n_gaps=n_gaps,
-    )
 
 
 @dataclass(frozen=True)
@@ -97,7 +67,7 @@ class TrialOutcome:
     @property
     def valid(self) -> bool:
         """Whether every touch held its conditions and every answer counts."""
-        return self.touches_valid and bool(self.replies) and all(each.valid for each in self.replies)
+        return bool(self.replies) and all(each.valid for each in self._parts)
 
     @property
     def touches_valid(self) -> bool:
@@ -105,11 +75,16 @@ class TrialOutcome:
 
     def score(self, choice: Chosen, *, correct: bool) -> Self:
         """With the reply of a choice that is right or wrong, as the procedure is told too."""
-        return replace(self, replies=(reply(choice, choice.option, correct=correct),), success=correct)
+        return replace(self, replies=(Reply(choice, choice.option, correct),), success=correct)
 
     @property
-    def _parts(self) -> tuple[Touched | Reply, ...]:
-        return (*self.touches, *self.replies)
+    def _parts(self) -> tuple[Touched | Answer, ...]:
+        return (*self.touches, *(reply.answer for reply in self.replies if reply.answer is not None))
+
+    @property
+    def correct(self) -> bool | None:
+        """Whether the answer is right; None where it does not count, or none is right or wrong."""
+        return self.replies[0].correct if self.valid else None
 
     @property
     def invalid_reason(self) -> Reason | None:
@@ -125,8 +100,7 @@ class TrialOutcome:
     @property
     def onset_s(self) -> float:
         """The onset of the first stimulus, or of the first question where nothing was felt."""
-        onsets_s = [touch.onset_s for touch in self.touches] + [each.onset_s or 0.0 for each in self.replies]
-        return onsets_s[0]
+        return self._parts[0].onset_s
 
 
 @runtime_checkable
@@ -136,8 +110,7 @@ class Task(Protocol):
     @property
     def name(self) -> str: ...
 
-    @property
-    def takes_catch_trials(self) -> bool: ...
+    takes_catch_trials: bool = False
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]: ...
 
@@ -155,16 +128,6 @@ class Over:
     """The factor whose levels are the alternatives of a trial, or are paired."""
 
     over: str
-
-
-def _as_it_stands(table: Any, form_of: Callable[[str], Questionnaire]) -> Task:
-    del form_of
-    task: Task = table
-    return task
-
-
-def _any_levels(task: Any, low: float, high: float) -> None:
-    del task, low, high
 
 
 @dataclass(frozen=True)
@@ -193,7 +156,7 @@ class TaskKind:
     table: type
     example: Mapping[str, object] = field(default_factory=dict)
     questions: Mapping[str, Decision] = field(default_factory=dict)
-    made: Callable[[Any, Callable[[str], Questionnaire]], Task] = _as_it_stands
+    made: Callable[[Any, Callable[[str], Questionnaire]], Task] = lambda table, form_of: table
     n_together: int | None = None
     own_levels: tuple[str, ...] = ()
-    check_levels: Callable[[Any, float, float], None] = _any_levels
+    check_levels: Callable[[Any, float, float], None] = lambda task, low, high: None

@@ -48,22 +48,18 @@ class GatedTouch:
         """The tolerance that holds, relative."""
         return fair_tolerance(self.force_n) if self.tolerance is None else self.tolerance
 
+    @property
+    def _gate(self) -> tuple[float, float, float, float, float]:
+        """The conditions as a request lists them."""
+        return self.duration_s, self.force_n, self.gate_tolerance, self.hold_s, self.timeout_s
+
 
 @dataclass(frozen=True)
 class Pressing(GatedTouch):
     """A finger that rests."""
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Press:
-        return Press(
-            stimulus,
-            level,
-            self.duration_s,
-            self.force_n,
-            self.gate_tolerance,
-            self.hold_s,
-            self.timeout_s,
-            interval,
-        )
+        return Press(stimulus, level, *self._gate, interval)
 
 
 @dataclass(frozen=True)
@@ -83,19 +79,8 @@ class Sliding(GatedTouch):
         positive("Sliding", speed_m_per_s=self.speed_m_per_s, length_m=self.length_m, **speeds)
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Slide:
-        return Slide(
-            stimulus,
-            level,
-            self.duration_s,
-            self.force_n,
-            self.gate_tolerance,
-            self.hold_s,
-            self.timeout_s,
-            self.speed_m_per_s,
-            interval,
-            self.length_m,
-            self.speed_tolerance,
-        )
+        path = self.speed_m_per_s, interval, self.length_m, self.speed_tolerance
+        return Slide(stimulus, level, *self._gate, *path)
 
 
 def feel_in_turn(touch: Touch, stimuli: Sequence[str], levels: Sequence[float | None]) -> Course[tuple[Touched, ...]]:

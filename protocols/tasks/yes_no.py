@@ -9,11 +9,11 @@ from tactometry.session.answer import Chosen, Touched
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .task import Presentation, TaskKind, TrialOutcome
+from .task import Presentation, Task, TaskKind, TrialOutcome
 
 
 @dataclass(frozen=True)
-class YesNo:
+class YesNo(Task):
     """One stimulus or none, then: was it felt? Green and Swets, Signal Detection Theory and Psychophysics (1966)."""
 
     name = "yes_no"

@@ -44,8 +44,25 @@ class Touched:
     n_gaps: int | None = None
 
 
+class Answer:
+    """What a participant answered to a question; it is put again unless this is `valid`."""
+
+    onset_s: float
+    latency_s: float
+    timestamp_utc: str | None
+    valid: bool
+    n_gaps: int | None = None
+
+    @property
+    def invalid_reason(self) -> Reason | None:
+        """Why it does not count: its stimulus had gaps, or else the experimenter asked for a repetition."""
+        if self.valid:
+            return None
+        return "output_gap" if self.n_gaps else "experimenter"
+
+
 @dataclass(frozen=True)
-class Chosen:
+class Chosen(Answer):
     """One of the options that were offered; `latency_s` from the onset of the question.
 
     An answer is not `valid` if the experimenter asked for a repetition meanwhile.
@@ -59,7 +76,7 @@ class Chosen:
 
 
 @dataclass(frozen=True)
-class Rated:
+class Rated(Answer):
     """A point of a scale, or a number."""
 
     value: float | None
@@ -70,7 +87,7 @@ class Rated:
 
 
 @dataclass(frozen=True)
-class Filled:
+class Filled(Answer):
     """The answers of a page of a questionnaire, in the order of its questions; None where one was left open."""
 
     values: tuple[float | None, ...]
@@ -81,7 +98,7 @@ class Filled:
 
 
 @dataclass(frozen=True)
-class Adjusted:
+class Adjusted(Answer):
     """The level that the participant left standing."""
 
     level: float

@@ -15,7 +15,7 @@ from tactometry.analysis.tasks.rule_estimate import COLUMNS, reversals
 from tactometry.experiments.sessions.simulation import Simulation, simulate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load, parse
-from tactometry.protocols.bayesian.shared_quest_plus import SharedTrack
+from tactometry.protocols.bayesian.quest_plus import SharedTrack
 from tactometry.protocols.bayesian.weighing import WeighingRun
 from tactometry.protocols.procedures.staircase import Staircase
 from tactometry.records.data_set import sessions

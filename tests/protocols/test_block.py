@@ -15,6 +15,7 @@ from tactometry.protocols import Block, Condition, ConstantStimuli, Track, YesNo
 from tactometry.protocols.block import run_block
 from tactometry.protocols.block_state import BlockOptions, BlockState, Slot, turns
 from tactometry.protocols.tasks.task import Reply, TrialOutcome
+from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose, Press, Show
 from tactometry.session.run import run
 
@@ -170,8 +171,8 @@ def test_the_factors_of_a_block_are_those_that_all_its_tracks_share():
     assert Block(tracks, YesNo()).factors == {"force_n": 1.0}
 
 
-LOST = TrialOutcome((), replies=(Reply(valid=False),))
-KEPT = TrialOutcome((), replies=(Reply(1.0, correct=True),), success=True)
+LOST = TrialOutcome((), replies=(Reply(Chosen(1, 0.0, 0.0, valid=False)),))
+KEPT = TrialOutcome((), replies=(Reply(Chosen(1, 0.0, 0.0), 1.0, correct=True),), success=True)
 
 
 def aborted_after(*came):

@@ -13,7 +13,7 @@ from tactometry.gates.speed import SpeedCompliance
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.protocols import Sliding
 from tactometry.protocols.block import run_block
-from tactometry.protocols.tasks.task import Reply, TrialOutcome, reply
+from tactometry.protocols.tasks.task import Reply, TrialOutcome
 from tactometry.rigs.judgement import broken_condition
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.session.answer import Adjusted, Chosen, Touched
@@ -81,7 +81,7 @@ TORN = replace(TOUCHED, valid=False, invalid_reason="output_gap", n_gaps=2)
 
 def test_the_gaps_of_all_intervals_are_those_of_their_trial():
     fine = replace(TOUCHED, n_gaps=0)
-    answer = reply(Chosen(1, 2.0, 0.5), 1.0)
+    answer = Reply(Chosen(1, 2.0, 0.5), 1.0)
     assert TrialOutcome((fine, fine), fine, (answer,)).n_gaps == 0
     torn = TrialOutcome((fine, TORN), fine, (answer,))
     assert (torn.n_gaps, torn.valid, torn.invalid_reason) == (2, False, "output_gap")
@@ -90,14 +90,14 @@ def test_the_gaps_of_all_intervals_are_those_of_their_trial():
 
 @pytest.mark.parametrize(("n_gaps", "reason"), [(None, "experimenter"), (0, "experimenter"), (1, "output_gap")])
 def test_a_level_that_was_set_is_not_valid_for_a_gap_or_as_the_experimenter_wanted(n_gaps, reason):
-    answer = reply(Adjusted(5.0, 1.0, 2.0, valid=False, n_gaps=n_gaps), 5.0, correct=True)
+    answer = Reply(Adjusted(5.0, 1.0, 2.0, valid=False, n_gaps=n_gaps), 5.0, correct=True)
     outcome = TrialOutcome((), None, (answer,))
     assert (outcome.valid, outcome.invalid_reason, outcome.n_gaps) == (False, reason, n_gaps)
-    assert answer.correct is None
+    assert outcome.correct is None
 
 
 def test_what_has_no_reply_and_no_lost_touch_has_no_reason():
-    assert TrialOutcome((), replies=(Reply(1.0),)).invalid_reason is None
+    assert TrialOutcome((), replies=(Reply(Chosen(1, 2.0, 0.5), 1.0),)).invalid_reason is None
 
 
 @pytest.mark.parametrize("reason", REASONS)

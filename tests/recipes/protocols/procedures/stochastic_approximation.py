@@ -27,14 +27,6 @@ class StochasticApproximation(Rule["StochasticApproximationRun"]):
         finite("StochasticApproximation", start=self.start, step=self.step, low=self.low, high=self.high)
         within("StochasticApproximation", 0, 1, target=self.target)
 
-    @property
-    def bounds(self) -> tuple[float, float]:
-        return self.low, self.high
-
-    @property
-    def n_trials_at_most(self) -> int:
-        return self.n_trials
-
     def begin(self, rng: np.random.Generator | None = None) -> "StochasticApproximationRun":
         del rng
         return StochasticApproximationRun(self, asked=self.start)

@@ -11,18 +11,17 @@ from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 from tactometry.session.run import Course
 
-from .task import Presentation, TaskKind, TrialOutcome
+from .task import Presentation, Task, TaskKind, TrialOutcome
 from .touch import feel_in_turn, nth
 
 
 @dataclass(frozen=True)
-class Oddity:
+class Oddity(Task):
     """A level in one of three intervals, drawn at random, the standard in the others, then: which one differed?"""
 
     standard_level: float
 
     name = "oddity"
-    takes_catch_trials = False
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
         target = int(rng.integers(1, 4))
