@@ -1,4 +1,4 @@
-"""QUEST+: the level whose answer is expected to tell most, on one track or on several that share all but a threshold."""
+"""QUEST+: the level whose answer is expected to tell most, on one track or several that share all but a threshold."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
