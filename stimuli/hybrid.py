@@ -15,8 +15,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from .electrovibration.sensation import ElectrovibrationSensation
-from .electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
-from .electrovibration.waveforms.pulsed_carrier import pulses
+from .electrovibration.waveforms.amplitude_modulated import AmplitudeModulated, pulses
 from .time_reversal.responses.responses import Responses
 from .time_reversal.stimulus import focus_train
 from .time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus

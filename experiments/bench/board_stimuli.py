@@ -49,8 +49,7 @@ class Board:
 
     def switched(self, stimulus: Stimulus) -> Stimulus:
         """The stimulus as this board makes it; what it cannot make stays as it is, and the output refuses it."""
-        from tactometry.stimuli.electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
-        from tactometry.stimuli.electrovibration.waveforms.pulsed_carrier import of_supply
+        from tactometry.stimuli.electrovibration.waveforms.amplitude_modulated import AmplitudeModulated, of_supply
         from tactometry.stimuli.hybrid import Hybrid, MeasuredHybrid
         from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus
 

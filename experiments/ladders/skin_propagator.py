@@ -5,8 +5,8 @@ from functools import partial
 import numpy as np
 
 from tactometry.stimuli.electrovibration import Sine, Skin, electrostatic_force_n, electrostatic_force_n_at
-from tactometry.stimuli.electrovibration.attraction.closed_form import sine_voltage_v
 from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
+from tactometry.stimuli.electrovibration.skin.skin import sine_voltage_v
 
 from ..cost.problem import Problem, Real, Reference, Rung, over_largest
 

@@ -7,6 +7,7 @@ from tactometry.loading import exports
 if TYPE_CHECKING:
     from .attraction.contact_area import (
         ContactArea as ContactArea,
+        PowerLawArea as PowerLawArea,
         Print as Print,
         TableArea as TableArea,
         area_of_prints as area_of_prints,
@@ -30,12 +31,10 @@ if TYPE_CHECKING:
     from .attraction.offset import WithOffset as WithOffset
     from .attraction.periodic_force import periodic_force_n as periodic_force_n
     from .attraction.polarity import Polarity as Polarity
-    from .attraction.power_law_area import PowerLawArea as PowerLawArea
     from .motion.coulomb_friction import CoulombFriction as CoulombFriction
     from .motion.dry_friction import DryFriction as DryFriction
     from .motion.finger import Motion as Motion, sliding as sliding, sliding_many as sliding_many
-    from .motion.friction import lagged_friction_n as lagged_friction_n
-    from .motion.friction_lag import FrictionLag as FrictionLag
+    from .motion.friction_lag import FrictionLag as FrictionLag, lagged_friction_n as lagged_friction_n
     from .motion.pad import Finger as Finger
     from .motion.stick_slip import (
         StickSlip as StickSlip,
@@ -60,18 +59,20 @@ if TYPE_CHECKING:
         Noise as Noise,
         Region as Region,
         Texture as Texture,
+        Velvet as Velvet,
     )
-    from .textures.velvet import Velvet as Velvet
     from .waveforms.amplitude_modulated import AmplitudeModulated as AmplitudeModulated
     from .waveforms.corners import Corners as Corners
-    from .waveforms.level import level_db_re_1v as level_db_re_1v, peak_voltage_v as peak_voltage_v
+    from .waveforms.periodic import (
+        PulseTrain as PulseTrain,
+        Square as Square,
+        Trapezoid as Trapezoid,
+        Triangle as Triangle,
+    )
     from .waveforms.pieces import Pieces as Pieces, straight as straight
-    from .waveforms.pulse_train import PulseTrain as PulseTrain
     from .waveforms.sampled import Sampled as Sampled
     from .waveforms.sine import Sine as Sine
-    from .waveforms.square import Square as Square
     from .waveforms.step import Step as Step
-    from .waveforms.trapezoid import Trapezoid as Trapezoid
-    from .waveforms.triangle import Triangle as Triangle
+    from .waveforms.waveform import level_db_re_1v as level_db_re_1v, peak_voltage_v as peak_voltage_v
 
 __getattr__, __dir__ = exports(__name__, __file__)

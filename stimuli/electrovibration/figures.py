@@ -16,12 +16,11 @@ from .attraction.force import LAWS, Law, electrostatic_force_n_at, force_form
 from .skin.dispersive_layer import DEEPER_TISSUE, STRATUM_CORNEUM, DispersiveLayer
 from .skin.skin import Skin
 from .textures.played_texture import share_along
-from .textures.texture import Texture
-from .textures.velvet import Velvet
+from .textures.texture import Texture, Velvet
+from .waveforms.periodic import Trapezoid
 from .waveforms.pieces import Pieces
 from .waveforms.sine import Sine
 from .waveforms.step import Step
-from .waveforms.trapezoid import Trapezoid
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

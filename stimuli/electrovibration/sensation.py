@@ -15,10 +15,9 @@ from tactometry.signal import Signal
 
 from ..arrays import FloatArray
 from ..perception.detection import Components, components, sensation_level_db
-from .attraction.contact_area import ContactArea
+from .attraction.contact_area import ContactArea, PowerLawArea
 from .attraction.force import Law, electrostatic_force_n
 from .attraction.polarity import Polarity
-from .attraction.power_law_area import PowerLawArea
 from .motion.coulomb_friction import CoulombFriction
 from .motion.friction_lag import FrictionLag
 from .skin.skin import Skin

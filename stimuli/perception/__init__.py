@@ -1,6 +1,5 @@
 """Formulas of touch perception."""
 
-from .detection import Components, components, sensation_level_db
-from .sensitivity import sensitivity_db
+from .detection import Components, components, sensation_level_db, sensitivity_db
 
 __all__ = ["Components", "components", "sensation_level_db", "sensitivity_db"]

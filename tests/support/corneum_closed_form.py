@@ -12,14 +12,14 @@ from tactometry.arguments import require
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.arrays import FloatArray
-from tactometry.stimuli.electrovibration.attraction.closed_form import (
+from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
+from tactometry.stimuli.electrovibration.skin.relaxation import phi1
+from tactometry.stimuli.electrovibration.skin.skin import (
+    Skin,
     check_one_relaxation,
     in_taus,
     sine_voltage_v,
 )
-from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
-from tactometry.stimuli.electrovibration.skin.relaxation import phi1
-from tactometry.stimuli.electrovibration.skin.skin import Skin
 
 __all__ = ["sine_voltage_v"]
 

@@ -9,10 +9,8 @@ from tactometry.arguments.checked import checked
 from tactometry.signal import Signal
 
 from ..skin.skin import Skin
-from ..waveforms.level import LevelUnit, peak_voltage_v
 from ..waveforms.pieces import Pieces, ramped as ramped_pieces
-from ..waveforms.timing import ramped
-from ..waveforms.waveform import Waveform
+from ..waveforms.waveform import LevelUnit, Waveform, peak_voltage_v, ramped
 from .force import Law, force_form
 
 

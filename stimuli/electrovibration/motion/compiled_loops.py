@@ -136,13 +136,11 @@ def respond(newton: float, heights: Heights, plan: DrivenPlan) -> FloatArray:
 
 
 def slide(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan) -> FloatArray:
-    """Rows of `Motion`, (5, n_wanted): electrostatic and lateral force, deflection and its two derivatives."""
+    """Rows of `Motion`, (5, n_stimuli, n_wanted): electrostatic and lateral force, deflection and its two derivatives.
+
+    The heights have a first axis (n_stimuli,).
+    """
     return _slide(newton, tuple(finger), tuple(heights), _bare(plan))
-
-
-def slide_many(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan) -> FloatArray:
-    """`slide` for heights with a first axis (n_stimuli,): (5, n_stimuli, n_wanted)."""
-    return _slide_many(newton, tuple(finger), tuple(heights), _bare(plan))
 
 
 def _bare(plan: DrivenPlan) -> Bare:
@@ -162,11 +160,6 @@ def _respond(newton: float, heights: Bare, plan: Bare) -> FloatArray:
 
 @entry
 def _slide(newton: float, finger: Bare, heights: Bare, plan: Bare) -> FloatArray:
-    return _slid(newton, FullSlip(*finger), Heights(*heights), _plan(plan))
-
-
-@entry
-def _slide_many(newton: float, finger: Bare, heights: Bare, plan: Bare) -> FloatArray:
     offsets, slopes, amplitudes = heights
     whole = _plan(plan)
     rows = np.empty((5, len(offsets), len(whole.wanted)))

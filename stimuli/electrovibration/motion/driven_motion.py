@@ -19,8 +19,7 @@ from ...arrays import FloatArray, IndexArray
 from ..attraction.force import ForceForm
 from ..skin.relaxation import Relaxations
 from ..waveforms.pieces import Pieces
-from .circuit import Circuit
-from .lift import LinearSystem, flow, pairs
+from .lift import Circuit, LinearSystem, flow, pairs
 from .phases import Heights, heights, moving, nodes_of, phases
 
 if TYPE_CHECKING:

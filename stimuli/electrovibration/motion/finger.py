@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
+import numpy as np
 from numpy.typing import ArrayLike
 
-from tactometry.arguments import require
+from tactometry.arguments.checked import checked
 
 from ...arrays import FloatArray
 from ..attraction.force import ForceForm
@@ -14,10 +14,6 @@ from ..waveforms.pieces import Pieces
 from .coulomb_friction import CoulombFriction
 from .driven_motion import Timing, plan_of, stacked
 from .pad import Finger
-from .phases import heights
-
-if TYPE_CHECKING:
-    from .compiled_loops import FullSlip
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +28,7 @@ class Motion:
     acceleration_m_per_s2: FloatArray
 
 
+@checked
 def sliding(
     t_s: ArrayLike,
     pieces: Pieces,
@@ -56,16 +53,11 @@ def sliding(
     InvalidParameter
         If the times are not as stated or the force is negative.
     """
-    from .compiled_loops import slide
-
-    t = require.array("sliding.t_s", t_s)
-    require.of_kind("sliding", Pieces, pieces=pieces)
-    _check_kinds("sliding", form, finger, friction)
-    pressed = _loaded(finger, friction, force_n)
-    plan = plan_of(Timing(pieces, t), form.relaxations, finger.system)
-    return Motion(t, *slide(form.newton_per_v2, pressed, heights(pieces), plan))
+    t = np.asarray(t_s, dtype=np.float64)
+    return Motion(t, *_rows(t, (pieces,), form, finger, friction, force_n)[:, 0])
 
 
+@checked
 def sliding_many(
     t_s: ArrayLike,
     stimuli: Sequence[Pieces],
@@ -84,24 +76,24 @@ def sliding_many(
     InvalidParameter
         As in `sliding`, and if the pieces of a stimulus do not start when those of the first one do.
     """
-    from .compiled_loops import slide_many
-
-    t = require.array("sliding_many.t_s", t_s)
-    _check_kinds("sliding_many", form, finger, friction)
-    pressed, voltages = _loaded(finger, friction, force_n), stacked(stimuli)
-    timing = Timing(stimuli[0], t, has_slope=bool(voltages.slopes.any()))
-    plan = plan_of(timing, form.relaxations, finger.system)
-    return Motion(t, *slide_many(form.newton_per_v2, pressed, voltages, plan))
+    t = np.asarray(t_s, dtype=np.float64)
+    return Motion(t, *_rows(t, stimuli, form, finger, friction, force_n))
 
 
-def _loaded(finger: Finger, friction: CoulombFriction, force_n: float) -> "FullSlip":
-    from .compiled_loops import FullSlip
+def _rows(
+    t_s: FloatArray,
+    stimuli: Sequence[Pieces],
+    form: ForceForm,
+    finger: Finger,
+    friction: CoulombFriction,
+    force_n: float,
+) -> FloatArray:
+    """Rows of `Motion` below the times, (5, n_stimuli, n_times)."""
+    from .compiled_loops import FullSlip, slide
 
     pad = finger.mass_kg, finger.damping_n_s_per_m, finger.stiffness_n_per_m
-    return FullSlip(*pad, friction.coefficient_at(force_n), force_n)
-
-
-def _check_kinds(owner: str, form: object, finger: object, friction: object) -> None:
-    require.of_kind(owner, ForceForm, form=form)
-    require.of_kind(owner, Finger, finger=finger)
-    require.of_kind(owner, CoulombFriction, friction=friction)
+    pressed = FullSlip(*pad, friction.coefficient_at(force_n), force_n)
+    voltages = stacked(stimuli)
+    timing = Timing(stimuli[0], t_s, has_slope=bool(voltages.slopes.any()))
+    plan = plan_of(timing, form.relaxations, finger.system)
+    return slide(form.newton_per_v2, pressed, voltages, plan)

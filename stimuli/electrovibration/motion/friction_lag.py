@@ -9,15 +9,17 @@ from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
+from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
 from ...composition.effect import Effect, Stage, Surroundings
 from ...composition.sampling import per_sample
+from ..attraction.force import ForceForm
+from ..waveforms.pieces import Pieces
+from .coulomb_friction import CoulombFriction
 
 if TYPE_CHECKING:
     from ...perception.detection import Components
-
-LAGGING = "tactometry.stimuli.electrovibration.motion.friction:lagging"
 
 
 @dataclass(frozen=True)
@@ -56,7 +58,8 @@ class FrictionLag(Effect):
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         needs, touch = ("t_s", "voltage", "form", "friction_law"), scene.contacts[0]
         settings = {**vars(self), "force_n": touch.force_n, "speed_m_per_s": touch.speed_m_per_s}
-        return (Stage("friction_lag", needs, "friction_force_n", LAGGING, settings, size=per_sample(280.0)),)
+        target, size = f"{__name__}:lagging", per_sample(280.0)
+        return (Stage("friction_lag", needs, "friction_force_n", target, settings, size=size),)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         """Of each component in its steady state, as the exact course costs a hundred times as much."""
@@ -68,3 +71,68 @@ def steady(speed_m_per_s: float, **lag: float) -> "Callable[[Components], Compon
     """Components behind a lag."""
     law = FrictionLag(**lag)
     return lambda parts: replace(parts, amplitudes=parts.amplitudes * law.gain(parts.frequencies_hz, speed_m_per_s))
+
+
+@checked
+def lagged_friction_n(
+    t_s: ArrayLike,
+    pieces: Pieces,
+    form: ForceForm,
+    *,
+    lag: FrictionLag,
+    friction: CoulombFriction,
+    force_n: float,
+    speed_m_per_s: float,
+) -> FloatArray:
+    """(n_times,) friction force (N) that lags behind ``mu (F_n + F_e)``, exactly; 0 for a finger at rest.
+
+    The lag acts on the electrostatic part, from rest: ``f' = 2 pi f_c (mu F_e - f)``.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain, or the corner is so high that rounding would pass 1e-9 (`CYCLES_MAX`).
+
+    >>> from tactometry.stimuli.electrovibration import Skin, Step, force_form
+    >>> pieces, form = Step(duration_s=0.1).pieces(40.0), force_form("parallel_plate", Skin(), 1e-4)
+    >>> lag, friction = FrictionLag(slope_hz_per_m_per_s=0.0, floor_hz=100.0), CoulombFriction(0.5)
+    >>> t_s = [0.0, 1 / (2 * np.pi * 100.0), 0.1]
+    >>> friction_n = lagged_friction_n(t_s, pieces, form, lag=lag, friction=friction, force_n=1.0, speed_m_per_s=0.05)
+    >>> friction_n.round(3).tolist()  # 0.5 (1 N + 17.3 N) in the end, 63 % of the way after one time constant
+    [0.5, 5.957, 9.133]
+    """
+    from .driven_motion import check_times, driven  # slow to load
+    from .lift import LinearSystem
+
+    t = np.asarray(t_s, dtype=np.float64)
+    mu = friction.coefficient_at(force_n)
+    check_times(t, pieces)
+    if speed_m_per_s == 0:
+        return np.zeros_like(t)
+    rate_per_s = 2 * np.pi * _resolved_hz(lag.cutoff_hz(speed_m_per_s), t)
+    low_pass = LinearSystem(((-rate_per_s,),), (mu * rate_per_s,))
+    (lagging_n,) = driven(pieces, form, low_pass, t)
+    return np.asarray(mu * force_n + lagging_n)
+
+
+def lagging(
+    force_n: float, speed_m_per_s: float, **lag: float
+) -> Callable[[FloatArray, Pieces, ForceForm, CoulombFriction], FloatArray]:
+    """The lagging friction of a scene."""
+    law = FrictionLag(**lag)
+    return lambda t_s, voltage, form, friction: lagged_friction_n(
+        t_s, voltage, form, lag=law, friction=friction, force_n=force_n, speed_m_per_s=speed_m_per_s
+    )
+
+
+def _resolved_hz(cutoff_hz: float, t_s: FloatArray) -> float:
+    """The corner of a lag that the solution over these times resolves."""
+    from .driven_motion import CYCLES_MAX
+
+    longest_s = float(np.diff(t_s, prepend=0.0).max())  # the motion begins at 0, asked for or not
+    if cutoff_hz == np.inf or cutoff_hz * longest_s > CYCLES_MAX:
+        raise InvalidParameter(
+            f"lagged_friction_n.lag: found a corner of {cutoff_hz:.3g} Hz with times up to {longest_s:.3g} s apart, "
+            f"expected a product of at most {CYCLES_MAX:.0e}; a lag that short is none: take mu (F_n + F_e)"
+        )
+    return cutoff_hz

@@ -12,11 +12,9 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray
-from ..waveforms.level import LevelUnit, peak_voltage_v
 from ..waveforms.sampled import strongest_hz
-from ..waveforms.timing import check_nyquist, check_timing, ramped
-from .texture import Bump, Grating, Image, Noise, Region, Texture
-from .velvet import Velvet
+from ..waveforms.waveform import LevelUnit, check_nyquist, check_timing, peak_voltage_v, ramped
+from .texture import Bump, Grating, Image, Noise, Region, Texture, Velvet
 
 
 @dataclass(frozen=True)

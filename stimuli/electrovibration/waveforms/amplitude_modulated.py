@@ -1,20 +1,27 @@
-"""An amplitude-modulated carrier: the force vibrates at a programmed frequency whatever the skin leaks."""
+"""An amplitude-modulated carrier: the force vibrates at a programmed frequency whatever the skin leaks.
+
+By the width of pulses too, for amplifiers that switch between their supply, its negative and off.
+The attraction goes with the square of the voltage, and a finger feels its course, not the carrier. In each half period
+of the carrier the supply is on for as long as gives the mean square of the voltage asked for, and the rest of a sample
+goes on to the next half period, so that the error of the slow course does not add up.
+"""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, replace
+from typing import Final, Literal
 
 import numpy as np
 
 from tactometry.arguments import require
-from tactometry.errors import InvalidParameter
+from tactometry.errors import LimitExceeded
 from tactometry.signal import Signal
 
-from ...arrays import FloatArray
-from .level import LevelUnit, peak_voltage_v
+from ...arrays import FloatArray, IntArray
 from .pieces import Pieces, ramped as ramped_pieces
-from .timing import check_nyquist, check_timing, ramped, times_s
+from .waveform import LevelUnit, Ramped, check_nyquist, peak_voltage_v, times_s
 
+SHORTEST: Final = 1.0
+"""Samples of the widest pulse: below it, the force is off by more than 1 dB (simulation; unverified default)."""
 Modulation = Literal["square_root", "full", "suppressed_carrier"]
 FORCE_FREQUENCY_RATIO: Mapping[str, int] = {"square_root": 1, "full": 1, "suppressed_carrier": 2}
 
@@ -26,7 +33,7 @@ SIDEBANDS: Mapping[str, tuple[tuple[float, float], ...]] = {
 
 
 @dataclass(frozen=True)
-class AmplitudeModulated:
+class AmplitudeModulated(Ramped):
     """``V0 m(t) sin(2 pi f_c t)``, ``c = cos(2 pi f t)``, f the programmed frequency, m by `modulation`:
 
     =====================  ======================  ============================================
@@ -73,15 +80,16 @@ class AmplitudeModulated:
         owner = "AmplitudeModulated"
         require.positive(owner, frequency_hz=self.frequency_hz, carrier_hz=self.carrier_hz)
         require.one_of(f"{owner}.modulation", self.modulation, FORCE_FREQUENCY_RATIO)
-        require.one_of(f"{owner}.level_unit", self.level_unit, ("dB re 1 V", "V"))
-        check_timing(owner, self.duration_s, self.ramp_s, self.rate_hz)
+        super().__post_init__()
         check_nyquist(owner, "carrier_hz", self.carrier_hz, self.rate_hz)
         check_nyquist(owner, "carrier_hz + frequency_hz", self.carrier_hz + self.frequency_hz, self.rate_hz)
-        if self.carrier_hz < 2 * self.frequency_hz:
-            raise InvalidParameter(
-                f"{owner}.carrier_hz: found {self.carrier_hz} Hz, expected at least twice the programmed "
-                f"frequency ({2 * self.frequency_hz} Hz); raise the carrier or lower frequency_hz"
-            )
+        require.expect(
+            self.carrier_hz >= 2 * self.frequency_hz,
+            f"{owner}.carrier_hz",
+            f"{self.carrier_hz} Hz",
+            f"at least twice the programmed frequency ({2 * self.frequency_hz} Hz); raise the carrier or lower "
+            "frequency_hz",
+        )
 
     @property
     def voltage_frequency_hz(self) -> float:
@@ -91,12 +99,9 @@ class AmplitudeModulated:
     def force_frequency_hz(self) -> float:
         return FORCE_FREQUENCY_RATIO[self.modulation] * self.frequency_hz
 
-    def at(self, level: float) -> Signal:
-        """(1, n_samples) volt; no sample passes the peak that `level` states."""
+    def _unit(self) -> FloatArray:
         t_s = times_s(self.duration_s, self.rate_hz)
-        shape = self._envelope(t_s) * np.sin(2 * np.pi * self.carrier_hz * t_s)
-        samples = peak_voltage_v(level, self.level_unit) * ramped(shape, self.ramp_s, self.rate_hz)
-        return Signal(samples[None, :], self.rate_hz, "V")
+        return np.asarray(self._envelope(t_s) * np.sin(2 * np.pi * self.carrier_hz * t_s))
 
     def _envelope(self, t_s: FloatArray) -> FloatArray:
         cosine = np.cos(2 * np.pi * self.frequency_hz * t_s)
@@ -119,3 +124,85 @@ class AmplitudeModulated:
         c = -1j * peak_voltage_v(level, self.level_unit) * np.array([height for _, height in sidebands])
         zeros = np.zeros(len(starts_s))
         return ramped_pieces(Pieces(starts_s, self.duration_s, zeros, zeros, f_hz, signs[:, None] * c), self.ramp_s)
+
+
+@dataclass(frozen=True)
+class PulsedCarrier:
+    """The waveform through one supply (V, above 0), sample by sample on, reversed or off; of the same level.
+
+    Examples
+    --------
+    >>> pulsed = PulsedCarrier(AmplitudeModulated(120.0, rate_hz=250e3, ramp_s=0.0), supply_v=100.0)
+    >>> asked, made = pulsed.waveform.at(34.0), pulsed.at(34.0)
+    >>> np.unique(made.samples).tolist(), round(float(np.mean(made.samples**2) / np.mean(asked.samples**2)), 3)
+    ([-100.0, 0.0, 100.0], 1.0)
+    """
+
+    waveform: AmplitudeModulated
+    supply_v: float
+
+    @property
+    def duration_s(self) -> float:
+        return self.waveform.duration_s
+
+    @property
+    def level_unit(self) -> str:
+        return self.waveform.level_unit
+
+    def at(self, level: float) -> Signal:
+        """(1, n_samples) volt.
+
+        Raises
+        ------
+        LimitExceeded
+            If a half period needs more than the supply throughout, or none a whole sample.
+        """
+        return pulses(self.waveform.at(level), self.supply_v)
+
+
+def of_supply(waveform: AmplitudeModulated, rate_hz: float, supply_v: float) -> PulsedCarrier:
+    """The same waveform at the clock and the supply of an amplifier."""
+    return PulsedCarrier(replace(waveform, rate_hz=rate_hz), supply_v)
+
+
+def pulses(signal: Signal, supply_v: float) -> Signal:
+    """One channel as pulses of the supply, one in the middle of each run of samples of one sign.
+
+    Raises
+    ------
+    LimitExceeded
+        If the mean square of a run is above that of the supply, or no run needs a whole sample.
+    """
+    sign = np.sign(signal.samples[0])
+    starts = np.concatenate([[0], np.flatnonzero(np.diff(sign)) + 1])
+    lengths = np.diff(np.concatenate([starts, [sign.size]]))
+    needed = np.add.reduceat((signal.samples[0] / supply_v) ** 2, starts)  # samples at the supply
+    _check_reach(needed, lengths, signal.peak, supply_v)
+    on = np.minimum(_carried(needed), lengths)
+    edges = np.zeros(sign.size + 1)
+    first = starts + (lengths - on) // 2
+    np.add.at(edges, first, 1.0)
+    np.add.at(edges, first + on, -1.0)
+    return Signal(supply_v * (sign * np.cumsum(edges)[:-1])[None, :] + 0.0, signal.rate_hz, signal.unit)
+
+
+def _carried(needed: FloatArray) -> IntArray:
+    """Whole samples of each run, whose sum up to any run is that of `needed` to half a sample."""
+    return np.diff(np.rint(np.cumsum(needed)), prepend=0.0).astype(np.int64)
+
+
+def _check_reach(needed: FloatArray, lengths: IntArray, peak_v: float, supply_v: float) -> None:
+    """Refuse a level above the supply, or one whose longest pulse is shorter than a sample."""
+    share = float((needed / lengths).max(initial=0.0))
+    if share > 1:
+        raise LimitExceeded(
+            f"level: found an effective voltage of {supply_v * np.sqrt(share):.4g} V, above the {supply_v:.4g} V of "
+            "the supply; lower the level, or raise the supply"
+        )
+    longest = float(needed.max(initial=0.0))
+    if 0 < longest < SHORTEST:
+        raise LimitExceeded(
+            f"level: found {peak_v:.4g} V, expected at least {peak_v * np.sqrt(SHORTEST / longest):.4g} V, which "
+            f"pulses of {SHORTEST:g} sample at the {supply_v:.4g} V of the supply make; raise the level or the rate of "
+            "the board, or lower its supply"
+        )

@@ -11,7 +11,7 @@ from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray
 from .pieces import Pieces, straight
-from .timing import MOST_SAMPLES
+from .waveform import MOST_SAMPLES
 
 NODES = range(-5, 7)
 

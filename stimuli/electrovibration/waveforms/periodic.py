@@ -1,102 +1,300 @@
-"""A polygon repeated: what square, triangle, trapezoid and pulse train have in common."""
+"""A polygon repeated: square, triangle, trapezoid, pulses."""
 
-from typing import Protocol
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from itertools import accumulate
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
 from tactometry.arguments import require
-from tactometry.errors import InvalidParameter
-from tactometry.signal import Signal
 
 from ...arrays import FloatArray
 from .corners import Corners
-from .level import LevelUnit, peak_voltage_v
 from .pieces import Pieces, ramped as ramped_pieces
-from .timing import (
-    check_nyquist,
-    check_pulse,
-    check_timing,
-    n_samples,
-    ramped,
-)
+from .waveform import LevelUnit, Ramped, check_nyquist, check_pulse, n_samples, peak_voltage_v
 
 MOST_HARMONICS = 2**20
 
 
-class RepeatedPolygon(Protocol):
-    """What a waveform says of itself: its polygon, how often it comes in a second, and how it is played."""
+class Periodic(Ramped):
+    """Samples, exact pieces and force frequency of a repeated polygon with raised-cosine ramps.
+
+    A waveform says its polygon, `corners`, how often that comes in a second, and how it is played.
+    """
+
+    band_limited: bool
+
+    if TYPE_CHECKING:  # at run time a property would be taken for the default of the field
+
+        @property
+        def frequency_hz(self) -> float: ...
+
+    def __post_init__(self) -> None:
+        """Refuse a frequency, duration, ramp, rate or unit that cannot be played."""
+        owner = type(self).__name__
+        require.positive(owner, frequency_hz=self.frequency_hz)
+        require.truth(owner, band_limited=self.band_limited)
+        super().__post_init__()
+        check_nyquist(owner, "frequency_hz", self.frequency_hz, self.rate_hz)
+        n_harmonics = self.rate_hz / (2 * self.voltage_frequency_hz)
+        require.expect(
+            not self.band_limited or n_harmonics <= MOST_HARMONICS,
+            f"{owner}.band_limited",
+            f"{n_harmonics:.6g} harmonics below half of rate_hz",
+            f"at most {MOST_HARMONICS}; raise frequency_hz or lower rate_hz",
+        )
 
     @property
-    def corners(self) -> Corners: ...
+    def corners(self) -> Corners:
+        raise NotImplementedError
 
     @property
-    def frequency_hz(self) -> float: ...
+    def voltage_frequency_hz(self) -> float:
+        return self.frequency_hz
 
     @property
-    def voltage_frequency_hz(self) -> float: ...
-
-    @property
-    def duration_s(self) -> float: ...
-
-    @property
-    def ramp_s(self) -> float: ...
-
-    @property
-    def rate_hz(self) -> float: ...
-
-    @property
-    def band_limited(self) -> bool: ...
-
-    @property
-    def level_unit(self) -> LevelUnit: ...
-
-
-class Periodic:
-    """Samples, exact pieces and force frequency of a repeated polygon with raised-cosine ramps."""
-
-    @property
-    def force_frequency_hz(self: RepeatedPolygon) -> float:
+    def force_frequency_hz(self) -> float:
         """Twice that of the voltage if half a period later the voltage is the opposite one."""
         return (2 if self.corners.is_antisymmetric else 1) * self.voltage_frequency_hz
 
-    def at(self: RepeatedPolygon, level: float) -> Signal:
-        """(1, n_samples) volt; no sample passes the peak that `level` states."""
-        shape = ramped(_shape(self), self.ramp_s, self.rate_hz)
-        return Signal((peak_voltage_v(level, self.level_unit) * shape)[None, :], self.rate_hz, "V")
-
-    def pieces(self: RepeatedPolygon, level: float) -> Pieces:
+    def pieces(self, level: float) -> Pieces:
         """The voltage exactly, ramps included (which then need a polygon without slopes)."""
         unit = ramped_pieces(self.corners.pieces(self.voltage_frequency_hz, self.duration_s), self.ramp_s)
         return unit.scaled(peak_voltage_v(level, self.level_unit))
 
+    def _unit(self) -> FloatArray:
+        f_hz = self.voltage_frequency_hz
+        turned = np.mod(f_hz * np.arange(n_samples(self.duration_s, self.rate_hz)), self.rate_hz)
+        phase = turned / self.rate_hz
+        if not self.band_limited:
+            return self.corners.at(np.round(phase, 12))
+        return self.corners.band_limited(phase, int(np.ceil(self.rate_hz / (2 * f_hz))) - 1)
 
-def check_periodic(waveform: RepeatedPolygon) -> None:
-    """Refuse a frequency, duration, ramp, rate or unit that cannot be played."""
-    owner = type(waveform).__name__
-    require.positive(owner, frequency_hz=waveform.frequency_hz)
-    require.truth(owner, band_limited=waveform.band_limited)
-    require.one_of(f"{owner}.level_unit", waveform.level_unit, ("dB re 1 V", "V"))
-    check_timing(owner, waveform.duration_s, waveform.ramp_s, waveform.rate_hz)
-    check_nyquist(owner, "frequency_hz", waveform.frequency_hz, waveform.rate_hz)
-    n_harmonics = waveform.rate_hz / (2 * waveform.voltage_frequency_hz)
-    if waveform.band_limited and n_harmonics > MOST_HARMONICS:
-        raise InvalidParameter(
-            f"{owner}.band_limited: found {n_harmonics:.6g} harmonics below half of rate_hz, expected at most "
-            f"{MOST_HARMONICS}; raise frequency_hz or lower rate_hz"
+    def _check_width(self, name: str, width_s: float) -> None:
+        """Refuse a pulse or a pause shorter than a sample, which samples would lengthen or miss."""
+        if not self.band_limited:
+            where = f"{type(self).__name__}.{name}"
+            check_pulse(where, width_s, self.rate_hz, "lengthen it, raise rate_hz or set band_limited")
+
+
+@dataclass(frozen=True)
+class Square(Periodic):
+    """``+V0`` for `duty` of a period, then ``-V0``. At a duty of 1/2 the force has twice the frequency.
+
+    Parameters
+    ----------
+    frequency_hz, duration_s, ramp_s, rate_hz, level_unit
+        As in `Sine`.
+    duty : float
+        Share of the period at ``+V0``, between 0 and 1.
+    band_limited : bool
+        Sample the Fourier series below half of `rate_hz` instead of the edges, so that nothing aliases.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain.
+
+    >>> Square(frequency_hz=5.0, ramp_s=0.0, rate_hz=20.0, duration_s=0.2).at(0.0).samples.tolist()
+    [[1.0, 1.0, -1.0, -1.0]]
+    """
+
+    frequency_hz: float
+    duration_s: float = 1.0
+    ramp_s: float = 0.05
+    rate_hz: float = 20_000.0
+    duty: float = 0.5
+    band_limited: bool = False
+    level_unit: LevelUnit = "dB re 1 V"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require.between("Square", 0, 1, duty=self.duty)
+        self._check_width("duty", min(self.duty, 1 - self.duty) / self.frequency_hz)
+
+    @property
+    def corners(self) -> Corners:
+        return Corners((0.0, self.duty, self.duty, 1.0), (1.0, 1.0, -1.0, -1.0))
+
+
+@dataclass(frozen=True)
+class Triangle(Periodic):
+    """From 0 to ``V0``, to ``-V0`` and back, in straight lines; the force has twice the frequency.
+
+    Parameters
+    ----------
+    frequency_hz, duration_s, ramp_s, rate_hz, level_unit
+        As in `Sine`.
+    band_limited : bool
+        Sample the Fourier series below half of `rate_hz` instead of the corners, so that nothing aliases.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain.
+
+    >>> Triangle(frequency_hz=5.0, ramp_s=0.0, rate_hz=20.0, duration_s=0.2).at(0.0).samples.tolist()
+    [[0.0, 1.0, 0.0, -1.0]]
+    """
+
+    frequency_hz: float
+    duration_s: float = 1.0
+    ramp_s: float = 0.05
+    rate_hz: float = 20_000.0
+    band_limited: bool = False
+    level_unit: LevelUnit = "dB re 1 V"
+
+    @property
+    def corners(self) -> Corners:
+        return Corners((0.0, 0.25, 0.75, 1.0), (0.0, 1.0, -1.0, 0.0))
+
+
+@dataclass(frozen=True)
+class Trapezoid(Periodic):
+    """From the low value up to ``V0``, hold, down, hold, in straight lines, over and over.
+
+    Parameters
+    ----------
+    rise_s, high_s, fall_s, low_s : float
+        Lengths of the four lines; one of 0 is left out (a jump, or no hold).
+    low_ratio : float
+        Low value over ``V0``, -1 to 1; 0 (unipolar) is an unverified default.
+    duration_s, ramp_s, rate_hz, level_unit
+        As in `Sine`, but without ramps by default: the first rise is one.
+    band_limited : bool
+        Sample the Fourier series below half of `rate_hz` instead of the corners, so that nothing aliases.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain, or the voltage stays for less than a sample above or below the
+        middle of its two values, so that samples may miss it.
+
+    >>> lines = Trapezoid(rise_s=0.1, high_s=0.1, fall_s=0.1, low_s=0.1, rate_hz=10.0, duration_s=0.4)
+    >>> lines.at(0.0).samples.round(12).tolist()
+    [[0.0, 1.0, 1.0, 0.0]]
+    """
+
+    rise_s: float
+    high_s: float
+    fall_s: float
+    low_s: float
+    low_ratio: float = 0.0
+    duration_s: float = 1.0
+    ramp_s: float = 0.0
+    rate_hz: float = 20_000.0
+    band_limited: bool = False
+    level_unit: LevelUnit = "dB re 1 V"
+
+    def __post_init__(self) -> None:
+        times = {name: getattr(self, name) for name in ("rise_s", "high_s", "fall_s", "low_s")}
+        require.not_negative("Trapezoid", **times)
+        require.expect(sum(times.values()) > 0, "Trapezoid", "four lines of 0 s", "a period above 0 s")
+        require.finite("Trapezoid", low_ratio=self.low_ratio)
+        require.expect(-1 <= self.low_ratio <= 1, "Trapezoid.low_ratio", repr(self.low_ratio), "-1 to 1")
+        super().__post_init__()
+        edges_s = (self.rise_s + self.fall_s) / 2
+        self._check_width("high_s", self.high_s + edges_s)
+        self._check_width("low_s", self.low_s + edges_s)
+
+    @property
+    def frequency_hz(self) -> float:
+        return 1 / (self.rise_s + self.high_s + self.fall_s + self.low_s)
+
+    @property
+    def corners(self) -> Corners:
+        ends = [0.0, *accumulate((self.rise_s, self.high_s, self.fall_s))]
+        phases = (*(end * self.frequency_hz for end in ends), 1.0)
+        return Corners(phases, (self.low_ratio, 1.0, 1.0, self.low_ratio, self.low_ratio))
+
+
+PulsePolarity = Literal["positive", "negative", "biphasic", "alternating"]
+
+
+def _single(width: float, value: float) -> Corners:
+    return Corners((0.0, width, width, 1.0), (value, value, 0.0, 0.0))
+
+
+def _biphasic(width: float) -> Corners:
+    phases = (0.0, width, width, 2 * width, 2 * width, 1.0)
+    return Corners(phases, (1.0, 1.0, -1.0, -1.0, 0.0, 0.0))
+
+
+def _alternating(width: float) -> Corners:
+    half = width / 2
+    phases = (0.0, half, half, 0.5, 0.5, 0.5 + half, 0.5 + half, 1.0)
+    return Corners(phases, (1.0, 1.0, 0.0, 0.0, -1.0, -1.0, 0.0, 0.0))
+
+
+POLARITIES: Mapping[str, Callable[[float], Corners]] = {
+    "positive": lambda width: _single(width, 1.0),
+    "negative": lambda width: _single(width, -1.0),
+    "biphasic": _biphasic,
+    "alternating": _alternating,
+}
+
+
+@dataclass(frozen=True)
+class PulseTrain(Periodic):
+    """Pulses of `width_s` that start `frequency_hz` times per second.
+
+    Parameters
+    ----------
+    frequency_hz, duration_s, ramp_s, rate_hz, level_unit
+        As in `Sine`.
+    width_s : float
+        Length of one phase of a pulse; at most a period (half of one for ``biphasic``).
+    polarity : {"positive", "negative", "biphasic", "alternating"}
+        ``biphasic`` is a positive and then a negative phase; ``alternating`` changes the sign from pulse to
+        pulse, so that the voltage has half the frequency of the pulses and the force that of the pulses.
+        Positive pulses are reported to be less effective than the others, by an asymmetry that a force
+        quadratic in the voltage does not have: see `Polarity`.
+    band_limited : bool
+        Sample the Fourier series below half of `rate_hz` instead of the corners, so that nothing aliases.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain.
+
+    >>> train = PulseTrain(frequency_hz=5.0, width_s=0.05, ramp_s=0.0, rate_hz=20.0, duration_s=0.2)
+    >>> train.at(0.0).samples.tolist()
+    [[1.0, -1.0, 0.0, 0.0]]
+    """
+
+    frequency_hz: float
+    width_s: float
+    duration_s: float = 1.0
+    ramp_s: float = 0.05
+    rate_hz: float = 20_000.0
+    polarity: PulsePolarity = "biphasic"
+    band_limited: bool = False
+    level_unit: LevelUnit = "dB re 1 V"
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require.positive("PulseTrain", width_s=self.width_s)
+        require.one_of("PulseTrain.polarity", self.polarity, POLARITIES)
+        n_phases = 2 if self.polarity == "biphasic" else 1
+        longest_s = 1 / (n_phases * self.frequency_hz)
+        require.expect(
+            self.width_s <= longest_s,
+            "PulseTrain.width_s",
+            f"{self.width_s} s",
+            f"at most {longest_s:.6g} s for {self.polarity} pulses at {self.frequency_hz} Hz; "
+            "shorten them or lower the frequency",
         )
+        self._check_width("width_s", self.width_s)
+        pause_s = 1 / self.frequency_hz - n_phases * self.width_s
+        if pause_s > 1e-9 * longest_s:
+            self._check_width("width_s (the pause after it)", pause_s)
 
+    @property
+    def corners(self) -> Corners:
+        width = self.width_s * self.frequency_hz
+        return POLARITIES[self.polarity](width)
 
-def check_width(waveform: RepeatedPolygon, name: str, width_s: float) -> None:
-    """Refuse a pulse or a pause shorter than a sample, which samples would lengthen or miss."""
-    if not waveform.band_limited:
-        owner = type(waveform).__name__
-        check_pulse(f"{owner}.{name}", width_s, waveform.rate_hz, "lengthen it, raise rate_hz or set band_limited")
-
-
-def _shape(waveform: RepeatedPolygon) -> FloatArray:
-    f_hz = waveform.voltage_frequency_hz
-    turned = np.mod(f_hz * np.arange(n_samples(waveform.duration_s, waveform.rate_hz)), waveform.rate_hz)
-    phase = turned / waveform.rate_hz
-    if not waveform.band_limited:
-        return waveform.corners.at(np.round(phase, 12))
-    return waveform.corners.band_limited(phase, int(np.ceil(waveform.rate_hz / (2 * f_hz))) - 1)
+    @property
+    def voltage_frequency_hz(self) -> float:
+        return self.frequency_hz / (2 if self.polarity == "alternating" else 1)

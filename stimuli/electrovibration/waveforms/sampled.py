@@ -5,18 +5,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.arguments import require
-from tactometry.errors import InvalidParameter
-from tactometry.signal import Signal
 
 from ...arrays import FloatArray
 from ...perception.detection import components
-from .level import LevelUnit, peak_voltage_v
 from .pieces import Pieces, straight
-from .timing import check_timing, ramped
+from .waveform import LevelUnit, Ramped
 
 
 @dataclass(frozen=True)
-class Sampled:
+class Sampled(Ramped):
     """Samples of any shape, scaled to the peak of the level.
 
     Parameters
@@ -43,12 +40,9 @@ class Sampled:
     def __post_init__(self) -> None:
         require.positive("Sampled", rate_hz=self.rate_hz)
         values = require.finite_array("Sampled.shape", self.shape)
-        if values.ndim != 1 or values.size < 2 or not values.any():
-            raise InvalidParameter(
-                f"Sampled.shape: found shape {values.shape}, expected at least two samples, not all 0"
-            )
-        require.one_of("Sampled.level_unit", self.level_unit, ("dB re 1 V", "V"))
-        check_timing("Sampled", self.duration_s, self.ramp_s, self.rate_hz)
+        enough = values.ndim == 1 and values.size >= 2 and bool(values.any())
+        require.expect(enough, "Sampled.shape", f"shape {values.shape}", "at least two samples, not all 0")
+        super().__post_init__()
 
     @property
     def duration_s(self) -> float:
@@ -73,16 +67,13 @@ class Sampled:
         finer = resample(np.asarray(self.shape, dtype=np.float64), 2 * len(self.shape))
         return strongest_hz(finer**2, 2 * self.rate_hz)
 
-    def at(self, level: float) -> Signal:
-        """(1, n_samples) volt; no sample passes the peak that `level` states."""
-        values = np.asarray(self.shape, dtype=np.float64)
-        unit = ramped(values / np.abs(values).max(), self.ramp_s, self.rate_hz)
-        return Signal((peak_voltage_v(level, self.level_unit) * unit)[None, :], self.rate_hz, "V")
-
     def pieces(self, level: float) -> Pieces:
         """The straight lines between the samples, from the first to the last."""
-        signal = self.at(level)
-        return straight(np.arange(len(self.shape)) / self.rate_hz, signal.samples[0])
+        return straight(np.arange(len(self.shape)) / self.rate_hz, self.at(level).samples[0])
+
+    def _unit(self) -> FloatArray:
+        values = np.asarray(self.shape, dtype=np.float64)
+        return np.asarray(values / np.abs(values).max())
 
 
 def strongest_hz(samples: FloatArray, rate_hz: float) -> float:

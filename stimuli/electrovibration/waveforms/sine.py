@@ -5,15 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.arguments import require
-from tactometry.signal import Signal
 
-from .level import LevelUnit, peak_voltage_v
+from ...arrays import FloatArray
 from .pieces import Pieces, ramped as ramped_pieces
-from .timing import check_nyquist, check_timing, ramped, times_s
+from .waveform import LevelUnit, Ramped, check_nyquist, peak_voltage_v, times_s
 
 
 @dataclass(frozen=True)
-class Sine:
+class Sine(Ramped):
     """``V0 sin(2 pi f t + phase)``; the force, which is quadratic, vibrates at ``2 f``.
 
     Parameters
@@ -52,8 +51,7 @@ class Sine:
     def __post_init__(self) -> None:
         require.positive("Sine", frequency_hz=self.frequency_hz)
         require.finite("Sine", phase_rad=self.phase_rad)
-        require.one_of("Sine.level_unit", self.level_unit, ("dB re 1 V", "V"))
-        check_timing("Sine", self.duration_s, self.ramp_s, self.rate_hz)
+        super().__post_init__()
         check_nyquist("Sine", "frequency_hz", self.frequency_hz, self.rate_hz)
 
     @property
@@ -64,12 +62,8 @@ class Sine:
     def force_frequency_hz(self) -> float:
         return 2 * self.frequency_hz
 
-    def at(self, level: float) -> Signal:
-        """(1, n_samples) volt; no sample passes the peak that `level` states."""
-        t_s = times_s(self.duration_s, self.rate_hz)
-        shape = np.sin(2 * np.pi * self.frequency_hz * t_s + self.phase_rad)
-        samples = peak_voltage_v(level, self.level_unit) * ramped(shape, self.ramp_s, self.rate_hz)
-        return Signal(samples[None, :], self.rate_hz, "V")
+    def _unit(self) -> FloatArray:
+        return np.sin(2 * np.pi * self.frequency_hz * times_s(self.duration_s, self.rate_hz) + self.phase_rad)
 
     def pieces(self, level: float) -> Pieces:
         """The voltage exactly, ramps included."""

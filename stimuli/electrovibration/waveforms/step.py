@@ -5,16 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.arguments import require
-from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
-from .level import LevelUnit, peak_voltage_v
 from .pieces import Pieces, straight
-from .timing import check_pulse, check_timing, n_samples, times_s
+from .waveform import LevelUnit, Ramped, check_pulse, n_samples, peak_voltage_v, times_s
 
 
 @dataclass(frozen=True)
-class Step:
+class Step(Ramped):
     """0 until `onset_s`, up to ``V0`` in `rise_s`, hold, and down to 0 in `fall_s` before the end.
 
     Parameters
@@ -44,14 +42,10 @@ class Step:
 
     def __post_init__(self) -> None:
         require.not_negative("Step", onset_s=self.onset_s, rise_s=self.rise_s, fall_s=self.fall_s)
-        require.one_of("Step.level_unit", self.level_unit, ("dB re 1 V", "V"))
-        check_timing("Step", self.duration_s, 0.0, self.rate_hz)
+        super().__post_init__()
         parts_s = self.onset_s + self.rise_s + self.fall_s
-        if parts_s >= self.duration_s:
-            raise InvalidParameter(
-                f"Step: found onset, rise and fall of {parts_s} s in all, expected less than duration_s "
-                f"({self.duration_s} s); lengthen the signal"
-            )
+        less = f"less than duration_s ({self.duration_s} s); lengthen the signal"
+        require.expect(parts_s < self.duration_s, "Step", f"onset, rise and fall of {parts_s} s in all", less)
         end_s = min(self.duration_s - self.fall_s / 2, n_samples(self.duration_s, self.rate_hz) / self.rate_hz)
         width_s = end_s - self.onset_s - self.rise_s / 2
         check_pulse("Step.duration_s", width_s, self.rate_hz, "lengthen it or raise rate_hz")

@@ -12,7 +12,7 @@ OF_ELECTROVIBRATION: Mapping[str, str] = {
     "body_resistance": "tactometry.stimuli.scenes.effects.body_resistance:BodyResistance",
     "skin_leakage": "tactometry.stimuli.scenes.effects.skin_leakage:SkinLeakage",
     "air_gap": "tactometry.stimuli.scenes.effects.air_gap:AirGap",
-    "contact_area": "tactometry.stimuli.electrovibration.attraction.power_law_area:PowerLawArea",
+    "contact_area": "tactometry.stimuli.electrovibration.attraction.contact_area:PowerLawArea",
     "force_law": "tactometry.stimuli.scenes.effects.force_law:ForceLaw",
     "polarity": "tactometry.stimuli.electrovibration.attraction.polarity:Polarity",
     "friction": "tactometry.stimuli.electrovibration.motion.coulomb_friction:CoulombFriction",

@@ -146,7 +146,7 @@ def of_one_volt() -> "Callable[[Waveform], Pieces]":
 
 def peak() -> Callable[[float], float]:
     """The peak voltage of a level."""
-    from ...electrovibration.waveforms.level import peak_voltage_v
+    from ...electrovibration.waveforms.waveform import peak_voltage_v
 
     return peak_voltage_v
 

@@ -23,7 +23,7 @@ from tactometry.stimuli.electrovibration import (
     sliding_many,
 )
 from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
-from tactometry.stimuli.electrovibration.motion.friction import lagged_friction_n
+from tactometry.stimuli.electrovibration.motion.friction_lag import lagged_friction_n
 from tactometry.stimuli.electrovibration.waveforms.pieces import straight
 
 FINGER, FRICTION = Finger(), CoulombFriction(0.5)

@@ -8,7 +8,7 @@ from tactometry.contact import Contact
 from tactometry.errors import LimitExceeded
 from tactometry.stimuli.electrovibration import AmplitudeModulated
 from tactometry.stimuli.electrovibration.sensation import ElectrovibrationSensation
-from tactometry.stimuli.electrovibration.waveforms.pulsed_carrier import of_supply
+from tactometry.stimuli.electrovibration.waveforms.amplitude_modulated import of_supply
 
 SUPPLY_V = 100.0
 

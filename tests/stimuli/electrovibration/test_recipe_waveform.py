@@ -16,8 +16,8 @@ FILE = '''
 from dataclasses import dataclass
 
 from tactometry.stimuli.electrovibration.waveforms.corners import Corners
-from tactometry.stimuli.electrovibration.waveforms.level import LevelUnit
-from tactometry.stimuli.electrovibration.waveforms.periodic import Periodic, check_periodic
+from tactometry.stimuli.electrovibration.waveforms.periodic import Periodic
+from tactometry.stimuli.electrovibration.waveforms.waveform import LevelUnit
 
 
 @dataclass(frozen=True)
@@ -29,16 +29,9 @@ class Sawtooth(Periodic):
     band_limited: bool = False
     level_unit: LevelUnit = "dB re 1 V"
 
-    def __post_init__(self) -> None:
-        check_periodic(self)
-
     @property
     def corners(self) -> Corners:
         return Corners((0.0, 0.5, 0.5, 1.0), (0.0, 1.0, -1.0, 0.0))
-
-    @property
-    def voltage_frequency_hz(self) -> float:
-        return self.frequency_hz
 '''
 
 LINE = """

@@ -8,8 +8,7 @@ from hypothesis import example, given, strategies as st
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import PulseTrain, Sampled, Sine, Square, Step, Trapezoid
 from tactometry.stimuli.electrovibration.textures.played_texture import PlayedTexture, finest_period_m, straight_path_m
-from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Image, Noise, Region, Texture
-from tactometry.stimuli.electrovibration.textures.velvet import Velvet
+from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Image, Noise, Region, Texture, Velvet
 
 RATE_HZ = 1000.0
 LINE_S = st.one_of(st.just(0.0), st.floats(1e-12, 4e-3))

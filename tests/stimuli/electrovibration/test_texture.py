@@ -12,8 +12,7 @@ from tactometry.stimuli.electrovibration.textures.played_texture import (
     SensorModel,
     straight_path_m,
 )
-from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Image, Noise, Region, Texture
-from tactometry.stimuli.electrovibration.textures.velvet import Velvet
+from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Image, Noise, Region, Texture, Velvet
 
 NOISE = Noise.drawn(100.0, 1000.0, 0.1, rng=np.random.default_rng(3))
 TEXTURES = [
