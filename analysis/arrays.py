@@ -41,6 +41,16 @@ class Rows:
         """The rows of this one, then those of the other."""
         return self._of_each(lambda *both: np.concatenate(both), other)
 
+    def replaced(self, places: Indices, other: Self) -> Self:
+        """With the rows of the other at some places."""
+
+        def merged(ours: Array, theirs: Array) -> Array:
+            changed = ours.copy()
+            changed[places] = theirs
+            return changed
+
+        return self._of_each(merged, other)
+
     def where(self, chosen: Bools, other: Self) -> Self:
         """The rows of this one where `chosen` (n,), else those of the other."""
 

@@ -14,7 +14,8 @@ from scipy.optimize import minimize
 
 from tactometry.analysis.threshold.counts import count_arrays, normalise
 from tactometry.analysis.threshold.fitting import fit, fit_many
-from tactometry.analysis.threshold.mode import find_mode, log_density
+from tactometry.analysis.threshold.log_posterior import LogPosterior
+from tactometry.analysis.threshold.mode import find_mode
 from tactometry.analysis.threshold.prior import Prior
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
@@ -44,7 +45,7 @@ def drawn(n_sets: int, guess: float, rng: np.random.Generator) -> np.ndarray:
 def modes(k: np.ndarray) -> float:
     counts = normalise(*count_arrays(LEVELS, k, N_TRIALS, positive=False))
     zeros = np.zeros(len(k))
-    return seconds(lambda: find_mode(SHAPE, counts, Prior(counts.gap, None, 0.5, zeros, zeros)), 2)
+    return seconds(lambda: find_mode(LogPosterior(SHAPE, counts, Prior(counts.gap, None, 0.5, zeros, zeros))), 2)
 
 
 def scipy_one_at_a_time(k: np.ndarray) -> float:
@@ -52,13 +53,14 @@ def scipy_one_at_a_time(k: np.ndarray) -> float:
     counts = normalise(*count_arrays(LEVELS, k, N_TRIALS, positive=False))
     start = process_time()
     for i in range(len(k)):
-        one, prior = counts[i : i + 1], Prior(counts.gap[:1], None, 0.5, np.zeros(1), np.zeros(1))
+        prior = Prior(counts.gap[:1], None, 0.5, np.zeros(1), np.zeros(1))
+        posterior = LogPosterior(SHAPE, counts[i : i + 1], prior)
 
-        def loss(x: np.ndarray, one=one, prior=prior) -> float:
+        def loss(x: np.ndarray, posterior=posterior) -> float:
             if not (abs(x[0]) < 1 and 0 <= x[2] <= 0.5):
                 return 1e9
             with np.errstate(all="ignore"):
-                value = -log_density(SHAPE, one, prior, np.array([[x[0], x[1], x[2], 0.5]]))[0]
+                value = -posterior.log_density(np.array([[x[0], x[1], x[2], 0.5]]))[0]
             return float(value) if np.isfinite(value) else 1e9
 
         minimize(loss, [0.0, -0.5, 0.02], method="Nelder-Mead")

@@ -12,6 +12,7 @@ from tactometry.psychometric import shape_named
 from ..arrays import Array, Indices
 from ..threshold.counts import POOLED_BELOW, Counts, count_arrays, normalise
 from ..threshold.goodness import STATISTICS, Goodness, Sequences, goodness
+from ..threshold.log_posterior import LogPosterior
 from ..threshold.mode import climb
 from ..threshold.prior import Prior
 from ..wording.labels import named_cells
@@ -112,11 +113,12 @@ def _goodness_of(
     del known["shape"]
     prior = Prior(counts.gap, n_false_alarms=alarms, n_catch=catch, **known)
     # The estimates may be medians: deviance is compared at the mode, as that of the draws is.
-    theta = climb(curve, counts, prior, _parameters(estimates, counts)).theta
+    posterior = LogPosterior(curve, counts, prior)
+    theta = climb(posterior, _parameters(estimates, counts)).theta
     answers = rows[rows["cell"].isin(cells)]
     number = np.searchsorted(cells, answers["cell"])
     follows = np.bincount(number, answers["follows"], len(cells)) > 0
-    return goodness(curve, counts, prior, theta, _sequences(answers, number, levels, counts), follows, rng)
+    return goodness(posterior, theta, _sequences(answers, number, levels, counts), follows, rng)
 
 
 def _parameters(estimates: Sequence[Estimate], counts: Counts) -> Array:

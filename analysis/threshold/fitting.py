@@ -15,6 +15,7 @@ from tactometry.psychometric import Shape, shape_named
 
 from ..arrays import Array
 from .counts import Counts, count_arrays, normalise
+from .log_posterior import LogPosterior
 from .methods import Fitting
 from .prior import BETA_B, LARGEST_RATE, Prior
 from .result import ThresholdFit
@@ -182,8 +183,8 @@ def fit_many(
         equal_asymptotes=equal_asymptotes,
         narrowest_spacings=narrowest_spacings,
     )
-    fitting = Fitting(shape, curve, counts, prior, method, interval, estimate, overdispersion)
-    return fitting.results(n_resamples, rng)
+    posterior = LogPosterior(curve, counts, prior)
+    return Fitting(posterior, shape, method, interval, estimate, overdispersion, n_resamples, rng).results()
 
 
 def _on_their_axis(

@@ -9,7 +9,7 @@ draws of a data set end when `ENOUGH` of them are as extreme as the answers (Bes
 """
 
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -19,8 +19,8 @@ from ..arrays import Array, Bools, Indices, Rows
 from .chances import weighted
 from .counts import Counts
 from .likelihood import GUESS, log_chances, saturated_log_likelihood
+from .log_posterior import LogPosterior
 from .mode import climb
-from .prior import Prior
 
 STATISTICS = ("deviance", "residual_level_z", "residual_order_z", "dispersion")
 TWO_SIDED = np.array([False, True, True, False])
@@ -67,22 +67,16 @@ class Goodness:
 
 
 def goodness(
-    shape: Shape,
-    counts: Counts,
-    prior: Prior,
-    theta: Array,
-    answers: Sequences,
-    follows: Bools,
-    rng: np.random.Generator,
+    posterior: LogPosterior, theta: Array, answers: Sequences, follows: Bools, rng: np.random.Generator
 ) -> Goodness:
-    """Of the functions `theta` (n_sets, 4), the modes under `prior`, for the answers in their order; `follows`
+    """Of the functions `theta` (n_sets, 4), the modes of `posterior`, for the answers in their order; `follows`
     (n_sets,) says where levels were chosen by the answers before."""
-    observed = statistics(shape, counts, theta, answers)
+    observed = statistics(posterior.shape, posterior.counts, theta, answers)
     compared = observed / np.where(follows[:, None], FEEDBACK, 1.0)
     tally = _Tally(np.zeros(observed.shape, dtype=np.int64), np.zeros(observed.shape, dtype=np.int64))
     for n_draws in ROUNDS:
         for chosen in _portions(tally.is_open(), n_draws * answers.n_trials[0].size):
-            drawn = _drawn(shape, counts[chosen], prior[chosen], theta[chosen], answers[chosen], n_draws, rng)
+            drawn = _draws(posterior[chosen], theta[chosen], answers[chosen], n_draws, rng)
             tally.add(chosen, _is_as_extreme(drawn, compared[chosen][:, None]))
     return Goodness(observed, tally.p())
 
@@ -133,27 +127,18 @@ def _dispersion(off: Array, spread: Array, weight: Array) -> Array:
     return np.asarray(squares / np.maximum(expected, SMALLEST_VARIANCE))
 
 
-def _drawn(
-    shape: Shape,
-    counts: Counts,
-    prior: Prior,
-    theta: Array,
-    answers: Sequences,
-    n_draws: int,
-    rng: np.random.Generator,
-) -> Array:
+def _draws(posterior: LogPosterior, theta: Array, answers: Sequences, n_draws: int, rng: np.random.Generator) -> Array:
     """The statistics (n_sets, n_draws, 4) of answers drawn from the functions and fitted anew."""
+    shape, counts = posterior.shape, posterior.counts
     same = np.repeat(np.arange(len(counts)), n_draws)
     chance = np.minimum(np.exp(log_chances(shape, counts.u, theta)[0]), 1.0)
     trials = answers.n_trials.astype(np.int64)
     yes = rng.binomial(trials[:, None], chance[:, None, None], (len(counts), n_draws, *trials.shape[1:]))
     drawn = Sequences(yes.reshape(-1, *trials.shape[1:]).astype(np.float64), answers.n_trials[same])
-    # Catch trials are answers too: what is known of a free guess rate varies with them.
-    alarms = rng.binomial(prior.n_catch.astype(np.int64)[same], theta[same, GUESS]).astype(np.float64)
-    resampled = replace(counts[same], n_yes=drawn.n_yes.sum(axis=1))
-    prior_of_draws = replace(prior[same], n_false_alarms=alarms)
-    refitted = climb(shape, resampled, prior_of_draws, theta[same], small_decrement=SMALL_DECREMENT)
-    return statistics(shape, resampled, refitted.theta, drawn).reshape(len(counts), n_draws, N_STATISTICS)
+    alarms = rng.binomial(posterior.prior.n_catch.astype(np.int64)[same], theta[same, GUESS]).astype(np.float64)
+    redrawn = posterior.redrawn(same, drawn.n_yes.sum(axis=1), alarms)
+    refitted = climb(redrawn, theta[same], small_decrement=SMALL_DECREMENT)
+    return statistics(shape, redrawn.counts, refitted.theta, drawn).reshape(len(counts), n_draws, N_STATISTICS)
 
 
 def _is_as_extreme(drawn: Array, observed: Array) -> Bools:

@@ -4,21 +4,19 @@ curvature at its mode, a step, a bound) from the posterior.
 Intervals of a threshold by profile likelihood and by parametric bootstrap.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 from scipy.stats import chi2
 
-from tactometry.psychometric import Shape
-
-from ..arrays import Array, Bools, Indices
-from .counts import Counts
-from .likelihood import GUESS, LOG_WIDTH, THRESHOLD, log_chances, log_likelihood, saturated_log_likelihood
+from ..arrays import Array, Bools, Rows
+from .likelihood import GUESS, LOG_WIDTH, THRESHOLD, log_chances
+from .log_posterior import LogPosterior
 from .mode import Mode, climb, find_mode, find_overdispersed_mode
 from .posterior import Marginals
-from .prior import Prior
 from .result import ThresholdFit
 from .shared_grid import batched_marginals
 from .status import (
@@ -51,116 +49,172 @@ SAME = 1e-9
 
 
 @dataclass(frozen=True)
-class PointEstimate:
-    """Estimates (n_sets, 4) with the width in place of its logarithm; ends (n_sets, 2) of threshold and width; the
-    overdispersion (n_sets,) or None."""
+class Estimates(Rows):
+    """Parameters (n_sets, 4) with the width in place of its logarithm; ends (n_sets, 2) of threshold and width."""
 
     theta: Array
     threshold: Array
     width: Array
-    eta: Array | None
-
-    def where(self, chosen: Bools, other: "PointEstimate") -> "PointEstimate":
-        """This one, and another in some sets."""
-        pairs = ((self.theta, other.theta), (self.threshold, other.threshold), (self.width, other.width))
-        theta, threshold, width = (np.where(chosen[:, None], theirs, ours) for ours, theirs in pairs)
-        return PointEstimate(theta, threshold, width, self.eta)
 
 
 @dataclass(frozen=True)
 class Fitting:
     """Data sets with what is known before them, and how they are fitted."""
 
+    posterior: LogPosterior
     shape: str
-    curve: Shape
-    counts: Counts
-    prior: Prior
     method: str
     interval: float
     estimate: str
     overdispersed: bool
+    n_resamples: int
+    rng: np.random.Generator | None
 
-    def results(self, n_resamples: int, rng: np.random.Generator | None) -> tuple[ThresholdFit, ...]:
-        mode = find_mode(self.curve, self.counts, self.prior)
-        likeliest = find_mode(self.curve, self.counts, replace(self.prior, on_curve=False), mode.theta)
-        step = best_step(self.curve, self.counts, likeliest)
-        binomial = self._marginals(mode)
-        shares = verdict_shares(self.counts, self.prior, binomial)
-        status = np.array(statuses(self.counts, self.prior, shares, step), dtype=object)
-        basis, eta = likeliest if self.method in ON_LIKELIHOOD else mode, None
+    def results(self) -> tuple[ThresholdFit, ...]:
+        posterior, is_likelihood = self.posterior, self.method in ON_LIKELIHOOD
+        mode = find_mode(posterior)
+        likeliest = find_mode(posterior.under(on_curve=False), mode.theta)
+        step, binomial = best_step(posterior, likeliest), self._marginals(mode)
+        shares = verdict_shares(posterior, binomial)
+        status = np.array(statuses(posterior, shares, step), dtype=object)
+        basis, eta = likeliest if is_likelihood else mode, None
         if self.overdispersed:
-            free = replace(self.prior, on_curve=self.method not in ON_LIKELIHOOD)
-            basis, eta = find_overdispersed_mode(self.curve, self.counts, free)
-        point = self._of_posterior(mode, binomial, step)
-        if self.method == "posterior":
-            if eta is not None:
-                point = self._of_posterior(basis, self._marginals(basis, eta), step, eta)
-        else:
-            rests = is_regular(basis) & np.isin(status, (Status.OK, *FITTED_ANYWAY))
-            curved = self._of_curvature(basis, eta, rests, n_resamples, rng)
-            # A profile may never fall as far as an end: such answers hold no interval, though the mode is regular.
-            rests &= np.isfinite(curved.threshold).all(axis=1)
-            lost = (status == Status.OK) & ~rests
-            status[lost] = np.where(step.is_best[lost], Status.SEPARATED, Status.FLAT)
-            point = curved.where(~rests, point)
-        if self.method in ON_LIKELIHOOD:
-            # Any place between the two levels is as likely: the climb's end among them would be chance.
-            stepped = (status == Status.SEPARATED) & _within(step.place, point.threshold)
-            point.theta[stepped, THRESHOLD] = step.place[stepped]
-        after_a_track = np.zeros(len(self.counts), dtype=bool)
-        if self.method in TOO_NARROW:
-            after_a_track = stand_as_after_a_track(self.counts)
-        findings = _Findings(self, status, shares, point, mode, binomial, self._deviance(basis), after_a_track)
-        return tuple(findings.result(i) for i in range(len(self.counts)))
+            basis, eta = find_overdispersed_mode(posterior.under(on_curve=not is_likelihood))
+        estimates = self._of_posterior(mode, binomial, step)
+        if self.method != "posterior":
+            estimates, status = self._of_curvature(basis, status, step, estimates)
+        elif eta is not None:
+            spread = self._marginals(basis, eta)
+            estimates = self._of_posterior(basis, spread, step)
+            eta = spread.overdispersion if self.estimate == "mean" else eta
+        on_levels = {
+            "threshold_mode": mode.theta[:, THRESHOLD],
+            "threshold_median": binomial.threshold[:, 1],
+            "threshold_mean": binomial.mean[:, THRESHOLD],
+        }
+        deviance = np.maximum(posterior.deviance(basis.theta), 0.0)  # a perfect fit may round to below 0
+        return self._fits(status, estimates, shares, on_levels, {"deviance": deviance, "overdispersion": eta})
 
     def _marginals(self, mode: Mode, eta: Array | None = None) -> Marginals:
         """The posterior of every data set with two levels or more, binomial or with overdispersion about `eta`."""
-        all_sets, chosen = Marginals.empty(len(self.counts)), np.flatnonzero(self.counts.n_levels > 1)
-        prior = replace(self.prior[chosen], overdispersion=None if eta is None else eta[chosen])
-        of_chosen = batched_marginals(self.curve, self.counts[chosen], prior, mode[chosen], self.interval)
-        all_sets.put(chosen, of_chosen, np.ones(len(chosen), dtype=bool))
-        return all_sets
+        chosen = np.flatnonzero(self.posterior.counts.n_levels > 1)
+        posterior = self.posterior[chosen].under(overdispersion=None if eta is None else eta[chosen])
+        of_chosen = batched_marginals(posterior, mode[chosen], self.interval)
+        return Marginals.empty(len(self.posterior)).replaced(chosen, of_chosen)
 
-    def _of_posterior(self, mode: Mode, posterior: Marginals, step: StepFit, eta: Array | None = None) -> PointEstimate:
+    def _of_posterior(self, mode: Mode, marginals: Marginals, step: StepFit) -> Estimates:
         """The mode, median or mean. Of a step the mode is a whole stretch, whose middle is taken; where the mode lies
         on an edge of the priors or outside of its own interval, the median stands for it."""
-        median, theta = posterior.mean.copy(), _with_width(mode.theta)
-        median[:, [THRESHOLD, LOG_WIDTH]] = posterior.median
+        threshold, width = marginals.threshold[:, [0, 2]], marginals.width[:, [0, 2]]
         if self.estimate == "mean":
-            mean_eta = None if eta is None else posterior.overdispersion
-            return PointEstimate(posterior.mean, posterior.threshold, posterior.width, mean_eta)
+            return Estimates(marginals.mean, threshold, width)
+        median, theta = marginals.mean.copy(), _with_width(mode.theta)
+        median[:, THRESHOLD], median[:, LOG_WIDTH] = marginals.threshold[:, 1], marginals.width[:, 1]
         theta[:, THRESHOLD] = np.where(step.is_between, step.place, theta[:, THRESHOLD])
-        is_held = (mode.interior | step.is_between) & _within(theta[:, THRESHOLD], posterior.threshold)
-        is_wide = _within(theta[:, LOG_WIDTH], posterior.width)
+        is_held = (mode.interior | step.is_between) & _within(theta[:, THRESHOLD], threshold)
+        is_wide = _within(theta[:, LOG_WIDTH], width)
         is_held &= (is_wide | step.is_between) & (self.estimate == "mode")
         theta[:, LOG_WIDTH] = np.where(is_wide, theta[:, LOG_WIDTH], median[:, LOG_WIDTH])
-        return PointEstimate(np.where(is_held[:, None], theta, median), posterior.threshold, posterior.width, eta)
+        return Estimates(np.where(is_held[:, None], theta, median), threshold, width)
 
     def _of_curvature(
-        self, basis: Mode, eta: Array | None, rests: Bools, n_resamples: int, rng: np.random.Generator | None
-    ) -> PointEstimate:
-        """The mode with Wald's intervals; where a set `rests` on it, the threshold's by profile or bootstrap if these
-        are asked for."""
+        self, basis: Mode, status: Statuses, step: StepFit, of_posterior: Estimates
+    ) -> tuple[Estimates, Statuses]:
+        """Those of the mode, where it is one to rest on, and the statuses of sets whose mode is none."""
+        rests = is_regular(basis) & np.isin(status, (Status.OK, *FITTED_ANYWAY))
+        curved = self._wald(basis)
+        chosen = np.flatnonzero(rests)
+        if self.method in ("profile", "bootstrap") and len(chosen):
+            curved.threshold[chosen] = self._refined(self.posterior[chosen], basis[chosen])
+        # A profile may never fall as far as an end: such answers hold no interval, though the mode is regular.
+        rests &= np.isfinite(curved.threshold).all(axis=1)
+        lost = (status == Status.OK) & ~rests
+        status = np.where(lost, np.where(step.is_best, Status.SEPARATED, Status.FLAT), status)
+        estimates = curved.where(rests, of_posterior)
+        if self.method in ON_LIKELIHOOD:
+            # Any place between the two levels is as likely: the climb's end among them would be chance.
+            stepped = (status == Status.SEPARATED) & _within(step.place, estimates.threshold)
+            estimates.theta[stepped, THRESHOLD] = step.place[stepped]
+        return estimates, status
+
+    def _wald(self, basis: Mode) -> Estimates:
+        """The mode with Wald's intervals."""
         z = float(ndtri((1 + self.interval) / 2)) * np.array([-1.0, 1.0])
         threshold = basis.theta[:, [THRESHOLD]] + z * basis.threshold_sd[:, None]
         with np.errstate(over="ignore"):
             width = np.exp(basis.theta[:, [LOG_WIDTH]] + z * basis.log_width_sd[:, None])
-        chosen = np.flatnonzero(rests)
-        if self.method in ("profile", "bootstrap") and len(chosen):
-            threshold[chosen] = self._refined(chosen, basis[chosen], n_resamples, rng)
-        return PointEstimate(_with_width(basis.theta), threshold, width, eta)
+        return Estimates(_with_width(basis.theta), threshold, width)
 
-    def _refined(self, chosen: Indices, basis: Mode, n_resamples: int, rng: np.random.Generator | None) -> Array:
+    def _refined(self, posterior: LogPosterior, basis: Mode) -> Array:
         """The intervals that cost more than a Hessian."""
-        sets, prior = self.counts[chosen], self.prior[chosen]
-        if rng is not None and self.method == "bootstrap":
-            return bootstrap(self.curve, sets, prior, basis, self.interval, n_resamples, rng)
-        return profile(self.curve, sets, replace(prior, on_curve=False), basis, self.interval)
+        if self.rng is not None and self.method == "bootstrap":
+            return bootstrap(posterior, basis, self.interval, self.n_resamples, self.rng)
+        return profile(posterior.under(on_curve=False), basis, self.interval)
 
-    def _deviance(self, basis: Mode) -> Array:
-        best = saturated_log_likelihood(self.counts)
-        # A perfect fit may round to below 0.
-        return np.maximum(2 * (best - log_likelihood(self.curve, self.counts, basis.theta)), 0.0)
+    def _fits(
+        self,
+        status: Statuses,
+        estimates: Estimates,
+        shares: Array,
+        on_levels: Mapping[str, Array],
+        further: Mapping[str, Array | None],
+    ) -> tuple[ThresholdFit, ...]:
+        """All that is known of each data set, in the unit of its levels; None for what its status does not hold."""
+        counts, (threshold, width, lapse, guess) = self.posterior.counts, estimates.theta.T
+        has_curve = counts.n_levels > 1
+        is_fitted_anyway = np.isin(status, FITTED_ANYWAY) & has_curve & (np.abs(threshold) <= 0.5)
+        has_threshold = np.isin(status, WITH_THRESHOLD) | is_fitted_anyway
+        has_ends = has_threshold | np.isin(status, CENSORED)
+        has_width = has_threshold & (status != Status.SEPARATED)  # of a step the width has an upper bound only
+        low, high = (self._levels(end) for end in estimates.threshold.T)
+        narrow, wide = (counts.spread * end for end in estimates.width.T)
+        columns = {
+            "threshold": _known(self._levels(threshold), has_threshold),
+            "width": _known(counts.spread * width, has_width),
+            "lapse_rate": _known(lapse, has_threshold),
+            "guess_rate": _known(guess, has_threshold),
+            "interval_low": _known(low, has_ends & (status != Status.BELOW)),
+            "interval_high": _known(high, has_ends & (status != Status.ABOVE)),
+            "width_low": _known(narrow, has_width),
+            "width_high": _known(wide, has_threshold),
+            "status": [Status(word) for word in status],
+            "n_trials": counts.n_trials.sum(axis=1).astype(int).tolist(),
+            "n_levels": counts.n_levels.tolist(),
+            "note": self._notes(status),
+        }
+        columns |= {name: _known(self._levels(u), has_threshold) for name, u in on_levels.items()}
+        columns |= {name: _known(values, has_threshold) for name, values in further.items()}
+        explanations = zip(("within", "below", "above"), shares.T, strict=False)  # the fourth is that there is no rise
+        columns |= {f"probability_{name}": _known(share, has_curve) for name, share in explanations}
+        rows = (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
+        return tuple(ThresholdFit(**row, shape=self.shape, method=self.method, interval=self.interval) for row in rows)
+
+    def _levels(self, u: Array) -> Array:
+        counts = self.posterior.counts
+        levels = counts.centre + counts.spread * u
+        with np.errstate(over="ignore"):
+            return np.exp(levels) if self.posterior.shape.on_log_levels else levels
+
+    def _notes(self, status: Statuses) -> list[str]:
+        """What stands beside each status."""
+        counts = self.posterior.counts
+        notes = [Status(word).note for word in status]
+        for i in np.flatnonzero((status == Status.TOO_FEW_LEVELS) & (counts.n_levels == 1)):
+            k, n = counts.n_yes[i].sum(), counts.n_trials[i].sum()
+            low, high = proportion_interval(k, n, self.interval)
+            answers = f"{k:.0f} of {n:.0f} answers, a rate from {low:.3f} to {high:.3f}"
+            notes[i] = f"one level only: {answers}; no threshold"
+        for i in np.flatnonzero((status == Status.OK) & stand_as_after_a_track(counts)):
+            notes[i] = AFTER_A_TRACK if self.method in TOO_NARROW else notes[i]
+        return notes
+
+
+def _known(values: Array | None, where: Bools) -> list[float | None]:
+    """None for what is not known, and for an end that there is none of."""
+    if values is None:
+        return [None] * len(where)
+    known = zip(values.tolist(), where & np.isfinite(values), strict=True)
+    return [value if is_known else None for value, is_known in known]
 
 
 def is_regular(mode: Mode) -> Bools:
@@ -178,105 +232,21 @@ def _within(x: Array, ends: Array) -> Bools:
     return np.asarray((ends[:, 0] <= x) & (x <= ends[:, 1]))
 
 
-@dataclass(frozen=True)
-class _Findings:
-    """Everything known of each data set, to be said of one after the other in the unit of its levels."""
-
-    of: Fitting
-    status: Statuses
-    shares: Array
-    point: PointEstimate
-    mode: Mode
-    found: Marginals
-    deviance: Array
-    after_a_track: Bools
-
-    def result(self, i: int) -> ThresholdFit:
-        of, status, point = self.of, Status(self.status[i]), self.point
-        has_threshold, spread = self._has_threshold(i, status), float(of.counts.spread[i])
-        low, high = (self._level(i, end) for end in point.threshold[i])
-        m, width, lapse, guess = (float(value) for value in point.theta[i])
-        has_ends = has_threshold or status in CENSORED
-        has_width = has_threshold and status != Status.SEPARATED  # of a step the width has an upper bound only
-        centres = (self.mode.theta[i, THRESHOLD], self.found.median[i, 0], self.found.mean[i, THRESHOLD])
-        mode, median, mean = (self._level(i, float(u)) if has_threshold else None for u in centres)
-        below, within, above = self._shares(i)
-        return ThresholdFit(
-            threshold=self._level(i, m) if has_threshold else None,
-            width=width * spread if has_width else None,
-            lapse_rate=lapse if has_threshold else None,
-            guess_rate=guess if has_threshold else None,
-            overdispersion=float(point.eta[i]) if has_threshold and point.eta is not None else None,
-            interval_low=low if has_ends and status != Status.BELOW else None,
-            interval_high=high if has_ends and status != Status.ABOVE else None,
-            width_low=_finite(float(point.width[i, 0]) * spread) if has_width else None,
-            width_high=_finite(float(point.width[i, 1]) * spread) if has_threshold else None,
-            status=status,
-            deviance=float(self.deviance[i]) if has_threshold else None,
-            n_trials=int(of.counts.n_trials[i].sum()),
-            n_levels=int(of.counts.n_levels[i]),
-            shape=of.shape,
-            method=of.method,
-            interval=of.interval,
-            note=self._note(i, status),
-            threshold_mode=mode,
-            threshold_median=median,
-            threshold_mean=mean,
-            probability_below=below,
-            probability_within=within,
-            probability_above=above,
-        )
-
-    def _has_threshold(self, i: int, status: Status) -> bool:
-        if status in WITH_THRESHOLD:
-            return True
-        inside = abs(float(self.point.theta[i, THRESHOLD])) <= 0.5
-        return inside and status in FITTED_ANYWAY and bool(self.of.counts.n_levels[i] > 1)
-
-    def _shares(self, i: int) -> tuple[float | None, ...]:
-        if self.of.counts.n_levels[i] < 2:
-            return None, None, None
-        within, below, above = (float(share) for share in self.shares[i, :3])
-        return below, within, above
-
-    def _level(self, i: int, u: float) -> float | None:
-        level = float(self.of.counts.centre[i] + self.of.counts.spread[i] * u)
-        if self.of.curve.on_log_levels:
-            with np.errstate(over="ignore"):
-                level = float(np.exp(level))
-        return _finite(level)
-
-    def _note(self, i: int, status: Status) -> str:
-        counts = self.of.counts
-        if status == Status.TOO_FEW_LEVELS and counts.n_levels[i] == 1:
-            k, n = counts.n_yes[i].sum(), counts.n_trials[i].sum()
-            low, high = proportion_interval(k, n, self.of.interval)
-            return f"one level only: {k:.0f} of {n:.0f} answers, a rate from {low:.3f} to {high:.3f}; no threshold"
-        if status == Status.OK and self.after_a_track[i]:
-            return AFTER_A_TRACK
-        return status.note
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
-
-
-def profile(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> Array:
+def profile(posterior: LogPosterior, mode: Mode, interval: float) -> Array:
     """Where the log-likelihood, maximised over all but the threshold, is chi2(interval)/2 below its maximum.
 
     Shape (n_sets, 2), on the scale of `Counts.u`; infinite where the profile has no end on that side.
     """
     floor = mode.log_density - chi2.ppf(interval, 1) / 2
-    sides = [_profile_end(shape, counts, prior, mode, floor, side) for side in (-1.0, 1.0)]
-    return np.stack(sides, axis=1)
+    return np.stack([_profile_end(posterior, mode, floor, side) for side in (-1.0, 1.0)], axis=1)
 
 
-def _profile_end(shape: Shape, counts: Counts, prior: Prior, mode: Mode, floor: Array, side: float) -> Array:
+def _profile_end(posterior: LogPosterior, mode: Mode, floor: Array, side: float) -> Array:
     inner = mode.theta[:, THRESHOLD].copy()
     reach = np.maximum(2 * mode.threshold_sd, 1e-3)
     outer, start = inner + side * reach, mode.theta
     for _ in range(MAX_BISECTIONS):
-        above, start = _is_above(shape, counts, prior, outer, start, floor)
+        above, start = _is_above(posterior, outer, start, floor)
         if not (above & (np.abs(outer) < FARTHEST)).any():
             break
         inner, outer = np.where(above, outer, inner), np.where(above, outer + side * reach, outer)
@@ -285,43 +255,33 @@ def _profile_end(shape: Shape, counts: Counts, prior: Prior, mode: Mode, floor: 
     # Every climb begins where the last one ended: neighbouring thresholds have neighbouring summits.
     for _ in range(MAX_BISECTIONS):
         middle = (inner + outer) / 2
-        above, start = _is_above(shape, counts, prior, middle, start, floor)
+        above, start = _is_above(posterior, middle, start, floor)
         inner, outer = np.where(above, middle, inner), np.where(above, outer, middle)
         if (np.abs(outer - inner) <= 1e-9 * np.maximum(mode.threshold_sd, 1e-9)).all():
             break
     return np.where(endless, side * np.inf, (inner + outer) / 2)
 
 
-def _is_above(
-    shape: Shape, counts: Counts, prior: Prior, threshold: Array, start: Array, floor: Array
-) -> tuple[Bools, Array]:
-    at_threshold = climb(shape, counts, replace(prior, threshold=threshold), start)
+def _is_above(posterior: LogPosterior, threshold: Array, start: Array, floor: Array) -> tuple[Bools, Array]:
+    at_threshold = climb(posterior.under(threshold=threshold), start)
     return at_threshold.log_density > floor, at_threshold.theta
 
 
 def bootstrap(
-    shape: Shape,
-    counts: Counts,
-    prior: Prior,
-    mode: Mode,
-    interval: float,
-    n_resamples: int,
-    rng: np.random.Generator,
+    posterior: LogPosterior, mode: Mode, interval: float, n_resamples: int, rng: np.random.Generator
 ) -> Array:
     """Bias-corrected percentiles of the mode's threshold over answers drawn from the fitted function.
 
     Shape (n_sets, 2), on the scale of `Counts.u` (Efron 1981, bias-corrected percentile method).
     """
     ends, tails = [], ndtri((1 + interval * np.array([-1.0, 1.0])) / 2)
+    counts = posterior.counts
     for i, theta in enumerate(mode.theta):
-        same = np.full(n_resamples, i)
-        chance = np.exp(log_chances(shape, counts.u[i], theta)[0])
+        chance = np.exp(log_chances(posterior.shape, counts.u[i], theta)[0])
         drawn = rng.binomial(counts.n_trials[i].astype(np.int64), np.minimum(chance, 1.0), (n_resamples, len(chance)))
-        # Catch trials are answers too: what is known of a free guess rate varies with them.
-        alarms = rng.binomial(int(prior.n_catch[i]), theta[GUESS], n_resamples).astype(np.float64)
-        resampled = replace(counts[same], n_yes=drawn.astype(np.float64))
-        start = np.broadcast_to(theta, (n_resamples, len(theta)))
-        refits = climb(shape, resampled, replace(prior[same], n_false_alarms=alarms), start).theta[:, THRESHOLD]
+        alarms = rng.binomial(int(posterior.prior.n_catch[i]), theta[GUESS], n_resamples)
+        redrawn = posterior.redrawn(np.full(n_resamples, i), drawn.astype(np.float64), alarms.astype(np.float64))
+        refits = climb(redrawn, np.broadcast_to(theta, (n_resamples, len(theta)))).theta[:, THRESHOLD]
         away = refits - theta[THRESHOLD]
         n_below = np.sum(away < -SAME) + 0.5 * np.sum(np.abs(away) <= SAME)
         # Half a draw more on each side keeps the bias finite where all draws lie on one side.

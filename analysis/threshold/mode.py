@@ -9,23 +9,10 @@ from typing import Self
 
 import numpy as np
 
-from tactometry.psychometric import Shape
-
 from ..arrays import Array, Bools, Expansion, Indices, Rows, Which
-from .counts import Counts
-from .likelihood import (
-    BINOMIAL_BELOW,
-    GUESS,
-    LAPSE,
-    LOG_WIDTH,
-    N_PARAMETERS,
-    THRESHOLD,
-    expansion,
-    log_likelihood,
-    overdispersed_expansion,
-    saturated_log_likelihood,
-)
-from .prior import LARGEST_ETA, Prior, log_prior, log_prior_of, prior_expansion
+from .likelihood import LOG_WIDTH, N_PARAMETERS, THRESHOLD
+from .log_posterior import LogPosterior
+from .prior import LARGEST_ETA, log_prior_of
 from .starts import Starts, grid_starts, step_starts
 
 MAX_STEPS = 80
@@ -70,67 +57,57 @@ class Mode(Rows):
         return np.sqrt(self.covariance[:, LOG_WIDTH, LOG_WIDTH])
 
 
-def log_density(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Array:
-    """Log-likelihood plus log prior; shape (n_sets,)."""
-    return log_likelihood(shape, counts, theta) + log_prior(prior, theta)
-
-
-def find_mode(shape: Shape, counts: Counts, prior: Prior, near: Array | None = None) -> Mode:
+def find_mode(posterior: LogPosterior, near: Array | None = None) -> Mode:
     """Climb from every summit of a coarse grid, or from `near` (n_sets, 4) alone; then again from the steps that may be
     as dense, and in sets that fit poorly from the best narrow and the best wide node of the grid."""
     if near is None:
-        summits, _ = grid_starts(shape, counts, prior)
-        mode = _highest(shape, counts, prior, summits)
+        summits, _ = grid_starts(posterior)
+        mode = _highest(posterior, summits)
     else:
-        mode = climb(shape, counts, prior, near)
-    again = _second_starts(shape, counts, prior, mode)
-    return _highest(shape, counts, prior, again, mode) if len(again.sets) else mode
+        mode = climb(posterior, near)
+    again = _second_starts(posterior, mode)
+    return _highest(posterior, again, mode) if len(again.sets) else mode
 
 
-def _second_starts(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> Starts:
-    if prior.overdispersion is not None:
+def _second_starts(posterior: LogPosterior, mode: Mode) -> Starts:
+    if posterior.prior.overdispersion is not None:
         return Starts.none()
-    deviance = 2 * (saturated_log_likelihood(counts) - log_likelihood(shape, counts, mode.theta))
-    poor = np.flatnonzero(deviance > POOR_FIT * np.maximum(counts.n_levels - len(prior.free), 1))
-    _, halves = grid_starts(shape, counts[poor], prior[poor])
-    return Starts(poor[halves.sets], halves.theta).joined(
-        step_starts(shape, counts, prior, mode.log_density - STEP_MARGIN)
-    )
+    df = np.maximum(posterior.counts.n_levels - len(posterior.prior.free), 1)
+    poor = np.flatnonzero(posterior.deviance(mode.theta) > POOR_FIT * df)
+    _, halves = grid_starts(posterior[poor])
+    return Starts(poor[halves.sets], halves.theta).joined(step_starts(posterior, mode.log_density - STEP_MARGIN))
 
 
-def _highest(shape: Shape, counts: Counts, prior: Prior, starts: Starts, known: Mode | None = None) -> Mode:
+def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None) -> Mode:
     """The highest mode of each set that the starts lead to, or that is known; of equal ones the first, so that rounding
     does not choose."""
-    sets = starts.sets
-    modes = climb(shape, counts[sets], prior[sets], starts.theta)
+    sets, n_sets = starts.sets, len(posterior)
+    modes = climb(posterior[sets], starts.theta)
     if known is not None:
-        modes, sets = known.joined(modes), np.concatenate([np.arange(len(counts)), sets])
-    highest = np.full(len(counts), -np.inf)
+        modes, sets = known.joined(modes), np.concatenate([np.arange(n_sets), sets])
+    highest = np.full(n_sets, -np.inf)
     np.maximum.at(highest, sets, modes.log_density)
     equal = np.flatnonzero(modes.log_density >= highest[sets] - EQUAL)
     _, first = np.unique(sets[equal], return_index=True)
     return modes[equal[first]]
 
 
-def climb(
-    shape: Shape, counts: Counts, prior: Prior, start: Array, *, small_decrement: float = SMALL_DECREMENT
-) -> Mode:
+def climb(posterior: LogPosterior, start: Array, *, small_decrement: float = SMALL_DECREMENT) -> Mode:
     """To the summit that `start` (n_sets, 4) leads to, until a step gains `small_decrement` of log density at most."""
-    theta = start.copy()
-    low, high = prior.bounds()
-    theta = prior.tied(np.clip(theta, low, high))
-    climbing = _Climbing(np.arange(len(counts)), counts.by_level(), prior, low, high, np.full(len(counts), 1e-3))
-    here, at = _expand(shape, climbing.counts, prior, theta), theta.copy()
+    low, high = posterior.prior.bounds()
+    theta = posterior.prior.tied(np.clip(start, low, high))
+    sets, damping = np.arange(len(posterior)), np.full(len(posterior), 1e-3)
+    climbing, at = _Climbing(sets, posterior.by_level(), low, high, damping), theta.copy()
+    here = climbing.posterior.expansion(theta)
     for _ in range(MAX_STEPS):
         held = _held(at, here.gradient, climbing.low, climbing.high)
         step, decrement = _step(here, held, climbing.damping)
-        trial = prior.tied(np.clip(at + step, climbing.low, climbing.high))
-        there = _expand(shape, climbing.counts, climbing.prior, trial)
+        trial = posterior.prior.tied(np.clip(at + step, climbing.low, climbing.high))
+        there = climbing.posterior.expansion(trial)
         better = there.value >= here.value - ROUNDING * np.abs(here.value)
-        at = np.where(better[:, None], trial, at)
+        at, here = np.where(better[:, None], trial, at), there.where(better, here)
         damping = climbing.damping
         damping[:] = np.where(better, np.maximum(damping / 10, 1e-12), damping * 8)
-        here = there.where(better, here)
         is_endless = (decrement < ENDLESS_GAIN) & (np.abs(step[:, LOG_WIDTH]) > ENDLESS_STEP)
         small = small_decrement * np.maximum(1.0, np.abs(here.value))
         going = (decrement > small) & ~is_endless & (damping < 1e15)  # damped beyond, a step is below rounding
@@ -139,7 +116,7 @@ def climb(
             break
         if going.mean() < WORTH_LEAVING:
             climbing, here, at = climbing[going], here[going], at[going]
-    return _described(shape, counts, prior, theta)
+    return _described(posterior, theta)
 
 
 @dataclass(frozen=True)
@@ -147,43 +124,14 @@ class _Climbing(Rows):
     """The data sets that are still climbing (and some that are not, as long as leaving them out costs more)."""
 
     sets: Indices
-    counts: Counts
-    prior: Prior
+    posterior: LogPosterior
     low: Array
     high: Array
     damping: Array
 
     def __getitem__(self, which: Which) -> Self:
         climbing = super().__getitem__(which)
-        return replace(climbing, counts=climbing.counts.by_level())  # choosing rows may have laid them out anew
-
-
-def _expand(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Expansion:
-    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
-        whole = _answers(shape, counts, prior, theta) + prior_expansion(prior, theta)
-    if prior.equal_asymptotes:
-        whole = _along_both(whole)
-    fixed = [place for place in range(N_PARAMETERS) if place not in prior.free]
-    whole.gradient[:, fixed] = 0.0
-    return whole
-
-
-def _along_both(whole: Expansion) -> Expansion:
-    """The derivatives along the lapse rate where the guess rate moves with it."""
-    gradient, hessian = whole.gradient.copy(), whole.hessian.copy()
-    gradient[:, LAPSE] += gradient[:, GUESS]
-    hessian[:, LAPSE] += hessian[:, GUESS]
-    hessian[:, :, LAPSE] += hessian[:, :, GUESS]
-    return Expansion(whole.value, gradient, hessian)
-
-
-def _answers(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Expansion:
-    """The log-likelihood: binomial, and beta-binomial for the sets that are overdispersed."""
-    if prior.overdispersion is None or not (prior.overdispersion > 0).any():
-        return expansion(shape, counts, theta)
-    eta = np.maximum(prior.overdispersion, BINOMIAL_BELOW)  # 1 / eta^2 is finite, also where it is not taken
-    spread = overdispersed_expansion(shape, counts, theta, eta)
-    return spread.where(prior.overdispersion >= BINOMIAL_BELOW, expansion(shape, counts, theta))
+        return replace(climbing, posterior=climbing.posterior.by_level())  # choosing rows may have laid them out anew
 
 
 def _held(theta: Array, gradient: Array, low: Array, high: Array) -> Bools:
@@ -240,9 +188,9 @@ def _convex_inverse(matrix: Array, damping: Array) -> Array:
     return np.asarray(np.einsum("nij,nj,nkj->nik", vectors, 1 / values, vectors) / outer)
 
 
-def _described(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Mode:
-    here = _expand(shape, counts, prior, theta)
-    low, high = prior.bounds()
+def _described(posterior: LogPosterior, theta: Array) -> Mode:
+    here = posterior.expansion(theta)
+    low, high = posterior.prior.bounds()
     # On a bound there is no curvature to rest on, whichever way the density rises there.
     held = _held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
     inverse = _convex_inverse(_without(-here.hessian, held), np.zeros(len(theta)))
@@ -250,15 +198,15 @@ def _described(shape: Shape, counts: Counts, prior: Prior, theta: Array) -> Mode
     return Mode(theta, here.value, covariance, np.asarray(~held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)))
 
 
-def find_overdispersed_mode(shape: Shape, counts: Counts, prior: Prior) -> tuple[Mode, Array]:
+def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
     """The mode over all parameters and eta (n_sets,): a coarse grid of eta, then golden sections; the
     covariance is at that eta."""
-    nodes, near = np.array(COARSE), find_mode(shape, counts, replace(prior, overdispersion=None)).theta
+    nodes, near = np.array(COARSE), find_mode(posterior).theta
 
     def at(eta: Array) -> Mode:
-        return _at(shape, counts, replace(prior, overdispersion=eta), near)
+        return _at(posterior.under(overdispersion=eta), near)
 
-    densities = np.stack([at(np.full(len(counts), eta)).log_density for eta in nodes], axis=1)
+    densities = np.stack([at(np.full(len(posterior), eta)).log_density for eta in nodes], axis=1)
     best = densities.argmax(axis=1)
     low, high = nodes[np.maximum(best - 1, 0)], np.append(nodes, LARGEST_ETA)[best + 1]
     for _ in range(N_GOLDEN):
@@ -267,14 +215,13 @@ def find_overdispersed_mode(shape: Shape, counts: Counts, prior: Prior) -> tuple
         low, high = np.where(to_left, low, left), np.where(to_left, right, high)
     eta = (low + high) / 2
     # Sections close in on an end but never reach it, and eta = 0 is the binomial itself.
-    is_binomial = at(np.zeros(len(counts))).log_density >= at(eta).log_density
+    is_binomial = at(np.zeros(len(posterior))).log_density >= at(eta).log_density
     eta = np.where(is_binomial, 0.0, eta)
     return at(eta), eta
 
 
-def _at(shape: Shape, counts: Counts, prior: Prior, near: Array) -> Mode:
+def _at(posterior: LogPosterior, near: Array) -> Mode:
     """The highest of the summits that the grid, or the binomial's mode `near`, leads to."""
-    by_grid, by_binomial = find_mode(shape, counts, prior), find_mode(shape, counts, prior, near)
-    places = np.arange(len(counts)) + np.where(by_binomial.log_density > by_grid.log_density, len(counts), 0)
-    highest = by_grid.joined(by_binomial)[places]
-    return replace(highest, log_density=highest.log_density + log_prior_of(np.asarray(prior.overdispersion)))
+    by_grid, by_binomial = find_mode(posterior), find_mode(posterior, near)
+    highest = by_binomial.where(by_binomial.log_density > by_grid.log_density, by_grid)
+    return replace(highest, log_density=highest.log_density + log_prior_of(np.asarray(posterior.prior.overdispersion)))

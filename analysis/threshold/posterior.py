@@ -8,21 +8,20 @@ What a posterior says of a psychometric function: means, medians, central interv
 lies beyond the levels; from masses on a grid of threshold and log width.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from tactometry.psychometric import Shape, log_mixture
+from tactometry.psychometric import log_mixture
 
-from ..arrays import Array, Bools, Indices, Rows
+from ..arrays import Array, Rows
 from .chances import linear, weighted
-from .counts import Counts
 from .likelihood import BINOMIAL_BELOW, GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, log_weight
+from .log_posterior import LogPosterior
 from .mode import Mode
-from .prior import LARGEST_ETA, Prior, log_mass, log_prior_axes, log_prior_of
+from .prior import LARGEST_ETA, Prior, log_prior_of
 
 NEGLIGIBLE = 14.0
 """A log density this far below the mode's is outside."""
@@ -31,8 +30,6 @@ RATE_NODES = 10
 INTERIOR_RATE_NODES = 12
 """A rate whose density dies out above 0 needs more nodes than one that begins at 0."""
 SEARCH_NODES = (13, 11, 5, 5)
-FLOOR = np.array([-np.inf, -np.inf, 1e-9, 1e-9])
-"""The search keeps off rates of exactly 0, where a chance may vanish."""
 ETA_NODES = 10
 ETA_SEARCH = (0.0, 0.15, 0.35, 0.6)
 SINGLE_TRIALS = 3000
@@ -46,17 +43,16 @@ MAX_SEARCHES = 12
 
 
 @dataclass(frozen=True)
-class Marginals:
-    """Posterior means (n_sets, 4), with the width itself in place of its logarithm, and central intervals.
+class Marginals(Rows):
+    """Posterior means (n_sets, 4), with the width itself in place of its logarithm, and quantiles.
 
-    `threshold` and `width` have the shape (n_sets, 2), `median` that of threshold and width too; all on the scale of
-    `Counts.u`. `overdispersion` (n_sets,) is the posterior mean of eta, 0 for the binomial. `log_evidence` (n_sets,) is
-    the logarithm of the likelihood's mean over the prior; `beyond` (n_sets, 2) the posterior's share of curves whose
-    rise lies below, and above, all levels tested.
+    `threshold` and `width` (n_sets, 3) are the lower end of the central interval, the median and the upper end; all on
+    the scale of `Counts.u`. `overdispersion` (n_sets,) is the posterior mean of eta, 0 for the binomial. `log_evidence`
+    (n_sets,) is the logarithm of the likelihood's mean over the prior; `beyond` (n_sets, 2) the posterior's share of
+    curves whose rise lies below, and above, all levels tested.
     """
 
     mean: Array
-    median: Array
     threshold: Array
     width: Array
     overdispersion: Array
@@ -65,14 +61,8 @@ class Marginals:
 
     @classmethod
     def empty(cls, n: int) -> "Marginals":
-        median, threshold, width, beyond = (np.full((n, 2), np.nan) for _ in range(4))
-        mean = np.full((n, N_PARAMETERS), np.nan)
-        return cls(mean, median, threshold, width, np.zeros(n), np.full(n, np.nan), beyond)
-
-    def put(self, places: Indices, other: "Marginals", which: Bools) -> None:
-        """Write those of another into some places of this one."""
-        for field in fields(self):
-            getattr(self, field.name)[places] = getattr(other, field.name)[which]
+        mean, threshold, width, beyond = (np.full((n, size), np.nan) for size in (N_PARAMETERS, 3, 3, 2))
+        return cls(mean, threshold, width, np.zeros(n), np.full(n, np.nan), beyond)
 
 
 @dataclass(frozen=True)
@@ -81,29 +71,33 @@ class _Box(Rows):
     high: Array
 
 
-def marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> Marginals:
+def marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals:
     """Means and central intervals of every data set, one data set's grid at a time in memory."""
-    if not len(counts):
+    if not len(posterior):
         return Marginals.empty(0)
-    boxes = _found_box(shape, counts, prior, mode)
+    boxes = _find_box(posterior, mode)
     by_set = []
-    for here in (slice(i, i + 1) for i in range(len(counts))):
-        etas = _eta_nodes(shape, counts[here], prior[here], mode[here])
-        by_set.append(_marginal_densities(shape, counts[here], prior[here], boxes[here], etas))
+    for here in _one_by_one(posterior):
+        etas = _eta_nodes(posterior[here], mode[here])
+        by_set.append(_marginal_densities(posterior[here], boxes[here], etas))
     mean, threshold, log_width, eta, log_total, beyond = (np.array(column) for column in zip(*by_set, strict=True))
-    ends = [(threshold, boxes.low[:, THRESHOLD], boxes.high[:, THRESHOLD])]
-    ends += [(log_width, boxes.low[:, LOG_WIDTH], boxes.high[:, LOG_WIDTH])]
-    return marginals_of(mean, ends, eta, log_total - log_mass(prior), beyond, interval)
+    threshold = quantiles(threshold, boxes.low[:, THRESHOLD], boxes.high[:, THRESHOLD], interval)
+    width = np.exp(quantiles(log_width, boxes.low[:, LOG_WIDTH], boxes.high[:, LOG_WIDTH], interval))
+    return Marginals(mean, threshold, width, eta, log_total - posterior.prior.log_mass(), beyond)
 
 
-def _eta_nodes(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> tuple[Array, Array]:
+def _one_by_one(posterior: LogPosterior) -> list[slice]:
+    return [slice(i, i + 1) for i in range(len(posterior))]
+
+
+def _eta_nodes(posterior: LogPosterior, mode: Mode) -> tuple[Array, Array]:
     """Nodes of the overdispersion and their weights times its prior, for one data set: 0 alone for the
     binomial."""
-    if prior.overdispersion is None:
+    if posterior.prior.overdispersion is None:
         return np.zeros(1), np.ones(1)
     axes = [mode.theta[0, place, None] for place in range(N_PARAMETERS)]
     tried = np.linspace(0.005, LARGEST_ETA, 100)
-    along = np.array([_log_density_grid(shape, counts, prior, axes, eta).item() for eta in tried])
+    along = np.array([_log_density_grid(posterior, axes, eta).item() for eta in tried])
     kept = along + log_prior_of(tried) > mode.log_density[0] - NEGLIGIBLE
     # The other parameters stand still at their mode here; free, they let eta reach somewhat farther.
     end = min(LARGEST_ETA, 1.3 * float(tried[kept].max(initial=0.005)))
@@ -112,44 +106,42 @@ def _eta_nodes(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> tuple[
     return nodes, weights * np.exp(log_prior_of(nodes))
 
 
-def _found_box(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> _Box:
+def _find_box(posterior: LogPosterior, mode: Mode) -> _Box:
     """The smallest box, up to a node, outside of which the density is negligible."""
-    ends = _Box(*prior.bounds())
+    ends = _Box(*posterior.prior.bounds())
     sd = np.sqrt(np.maximum(np.diagonal(mode.covariance, axis1=1, axis2=2), 0.0))
     reach = np.where(sd > 0, START_SD * sd, np.inf)
     box = _Box(np.maximum(mode.theta - reach, ends.low), np.minimum(mode.theta + reach, ends.high))
-    open_sets = np.arange(len(counts))
+    open_sets = np.arange(len(posterior))
     for _ in range(MAX_SEARCHES):
         old = box[open_sets]
-        profiles = _profiles(shape, counts[open_sets], prior[open_sets], old)
-        new = _adapted(old, ends[open_sets], profiles, mode.log_density[open_sets])
+        new = _adapted(old, ends[open_sets], _profiles(posterior[open_sets], old), mode.log_density[open_sets])
         moved = (np.abs(new.low - old.low) + np.abs(new.high - old.high)) > 0.2 * (old.high - old.low)
-        box.low[open_sets], box.high[open_sets] = new.low, new.high
+        box = box.replaced(open_sets, new)
         open_sets = open_sets[moved.any(axis=1)]
         if not len(open_sets):
             break
     return box
 
 
-def _profiles(shape: Shape, counts: Counts, prior: Prior, box: _Box) -> list[Array]:
+def _profiles(posterior: LogPosterior, box: _Box) -> list[Array]:
     """Along each parameter, the largest log density over the others on a coarse grid: 4 of (n_sets,
     n_nodes)."""
-    profiles: list[list[Array]] = [[] for _ in range(N_PARAMETERS)]
-    for i in range(len(counts)):
-        axes = [
-            np.linspace(max(box.low[i, place], FLOOR[place]), box.high[i, place], n)
-            if place in prior.free
-            else box.low[i, place, None]
-            for place, n in enumerate(SEARCH_NODES)
-        ]
-        here = slice(i, i + 1)
-        etas = (0.0,) if prior.overdispersion is None else (float(prior.overdispersion[i]), *ETA_SEARCH)
-        by_eta = [_log_density_grid(shape, counts[here], prior[here], axes, eta) + log_prior_of(eta) for eta in etas]
-        density = np.maximum.reduce(by_eta)
-        for place in range(N_PARAMETERS):
-            others = tuple(j for j in range(N_PARAMETERS) if j != place)
-            profiles[place].append(density.max(axis=others))
-    return [np.array(profile) for profile in profiles]
+    by_set = [_profiles_of_one(posterior[here], box[here]) for here in _one_by_one(posterior)]
+    return [np.array(along) for along in zip(*by_set, strict=True)]
+
+
+def _profiles_of_one(posterior: LogPosterior, box: _Box) -> list[Array]:
+    axes = posterior.prior.search_axes(box.low[0], box.high[0], SEARCH_NODES)
+    eta = posterior.prior.overdispersion
+    etas = (0.0,) if eta is None else (float(eta[0]), *ETA_SEARCH)
+    density = np.maximum.reduce([_log_density_grid(posterior, axes, eta) + log_prior_of(eta) for eta in etas])
+    return [density.max(axis=others(place)) for place in range(N_PARAMETERS)]
+
+
+def others(place: int) -> tuple[int, ...]:
+    """The axes of a grid but one."""
+    return tuple(axis for axis in range(N_PARAMETERS) if axis != place)
 
 
 def _adapted(box: _Box, ends: _Box, profiles: list[Array], best: Array) -> _Box:
@@ -197,39 +189,35 @@ def _nodes(prior: Prior, low: Array, high: Array) -> tuple[list[Array], list[Arr
     return nodes, weights
 
 
-def _log_density_grid(shape: Shape, counts: Counts, prior: Prior, axes: list[Array], eta: float) -> Array:
+def _log_density_grid(posterior: LogPosterior, axes: list[Array], eta: float) -> Array:
     """Log density at an overdispersion on the product of four axes, for one data set; shape of the four
     lengths."""
+    threshold, log_width, lapse, guess = posterior.prior.along(axes)
+    log_prior = (threshold[:, None] + log_width)[..., None, None] + (lapse[:, None] + guess)
+    return np.asarray(_log_likelihood_grid(posterior, axes, eta) + log_prior)
+
+
+def _log_likelihood_grid(posterior: LogPosterior, axes: list[Array], eta: float) -> Array:
+    shape, counts = posterior.shape, posterior.counts
     used = counts.n_trials[0] > 0
     u, k, n = counts.u[0, used], counts.n_yes[0, used], counts.n_trials[0, used]
-    m, v, lapse, guess = *axes[:GUESS], prior.guess_nodes(axes[LAPSE], axes[GUESS])
+    m, v, lapse, guess = *axes[:LAPSE], axes[LAPSE][:, None], posterior.prior.guess_nodes(axes[LAPSE], axes[GUESS])
     # (n_levels, n_thresholds, n_widths); the rates follow as two more axes
     z = shape.z50 + (u[:, None, None] - m[:, None]) * (shape.z_width * np.exp(-v))
     if eta < BINOMIAL_BELOW and min(guess.min(), lapse.min()) < SMALLEST_RATE:
         log_cdf, log_sf = (log_part(z)[..., None, None] for log_part in (shape.log_cdf, shape.log_sf))
-        yes, no = log_mixture(log_cdf, log_sf, guess, lapse[:, None])
+        yes, no = log_mixture(log_cdf, log_sf, guess, lapse)
         k, rest = (count[:, None, None, None, None] for count in (k, n - k))
-        return np.asarray((weighted(k, yes) + weighted(rest, no)).sum(axis=0) + _log_prior_grid(prior, axes))
+        return np.asarray((weighted(k, yes) + weighted(rest, no)).sum(axis=0))
     cdf, sf, _ = (share[..., None, None] for share in linear(shape, z))
+    span = 1 - guess - lapse
     if eta < BINOMIAL_BELOW:
-        total = _linear_log_likelihood(cdf, sf, guess, lapse[:, None], k, n)
-    else:
-        total = _overdispersed(cdf, sf, guess, lapse[:, None], (k, n, eta))
-    return np.asarray(total + _log_prior_grid(prior, axes))
-
-
-def _overdispersed(cdf: Array, sf: Array, guess: Array, lapse: Array, answers: tuple[Array, Array, float]) -> Array:
-    span, (k, n, eta) = 1 - guess - lapse, answers
+        # With asymptotes above 0 each chance is a sum of positive parts and may pass through the linear scale.
+        return _log_chances(cdf, guess, span, k) + _log_chances(sf, lapse, span, n - k)
     by_level = (
         log_weight(guess + span * cdf[i], lapse + span * sf[i], float(k[i]), float(n[i]), eta) for i in range(len(k))
     )
     return np.asarray(sum(by_level))
-
-
-def _linear_log_likelihood(cdf: Array, sf: Array, guess: Array, lapse: Array, k: Array, n: Array) -> Array:
-    """With asymptotes above 0 each chance is a sum of positive parts and may pass through the linear scale."""
-    span = 1 - guess - lapse
-    return _log_chances(cdf, guess, span, k) + _log_chances(sf, lapse, span, n - k)
 
 
 def _log_chances(parts: Array, floor: Array, span: Array, count: Array) -> Array:
@@ -265,19 +253,14 @@ def _log_products(parts: Array, floor: Array, span: Array) -> Array:
     return total.reshape(*parts.shape[1:3], *span.shape)
 
 
-def _log_prior_grid(prior: Prior, axes: list[Array]) -> Array:
-    """The prior is a product: its logarithm is a sum along the axes."""
-    threshold, log_width, lapse, guess = log_prior_axes(prior, axes)
-    return (threshold[:, None] + log_width)[..., None, None] + (lapse[:, None] + guess)
-
-
 def _marginal_densities(
-    shape: Shape, counts: Counts, prior: Prior, box: _Box, etas: tuple[Array, Array]
+    posterior: LogPosterior, box: _Box, etas: tuple[Array, Array]
 ) -> tuple[Array, Array, Array, float, float, Array]:
     """Of one data set: means, the densities of threshold and log width on their nodes, the mean of eta, the logarithm
     of the integral over all, and the shares beyond the levels."""
-    axes, weights = _nodes(prior, box.low[0], box.high[0])
-    densities = np.stack([_log_density_grid(shape, counts, prior, axes, float(eta)) for eta in etas[0]])
+    prior, (low, high) = posterior.prior, (box.low[0], box.high[0])
+    axes, weights = _nodes(prior, low, high)
+    densities = np.stack([_log_density_grid(posterior, axes, float(eta)) for eta in etas[0]])
     densities += axes[LOG_WIDTH][:, None, None]  # the prior is one of the width, the nodes lie along its logarithm
     highest = densities.max()
     densities -= highest  # likelihoods themselves are too small for floats
@@ -289,54 +272,19 @@ def _marginal_densities(
     along = [curve.sum(axis=1), curve.sum(axis=0), rates.sum(axis=1), rates.sum(axis=0)]
     nodes = [axes[THRESHOLD], np.exp(axes[LOG_WIDTH]), axes[LAPSE], axes[GUESS]]
     mean = prior.tied(np.array([(a * x).sum() / a.sum() for a, x in zip(along, nodes, strict=True)]))
-    log_total = float(highest + np.log(curve.sum()) + log_cell(prior, box.low[0], box.high[0], curve.shape))
-    beyond = (beyond_levels(shape, counts, axes) * curve).sum(axis=(1, 2)) / curve.sum()
+    log_total = float(highest + np.log(curve.sum()) + prior.log_cell(low, high, curve.shape))
+    beyond = (posterior.beyond_levels(axes) * curve).sum(axis=(1, 2)) / curve.sum()
     mean_eta = float((along_eta * etas[0]).sum() / along_eta.sum())
     return mean, along[THRESHOLD], along[LOG_WIDTH], mean_eta, log_total, beyond
 
 
-def marginals_of(
-    mean: Array,
-    ends: list[tuple[Array, Array, Array]],
-    eta: Array,
-    log_evidence: Array,
-    beyond: Array,
-    interval: float,
-) -> Marginals:
-    """From densities of threshold and log width, each (n_sets, n_nodes) on equidistant nodes with their ends."""
-    shares = np.array([(1 - interval) / 2, 0.5, (1 + interval) / 2])
-    threshold, width = quantiles(*ends[0], shares), np.exp(quantiles(*ends[1], shares))
-    median, both = np.stack([threshold[:, 1], width[:, 1]], axis=1), [0, 2]
-    return Marginals(mean, median, threshold[:, both], width[:, both], eta, log_evidence, beyond)
-
-
-def quantiles(density: Array, low: Array, high: Array, shares: Array) -> Array:
-    """Quantiles (n_sets, n_shares) of densities (n_sets, n_nodes) on equidistant nodes from `low` to `high`,
-    by the integral of their cubic splines."""
-    n_nodes = density.shape[1]
+def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array:
+    """The central interval's lower end, the median and its upper end (n_sets, 3) of densities (n_sets, n_nodes) on
+    equidistant nodes from `low` to `high`, by the integral of their cubic splines."""
+    shares, n_nodes = np.array([(1 - interval) / 2, 0.5, (1 + interval) / 2]), density.shape[1]
     fine = np.linspace(0, n_nodes - 1, 40 * n_nodes)
     integral = CubicSpline(np.arange(n_nodes), density, axis=1).antiderivative()(fine)
     # A spline may dip below 0 between two nodes, and what is inverted below has to rise.
     cumulated = np.maximum.accumulate(integral, axis=1)
     places = np.array([np.interp(shares * row[-1], row, fine) for row in cumulated])
     return np.asarray(low[:, None] + (high - low)[:, None] * places / (n_nodes - 1))
-
-
-def log_cell(prior: Prior, low: Array, high: Array, sizes: Sequence[int]) -> float:
-    """The logarithm of the volume of a cell of the grid; the weights of a free rate sum to 2."""
-    size = high - low
-    steps = [size[place] / (n - 1) for place, n in zip((THRESHOLD, LOG_WIDTH), sizes, strict=True)]
-    rates = [size[place] / 2 for place in prior.free if place in (LAPSE, GUESS)]
-    return float(np.log([*steps, *rates]).sum())
-
-
-def beyond_levels(shape: Shape, counts: Counts, axes: Sequence[Array]) -> Array:
-    """The part of each cell (2, n_thresholds, n_widths) in which the curve's rise, from its 0.05 to its 0.95 point,
-    ends below the lowest level, and in which it begins above the highest, of one data set."""
-    used = counts.u[0, counts.n_trials[0] > 0]
-    m, width = axes[THRESHOLD][:, None], np.exp(axes[LOG_WIDTH])
-    down, up = shape.rise
-    inside = np.stack([m + up * width - used.min(), used.max() - (m - down * width)])
-    step = axes[THRESHOLD][1] - axes[THRESHOLD][0]
-    # A cell through which the edge runs counts in part, so that the shares do not jump with the grid.
-    return np.asarray(np.clip(0.5 - inside / step, 0, 1))

@@ -25,6 +25,8 @@ NARROWEST = 0.05
 """A scale-free width is not narrower than this part of the range: two levels that a track left close together say
 nothing of it."""
 LARGEST_ETA = 0.99
+FLOOR = np.array([-np.inf, -np.inf, 1e-9, 1e-9])
+"""A search on a grid keeps off rates of exactly 0, where a chance may vanish."""
 
 
 @dataclass(frozen=True)
@@ -93,43 +95,75 @@ class Prior(Rows):
             low[:, THRESHOLD] = high[:, THRESHOLD] = self.threshold
         return low, high
 
+    def log_density(self, theta: Array) -> Array:
+        """At theta (n_sets, ..., 4), without a constant; shape (n_sets, ...)."""
+        return _total(theta, self._by_parameter(np.moveaxis(theta, -1, 0)))
 
-def log_prior(prior: Prior, theta: Array) -> Array:
-    """The log density at theta (n_sets, ..., 4), without a constant; shape (n_sets, ...)."""
-    return prior_expansion(prior, theta, derivatives=False).value
+    def expansion(self, theta: Array) -> Expansion:
+        """The log density, with gradient and Hessian.
+
+        It is that along the axis on which the width's prior is flat, the width or its logarithm, so that a mode is the
+        likelihood's where the priors are flat.
+        """
+        by_parameter = self._by_parameter(np.moveaxis(theta, -1, 0))
+        gradient, hessian = np.zeros(theta.shape), np.zeros((*theta.shape, N_PARAMETERS))
+        for place, (_, first, second) in by_parameter.items():
+            gradient[..., place], hessian[..., place, place] = first, second
+        return Expansion(_total(theta, by_parameter), gradient, hessian)
+
+    def along(self, axes: Sequence[Array]) -> list[Array]:
+        """The log densities of one data set along four axes of nodes, that of the width as a density of the width;
+        zeros for a fixed parameter."""
+        known = self._by_parameter(axes, scale_free_width=self.scale_free_width)
+        return [known[place][0] if place in known else np.zeros(len(axis)) for place, axis in enumerate(axes)]
+
+    def search_axes(self, low: Array, high: Array, sizes: Sequence[int]) -> list[Array]:
+        """Coarse nodes of one data set along each parameter; one node for a fixed parameter."""
+        return [
+            np.linspace(max(low[place], FLOOR[place]), high[place], n) if place in self.free else low[place, None]
+            for place, n in enumerate(sizes)
+        ]
+
+    def log_cell(self, low: Array, high: Array, sizes: Sequence[int]) -> float:
+        """The logarithm of the volume of a cell of a grid of one data set; the weights of a free rate sum to 2."""
+        size = high - low
+        steps = [size[place] / (n - 1) for place, n in zip((THRESHOLD, LOG_WIDTH), sizes, strict=True)]
+        rates = [size[place] / 2 for place in self.free if place in (LAPSE, GUESS)]
+        return float(np.log([*steps, *rates]).sum())
+
+    def _by_parameter(self, values: Array | Sequence[Array], *, scale_free_width: bool = False) -> "ByParameter":
+        """The log densities with two derivatives at values (n_sets, ...) of the four parameters, of those that have a
+        prior."""
+        each = (-1, *[1] * (values[THRESHOLD].ndim - 1))
+        by_parameter, none = {}, np.zeros(1)
+        if self.lapse_rate is None:
+            by_parameter[LAPSE] = log_rate(values[LAPSE], none, none, self.rate_beta)
+        if GUESS in self.free:
+            alarms, catch = self.n_false_alarms.reshape(each), self.n_catch.reshape(each)
+            by_parameter[GUESS] = log_rate(values[GUESS], alarms, catch - alarms, self.rate_beta)
+        if self.on_curve:
+            narrowest = self.narrowest.reshape(each)
+            by_parameter[THRESHOLD] = log_threshold(values[THRESHOLD])
+            by_parameter[LOG_WIDTH] = log_width(values[LOG_WIDTH], narrowest, scale_free=scale_free_width)
+        return by_parameter
+
+    def log_mass(self) -> Array:
+        """The logarithm of the integral of the density over threshold, width and free rates, without the answers to
+        catch trials; shape (n_sets,)."""
+        low = np.log(self.narrowest)[:, None]
+        v = low + np.linspace(0, 1, WIDTH_NODES) * (np.log(WIDEST) - low)
+        log_density_of_w, _, _ = log_width(v, self.narrowest[:, None], scale_free=self.scale_free_width)
+        density = np.exp(log_density_of_w + v)  # dw = w dv
+        along = np.log(1.5 * np.trapezoid(density, v, axis=1))  # the threshold's: 1 inside, a quarter on each side
+        n_free_rates = sum(place in (LAPSE, GUESS) for place in self.free)
+        return np.asarray(along + n_free_rates * self.log_rate_mass)
 
 
-def prior_expansion(prior: Prior, theta: Array, *, derivatives: bool = True) -> Expansion:
-    """The log prior, with gradient and Hessian unless they are not wanted.
-
-    The density is that along the axis on which the width's prior is flat, the width or its logarithm, so that a mode is
-    the likelihood's where the priors are flat.
-    """
-    parts = _rate_parts(prior, theta)
-    if prior.on_curve:
-        gap = prior.narrowest.reshape(-1, *([1] * (theta.ndim - 2)))
-        parts |= {
-            THRESHOLD: log_threshold(theta[..., THRESHOLD]),
-            LOG_WIDTH: log_width(theta[..., LOG_WIDTH], gap),
-        }
-    value = sum((log_density for log_density, _, _ in parts.values()), np.zeros(theta.shape[:-1]))
-    if not derivatives:
-        return Expansion(value, value, value)
-    gradient, hessian = np.zeros(theta.shape), np.zeros((*theta.shape, N_PARAMETERS))
-    for place, (_, first, second) in parts.items():
-        gradient[..., place], hessian[..., place, place] = first, second
-    return Expansion(value, gradient, hessian)
+ByParameter = dict[int, tuple[Array, Array, Array]]
 
 
-def _rate_parts(prior: Prior, theta: Array) -> dict[int, tuple[Array, Array, Array]]:
-    parts = {}
-    nothing = np.zeros(1)
-    if prior.lapse_rate is None:
-        parts[LAPSE] = log_rate(theta[..., LAPSE], nothing, nothing, prior.rate_beta)
-    if GUESS in prior.free:
-        fa, catch = (v.reshape(-1, *([1] * (theta.ndim - 2))) for v in (prior.n_false_alarms, prior.n_catch))
-        parts[GUESS] = log_rate(theta[..., GUESS], fa, catch - fa, prior.rate_beta)
-    return parts
+def _total(theta: Array, by_parameter: ByParameter) -> Array:
+    return sum((log_density for log_density, _, _ in by_parameter.values()), np.zeros(theta.shape[:-1]))
 
 
 def log_rate(x: Array, n_yes: Array, n_no: Array, beta: float) -> tuple[Array, Array, Array]:
@@ -171,33 +205,6 @@ def log_width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array,
     value, by_w, by_ww = (np.where(wide, a, np.where(narrow, b, 0.0)) for a, b in zip(at_wide, at_narrow, strict=True))
     slope = 1.0 if scale_free else 0.0  # flat in v is 1 / w, or -v in logarithms, as a density of w
     return value - slope * v, by_w * w - slope, by_ww * w * w + by_w * w
-
-
-def log_mass(prior: Prior) -> Array:
-    """The logarithm of the integral of the density over threshold, width and free rates, without the answers to catch
-    trials; shape (n_sets,)."""
-    low = np.log(prior.narrowest)[:, None]
-    v = low + np.linspace(0, 1, WIDTH_NODES) * (np.log(WIDEST) - low)
-    log_density_of_w, _, _ = log_width(v, prior.narrowest[:, None], scale_free=prior.scale_free_width)
-    density = np.exp(log_density_of_w + v)  # dw = w dv
-    along = np.log(1.5 * np.trapezoid(density, v, axis=1))  # the threshold's: 1 inside, a quarter on each side
-    n_free_rates = sum(place in (LAPSE, GUESS) for place in prior.free)
-    return np.asarray(along + n_free_rates * prior.log_rate_mass)
-
-
-def log_prior_axes(prior: Prior, axes: Sequence[Array]) -> list[Array]:
-    """The log densities of the free parameters of one data set along four axes of nodes; zeros for a fixed
-    one."""
-    along = [np.zeros(len(axis)) for axis in axes]
-    if prior.on_curve:
-        along[THRESHOLD] = log_threshold(axes[THRESHOLD])[0]
-        along[LOG_WIDTH] = log_width(axes[LOG_WIDTH], prior.narrowest, scale_free=prior.scale_free_width)[0]
-    if prior.lapse_rate is None:
-        along[LAPSE] = log_rate(axes[LAPSE], np.zeros(1), np.zeros(1), prior.rate_beta)[0]
-    if GUESS in prior.free:
-        n_no = prior.n_catch - prior.n_false_alarms
-        along[GUESS] = log_rate(axes[GUESS], prior.n_false_alarms, n_no, prior.rate_beta)[0]
-    return along
 
 
 def log_prior_of(eta: Array | float) -> Array:

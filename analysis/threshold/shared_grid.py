@@ -7,20 +7,18 @@ its own. Against four times as many nodes, means and standard deviations differ 
 deviation, the ends of the intervals by 0.1 % of their width (tests), as long as `RESOLVED_STEPS` holds.
 """
 
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.psychometric import Shape
-
 from ..arrays import Array, Bools
 from .chances import linear
-from .counts import Counts
 from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
+from .log_posterior import LogPosterior
 from .mode import Mode
-from .posterior import NEGLIGIBLE, Marginals, beyond_levels, log_cell, marginals, marginals_of, rate_rule
-from .prior import Prior, log_mass, log_prior_axes
-from .starts import same_rows
+from .posterior import NEGLIGIBLE, Marginals, marginals, others, quantiles, rate_rule
+from .prior import Prior
 
 MOST_FREE = 3
 """With two free rates a grid for all has so many nodes that grids of their own are faster."""
@@ -58,36 +56,40 @@ class Grid:
         return float(self.nodes[place][1] - self.nodes[place][0])
 
 
-def batched_marginals(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> Marginals:
+def batched_marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals:
     """As `posterior.marginals`: data sets on the same levels share a grid, the others have their own."""
-    all_sets = Marginals.empty(len(counts))
-    is_alone = np.ones(len(counts), dtype=bool)
-    if prior.overdispersion is None and len(prior.free) <= MOST_FREE:
-        catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)  # the prior of a free guess rate holds them
-        for members in same_rows(np.hstack([counts.u, counts.n_trials > 0, catch])):
+    all_sets, is_alone = Marginals.empty(len(posterior)), np.ones(len(posterior), dtype=bool)
+    if posterior.prior.overdispersion is None and len(posterior.prior.free) <= MOST_FREE:
+        for members in posterior.alike():
             if len(members) >= WORTH_SHARING:
-                shared, resolved = _shared(shape, counts[members], prior[members], mode[members], interval)
-                all_sets.put(members[resolved], shared, resolved)
+                shared, resolved = _shared(posterior[members], mode[members], interval)
+                all_sets = all_sets.replaced(members[resolved], shared[resolved])
                 is_alone[members[resolved]] = False
     alone = np.flatnonzero(is_alone)
-    by_themselves = marginals(shape, counts[alone], prior[alone], mode[alone], interval)
-    all_sets.put(alone, by_themselves, np.ones(len(alone), dtype=bool))
-    return all_sets
+    return all_sets.replaced(alone, marginals(posterior[alone], mode[alone], interval))
 
 
-def _shared(shape: Shape, counts: Counts, prior: Prior, mode: Mode, interval: float) -> tuple[Marginals, Bools]:
+def _shared(posterior: LogPosterior, mode: Mode, interval: float) -> tuple[Marginals, Bools]:
     """And which of the data sets the grid resolves."""
-    grid = common_grid(shape, counts, prior, mode)
-    along, log_total, beyond = marginal_masses(shape, counts, prior, grid)
-    shared = _described(grid, along, log_total - log_mass(prior), beyond, interval)
-    return replace(shared, mean=prior.tied(shared.mean)), _resolved(prior, grid, along)
+    grid, prior = common_grid(posterior, mode), posterior.prior
+    along, log_total, beyond = marginal_masses(posterior, grid)
+    m, v, lapse, guess = grid.nodes
+    threshold = quantiles(along[THRESHOLD], m[:1], m[-1:], interval)
+    width = np.exp(quantiles(along[LOG_WIDTH], v[:1], v[-1:], interval))
+    values = zip(along, (m, np.exp(v), lapse, guess), strict=True)
+    mean = prior.tied(np.stack([(mass @ x) / mass.sum(axis=1) for mass, x in values], axis=1))
+    log_evidence = log_total - prior.log_mass()
+    shared = Marginals(mean, threshold, width, np.zeros(len(mean)), log_evidence, beyond)
+    return shared, _resolved(prior, grid, along)
 
 
-def common_grid(shape: Shape, counts: Counts, prior: Prior, mode: Mode) -> Grid:
+def common_grid(posterior: LogPosterior, mode: Mode) -> Grid:
     """The grid of data sets on the same levels."""
+    prior = posterior.prior
     low, high = (end[0] for end in prior.bounds())
     for _ in range(2):  # the first coarse search spans all that the priors allow, the second what that one has left
-        low, high = _shrunk(shape, counts, prior, mode, _search_grid(prior, low, high))
+        axes = prior.search_axes(low, high, SEARCH_NODES)
+        low, high = _shrunk(posterior, mode, Grid(axes, [np.zeros(len(axis)) for axis in axes], 0.0))
     return _final_grid(prior, low, high, _sizes(mode, high - low))
 
 
@@ -101,16 +103,6 @@ def _sizes(mode: Mode, reach: Array) -> list[int]:
     return sizes
 
 
-def _search_grid(prior: Prior, low: Array, high: Array) -> Grid:
-    nodes = [
-        np.linspace(max(low[place], 1e-9 if place in (LAPSE, GUESS) else -np.inf), high[place], n)
-        if place in prior.free
-        else low[place, None]
-        for place, n in enumerate(SEARCH_NODES)
-    ]
-    return Grid(nodes, [np.zeros(len(axis)) for axis in nodes], 0.0)
-
-
 def _final_grid(prior: Prior, low: Array, high: Array, sizes: list[int]) -> Grid:
     nodes = [np.linspace(low[place], high[place], n) for place, n in enumerate(sizes)]
     log_weights = [np.zeros(sizes[0]), nodes[LOG_WIDTH]]  # the density is one of the width itself
@@ -118,11 +110,12 @@ def _final_grid(prior: Prior, low: Array, high: Array, sizes: list[int]) -> Grid
         unit, weight = rate_rule(RATE_NODES) if place in prior.free else (np.zeros(1), np.ones(1))
         nodes.append(low[place] + (high[place] - low[place]) * unit)
         log_weights.append(np.log(weight))
-    return Grid(nodes, log_weights, log_cell(prior, low, high, sizes))
+    return Grid(nodes, log_weights, prior.log_cell(low, high, sizes))
 
 
-def _tables(shape: Shape, counts: Counts, prior: Prior, grid: Grid) -> tuple[Array, Array]:
+def _tables(posterior: LogPosterior, grid: Grid) -> tuple[Array, Array]:
     """log psi and log(1 - psi) of the levels used (2 n_levels, n_nodes), and the log prior times weight (n_nodes,)."""
+    shape, counts, prior = posterior.shape, posterior.counts, posterior.prior
     used = counts.n_trials[0] > 0
     m, v, lapse, guess = grid.nodes
     z = shape.z50 + (counts.u[0, used][:, None, None] - m[:, None]) * (shape.z_width * np.exp(-v))
@@ -132,7 +125,7 @@ def _tables(shape: Shape, counts: Counts, prior: Prior, grid: Grid) -> tuple[Arr
     with np.errstate(divide="ignore"):
         yes = np.log(guess + span * cdf[..., None, None])
         no = np.log(lapse[:, None] + span * sf[..., None, None])
-        along = zip(log_prior_axes(prior[:1], grid.nodes), grid.log_weights, strict=True)
+        along = zip(prior[:1].along(grid.nodes), grid.log_weights, strict=True)
         m, v, lapse, guess = (log_density + log_weight for log_density, log_weight in along)
     outside = (m[:, None] + v)[..., None, None] + (lapse[:, None] + guess)
     table = np.concatenate([yes.reshape(used.sum(), -1), no.reshape(used.sum(), -1)])
@@ -140,49 +133,45 @@ def _tables(shape: Shape, counts: Counts, prior: Prior, grid: Grid) -> tuple[Arr
     return np.maximum(table, -1e6), np.maximum(outside, -1e9).ravel()
 
 
-def _answers(counts: Counts) -> Array:
+def _densities(posterior: LogPosterior, grid: Grid) -> Iterator[tuple[slice, Array]]:
+    """Of some data sets after the others: which they are, and their log densities (n_sets, n_nodes)."""
+    table, outside = _tables(posterior, grid)
+    counts = posterior.counts
     used = counts.n_trials[0] > 0
-    return np.hstack([counts.n_yes[:, used], (counts.n_trials - counts.n_yes)[:, used]])
+    answers = np.hstack([counts.n_yes[:, used], (counts.n_trials - counts.n_yes)[:, used]])
+    size = max(1, CHUNK // len(outside))
+    for start in range(0, len(posterior), size):
+        sets = slice(start, start + size)
+        yield sets, answers[sets] @ table + outside
 
 
-def _shrunk(shape: Shape, counts: Counts, prior: Prior, mode: Mode, grid: Grid) -> tuple[Array, Array]:
+def _shrunk(posterior: LogPosterior, mode: Mode, grid: Grid) -> tuple[Array, Array]:
     """The ends of the nodes between which any data set holds density, one node more on each side."""
-    table, outside = _tables(shape, counts, prior, grid)
-    answers, kept = _answers(counts), np.zeros(len(outside), dtype=bool)
-    for chunk in _chunks(len(counts), len(outside)):
-        density = answers[chunk] @ table + outside
-        best = np.maximum(density.max(axis=1), mode.log_density[chunk])
+    kept = np.zeros(np.prod(grid.sizes), dtype=bool)
+    for sets, density in _densities(posterior, grid):
+        best = np.maximum(density.max(axis=1), mode.log_density[sets])
         kept |= (density > best[:, None] - NEGLIGIBLE).any(axis=0)
     inside = kept.reshape(grid.sizes)
     # Coarse nodes may miss a narrow posterior between them; its mode and curvature know where it lies.
     around = MODE_SD * np.sqrt(np.diagonal(mode.covariance, axis1=1, axis2=2))
     low, high = (mode.theta - around).min(axis=0), (mode.theta + around).max(axis=0)
     for place, nodes in enumerate(grid.nodes):
-        others = tuple(j for j in range(N_PARAMETERS) if j != place)
-        along = np.flatnonzero(inside.any(axis=others))
+        along = np.flatnonzero(inside.any(axis=others(place)))
         first, last = (max(along[0] - 1, 0), min(along[-1] + 1, len(nodes) - 1)) if len(along) else (0, -1)
         low[place] = max(min(low[place], nodes[first]), nodes[0])
         high[place] = min(max(high[place], nodes[last]), nodes[-1])
     return low, high
 
 
-def _chunks(n_sets: int, n_nodes: int) -> list[slice]:
-    size = max(1, CHUNK // n_nodes)
-    return [slice(start, start + size) for start in range(0, n_sets, size)]
-
-
-def marginal_masses(shape: Shape, counts: Counts, prior: Prior, grid: Grid) -> tuple[list[Array], Array, Array]:
+def marginal_masses(posterior: LogPosterior, grid: Grid) -> tuple[list[Array], Array, Array]:
     """Along each parameter the masses (n_sets, n_nodes) of every data set, the logarithms of their integrals (n_sets,),
     and the shares (n_sets, 2) beyond the levels."""
-    table, outside = _tables(shape, counts, prior, grid)
-    answers, (n_m, n_v, n_lapse, n_guess) = _answers(counts), grid.sizes
-    beyond = beyond_levels(shape, counts, grid.nodes).reshape(2, -1).T
+    n_m, n_v, n_lapse, n_guess = grid.sizes
+    beyond = posterior.beyond_levels(grid.nodes).reshape(2, -1).T
     chunks = []
-    for chunk in _chunks(len(counts), len(outside)):
-        density = answers[chunk] @ table + outside
+    for _, density in _densities(posterior, grid):
         highest = density.max(axis=1, keepdims=True)
-        density -= highest
-        mass = np.exp(density.astype(np.float32)).reshape(len(density), n_m * n_v, n_lapse * n_guess)
+        mass = np.exp((density - highest).astype(np.float32)).reshape(len(density), n_m * n_v, n_lapse * n_guess)
         ones = np.ones(n_lapse * n_guess, dtype=np.float32)
         flat, rates = mass @ ones, mass.sum(axis=1).reshape(-1, n_lapse, n_guess)
         curve, total = flat.reshape(-1, n_m, n_v), flat.sum(axis=1, dtype=np.float64)
@@ -191,16 +180,6 @@ def marginal_masses(shape: Shape, counts: Counts, prior: Prior, grid: Grid) -> t
         chunks.append((*along, log_total, flat @ beyond / total[:, None]))
     columns = [np.concatenate(column).astype(np.float64) for column in zip(*chunks, strict=True)]
     return columns[:N_PARAMETERS], columns[-2], columns[-1]
-
-
-def _described(grid: Grid, along: list[Array], log_evidence: Array, beyond: Array, interval: float) -> Marginals:
-    values = [grid.nodes[THRESHOLD], np.exp(grid.nodes[LOG_WIDTH]), grid.nodes[LAPSE], grid.nodes[GUESS]]
-    mean = np.stack([(mass @ x) / mass.sum(axis=1) for mass, x in zip(along, values, strict=True)], axis=1)
-    ends = []
-    for place in (THRESHOLD, LOG_WIDTH):
-        low, high = (np.full(len(mean), grid.nodes[place][end]) for end in (0, -1))
-        ends.append((along[place], low, high))
-    return marginals_of(mean, ends, np.zeros(len(mean)), log_evidence, beyond, interval)
 
 
 def _resolved(prior: Prior, grid: Grid, along: list[Array]) -> Bools:

@@ -10,13 +10,12 @@ from itertools import product
 
 import numpy as np
 
-from tactometry.psychometric import Shape
-
 from ..arrays import Array, Bools, Indices, Rows
 from .chances import weighted
 from .counts import Counts
 from .likelihood import GUESS, LAPSE, N_PARAMETERS, constant_log_likelihood, log_chances_by_curve
-from .prior import LARGEST_RATE, Prior, log_prior, log_rate
+from .log_posterior import LogPosterior
+from .prior import LARGEST_RATE, Prior, log_rate
 
 N_WIDTHS = 10
 WIDEST_NODE, NARROWEST_NODE = 2.8, 0.03
@@ -47,33 +46,25 @@ class Starts(Rows):
 
 
 # Of a coarse grid
-def grid_starts(shape: Shape, counts: Counts, prior: Prior) -> tuple[Starts, Starts]:
+def grid_starts(posterior: LogPosterior) -> tuple[Starts, Starts]:
     """The summits of the grid, and the best node of its narrow and of its wide half for each data set.
 
     Sets with the same levels and catch trials share the chances: one product of matrices."""
+    counts, prior = posterior.counts, posterior.prior
     summits, halves = [Starts.none()], [Starts.none()]
-    catch = np.stack([prior.n_false_alarms, prior.n_catch], axis=1)
-    for members in same_rows(np.hstack([counts.u, counts.n_trials > 0, catch])):
+    for members in posterior.alike():
         sizes, nodes = _nodes(prior, counts[members[:1]])
-        by_curve = log_chances_by_curve(shape, counts.u[members[0]], nodes.reshape(-1, sizes[2], N_PARAMETERS))
+        curves = nodes.reshape(-1, sizes[2], N_PARAMETERS)
+        by_curve = log_chances_by_curve(posterior.shape, counts.u[members[0]], curves)
         # Minus infinity would make NaN of the answers that a level does not have.
         chances = [np.maximum(log_chance, FLOOR).reshape(len(nodes), -1) for log_chance in by_curve]
         size = max(1, CHUNK // len(nodes))
         for sets in (members[start : start + size] for start in range(0, len(members), size)):
-            density = _density(chances, counts[sets]) + log_prior(prior[sets[:1]], nodes[None])
+            density = _density(chances, counts[sets]) + prior[sets[:1]].log_density(nodes[None])
             tops, bests = _tops(sets, density.reshape(len(sets), *sizes), nodes.reshape(*sizes, N_PARAMETERS))
             summits.append(tops)
             halves.append(bests)
     return reduce(Starts.joined, summits), reduce(Starts.joined, halves)
-
-
-def same_rows(rows: Array) -> list[Indices]:
-    """The places of equal rows, group by group."""
-    if not len(rows) or (rows == rows[0]).all():
-        return [np.arange(len(rows))] if len(rows) else []
-    _, group = np.unique(rows, axis=0, return_inverse=True)
-    order = np.argsort(group.ravel(), kind="stable")
-    return np.split(order, np.flatnonzero(np.diff(group.ravel()[order])) + 1)
 
 
 def _nodes(prior: Prior, one: Counts) -> tuple[tuple[int, int, int], Array]:
@@ -133,10 +124,10 @@ def _is_top(ridge: Array) -> Bools:
 
 
 # Of steps
-def step_starts(shape: Shape, counts: Counts, prior: Prior, at_least: Array) -> Starts:
+def step_starts(posterior: LogPosterior, at_least: Array) -> Starts:
     """The `N_STEPS` densest steps, between two levels or at one level with any rate there, of each data set, if their
     log density (without the prior of threshold and width) reaches `at_least` (n_sets,)."""
-    steps = (_steps_between(counts, prior), _steps_at(shape, counts, prior))
+    steps = (_steps_between(posterior), _steps_at(posterior))
     density, theta = (np.concatenate(both, axis=1) for both in zip(*steps, strict=True))
     best = np.argsort(-density, axis=1)[:, :N_STEPS]
     sets, place = np.nonzero(np.take_along_axis(density, best, axis=1) >= at_least[:, None])
@@ -154,23 +145,24 @@ def _steep_width(counts: Counts, spacing: Array) -> Array:
     return np.maximum(1.5 * counts.gap[:, None], STEEP * np.where(np.isfinite(spacing), spacing, 1.0))
 
 
-def _steps_between(counts: Counts, prior: Prior) -> tuple[Array, Array]:
+def _steps_between(posterior: LogPosterior) -> tuple[Array, Array]:
     """Log densities (n_sets, n_levels - 1) and parameters (n_sets, n_levels - 1, 4) of steps between two levels."""
-    u, spacing = counts.u, _spacings(counts)
+    u, spacing = posterior.counts.u, _spacings(posterior.counts)
     cut = np.arange(1, u.shape[1])
-    density, lapse, guess = _asymptotes(counts, prior, cut, cut)
-    middle, width = (u[:, 1:] + u[:, :-1]) / 2, _steep_width(counts, spacing)
+    density, lapse, guess = _asymptotes(posterior, cut, cut)
+    middle, width = (u[:, 1:] + u[:, :-1]) / 2, _steep_width(posterior.counts, spacing)
     theta = np.stack([middle, np.log(width), lapse, guess], axis=-1)
     return np.where(np.isfinite(spacing), density, -np.inf), theta
 
 
-def _steps_at(shape: Shape, counts: Counts, prior: Prior) -> tuple[Array, Array]:
+def _steps_at(posterior: LogPosterior) -> tuple[Array, Array]:
     """Log densities (n_sets, n_levels) and parameters (n_sets, n_levels, 4) of steps at a level that has any rate."""
+    shape, counts = posterior.shape, posterior.counts
     u, k, n = counts.u, counts.n_yes, counts.n_trials
     spacing, outer = _spacings(counts), np.full((len(counts), 1), np.inf)
     nearest = np.minimum(np.hstack([outer, spacing]), np.hstack([spacing, outer]))
     at = np.arange(u.shape[1])
-    density, lapse, guess = _asymptotes(counts, prior, at, at + 1)
+    density, lapse, guess = _asymptotes(posterior, at, at + 1)
     rate = np.divide(k, n, out=np.full_like(k, 0.5), where=n > 0)
     # A rate on an asymptote would put the threshold infinitely far away.
     share = np.clip((rate - guess) / np.maximum(1 - guess - lapse, 1e-9), 0.03, 0.97)
@@ -180,8 +172,9 @@ def _steps_at(shape: Shape, counts: Counts, prior: Prior) -> tuple[Array, Array]
     return np.where(n > 0, density + constant_log_likelihood(k, n), -np.inf), theta
 
 
-def _asymptotes(counts: Counts, prior: Prior, below: Indices, above: Indices) -> tuple[Array, Array, Array]:
+def _asymptotes(posterior: LogPosterior, below: Indices, above: Indices) -> tuple[Array, Array, Array]:
     """Of the levels before `below` and from `above` on: log density (n_sets, n_steps), lapse and guess rates."""
+    counts, prior = posterior.counts, posterior.prior
     none = np.zeros((len(counts), 1))
     # At i: answers and trials of all levels before level i.
     k, n = (np.hstack([none, np.cumsum(count, axis=1)]) for count in (counts.n_yes, counts.n_trials))

@@ -23,13 +23,12 @@ from scipy.optimize import isotonic_regression
 from scipy.special import betainc, betaincinv, betaln, logsumexp
 from scipy.stats import chi2
 
-from tactometry.psychometric import Shape
-
 from ..arrays import Array, Bools
 from ..noted_status import NotedStatus
 from .chances import weighted
 from .counts import Counts
-from .likelihood import GUESS, LAPSE, constant_log_likelihood, log_likelihood, saturated_log_likelihood
+from .likelihood import GUESS, LAPSE, constant_log_likelihood, saturated_log_likelihood
+from .log_posterior import LogPosterior
 from .mode import Mode
 from .posterior import Marginals
 from .prior import LARGEST_RATE, Prior
@@ -93,9 +92,10 @@ def stand_as_after_a_track(counts: Counts) -> Bools:
     return np.asarray(uneven | ((n_levels > FEW) & (n < 2 * n_levels)))
 
 
-def statuses(counts: Counts, prior: Prior, shares: Array, step: StepFit) -> list[Status]:
+def statuses(posterior: LogPosterior, shares: Array, step: StepFit) -> list[Status]:
     """The status of each data set, the first that applies of: no data, one level, falling, all yes, the threshold
     outside of the levels' reach or not to be told, one step, two levels; `shares` are those of `verdict_shares`."""
+    counts = posterior.counts
     k, n = counts.n_yes.sum(axis=1), counts.n_trials.sum(axis=1)
     falls, status = _falls(counts), []
     for i in range(len(counts)):
@@ -104,7 +104,7 @@ def statuses(counts: Counts, prior: Prior, shares: Array, step: StepFit) -> list
             (counts.n_levels[i] == 1, Status.TOO_FEW_LEVELS),
             (falls[i], Status.NON_MONOTONE),
             (k[i] == n[i], Status.BELOW),
-            (shares[i, 0] < HELD, _outside(shares[i], k[i], n[i], _guess(prior, i))),
+            (shares[i, 0] < HELD, _outside(shares[i], k[i], n[i], _guess(posterior.prior, i))),
             (step.is_between[i], Status.SEPARATED),
             (counts.n_levels[i] == 2, Status.TOO_FEW_LEVELS),
         )
@@ -172,18 +172,19 @@ def _isotonic_log_likelihood(counts: Counts) -> Array:
     return fitted
 
 
-def best_step(shape: Shape, counts: Counts, likeliest: Mode) -> StepFit:
+def best_step(posterior: LogPosterior, likeliest: Mode) -> StepFit:
     """The step with the asymptotes of the likeliest curve, and any rate at one level at most.
 
     Where it fits at least as well as the likeliest curve, the steepness has no upper bound. A step between
     two levels lies at their middle. One before or after all levels would be a constant rate, and no step.
     """
+    counts = posterior.counts
     at_level, between = _step_likelihoods(counts, likeliest)
     cut = np.arange(between.shape[1])  # cut i lies between the levels i - 1 and i
     has_both_sides = (cut > 0) & (cut < counts.n_levels[:, None])
     between = np.where(has_both_sides, between, -np.inf)
     best = np.maximum(at_level.max(axis=1), between.max(axis=1))
-    is_best = best >= log_likelihood(shape, counts, likeliest.theta) - 1e-6
+    is_best = best >= posterior.log_likelihood(likeliest.theta) - 1e-6
     is_between = between.max(axis=1) >= best - TOLERATED
     rows, gap = np.arange(len(counts)), between.argmax(axis=1)
     last = counts.u.shape[1] - 1
@@ -210,12 +211,12 @@ def _floored(log_chance: Array) -> Array:
     return np.maximum(log_chance, -1e12)
 
 
-def verdict_shares(counts: Counts, prior: Prior, posterior: Marginals) -> Array:
+def verdict_shares(posterior: LogPosterior, marginals: Marginals) -> Array:
     """Posterior probabilities (n_sets, 4): the levels meet the rise; all lie above it; all lie below it; there is none.
     NaN for sets without a posterior."""
-    met = 1 - posterior.beyond.sum(axis=1, keepdims=True)
-    curves = posterior.log_evidence[:, None] + _logarithm(np.hstack([met, posterior.beyond]))
-    ceiling, guesses, constant = constant_evidence(counts, prior)
+    met = 1 - marginals.beyond.sum(axis=1, keepdims=True)
+    curves = marginals.log_evidence[:, None] + _logarithm(np.hstack([met, marginals.beyond]))
+    ceiling, guesses, constant = constant_evidence(posterior.counts, posterior.prior)
     with np.errstate(invalid="ignore"):
         # A rise below all levels leaves them on the ceiling, one above all levels leaves them to guesses.
         below = np.logaddexp(curves[:, 1], np.log(CEILING_WEIGHT) + ceiling)

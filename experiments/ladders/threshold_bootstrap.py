@@ -54,13 +54,15 @@ def _fitted_modes() -> tuple[Real, Real]:
     """Threshold and logarithm of the width of every answer, by the fit's own steps."""
     from tactometry.analysis.threshold.counts import count_arrays, normalise
     from tactometry.analysis.threshold.likelihood import LOG_WIDTH, THRESHOLD
+    from tactometry.analysis.threshold.log_posterior import LogPosterior
     from tactometry.analysis.threshold.mode import find_mode
     from tactometry.analysis.threshold.prior import Prior
     from tactometry.psychometric import shape_named
 
     counts = normalise(*count_arrays(LEVELS, _answers(), N_TRIALS, positive=False))
     none = np.zeros(len(counts))
-    theta = find_mode(shape_named("normal"), counts, Prior(counts.gap, RATE, RATE, none, none)).theta
+    prior = Prior(counts.gap, RATE, RATE, none, none)
+    theta = find_mode(LogPosterior(shape_named("normal"), counts, prior)).theta
     return theta[:, THRESHOLD] * RANGE, theta[:, LOG_WIDTH] + np.log(RANGE)
 
 

@@ -11,6 +11,7 @@ from tactometry.analysis.threshold import shared_grid
 from tactometry.analysis.threshold.counts import normalise
 from tactometry.analysis.threshold.fitting import fit_many
 from tactometry.analysis.threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, THRESHOLD
+from tactometry.analysis.threshold.log_posterior import LogPosterior
 from tactometry.analysis.threshold.mode import find_mode
 from tactometry.analysis.threshold.posterior import rate_rule
 from tactometry.analysis.threshold.prior import LARGEST_RATE, Prior, log_threshold, log_width
@@ -78,9 +79,9 @@ def test_ranks_of_truths_from_the_prior_are_uniform(monkeypatch, shape, free_gue
     counts = normalise(np.broadcast_to(LEVELS, k.shape), k, np.full(k.shape, float(N_TRIALS)))
     none = np.zeros(n_sets)
     prior = Prior(counts.gap, None, None if free_guess else 0.5, none, none)
-    mode = find_mode(SHAPES[shape], counts, prior)
-    grid = shared_grid.common_grid(SHAPES[shape], counts, prior, mode)
-    along = shared_grid.marginal_masses(SHAPES[shape], counts, prior, grid)[0]
+    posterior = LogPosterior(SHAPES[shape], counts, prior)
+    grid = shared_grid.common_grid(posterior, find_mode(posterior))
+    along = shared_grid.marginal_masses(posterior, grid)[0]
     ranks = {}
     for place in prior.free:
         nodes, true = grid.nodes[place], truth[place]

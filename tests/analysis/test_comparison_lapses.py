@@ -13,7 +13,8 @@ from soak import SOAK
 from tactometry.analysis.tasks.comparison import FIT
 from tactometry.analysis.threshold.counts import count_arrays, normalise
 from tactometry.analysis.threshold.fitting import fit
-from tactometry.analysis.threshold.mode import climb, find_mode, log_density
+from tactometry.analysis.threshold.log_posterior import LogPosterior
+from tactometry.analysis.threshold.mode import climb, find_mode
 from tactometry.analysis.threshold.posterior import marginals
 from tactometry.analysis.threshold.prior import Prior
 from tactometry.analysis.threshold.shared_grid import batched_marginals
@@ -61,36 +62,34 @@ def test_five_percent_of_lapses_widen_a_difference_by_less_than_a_fifth(found) -
 
 
 @pytest.fixture(scope="module")
-def some() -> tuple:
+def some() -> LogPosterior:
     n_more = answers(Person(2.5, 20, 0.05), 12, np.random.default_rng(7))[1]
     counts = normalise(*count_arrays(LEVELS, n_more, 20, positive=False))
     nothing = np.zeros(len(counts))
     known = {name: value for name, value in FIT.items() if name != "shape"}
-    return counts, Prior(counts.gap, None, n_false_alarms=nothing, n_catch=nothing, **known)
+    return LogPosterior(NORMAL, counts, Prior(counts.gap, None, n_false_alarms=nothing, n_catch=nothing, **known))
 
 
 def test_equal_asymptotes_are_equal_and_the_mode_is_the_highest_of_them(some) -> None:
-    counts, prior = some
-    mode = find_mode(NORMAL, counts, prior)
+    mode = find_mode(some)
     assert (mode.theta[:, 2] == mode.theta[:, 3]).all()
     rng = np.random.default_rng(1)
     for _ in range(50):
-        near = prior.tied(mode.theta + rng.normal(0, [0.02, 0.05, 0.005, 1.0], mode.theta.shape))
+        near = some.prior.tied(mode.theta + rng.normal(0, [0.02, 0.05, 0.005, 1.0], mode.theta.shape))
         near = np.clip(near, [-1, -9, 0, 0], [1, 1, 0.5, 0.5])
-        assert (log_density(NORMAL, counts, prior, near) <= mode.log_density + 1e-9).all()
-    again = climb(NORMAL, counts, prior, np.tile([0.1, -0.5, 0.1, 0.3], (len(counts), 1)))
+        assert (some.log_density(near) <= mode.log_density + 1e-9).all()
+    again = climb(some, np.tile([0.1, -0.5, 0.1, 0.3], (len(some), 1)))
     assert (again.log_density <= mode.log_density + 1e-9).all()
 
 
 def test_one_grid_for_all_and_grids_of_their_own_agree_with_a_plain_sum(some) -> None:
-    counts, prior = some
-    mode = find_mode(NORMAL, counts, prior)
-    shared, own = (f(NORMAL, counts, prior, mode, 0.95) for f in (batched_marginals, marginals))
+    mode = find_mode(some)
+    shared, own = (f(some, mode, 0.95) for f in (batched_marginals, marginals))
     m, v = np.linspace(-0.4, 0.4, 41), np.linspace(np.log(0.2), np.log(3.0), 80)
     rate = (np.arange(60) + 0.5) / 60 * 0.15
     nodes = np.stack(np.meshgrid(m, v, rate, [0.0], indexing="ij"), axis=-1).reshape(-1, 4)
-    one = counts[np.zeros(len(nodes), dtype=int)]
-    mass = np.exp(log_density(NORMAL, one, prior[np.zeros(len(nodes), dtype=int)], prior.tied(nodes)))
+    one = some[np.zeros(len(nodes), dtype=int)]
+    mass = np.exp(one.log_density(some.prior.tied(nodes)))
     mean = np.array([mass @ nodes[:, 0], mass @ np.exp(nodes[:, 1]), mass @ nodes[:, 2]]) / mass.sum()
     for each in (shared, own):
         assert each.mean[0, :3] == pytest.approx(mean, rel=2e-3, abs=2e-4)

@@ -14,6 +14,7 @@ from tactometry.analysis.tasks.goodness import P_COLUMNS, TESTS, goodness_table,
 from tactometry.analysis.threshold.counts import normalise
 from tactometry.analysis.threshold.fitting import fit
 from tactometry.analysis.threshold.goodness import ENOUGH, STATISTICS, Sequences, _Tally, goodness, statistics
+from tactometry.analysis.threshold.log_posterior import LogPosterior
 from tactometry.analysis.threshold.mode import find_mode
 from tactometry.analysis.threshold.prior import Prior
 from tactometry.cli.analyse import command
@@ -49,7 +50,7 @@ def staircases(n_trials, guess, n_down, rng):
 
 
 def problem(levels, answers, guess, n_catch=0, rng=None):
-    """Counts, prior and answers in stretches of ten."""
+    """The posterior, and answers in stretches of ten."""
     n_sets, n_trials = levels.shape
     every = np.unique(levels)
     where = (
@@ -65,14 +66,14 @@ def problem(levels, answers, guess, n_catch=0, rng=None):
     counts = normalise(every[order], yes.sum(axis=1), n.sum(axis=1), robust_range=True)
     alarms = rng.binomial(n_catch, 0.03, n_sets) if n_catch else np.zeros(n_sets)
     prior = Prior(counts.gap, None, guess, alarms.astype(float), np.full(n_sets, n_catch), scale_free_width=True)
-    return counts, prior, Sequences(yes, n)
+    return LogPosterior(SHAPES["normal"], counts, prior), Sequences(yes, n)
 
 
 def shares(levels, answers, guess, rng, *, bound, follows=False, n_catch=0):
     """The share of data sets whose p is at most the bound, by test."""
-    counts, prior, sequences = problem(levels, answers, guess, n_catch, rng)
-    mode = find_mode(SHAPES["normal"], counts, prior)
-    found = goodness(SHAPES["normal"], counts, prior, mode.theta, sequences, np.full(len(levels), follows), rng)
+    posterior, sequences = problem(levels, answers, guess, n_catch, rng)
+    theta = find_mode(posterior).theta
+    found = goodness(posterior, theta, sequences, np.full(len(levels), follows), rng)
     assert np.isfinite(found.statistics).all()
     assert ((found.p > 0) & (found.p <= 1)).all()
     return dict(zip(TESTS, (found.p <= bound).mean(axis=0), strict=True))
@@ -133,7 +134,7 @@ def test_the_deviance_is_that_of_the_fit():
     found = fit(LEVELS, k, n, shape="normal", guess_rate=0.5, method="map")
     counts = normalise(LEVELS[None], k[None].astype(float), np.full((1, 7), 20.0))
     zero = np.zeros(1)
-    theta = find_mode(SHAPES["normal"], counts, Prior(counts.gap, None, 0.5, zero, zero)).theta
+    theta = find_mode(LogPosterior(SHAPES["normal"], counts, Prior(counts.gap, None, 0.5, zero, zero))).theta
     values = statistics(SHAPES["normal"], counts, theta, Sequences(counts.n_yes[:, None], counts.n_trials[:, None]))
     assert values[0, 0] == pytest.approx(found.deviance, rel=1e-9)
 

@@ -9,7 +9,8 @@ from scipy.stats import binom
 from soak import SOAK
 
 from tactometry.analysis.threshold.counts import count_arrays, normalise
-from tactometry.analysis.threshold.mode import climb, find_mode, log_density
+from tactometry.analysis.threshold.log_posterior import LogPosterior
+from tactometry.analysis.threshold.mode import climb, find_mode
 from tactometry.analysis.threshold.prior import Prior
 from tactometry.psychometric import SHAPES
 
@@ -30,13 +31,13 @@ STEEP_WITH_LAPSES = np.array(np.meshgrid(np.linspace(-0.5, 0.5, 41), [-1.3, -1.1
 def test_the_mode_is_the_higher_of_a_shallow_and_a_steep_summit(k, guess_rate) -> None:
     """The best node of the coarse grid is shallow, by up to 16 in the logarithm, and leads to the lower summit."""
     counts, none = normalise(*count_arrays(LEVELS, [k], 40, positive=False)), np.zeros(1)
-    prior = Prior(counts.gap, None, guess_rate, none, none)
+    posterior = LogPosterior(SHAPES["normal"], counts, Prior(counts.gap, None, guess_rate, none, none))
     m, v, lapse = (part.ravel() for part in STEEP_WITH_LAPSES)
     nodes = np.stack([m, v, lapse, np.full_like(m, guess_rate or 0.0)], axis=1)
-    found = find_mode(SHAPES["normal"], counts, prior)
-    steep = max(log_density(SHAPES["normal"], counts, prior, node[None])[0] for node in nodes)
+    found = find_mode(posterior)
+    steep = max(posterior.log_density(node[None])[0] for node in nodes)
     assert found.log_density[0] >= steep
-    shallow = climb(SHAPES["normal"], counts, prior, np.array([[0.0, 0.3, 0.01, guess_rate or 0.01]]))
+    shallow = climb(posterior, np.array([[0.0, 0.3, 0.01, guess_rate or 0.01]]))
     assert found.log_density[0] > shallow.log_density[0] + 1
 
 
@@ -44,10 +45,10 @@ def test_each_of_a_stack_has_the_summit_that_it_has_alone() -> None:
     """Steep and shallow summits, in turn."""
     k = np.array([[0, 2, 18, 19, 19, 20, 16], [0, 3, 9, 21, 30, 37, 40], [0, 0, 2, 14, 18, 24, 18]])
     counts, none = normalise(*count_arrays(LEVELS, k, 40, positive=False)), np.zeros(3)
-    prior = Prior(counts.gap, None, 0.0, none, none)
-    together = find_mode(SHAPES["normal"], counts, prior)
+    posterior = LogPosterior(SHAPES["normal"], counts, Prior(counts.gap, None, 0.0, none, none))
+    together = find_mode(posterior)
     for i in range(3):
-        alone = find_mode(SHAPES["normal"], counts[i : i + 1], prior[i : i + 1])
+        alone = find_mode(posterior[i : i + 1])
         assert together.theta[i] == pytest.approx(alone.theta[0], abs=1e-9)
         assert together.log_density[i] == pytest.approx(alone.log_density[0], abs=1e-9)
 
@@ -73,14 +74,15 @@ UNRULY = list(
 )
 
 
-def climbed_from_everywhere(shape, counts, prior) -> np.ndarray:
+def climbed_from_everywhere(posterior) -> np.ndarray:
     """The highest summits (n_sets,) from a dense grid of starts."""
+    counts, prior = posterior.counts, posterior.prior
     rates = [(0.002, 0.1, 0.3) if rate is None else (rate,) for rate in (prior.lapse_rate, prior.guess_rate)]
     finest = (21, 12) if SOAK else (9, 6)
     widths = np.linspace(np.log(max(1.02 * counts.gap[0], 0.01)), np.log(2.9), finest[1])
     starts = np.array(list(product(np.linspace(-0.99, 0.99, finest[0]), widths, *rates)))
     each = np.repeat(np.arange(len(counts)), len(starts))
-    found = climb(shape, counts[each], prior[each], np.tile(starts, (len(counts), 1)))
+    found = climb(posterior[each], np.tile(starts, (len(counts), 1)))
     return found.log_density.reshape(len(counts), -1).max(axis=1)
 
 
@@ -91,9 +93,9 @@ def test_the_highest_summit_is_found_in_999_of_1000_unruly_sets() -> None:
         shape = SHAPES[rng.choice(["normal", "logistic", "gumbel", "reversed_gumbel"])]
         k = rng.binomial(n_trials, unruly(kind, (n, len(levels)), rng))
         counts, none = normalise(*count_arrays(levels, k, n_trials, positive=False)), np.zeros(n)
-        prior = Prior(counts.gap, None, guess_rate, none, none)
+        posterior = LogPosterior(shape, counts, Prior(counts.gap, None, guess_rate, none, none))
         for part in (slice(start, start + 20) for start in range(0, n, 20)):
-            highest = climbed_from_everywhere(shape, counts[part], prior[part])
-            missed += int(np.sum(find_mode(shape, counts[part], prior[part]).log_density < highest - 1e-4))
+            highest = climbed_from_everywhere(posterior[part])
+            missed += int(np.sum(find_mode(posterior[part]).log_density < highest - 1e-4))
     assert missed <= binom.ppf(1 - 1e-4, n * len(UNRULY), 1e-3)
     exact_case("the highest of several summits", against="climbs from everywhere, 99.9 %")
