@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 import click
 
-from .output import data_argument, json_option, path_option, say
+from .output import data_argument, path_option, say, subcommand
 
 if TYPE_CHECKING:
     from tactometry.analysis.result import Analysis
 
 
-@click.command(epilog="Example: tactometry analyse demo --report demo/report.html")
+@subcommand("analyse demo --report demo/report.html")
 @data_argument
 @path_option("--report", metavar="FILE.html", help="Write a report and its tables.")
 @click.option("--pdf", is_flag=True, help="Print the report to a PDF too.")
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
 )
 @path_option("--plan", metavar="PLAN.toml", help="What is left out, and what counts as equal.")
 @path_option("--figures", metavar="DIR", help="Every figure as SVG and PNG, with its data.")
-@json_option
 def command(
     path: Path,
     report: Path | None,

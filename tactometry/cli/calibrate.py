@@ -1,26 +1,29 @@
 """`tactometry calibrate`: output gain, force sensor, display, time-reversal responses."""
 
+import math
+import time
 from collections.abc import Iterator, Mapping
 from contextlib import closing
 from dataclasses import replace
 from datetime import date
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
+from tactometry.experiments.bench import calibration
+from tactometry.experiments.bench.bench_file import BenchFile, Devices, load_bench
+from tactometry.experiments.bench.learning import Learning, Microphone, join, learn
+from tactometry.stimuli.time_reversal.responses.learning import as_displacement, sequence, sweep, write_learnt
+from tactometry.stimuli.time_reversal.responses.responses import Responses
+
+from ..arguments.require import expect, lookup, one_of
+from ..devices.outputs.gain import Gain, measured_anew, required_gain
+from ..devices.outputs.guarded import Guarded
+from ..devices.sensors.reader import Reader
 from ..errors import InvalidParameter
-from .output import figure_option, hands_are_off, hands_off_option, json_option, path_option, progress, say, writing
-
-if TYPE_CHECKING:
-    from tactometry.experiments.bench.bench_file import BenchFile, Devices
-    from tactometry.experiments.bench.learning import Learning
-    from tactometry.stimuli.time_reversal.responses.responses import Responses
-
-    from ..devices.outputs.gain import Gain
-    from ..devices.outputs.guarded import Guarded
-    from ..devices.sensors.reader import Reader
+from .output import figure_option, hands_are_off, hands_off_option, path_option, progress, say, subcommand, writing
 
 bench_option = path_option("--bench", "bench_path", required=True, help="Bench file (TOML).")
 
@@ -51,58 +54,46 @@ def command() -> None:
     """Measure what a bench file says; each prints the table to put there, with its date."""
 
 
-@command.command(epilog="Example: tactometry calibrate gain --bench bench.toml --by ZG")
+@subcommand("calibrate gain --bench bench.toml --by ZG", command)
 @bench_option
 @by_option
 @numbers_option("--parts", default="0.02,0.05,0.1", show_default=True, help="What to play, as parts of full scale.")
 @numbers_option("--measured-v", default="", metavar="V,V,...", help="What was measured, peak V; else asked for each.")
 @click.option("--tone-s", type=click.FloatRange(0.1, 30), default=3.0, show_default=True, help="How long each sounds.")
-@json_option
 def gain(bench_path: Path, by: str, parts: list[float], measured_v: list[float], tone_s: float) -> None:
     """Output gain: play sines of 100 Hz on every channel, and type in the peak voltage at the known load.
 
     The limits and the gain that the bench file states hold while it plays: until it is measured, that of the data
     sheets. With --measured-v nothing is played.
     """
-    from tactometry.experiments.bench.bench_file import load_bench
-    from tactometry.experiments.bench.calibration import fit_gain, gain_toml
-
-    from ..arguments.require import expect
-    from ..devices.outputs.gain import measured_anew, required_gain
-
     bench = load_bench(bench_path)
     before = required_gain(bench.output.gain, "output.gain")
     new = measured_anew(before, bench.output.settings.chain(), TODAY(), by)
     for part in parts:
         expect(0 < part <= 1, "--parts", f"{part:g}", "parts of full scale, above 0 and at most 1")
-    fit = fit_gain(parts, measured_v or list(_play_and_ask_v(bench, new, parts, tone_s)))
-    table = gain_toml(replace(new, volts_per_unit=fit.volts_per_unit / new.amplifier_gain))
+    fit = calibration.fit_gain(parts, measured_v or list(_play_and_ask_v(bench, new, parts, tone_s)))
+    table = calibration.gain_toml(replace(new, volts_per_unit=fit.volts_per_unit / new.amplifier_gain))
     was = before.load_volts_per_unit
     text = f"{table}# residual rms {fit.residual_rms_v:.3g} V; the file stated {was:.6g} V per unit at the load"
     say(text, {"volts_per_unit": fit.volts_per_unit, "residual_rms_v": fit.residual_rms_v})
 
 
-def _play_and_ask_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s: float) -> Iterator[float]:
-    import math
-    import time
-
-    from tactometry.experiments.bench.calibration import tone
-
+def _play_and_ask_v(bench: BenchFile, gain: Gain, units: list[float], tone_s: float) -> Iterator[float]:
     output = _devices(replace(bench, force=None, output=replace(bench.output, gain=gain))).output
-    if not math.isfinite(output.driver.full_scale_v):
-        raise InvalidParameter(f"output: found {output.name!r}, which has no full scale, expected audio or ni")
+    driver = output.driver
+    expect(math.isfinite(driver.full_scale_v), "output", f"{output.name!r}, which has no full scale", "audio or ni")
     with closing(output):
         output.open()
         for part in units:
             click.confirm(f"Play {part:g} of full scale; hands off the surface. Ready?", abort=True, err=True)
-            peak_v = part * output.driver.full_scale_v
-            played = tone(peak_v, output.driver.n_channels or 1, output.driver.rate_hz or 48e3, tone_s, 0.1 * tone_s)
+            peak_v, n_channels = part * driver.full_scale_v, driver.n_channels or 1
+            played = calibration.tone(peak_v, n_channels, driver.rate_hz or 48e3, tone_s, 0.1 * tone_s)
             output.play(played)
             time.sleep(played.duration_s)
             yield click.prompt("Peak voltage at the load (V)", type=float, err=True)
 
 
-@command.command(epilog="Example: tactometry calibrate force --bench bench.toml --by ZG --weights-kg 0,0.05,0.1,0.2")
+@subcommand("calibrate force --bench bench.toml --by ZG --weights-kg 0,0.05,0.1,0.2", command)
 @bench_option
 @by_option
 @numbers_option("--weights-kg", required=True, metavar="KG,KG,...", help="The weights, in the order they are put on.")
@@ -112,7 +103,6 @@ def _play_and_ask_v(bench: "BenchFile", gain: "Gain", units: list[float], tone_s
 @click.option("--degree", type=click.IntRange(1, 5), default=1, show_default=True, help="Of the polynomial.")
 @click.option("--gravity-m-per-s2", type=float, default=9.80665, show_default=True, help="Where you are.")
 @figure_option("Write fit and residuals as PNG, PDF or SVG.")
-@json_option
 def force(
     *,
     bench_path: Path,
@@ -126,11 +116,6 @@ def force(
     figure: Path | None,
 ) -> None:
     """Force sensor: put on weights one after the other; a polynomial is fitted to what it counts."""
-    from tactometry.experiments.bench.bench_file import load_bench
-    from tactometry.experiments.bench.calibration import fit_force, force_toml
-
-    from ..arguments.require import expect, lookup
-
     bench = load_bench(bench_path)
     name = sensor or (bench.force.sensor if bench.force is not None else next(iter(bench.sensors), ""))
     enough = f"at least {degree + 2} for a polynomial of degree {degree}"
@@ -138,10 +123,10 @@ def force(
     reader = lookup("--sensor", name, bench.sensors).reader()
     reader.check_channels("--channel", channel)
     counted = counts or _count_weights(reader, channel, weights_kg)
-    fit = fit_force(weights_kg, counted, degree=degree, gravity_m_per_s2=gravity_m_per_s2)
+    fit = calibration.fit_force(weights_kg, counted, degree=degree, gravity_m_per_s2=gravity_m_per_s2)
     weights = zip(fit.forces_n, fit.counts, fit.residuals_n, strict=True)
     rows = [f"# {f:8.4f} N  {c:12.2f} counts  residual {1e3 * r:+.2f} mN" for f, c, r in weights]
-    table = force_toml(fit, name, channel, TODAY(), by)
+    table = calibration.force_toml(fit, name, channel, TODAY(), by)
     text = "\n".join([table, *rows, f"# residual rms {1e3 * fit.residual_rms_n:.3g} mN"])
     say(text, {"polynomial": fit.polynomial, "residuals_n": fit.residuals_n.tolist(), "counts": fit.counts.tolist()})
     if figure is not None:
@@ -151,45 +136,38 @@ def force(
             force_figure(fit, figure)
 
 
-def _count_weights(reader: "Reader", channel: int, masses_kg: list[float]) -> list[float]:
+def _count_weights(reader: Reader, channel: int, masses_kg: list[float]) -> list[float]:
     """Mean counts over a second with each weight on."""
-    from tactometry.experiments.bench.calibration import mean_counts
-
     with closing(reader):
         reader.open()
         counts = []
         for mass_kg in masses_kg:
             click.confirm(f"Put {mass_kg:g} kg on the sensor and let it rest. Ready?", abort=True, err=True)
-            counts.append(mean_counts(reader, channel))
+            counts.append(calibration.mean_counts(reader, channel))
         return counts
 
 
-@command.command(epilog="Example: tactometry calibrate display --bar-m 0.149")
+@subcommand("calibrate display --bar-m 0.149", command)
 @click.option("--bar-m", type=float, help="Length of the bar, m; without it, the bar is shown, then asked for.")
-@json_option
 def display(bar_m: float | None) -> None:
     """Display size: the screen shows a white bar until a key is pressed; measure it and type in its length.
 
     It is half as high as the picture. With --bar-m no window is opened.
     """
-    from tactometry.experiments.bench.calibration import display_height_m, display_toml
-
-    height_m = display_height_m(_ask_bar_m() if bar_m is None else bar_m)
-    say(display_toml(height_m), {"height_m": height_m})
+    height_m = calibration.display_height_m(_ask_bar_m() if bar_m is None else bar_m)
+    say(calibration.display_toml(height_m), {"height_m": height_m})
 
 
 def _ask_bar_m() -> float:
     """The bar is seen first, alone; then the terminal asks, which a full screen may have hidden."""
-    from tactometry.experiments.bench.calibration import show_bar
-
     from ..rigs.window import Window
 
     with closing(Window(fullscreen=True)) as window:
-        show_bar(window)
+        calibration.show_bar(window)
     return float(click.prompt("Length of the bar (m)", type=float, err=True))
 
 
-@command.command(epilog="Example: tactometry calibrate responses --bench bench.toml --by ZG --sensor vibrometer ...")
+@subcommand("calibrate responses --bench bench.toml --by ZG --sensor vibrometer ...", command)
 @bench_option
 @by_option
 @click.option("--sensor", required=True, help="The bench file's sensor that records.")
@@ -214,18 +192,12 @@ def _ask_bar_m() -> float:
 @path_option("--out", required=True, help="NPZ file to write.")
 @figure_option("Write response and spectra as PNG, PDF or SVG.")
 @hands_off_option
-@json_option
 def responses(**asked: Any) -> None:
     """Time-reversal learning: play on each channel, record the point to be touched, keep the impulse responses.
 
     A vibrometer's velocity becomes a displacement in the band that was played. The file is read by studies and by
     tactometry.stimuli.time_reversal.responses.measured.read.
     """
-    from tactometry.experiments.bench.bench_file import load_bench
-    from tactometry.stimuli.time_reversal.responses.learning import as_displacement
-
-    from ..arguments.require import expect, one_of
-
     out = asked["out"]
     in_place = out.suffix == ".npz" and out.parent.is_dir()
     expect(in_place, "--out", repr(str(out)), "a name that ends in .npz, in a folder that exists")
@@ -247,18 +219,15 @@ def responses(**asked: Any) -> None:
     say(f"{out}: {kept}", record)
 
 
-def _devices(bench: "BenchFile") -> "Devices":
+def _devices(bench: BenchFile) -> Devices:
     """Those of a bench that no finger touches, within the limits that it states itself."""
     if bench.limits is None:
         raise InvalidParameter("limits: found none in the bench file, expected those of the load; nothing was played")
     return bench.devices(bench.limits, TODAY(), touched=False)
 
 
-def _learning(asked: Mapping[str, Any], n_channels: int, rate_hz: float) -> "Learning":
+def _learning(asked: Mapping[str, Any], n_channels: int, rate_hz: float) -> Learning:
     """What is played, on which channels: a sweep a fifth beyond the band, or a sequence of maximum length."""
-    from tactometry.experiments.bench.learning import Learning
-    from tactometry.stimuli.time_reversal.responses.learning import sequence, sweep
-
     low_hz, high_hz = asked["band_hz"]
     if high_hz > rate_hz / 2:
         raise InvalidParameter(
@@ -275,9 +244,7 @@ def _learning(asked: Mapping[str, Any], n_channels: int, rate_hz: float) -> "Lea
     return Learning(excitation, asked["voltage_v"], channels, asked["duration_s"], asked["quantity"], reference)
 
 
-def _learn(learning: "Learning", output: "Guarded", reader: "Reader", asked: Mapping[str, Any]) -> "Responses":
-    from tactometry.experiments.bench.learning import Microphone, join, learn
-
+def _learn(learning: Learning, output: Guarded, reader: Reader, asked: Mapping[str, Any]) -> Responses:
     counts = asked["units_per_count"], asked["volts_per_count"]
     microphone = Microphone(reader, asked["channel"], asked["reference"], *counts)
     # the output is closed first, whatever went wrong: it is the one that plays
@@ -288,7 +255,7 @@ def _learn(learning: "Learning", output: "Guarded", reader: "Reader", asked: Map
         return join(list(progress(each_channel, len(learning.channels), "learning")))
 
 
-def _provenance(asked: Mapping[str, Any], learning: "Learning", output: str, sensor: str) -> dict[str, Any]:
+def _provenance(asked: Mapping[str, Any], learning: Learning, output: str, sensor: str) -> dict[str, Any]:
     low_hz, high_hz = asked["band_hz"]
     return {
         "measured_on": str(TODAY()),
@@ -302,9 +269,7 @@ def _provenance(asked: Mapping[str, Any], learning: "Learning", output: str, sen
     }
 
 
-def _write(responses: "Responses", provenance: Mapping[str, Any], path: Path, figure: Path | None) -> None:
-    from tactometry.stimuli.time_reversal.responses.learning import write_learnt
-
+def _write(responses: Responses, provenance: Mapping[str, Any], path: Path, figure: Path | None) -> None:
     with writing(path):
         write_learnt(responses, path, provenance)
     if figure is not None:

@@ -2,26 +2,27 @@
 
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
+from rich.console import Console
+from rich.table import Column, Table
 
-from .output import bench_option, hands_are_off, hands_off_option, json_option, path_option, say
+from tactometry.experiments.bench.bench_file import load_bench
+from tactometry.experiments.bench.finding import Finding, exit_status
+from tactometry.experiments.bench.preflight import check
 
-if TYPE_CHECKING:
-    from tactometry.experiments.bench.finding import Finding
+from .output import bench_option, hands_are_off, hands_off_option, path_option, say, subcommand
 
 LONGEST_CELL = 50
 """A sentence that is longer stands below the table, whose cells fold on a narrow terminal."""
 MARKS = {True: "ok", False: "NOT FINE", None: ""}
 
 
-@click.command(epilog="Example: tactometry check electrovibration-threshold --bench bench.toml")
+@subcommand("check electrovibration-threshold --bench bench.toml")
 @click.argument("study", required=False)
 @bench_option
 @path_option("--out", default=Path(), help="Where data would be written; default here.")
 @hands_off_option
-@json_option
 def command(study: str | None, bench_path: Path | None, out: Path, *, hands_off: bool) -> int:
     """Try what a session of STUDY needs: computer, disk, display, sensors, and the output with a test tone.
 
@@ -29,10 +30,6 @@ def command(study: str | None, bench_path: Path | None, out: Path, *, hands_off:
     said that hands are off: with --hands-off, or in words at the terminal. Exit status 1 if something is not fine, 3 if
     that is a device.
     """
-    from tactometry.experiments.bench.bench_file import load_bench
-    from tactometry.experiments.bench.finding import exit_status
-    from tactometry.experiments.bench.preflight import check
-
     bench = load_bench(bench_path)
     sure = hands_off or (bench.output.settings.connected and hands_are_off())
     findings = check(study, bench, out, hands_off=sure)
@@ -41,10 +38,7 @@ def command(study: str | None, bench_path: Path | None, out: Path, *, hands_off:
     return status
 
 
-def _table(findings: "list[Finding]") -> str:
-    from rich.console import Console
-    from rich.table import Column, Table
-
+def _table(findings: list[Finding]) -> str:
     table = Table(*(Column(name, overflow="fold") for name in ("part", "what", "found", "expected", "")))
     long = [finding for finding in findings if len(finding.found) > LONGEST_CELL]
     for finding in findings:

@@ -1,33 +1,29 @@
 """`tactometry cost`."""
 
+from dataclasses import asdict
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
-from .output import json_option, path_option, progress, say
+from tactometry.experiments.cost.measure import Climb, climb
+from tactometry.experiments.cost.report import answers, machine, table, write_csv
+from tactometry.experiments.ladders import LADDERS, problem_of
 
-if TYPE_CHECKING:
-    from tactometry.experiments.cost.measure import Climb
+from ..arguments.require import one_of
+from .output import path_option, progress, say, subcommand
 
 
-@click.command(epilog="Example: tactometry cost skin-propagator --out cost")
+@subcommand("cost skin-propagator --out cost")
 @click.argument("ladder", metavar="LADDER|all")
 @path_option("--out", help="Write a CSV of all points and a figure per ladder.")
 @path_option("--page", help="Write a page (Markdown) with tables and figures.")
 @click.option("--rounds", default=5, show_default=True, type=click.IntRange(1), help="Warm calls of each rung.")
-@json_option
 def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int) -> None:
     """What accuracy costs: error, time and memory of each setting, and the cheapest one for an error.
 
     Errors are the same in every run; times are those of this machine, now.
     """
-    from tactometry.experiments.cost.measure import climb
-    from tactometry.experiments.cost.report import machine, table
-    from tactometry.experiments.ladders import LADDERS, problem_of
-
-    from ..arguments.require import one_of
-
     one_of("LADDER", ladder, ("all", *LADDERS))
     names = list(LADDERS) if ladder == "all" else [ladder]
     problems = [problem_of(name) for name in names]
@@ -39,30 +35,23 @@ def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int) ->
     say("\n\n".join([*map(table, climbs), machine()]), _record(climbs))
 
 
-def _write(climbs: "list[Climb]", out: Path) -> None:
+def _write(climbs: list[Climb], out: Path) -> None:
     from tactometry.experiments.cost.figures import error_against_price
     from tactometry.experiments.cost.peers import peers_of
-    from tactometry.experiments.cost.report import write_csv
 
     write_csv(climbs, out / "cost.csv")
-    for climb in climbs:
-        figure = error_against_price(climb, peers_of(climb))
-        figure.savefig(out / f"{climb.problem.name}.png", dpi=150)
+    for rungs in climbs:
+        figure = error_against_price(rungs, peers_of(rungs))
+        figure.savefig(out / f"{rungs.problem.name}.png", dpi=150)
 
 
-def _write_page(climbs: "list[Climb]", path: Path) -> None:
-    from datetime import UTC, datetime
-
+def _write_page(climbs: list[Climb], path: Path) -> None:
     from tactometry.experiments.cost.page import write_page
 
     write_page(climbs, path, datetime.now(UTC).date())
 
 
-def _record(climbs: "list[Climb]") -> dict[str, object]:
-    from dataclasses import asdict
-
-    from tactometry.experiments.cost.report import answers, machine
-
+def _record(climbs: list[Climb]) -> dict[str, object]:
     ladders = {
         climb.problem.name: {
             "points": [_plain(asdict(point)) for point in climb.points],

@@ -6,14 +6,13 @@ from pathlib import Path
 import click
 
 from ..errors import counted
-from .output import data_argument, json_option, path_option, say
+from .output import data_argument, path_option, say, subcommand
 
 FORMS = ("bids", "psych-ds", "psychopy", "r")
 
 
-@click.command(epilog="Example: tactometry replay demo")
+@subcommand("replay demo")
 @data_argument
-@json_option
 def replay(path: Path) -> None:
     """Feed the recorded answers of the data set or journal PATH back into its protocol.
 
@@ -30,9 +29,8 @@ def replay(path: Path) -> None:
     say("\n".join(lines), [asdict(session) for session in replayed])
 
 
-@click.command(epilog="Example: tactometry validate demo")
+@subcommand("validate demo")
 @data_argument
-@json_option
 def validate(path: Path) -> int:
     """Check the data set or trials file PATH. Exit status 1 if it has defects; each is named with file and row."""
     from tactometry.experiments.data_sets import validation
@@ -44,9 +42,8 @@ def validate(path: Path) -> int:
     return 1 if report.defects else 0
 
 
-@click.command(epilog="Example: tactometry rebuild demo")
+@subcommand("rebuild demo")
 @data_argument
-@json_option
 def rebuild(path: Path) -> None:
     """Write what is derived from the journals of the data set or journal PATH anew: trials, events, descriptions.
 
@@ -59,16 +56,13 @@ def rebuild(path: Path) -> None:
     say("\n".join(lines) or f"{path}: no session has begun", [asdict(each) for each in rebuilt])
 
 
-@click.command(
-    epilog="Example: tactometry export demo --to bids --out demo_bids --author 'Ada Lovelace' --author 'Alan Turing'",
-)
+@subcommand("export demo --to bids --out demo_bids --author 'Ada Lovelace' --author 'Alan Turing'")
 @data_argument
 @click.option(
     "--to", "form", type=click.Choice(FORMS), required=True, help="BIDS, Psych-DS, PsychoPy's CSV, or a table for R."
 )
 @path_option("--out", required=True, help="The folder to write, new or empty.")
 @click.option("--author", "authors", multiple=True, help="An author of a BIDS data set; may be given again.")
-@json_option
 def export(path: Path, form: str, out: Path, authors: tuple[str, ...]) -> None:
     """The data set or trials file PATH in the form of another program; PATH stays as it is."""
     from tactometry.experiments.data_sets import export as data_sets

@@ -1,19 +1,19 @@
 """`tactometry design`."""
 
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
-from .output import figure_option, json_option, path_option, say, writing
+from tactometry.stimuli.time_reversal.design.guide import OFF, Target, Transducers
+from tactometry.stimuli.time_reversal.design.thickness import SHEETS_M, SMALL, Sheet, recommended, sheets
+from tactometry.stimuli.time_reversal.filters import Band
+from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, read_plate
 
-if TYPE_CHECKING:
-    from collections.abc import Iterator, Sequence
-
-    from tactometry.stimuli.time_reversal.design.thickness import Sheet
+from .output import figure_option, path_option, say, subcommand, writing
 
 
-@click.command(epilog="Example: tactometry design --contrast 15 --amplitude-m 10e-6 --repetition-hz 100")
+@subcommand("design --contrast 15 --amplitude-m 10e-6 --repetition-hz 100")
 @path_option("--plate", "plate_file", help="TOML file of a plate; default A4, 1.1 mm.")
 @click.option("--transducers", default=32, show_default=True, help="Number of patches Q.")
 @click.option("--patch-m", default=10e-3, show_default=True, help="Side of a patch.")
@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 @click.option("--repetition-hz", type=float, help="Wanted: foci per second.")
 @click.option("--thickness-m", type=float, multiple=True, help="Sheets that can be had; else glass as sold.")
 @figure_option("Write the trade-offs as a PNG, PDF or SVG, and NAME_thickness.")
-@json_option
 def command(
     *,
     plate_file: Path | None,
@@ -48,11 +47,6 @@ def command(
 
     Exit status 1 if something that is wanted cannot be reached; the output says why.
     """
-    from tactometry.stimuli.time_reversal.design.guide import OFF, Target, Transducers
-    from tactometry.stimuli.time_reversal.design.thickness import SHEETS_M, recommended, sheets
-    from tactometry.stimuli.time_reversal.filters import Band
-    from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, read_plate
-
     plate = A4_SCREEN if plate_file is None else read_plate(plate_file)
     among = sheets(
         plate,
@@ -70,7 +64,7 @@ def command(
     return 1 if best.unreachable else 0
 
 
-def _write_figures(best: "Sheet", among: "Sequence[Sheet]", figure: Path) -> None:
+def _write_figures(best: Sheet, among: Sequence[Sheet], figure: Path) -> None:
     from tactometry.stimuli.time_reversal.figures.style import save
     from tactometry.stimuli.time_reversal.figures.theory import over_thickness, trade_offs
 
@@ -79,7 +73,7 @@ def _write_figures(best: "Sheet", among: "Sequence[Sheet]", figure: Path) -> Non
         save(over_thickness(among, best), figure.with_stem(f"{figure.stem}_thickness"))
 
 
-def _text(best: "Sheet", among: "Sequence[Sheet]") -> str:
+def _text(best: Sheet, among: Sequence[Sheet]) -> str:
     record = _record(best)
     numbers = {name: value for name, value in record.items() if type(value) in {float, int}}
     if not best.bends_linearly:
@@ -89,7 +83,7 @@ def _text(best: "Sheet", among: "Sequence[Sheet]") -> str:
     return "\n".join([*lines, *told, "", *_trade_off(best, among), "", *_how_far_off(among)])
 
 
-def _trade_off(best: "Sheet", among: "Sequence[Sheet]") -> "Iterator[str]":
+def _trade_off(best: Sheet, among: Sequence[Sheet]) -> Iterator[str]:
     """A line per thickness; the recommended one is marked."""
     yield "  thickness  resolution  contrast  amplitude    Q  mean frequency  stress   bends    not reached"
     for sheet in among:
@@ -102,18 +96,14 @@ def _trade_off(best: "Sheet", among: "Sequence[Sheet]") -> "Iterator[str]":
         )
 
 
-def _bends(sheet: "Sheet") -> str:
+def _bends(sheet: Sheet) -> str:
     """The deflection, or that it is beyond what small deflections tell."""
-    from tactometry.stimuli.time_reversal.design.thickness import SMALL
-
     if sheet.bends_linearly:
         return f"{sheet.deflection_m * 1e6:.0f} um"
     return f"> {SMALL * sheet.thickness_m * 1e6:.0f} um"
 
 
-def _how_far_off(among: "Sequence[Sheet]") -> "Iterator[str]":
-    from tactometry.stimuli.time_reversal.design.guide import OFF
-
+def _how_far_off(among: Sequence[Sheet]) -> Iterator[str]:
     ranges = ", ".join(f"{name} {low:+.0%} to {high:+.0%}" for name, (low, high) in OFF.items())
     yield f"simulation over these laws: {ranges}; sheets that differ by less are alike"
     if len(among) > 1:
@@ -122,7 +112,7 @@ def _how_far_off(among: "Sequence[Sheet]") -> "Iterator[str]":
         yield "> : more than half of its thickness, beyond small deflections; the stress is then an upper bound"
 
 
-def _record(sheet: "Sheet") -> dict[str, object]:
+def _record(sheet: Sheet) -> dict[str, object]:
     guide, design = sheet.guide, sheet.guide.design
     return {
         "reversal_s": design.reversal_s,

@@ -33,9 +33,8 @@ def figure_option(said: str) -> Callable[[F], F]:
 def _check_figure(ctx: click.Context, param: click.Parameter, path: Path | None) -> Path | None:
     del ctx, param
     if path is not None and path.suffix not in FIGURE_FORMATS:
-        raise InvalidParameter(
-            f"--figure: found {str(path)!r}, expected a name that ends in {', '.join(FIGURE_FORMATS)}"
-        )
+        formats = ", ".join(FIGURE_FORMATS)
+        raise InvalidParameter(f"--figure: found {str(path)!r}, expected a name that ends in {formats}")
     return path
 
 
@@ -44,14 +43,25 @@ def _keep_form(ctx: click.Context, param: click.Parameter, as_json: bool) -> Non
     ctx.meta[_AS_JSON] = as_json
 
 
-json_option: Callable[[F], F] = click.option(
-    "--json", is_flag=True, expose_value=False, callback=_keep_form, help="Print the result as JSON."
-)
+_JSON: Final[dict[str, Any]] = {"is_flag": True, "expose_value": False, "callback": _keep_form}
 bench_option: Callable[[F], F] = path_option("--bench", "bench_path", help="Bench file (TOML).")
 hands_off_option: Callable[[F], F] = click.option(
     "--hands-off", is_flag=True, help="No hand is on the surface: an output that leads to an amplifier may play."
 )
 data_argument: Callable[[F], F] = click.argument("path", type=click.Path(path_type=Path))
+
+
+def subcommand(example: str, group: click.Group | None = None) -> Callable[[Callable[..., Any]], click.Command]:
+    """A command, of a group if one is given, with an example below its help, which says its result as text or JSON."""
+
+    def made_of(function: Callable[..., Any]) -> click.Command:
+        made = click.command(epilog=f"Example: tactometry {example}")(function)
+        made.params.append(click.Option(["--json"], help="Print the result as JSON.", **_JSON))
+        if group is not None:
+            group.add_command(made)
+        return made
+
+    return made_of
 
 
 def say(text: str, value: object) -> None:

@@ -1,33 +1,29 @@
 """`tactometry reproduce`."""
 
+from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
-from .output import json_option, path_option, progress, say, writing
+from tactometry.experiments.thesis.items import REPRODUCTIONS, reproduction_of
+from tactometry.experiments.thesis.page import count_verdicts, page as page_of, show, verdict
+from tactometry.experiments.thesis.reproduction import Reproduced, reproduce, write_numbers
 
-if TYPE_CHECKING:
-    from tactometry.experiments.thesis.reproduction import Reproduced
+from ..arguments.require import one_of
+from .output import path_option, progress, say, subcommand, writing
 
 
-@click.command(epilog="Example: tactometry reproduce table-4.3 --out reproduced")
+@subcommand("reproduce table-4.3 --out reproduced")
 @click.argument("name", metavar="NAME|all")
 @path_option(
     "--out", help="Write a CSV of each table and finding, and a PNG with the CSV of its curves of each figure."
 )
 @path_option("--page", help="Write a page (Markdown) of tables and findings beside what the thesis states.")
-@json_option
 def command(*, name: str, out: Path | None, page: Path | None) -> None:
     """Make the thesis's tables, figures and findings anew, each number labelled.
 
     Derived comes out of the physics, calibrated had a constant set to it, assumed is said by the input.
     """
-    from tactometry.experiments.thesis.items import REPRODUCTIONS, reproduction_of
-    from tactometry.experiments.thesis.reproduction import reproduce
-
-    from ..arguments.require import one_of
-
     one_of("NAME", name, ("all", *REPRODUCTIONS))
     items = [reproduction_of(each) for each in (REPRODUCTIONS if name == "all" else (name,))]
     made = [reproduce(item) for item in progress(items, len(items), "reproducing")]
@@ -35,13 +31,12 @@ def command(*, name: str, out: Path | None, page: Path | None) -> None:
         for each in progress(made, len(made), "writing"):
             _write(each, out)
     if page is not None:
-        _write_page(made, page)
+        with writing(page):
+            page.write_text(page_of(made), encoding="utf-8")
     say(_text(made), _record(made))
 
 
-def _write(each: "Reproduced", out: Path) -> None:
-    from tactometry.experiments.thesis.reproduction import write_numbers
-
+def _write(each: Reproduced, out: Path) -> None:
     if each.numbers:
         write_numbers(each, out / f"{each.item.name}.csv")
     if each.item.drawing is not None:
@@ -50,17 +45,8 @@ def _write(each: "Reproduced", out: Path) -> None:
         write_drawing(each.item.drawing(), out, each.item.name)
 
 
-def _write_page(made: "list[Reproduced]", path: Path) -> None:
-    from tactometry.experiments.thesis.page import page
-
-    with writing(path):
-        path.write_text(page(made), encoding="utf-8")
-
-
-def _text(made: "list[Reproduced]") -> str:
+def _text(made: list[Reproduced]) -> str:
     """What is stated beside what comes out; one item alone with all of its numbers."""
-    from tactometry.experiments.thesis.page import count_verdicts, show, verdict
-
     lines = []
     for each in made:
         shown = each.numbers if len(made) == 1 else each.compared
@@ -73,9 +59,7 @@ def _text(made: "list[Reproduced]") -> str:
     return "\n".join([*lines, counts or "the thesis's numbers are not in our sources: nothing to compare with"])
 
 
-def _record(made: "list[Reproduced]") -> dict[str, object]:
-    from dataclasses import asdict
-
+def _record(made: list[Reproduced]) -> dict[str, object]:
     return {
         each.item.name: {
             "title": each.item.title,

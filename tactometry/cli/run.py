@@ -3,20 +3,25 @@
 import math
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import click
 
+from tactometry.experiments.bench.bench_file import load_bench
+from tactometry.experiments.sessions.recording import Recorded, Who, record
+from tactometry.experiments.sessions.rig_kinds import rig_kind
+from tactometry.experiments.study.dry_run import check_duration, duration_s, felt_of, plan
+from tactometry.experiments.study.experiment import Experiment, wire
+from tactometry.experiments.study.rehearsal import rehearse, rehearse_forms
+from tactometry.experiments.study.study_file import load
+
 from ..errors import InvalidParameter, counted
+from ..records.data_set import Session
+from ..trials.cells import cell
 from ..trials.columns import RIGS
-from .output import bench_option, json_option, path_option, say
-
-if TYPE_CHECKING:
-    from tactometry.experiments.sessions.recording import Recorded, Who
-    from tactometry.experiments.study.experiment import Experiment
+from .output import bench_option, path_option, say, subcommand
 
 
-@click.command(epilog="Example: tactometry run tutorial --participant P01 --rig console --out pilot")
+@subcommand("run tutorial --participant P01 --rig console --out pilot")
 @click.argument("study")
 @click.option("--participant", required=True, help="A code of letters and digits, such as P01: no names.")
 @click.option("--session", "n_session", type=int, default=1, show_default=True, help="The participant's session.")
@@ -27,7 +32,6 @@ if TYPE_CHECKING:
 @path_option("--out", help="The data set; default: STUDY's name and -data, or -simulated.")
 @click.option("--resume", is_flag=True, help="Go on where an interrupted session stopped.")
 @click.option("--dry-run", is_flag=True, help="Print the plan and its duration; run nothing.")
-@json_option
 def command(
     *,
     study: str,
@@ -45,15 +49,6 @@ def command(
 
     Exit status 1 if a block, or a track of it, did not come to its end.
     """
-    from tactometry.experiments.bench.bench_file import load_bench
-    from tactometry.experiments.sessions.recording import Who, record
-    from tactometry.experiments.sessions.rig_kinds import rig_kind
-    from tactometry.experiments.study.experiment import wire
-    from tactometry.experiments.study.rehearsal import rehearse, rehearse_forms
-    from tactometry.experiments.study.study_file import load
-
-    from ..records.data_set import Session
-
     numbers, content = load(study)
     experiment = wire(numbers, study)
     who = Who(Session(participant, n_session, numbers.name).participant, n_session, number, seed)
@@ -71,10 +66,8 @@ def command(
     return _report(root, recorded)
 
 
-def _check_duration(experiment: "Experiment", who: "Who", *, begun: bool) -> None:
+def _check_duration(experiment: Experiment, who: Who, *, begun: bool) -> None:
     """Tell of a long session; refuse one that nobody sits through, unless it has begun."""
-    from tactometry.experiments.study.dry_run import check_duration, plan
-
     try:
         caution = check_duration(experiment, plan(experiment, who.counterbalancing_number, who.session, who.seed or 0))
     except InvalidParameter as too_long:
@@ -98,11 +91,7 @@ ENDINGS = {
 """How procedures end, where that is not what is said of it."""
 
 
-def _print_plan(experiment: "Experiment", who: "Who") -> None:
-    from tactometry.experiments.study.dry_run import duration_s, felt_of, plan
-
-    from ..trials.cells import cell
-
+def _print_plan(experiment: Experiment, who: Who) -> None:
     blocks = plan(experiment, who.counterbalancing_number, who.session, who.seed or 0)
     minutes = duration_s(experiment, blocks) / 60
     rows = [
@@ -119,7 +108,7 @@ def _print_plan(experiment: "Experiment", who: "Who") -> None:
     say(text, {**plan_record, "felt": [asdict(each) for each in felt]} if felt else plan_record)
 
 
-def _report(root: Path, recorded: "Recorded") -> int:
+def _report(root: Path, recorded: Recorded) -> int:
     """Print what was recorded: status 1 if a block, or one of its tracks, did not come to its end."""
     counts = recorded.endings
     failed = bool(UNFINISHED & counts.keys())

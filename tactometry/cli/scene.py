@@ -1,47 +1,46 @@
 """`tactometry scene`."""
 
+from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
+import numpy as np
 
+from tactometry.experiments.scenes import path_of
+from tactometry.stimuli.scenes import explain as plans
+from tactometry.stimuli.scenes.file import SceneFile, load_scene
+from tactometry.stimuli.scenes.lifting import pulls_n
+from tactometry.stimuli.scenes.plan import Plan
+from tactometry.stimuli.scenes.result import Result, computed
+
+from ..arguments.require import expect
 from ..config.toml import errors_in
-from ..errors import InvalidParameter
-from .output import figure_option, json_option, path_option, say, writing
-
-if TYPE_CHECKING:
-    from tactometry.stimuli.scenes.file import SceneFile
-    from tactometry.stimuli.scenes.plan import Plan
-    from tactometry.stimuli.scenes.result import Result
+from .output import figure_option, path_option, say, subcommand, writing
 
 FILM_ACCURACY = 0.1
 
 
-@click.command(epilog="Example: tactometry scene electrovibration-panel --explain")
+@subcommand("scene electrovibration-panel --explain")
 @click.argument("file", metavar="FILE")
 @click.option("--explain", is_flag=True, help="Each stage on or off, why, its settings, error and time.")
 @figure_option("Draw the outputs as a PNG, PDF or SVG.")
 @path_option("--movie", help="Film the wave that focuses, as a GIF or MP4.")
 @click.option("--cache", type=click.Path(path_type=Path, file_okay=False), help="Keep results in a folder, by content.")
-@json_option
 def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None, cache: Path | None) -> None:
     """Compute a scene: a TOML file, or the name of a built-in one.
 
     Only the effects that the file calls for are computed, as finely as its accuracy asks for.
     """
-    from tactometry.experiments.scenes import path_of
-    from tactometry.stimuli.scenes.explain import explained, values_for
-    from tactometry.stimuli.scenes.file import load_scene
-
     scene_file = load_scene(path_of(file))
     if explain:
         with errors_in(file):
-            text = explained(scene_file.scene, scene_file.given)
+            text = plans.explained(scene_file.scene, scene_file.given)
         say(text, {"plan": text.splitlines()})
     if figure is not None or not explain:
         with errors_in(file):
             plan = scene_file.scene.resolve()
-            given = values_for(plan, scene_file.given)
+            given = plans.values_for(plan, scene_file.given)
         result = _result(plan, given, cache)
     if figure is not None:
         _draw(result, scene_file, figure)
@@ -52,10 +51,8 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
         say(_text(scene_file, record, result), record)
 
 
-def _result(plan: "Plan", given: dict[str, float], cache: Path | None) -> "Result":
+def _result(plan: Plan, given: dict[str, float], cache: Path | None) -> Result:
     if cache is None:
-        from tactometry.stimuli.scenes.result import computed
-
         return computed(plan, given)
     from tactometry.stimuli.scenes.cache import cached
 
@@ -63,61 +60,45 @@ def _result(plan: "Plan", given: dict[str, float], cache: Path | None) -> "Resul
         return cached(plan, given, cache)
 
 
-def _draw(result: "Result", scene_file: "SceneFile", path: Path) -> None:
+def _draw(result: Result, scene_file: SceneFile, path: Path) -> None:
     with writing(path):
         _figure(result, scene_file.title).savefig(path, dpi=150)
 
 
-def _figure(result: "Result", title: str) -> Any:
+def _figure(result: Result, title: str) -> Any:
     """A map and courses, or courses alone, as the outputs allow."""
     if {"x_m", "y_m", "field_m"} <= set(result.values):
         from tactometry.stimuli.scenes.figures.focus import focus_sheet
 
         return focus_sheet(result, title)
-    if "t_s" not in result.values:
-        raise InvalidParameter(
-            "--figure: found neither 't_s' nor 'x_m', 'y_m' and 'field_m' among the outputs of the scene, expected "
-            "one or the other; add it to outputs"
-        )
+    neither = "neither 't_s' nor 'x_m', 'y_m' and 'field_m' among the outputs of the scene"
+    expect("t_s" in result.values, "--figure", neither, "one or the other; add it to outputs")
     from tactometry.stimuli.scenes.figures.courses import courses, names
 
-    if not names(result.values):
-        raise InvalidParameter(
-            "--figure: found no course over 't_s' among the outputs of the scene, expected at least one, such as "
-            "'friction_force_n' or 'focus_displacement_m'; add it to outputs"
-        )
+    some = "at least one, such as 'friction_force_n' or 'focus_displacement_m'; add it to outputs"
+    expect(bool(names(result.values)), "--figure", "no course over 't_s' among the outputs of the scene", some)
     return courses(result, title)
 
 
-def _film(scene_file: "SceneFile", path: Path) -> None:
+def _film(scene_file: SceneFile, path: Path) -> None:
     """The scene with a movie as its only output, no finer than a film shows."""
-    from dataclasses import replace
-
     from tactometry.stimuli.scenes.effects.movie import Movie
-    from tactometry.stimuli.scenes.explain import values_for
     from tactometry.stimuli.scenes.figures.film import write_film
-    from tactometry.stimuli.scenes.result import computed
 
     scene = scene_file.scene
-    if Movie.kind not in scene.surface.effects:
-        raise InvalidParameter(
-            f"--movie: found a scene on {scene.surface.kind!r}, which has no wave, expected one on a plate: "
-            "'time_reversal' or 'hybrid'"
-        )
+    still = f"a scene on {scene.surface.kind!r}, which has no wave"
+    expect(Movie.kind in scene.surface.effects, "--movie", still, "one on a plate: 'time_reversal' or 'hybrid'")
     effects = scene.effects if scene.find("movie") else (*scene.effects, Movie())
     outputs = ("x_m", "y_m", "frames_s", "movie_m")
     filmed = replace(scene, effects=effects, outputs=outputs, accuracy=max(scene.accuracy, FILM_ACCURACY), settings={})
     plan = filmed.resolve()
-    result = computed(plan, values_for(plan, scene_file.given))
+    result = computed(plan, plans.values_for(plan, scene_file.given))
     with writing(path):
         write_film(result, scene_file.title, path)
 
 
-def _record(result: "Result") -> dict[str, Any]:
+def _record(result: Result) -> dict[str, Any]:
     """Numbers as they are, of a course its extremes and its length."""
-    import numpy as np
-
-    from tactometry.stimuli.scenes.lifting import pulls_n
 
     def shown(value: Any) -> Any:
         if np.ndim(value) == 0:
@@ -143,15 +124,13 @@ def _record(result: "Result") -> dict[str, Any]:
     }
 
 
-def _text(scene_file: "SceneFile", record: dict[str, Any], result: "Result") -> str:
-    from tactometry.stimuli.scenes.explain import error_in_words
-
+def _text(scene_file: SceneFile, record: dict[str, Any], result: Result) -> str:
     lines = [scene_file.title] if scene_file.title else []
     for name, value in record["outputs"].items():
         unit = result.unit(name)
         words = f"{value:.6g}" if isinstance(value, float) else _range(value)
         lines.append(f"{name:<24}{words} {unit}".rstrip())
-    error = error_in_words(result.plan)
+    error = plans.error_in_words(result.plan)
     times = f"{result.prepared_s:.3g} s to prepare, {result.elapsed_s:.2g} s a run"
     return "\n".join([*lines, *_lift_notes(record), f"predicted error {error}, {times}"])
 

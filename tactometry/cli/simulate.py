@@ -6,14 +6,20 @@ from typing import Any
 
 import click
 
-from ..errors import InvalidParameter, counted
-from .output import json_option, path_option, progress, say
+from tactometry.experiments.sessions.simulation import Simulation, simulate as sessions_of
+from tactometry.experiments.study.dry_run import felt_of
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load, parse
+
+from ..arguments.require import expect
+from ..errors import counted
+from .output import path_option, progress, say, subcommand
 
 STUDY = "electrovibration-threshold"
 N_PARTICIPANTS = 10
 
 
-@click.command(epilog="Example: tactometry simulate tutorial --participants 5 --seed 1 --out simulated")
+@subcommand("simulate tutorial --participants 5 --seed 1 --out simulated")
 @click.argument("study")
 @click.option("--participants", "n_participants", type=int, required=True, help="How many, P01 and on.")
 @click.option("--seed", type=int, required=True, help="The same seed gives the same bytes.")
@@ -22,7 +28,6 @@ N_PARTICIPANTS = 10
 @click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
 @click.option("--explain", is_flag=True, help="Tell too which effects are felt, and which were left out.")
-@json_option
 def simulate(
     study: str,
     n_participants: int,
@@ -35,13 +40,8 @@ def simulate(
     explain: bool,
 ) -> None:
     """Run STUDY (a built-in name or a path) with simulated participants."""
-    from tactometry.experiments.sessions.simulation import Simulation, simulate as sessions_of
-    from tactometry.experiments.study.study_file import load
-
-    if n_jobs == 0 or n_jobs < -1 or (scheduler and n_jobs != 1):
-        raise InvalidParameter(
-            f"--jobs: found {n_jobs}, expected at least 1, or -1 for all cores; or --scheduler alone"
-        )
+    is_number = n_jobs == 1 if scheduler else n_jobs >= 1 or n_jobs == -1
+    expect(is_number, "--jobs", n_jobs, "at least 1, or -1 for all cores; or --scheduler alone")
     _, content = load(study)
     simulation = Simulation(content, study, out, n_participants, seed, resume)
     sessions = sessions_of(simulation, n_jobs=n_jobs, scheduler=scheduler)
@@ -60,10 +60,6 @@ def simulate(
 
 def _felt(content: bytes, study: str) -> tuple[list[str], dict[str, Any]]:
     """What the participants of a study feel, in words and as a record."""
-    from tactometry.experiments.study.dry_run import felt_of
-    from tactometry.experiments.study.experiment import wire
-    from tactometry.experiments.study.study_file import parse
-
     experiment = wire(parse(content, study), study)
     felt = felt_of(experiment)
     formulas = {type(cell.sensation).__name__ for cell in experiment.cells.values()}
@@ -71,17 +67,14 @@ def _felt(content: bytes, study: str) -> tuple[list[str], dict[str, Any]]:
     return [line for each in felt for line in each.lines] or by_formula, {"felt": [asdict(each) for each in felt]}
 
 
-@click.command(epilog="Example: tactometry demo --out demo --seed 1")
+@subcommand("demo --out demo --seed 1")
 @path_option("--out", default=Path("demo"), show_default=True)
 @click.option("--seed", type=click.IntRange(min=0), default=1, show_default=True, help="Same seed, same bytes.")
-@json_option
 def demo(out: Path, seed: int) -> None:
     """Simulate ten participants of a threshold study, analyse their data and write the report."""
     from tactometry.analysis.pipeline import analyse
     from tactometry.analysis.report.summary import summary
     from tactometry.experiments.data_sets.rule_estimates import replay_of
-    from tactometry.experiments.sessions.simulation import Simulation, simulate as sessions_of
-    from tactometry.experiments.study.study_file import load
 
     from .analyse import summary_text
 

@@ -5,11 +5,10 @@ from pathlib import Path
 import click
 
 from ..errors import DeviceFailed, InvalidFile
-from .output import json_option, path_option, say
+from .output import path_option, say, subcommand
 
 
-@click.command(epilog="Example: tactometry studies")
-@json_option
+@subcommand("studies")
 def studies() -> None:
     """The built-in studies, a line each."""
     from tactometry.experiments.study.study_file import builtin, load
@@ -19,10 +18,9 @@ def studies() -> None:
     say("\n".join(f"{name:<{width}}  {title}" for name, title in titles.items()), titles)
 
 
-@click.command(epilog="Example: tactometry new tutorial --out mine.toml")
+@subcommand("new tutorial --out mine.toml")
 @click.argument("study")
 @path_option("--out", help="The file to write; default STUDY.toml.")
-@json_option
 def new(study: str, out: Path | None) -> None:
     """Copy the built-in STUDY to a file of your own to edit."""
     from tactometry.experiments.study.study_file import load, locate

@@ -5,13 +5,12 @@ import math
 import tomllib
 from dataclasses import replace
 
-import click
 import pytest
 from click.testing import CliRunner
 from command_line import status
 from places import DOCS
 
-from tactometry.cli.output import json_option, say
+from tactometry.cli.output import say, subcommand
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.scenes import names, path_of
 from tactometry.loading import resolve
@@ -297,8 +296,7 @@ def test_a_built_in_file_says_what_is_unverified(name):
 
 
 def test_json_has_null_for_a_level_that_is_not_finite():
-    @click.command()
-    @json_option
+    @subcommand("scene")
     def command():
         say("", {"silent_db": -math.inf, "courses": [(1.0, math.nan)], "n": 3})
 
