@@ -91,13 +91,15 @@ def needed(refusal: str) -> Iterator[None]:
 
 
 @contextmanager
-def attempt(where: object, act: str, expected: str) -> Iterator[None]:
+def attempt(
+    where: object, act: str, expected: str, errors: type[Exception] | tuple[type[Exception], ...] = OSError
+) -> Iterator[None]:
     """A call of the system: where it fails, one sentence says where, what could not be done and why.
 
     Raises
     ------
     DeviceFailed
-        If the body raises an `OSError`.
+        If the body raises one of the `errors`.
 
     Examples
     --------
@@ -108,8 +110,17 @@ def attempt(where: object, act: str, expected: str) -> Iterator[None]:
     """
     try:
         yield
-    except OSError as error:
-        raise DeviceFailed(f"{where}: {act} ({error.strerror}), expected {expected}") from None
+    except errors as error:
+        raise DeviceFailed(f"{where}: {act} ({reason(error)}), expected {expected}") from None
+
+
+def reason(error: Exception) -> str:
+    """What an error says, on one line: of one of the system its words alone.
+
+    >>> reason(ValueError("no such   rate")), reason(OSError(2, "No such file or directory", "f"))
+    ('no such rate', 'No such file or directory')
+    """
+    return getattr(error, "strerror", None) or " ".join(str(error).split())
 
 
 def nearest(found: str, names: Iterable[str]) -> str:

@@ -11,6 +11,8 @@ from numpy.typing import NDArray
 from .arguments.require import positive
 from .errors import InvalidParameter, counted
 
+FloatArray = NDArray[np.float64]
+
 
 @dataclass(frozen=True, eq=False)
 class Signal:
@@ -31,7 +33,7 @@ class Signal:
         If the shape, a value or the rate is not as stated.
     """
 
-    samples: NDArray[np.float64]
+    samples: FloatArray
     rate_hz: float
     unit: str
 

@@ -16,9 +16,8 @@ from tactometry.devices.measured import Measured
 from tactometry.devices.outputs.gain import Gain, required_gain
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.output import RAMP_S, NullSettings
-from tactometry.devices.sensors.force_calibration import ForceCalibration
 from tactometry.devices.sensors.reader import Reader
-from tactometry.devices.sensors.streamed import StreamedSensor, streamed_force, streamed_position
+from tactometry.devices.sensors.streamed import ForceCalibration, StreamedSensor, streamed_force, streamed_position
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.rigs.texts import languages
 from tactometry.safety.limits import Limits

@@ -9,13 +9,10 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..arguments.require import positive
 from ..errors import InvalidParameter
-from ..signal import Signal
-
-FloatArray = NDArray[np.float64]
+from ..signal import FloatArray, Signal
 
 
 @dataclass(frozen=True)

@@ -9,9 +9,8 @@ from hard_cases import exact_case
 from hypothesis import given, strategies as st
 
 from tactometry.devices.clock_map import ClockMap
-from tactometry.devices.sensors.arrival import AHEAD_S, LATE_FOR_S, LATE_S, Arrivals
 from tactometry.devices.sensors.counted_samples import CountedSamples
-from tactometry.devices.sensors.reader import Reader, SampleBlock
+from tactometry.devices.sensors.reader import AHEAD_S, LATE_FOR_S, LATE_S, Arrivals, Reader, SampleBlock
 from tactometry.errors import DeviceFailed
 
 

@@ -12,8 +12,7 @@ import pytest
 from emulated import Emulator, available, wait_for
 
 from tactometry.devices.sensors.counted_samples import SLEW
-from tactometry.devices.sensors.force_calibration import ForceCalibration
-from tactometry.devices.sensors.streamed import streamed_force, streamed_position
+from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force, streamed_position
 from tactometry.gates.force import ForceGate
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment

@@ -6,15 +6,15 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
+from emulator import encode_frame
 from examples import examples
 from hard_cases import exact_case, hard_case
 from hypothesis import given, strategies as st
 
 from tactometry.devices.clock_map import ClockMap
 from tactometry.devices.sensors.counted_samples import SLEW, STEP_S, CountedSamples
-from tactometry.devices.sensors.force_calibration import ForceCalibration
-from tactometry.devices.sensors.framing import Frame, Framing, encode_frame, frame_bytes
-from tactometry.devices.sensors.streamed import mean_speed_m_per_s
+from tactometry.devices.sensors.framing import Frame, Framing, frame_bytes
+from tactometry.devices.sensors.streamed import ForceCalibration, mean_speed_m_per_s
 from tactometry.devices.sensors.udp import RECORD, records
 from tactometry.errors import InvalidParameter
 

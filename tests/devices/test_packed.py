@@ -22,9 +22,8 @@ from tactometry.devices.outputs.bit_stream import HEADER_BYTES, decode, encode, 
 from tactometry.devices.outputs.gain import Gain
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.packed import STOP_WITHIN_S, PackedSettings
-from tactometry.devices.sensors.force_calibration import ForceCalibration
 from tactometry.devices.sensors.reader import Reader
-from tactometry.devices.sensors.streamed import streamed_force
+from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
 from tactometry.errors import DeviceFailed, InvalidParameter, TactometryError
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment

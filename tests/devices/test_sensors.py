@@ -15,14 +15,12 @@ from emulated import LIBRARIES, Emulator, available, wait_for
 from patience import LONGEST_WAIT_S
 from soak import SOAK
 
-from tactometry.devices.sensors.arrival import LATE_S
 from tactometry.devices.sensors.counted_samples import STEP_S
-from tactometry.devices.sensors.force_calibration import ForceCalibration
 from tactometry.devices.sensors.lsl import LslSettings
-from tactometry.devices.sensors.reader import Listener, Reader, SampleBlock
+from tactometry.devices.sensors.reader import LATE_S, Listener, Reader, SampleBlock
 from tactometry.devices.sensors.recorded import RecordedSettings
 from tactometry.devices.sensors.serial_line import SerialSettings
-from tactometry.devices.sensors.streamed import streamed_force, streamed_position
+from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force, streamed_position
 from tactometry.devices.sensors.udp import UdpSettings
 from tactometry.errors import DeviceFailed
 

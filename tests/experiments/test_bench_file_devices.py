@@ -15,8 +15,8 @@ from places import DOCS
 
 from tactometry.devices.outputs.audio import AudioSettings
 from tactometry.devices.outputs.gain import Gain
-from tactometry.devices.sensors.force_calibration import ForceCalibration
 from tactometry.devices.sensors.lsl import LslSettings
+from tactometry.devices.sensors.streamed import ForceCalibration
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter, LimitExceeded
 from tactometry.experiments.bench.bench_file import (
     RAMP_S,

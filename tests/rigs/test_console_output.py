@@ -21,9 +21,8 @@ from tables import event_rows, trial_rows
 
 from tactometry.devices.outputs.file import FileOutput, FileSettings
 from tactometry.devices.outputs.guarded import Guarded
-from tactometry.devices.sensors.force_calibration import ForceCalibration
 from tactometry.devices.sensors.reader import Reader
-from tactometry.devices.sensors.streamed import streamed_force
+from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
 from tactometry.errors import DeviceFailed, Stopped
 from tactometry.rigs.console import Console
 from tactometry.rigs.device_rig import Equipment

@@ -11,9 +11,8 @@ import pytest
 from patience import LONGEST_WAIT_S
 from sampled import Sampled
 
-from tactometry.devices.sensors.force_calibration import ForceCalibration
 from tactometry.devices.sensors.reader import Reader
-from tactometry.devices.sensors.streamed import streamed_force
+from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
 from tactometry.errors import InvalidParameter, Stopped
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment

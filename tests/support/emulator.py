@@ -14,10 +14,12 @@ import contextlib
 import os
 import select
 import socket
+import struct
 import sys
 import time
+import zlib
 
-from tactometry.devices.sensors.framing import Frame, encode_frame
+from tactometry.devices.sensors.framing import SYNC, Frame
 from tactometry.devices.sensors.udp import BEGIN, END, RECORD
 
 RATE_HZ = 1000.0
@@ -51,6 +53,13 @@ def counts_at(profile, time_s):
 def profile_of(text):
     parts = [part.split(":") for part in text.split(",")]
     return [(float(duration_s), None if counts == "-" else int(counts)) for duration_s, counts in parts]
+
+
+def encode_frame(frame):
+    """The bytes that a board sends for a sample, as `tactometry.devices.sensors.framing` states them."""
+    n = len(frame.values)
+    body = struct.pack(f"<2sBBII{n}i", SYNC, n, 0, frame.counter % 2**32, frame.time_us % 2**32, *frame.values)
+    return body + struct.pack("<I", zlib.crc32(body))
 
 
 def run_serial(asked):

@@ -11,9 +11,8 @@ from sound_server import heard_part
 
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.output import with_ramps
-from tactometry.devices.sensors.force_calibration import ForceCalibration
 from tactometry.devices.sensors.reader import Reader
-from tactometry.devices.sensors.streamed import streamed_force
+from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.emitter import RAMP_S

@@ -2,12 +2,12 @@
 
 import time
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from ...arguments.require import not_negative, positive
-from ...errors import DeviceFailed
+from ...errors import DeviceFailed, attempt, reason
 from ..clock_map import ClockMap
 from ..portaudio import FULL_SCALE, end_stream, library, refuse_default
 from .reader import SampleBlock, Source
@@ -39,7 +39,6 @@ class AudioInput(Source):
     def __init__(self, settings: AudioInputSettings) -> None:
         super().__init__(f"audio {settings.device}", settings.rate_hz, settings.n_channels)
         self._settings = settings
-        self._stream: Any = None
         self._n_overruns = self._n_frames = 0
         self._clocks = ClockMap()
 
@@ -48,7 +47,8 @@ class AudioInput(Source):
 
     def open(self) -> None:
         sounddevice, settings = library(), self._settings
-        try:
+        wanted = f"cannot record {settings.n_channels} channels at {settings.rate_hz:g} Hz"
+        with attempt(self.name, wanted, "an input that can", (sounddevice.PortAudioError, ValueError)):
             self._stream = sounddevice.InputStream(
                 device=settings.device,
                 channels=settings.n_channels,
@@ -57,19 +57,15 @@ class AudioInput(Source):
                 latency=settings.latency_s,
                 dither_off=True,
             )
+            self._opened.callback(end_stream, self._stream, self.name)
             self._stream.start()
-        except (sounddevice.PortAudioError, ValueError) as error:
-            raise DeviceFailed(
-                f"{self.name}: cannot record {settings.n_channels} channels at {settings.rate_hz:g} Hz "
-                f"({' '.join(str(error).split())}), expected an input that can"
-            ) from None
         self._clocks, self._n_frames = ClockMap(), 0
 
     def receive(self) -> SampleBlock | None:
         try:
             frames, overrun = self._stream.read(round(self._settings.block_s * self.rate_hz))
         except library().PortAudioError as error:
-            raise DeviceFailed(f"{self.name}: the card went away ({' '.join(str(error).split())})") from None
+            raise DeviceFailed(f"{self.name}: the card went away ({reason(error)})") from None
         self._n_overruns += bool(overrun)
         count_s = (self._n_frames + np.arange(1, len(frames) + 1)) / self.rate_hz
         self._n_frames += len(frames)
@@ -77,8 +73,3 @@ class AudioInput(Source):
         self._clocks.check(self.name)
         offset_s = self._clocks.ours_s(0.0)
         return SampleBlock(count_s + offset_s, frames.astype(np.float64) / FULL_SCALE["int32"])
-
-    def close(self) -> None:
-        stream, self._stream = self._stream, None
-        if stream is not None:
-            end_stream(stream, self.name)

@@ -41,9 +41,9 @@ class CountedSamples:
         self._is_settled = False
         self._last: tuple[float, float] | None = None
 
-    @property
-    def offset_s(self) -> float | None:
-        return self._clocks.offset_s
+    def facts(self) -> dict[str, str | int | float | None]:
+        counts = {"n_lost": self.n_lost, "n_duplicates": self.n_duplicates}
+        return {**counts, "clock_offset_s": self._clocks.offset_s}
 
     def block(self, samples: Sequence[tuple[int, int, tuple[int, ...]]], arrival_s: float) -> SampleBlock:
         """Samples (counter, ticks, values) that arrived together; counters and ticks are modulo 2**32.

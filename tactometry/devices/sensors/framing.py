@@ -1,4 +1,4 @@
-"""Frames of samples on a serial line, each with a checksum: a pure parser, and the encoder of an emulator.
+"""Frames of samples on a serial line, each with a checksum: a pure parser.
 
 A frame, all little-endian:
 
@@ -42,14 +42,6 @@ def frame_bytes(n_channels: int) -> int:
     return _HEAD.size + 4 * n_channels + _CHECKSUM.size
 
 
-def encode_frame(frame: Frame) -> bytes:
-    """The bytes that a device sends for a sample."""
-    n = len(frame.values)
-    head = _HEAD.pack(SYNC, n, 0, frame.counter % 2**32, frame.time_us % 2**32)
-    body = head + struct.pack(f"<{n}i", *frame.values)
-    return body + _CHECKSUM.pack(zlib.crc32(body))
-
-
 @dataclass(frozen=True)
 class Framing:
     """What is left of a stream of bytes once its frames were taken out.
@@ -67,7 +59,8 @@ class Framing:
 
     Examples
     --------
-    >>> sent = encode_frame(Frame(7, 1000, (-5,)))
+    >>> body = bytes.fromhex("a55a 0100 07000000 e8030000 fbffffff")
+    >>> sent = body + zlib.crc32(body).to_bytes(4, "little")
     >>> framing, frames = Framing(n_channels=1).after(b"noise" + sent[:9])
     >>> framing.after(sent[9:])[1]
     [Frame(counter=7, time_us=1000, values=(-5,))]

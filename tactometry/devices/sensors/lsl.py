@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...arguments.require import positive
-from ...errors import DeviceFailed, needed
+from ...errors import DeviceFailed, attempt, needed
 from .reader import POLL_S, SampleBlock, Source, now_s
 
 LONGEST_SEARCH_S = 5.0
@@ -75,13 +75,13 @@ class LslSource(Source):
         self._check(info)
         # recover=False: an outlet that dies is to raise, else liblsl waits for it in silence
         inlet = pylsl.StreamInlet(info, max_buflen=60, recover=False, processing_flags=pylsl.proc_clocksync)
-        try:
+        lost = pylsl.util.LostError, pylsl.util.TimeoutError
+        with attempt(self.name, "the outlet does not answer", "one that runs", lost):
             inlet.open_stream(timeout=LONGEST_SEARCH_S)
             self._correction_s = inlet.time_correction(timeout=LONGEST_SEARCH_S)
             inlet.flush()  # what has waited is not of now
-        except (pylsl.util.LostError, pylsl.util.TimeoutError) as error:
-            raise DeviceFailed(f"{self.name}: the outlet does not answer ({error}), expected one that runs") from None
         self._offset_s = _offset_s(pylsl)
+        self._opened.callback(inlet.close_stream)
         self._inlet, self._source_id = inlet, self._source_id or info.source_id() or None
 
     def _found(self, pylsl: Any) -> Any:
@@ -120,11 +120,6 @@ class LslSource(Source):
         if not stamps_s:
             return None
         return SampleBlock(np.array(stamps_s) + self._offset_s, np.array(samples, dtype=np.float64))
-
-    def close(self) -> None:
-        inlet, self._inlet = self._inlet, None
-        if inlet is not None:
-            inlet.close_stream()
 
 
 def _offset_s(pylsl: Any) -> float:

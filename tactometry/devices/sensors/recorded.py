@@ -55,9 +55,6 @@ class RecordedSource(Source):
         new = slice(first, self._n_read)
         return SampleBlock(self._times_s[new], self._values[new])
 
-    def close(self) -> None:
-        pass
-
 
 def _table(path: Path, n_channels: int) -> NDArray[np.float64]:
     try:

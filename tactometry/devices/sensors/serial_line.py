@@ -37,16 +37,10 @@ class SerialSource(Source):
     def __init__(self, settings: SerialSettings) -> None:
         super().__init__(f"serial {settings.port}", settings.rate_hz, settings.n_channels)
         self._settings = settings
-        self._line: Any = None
         self._framing, self._samples = Framing(self.n_channels), CountedSamples(1e-6, name=self.name)
 
     def facts(self) -> dict[str, str | int | float | None]:
-        return {
-            "n_bytes_skipped": self._framing.n_skipped,
-            "n_lost": self._samples.n_lost,
-            "n_duplicates": self._samples.n_duplicates,
-            "clock_offset_s": self._samples.offset_s,
-        }
+        return {"n_bytes_skipped": self._framing.n_skipped, **self._samples.facts()}
 
     def open(self) -> None:
         serial = _library()
@@ -61,6 +55,7 @@ class SerialSource(Source):
                 f"{self.name}: cannot open the line ({_reason(error)}), expected a device to read"
             ) from None
         self._framing, self._line = Framing(self.n_channels, n_skipped=self._framing.n_skipped), line
+        self._opened.callback(line.close)
         self._samples.may_begin_anew()
 
     def receive(self) -> SampleBlock | None:
@@ -72,11 +67,6 @@ class SerialSource(Source):
         arrival_s = now_s()
         self._framing, frames = self._framing.after(data)
         return self._samples.block(frames, arrival_s) if frames else None
-
-    def close(self) -> None:
-        line, self._line = self._line, None
-        if line is not None:
-            line.close()
 
 
 def _available(line: Any, n_missing: int) -> bytes:

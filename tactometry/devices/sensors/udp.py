@@ -13,7 +13,7 @@ from dataclasses import dataclass
 from typing import ClassVar, Final, NamedTuple
 
 from ...arguments.require import expect, positive
-from ...errors import DeviceFailed
+from ...errors import DeviceFailed, attempt
 from .counted_samples import CountedSamples
 from .reader import POLL_S, SampleBlock, Source, now_s
 
@@ -72,34 +72,22 @@ class UdpSource(Source):
     def __init__(self, settings: UdpSettings) -> None:
         super().__init__(f"udp {settings.address}:{settings.port}", settings.rate_hz, n_channels=6)
         self._settings = settings
-        self._socket: socket.socket | None = None
         self._samples = CountedSamples(1 / settings.sensor_rate_hz, name=self.name)
         self._n_refused = 0
 
     def facts(self) -> dict[str, str | int | float | None]:
-        return {
-            "n_lost": self._samples.n_lost,
-            "n_duplicates": self._samples.n_duplicates,
-            "n_refused": self._n_refused,
-            "clock_offset_s": self._samples.offset_s,
-        }
+        return {**self._samples.facts(), "n_refused": self._n_refused}
 
     def open(self) -> None:
-        try:
-            self._socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self._socket = self._opened.enter_context(socket.socket(socket.AF_INET, socket.SOCK_DGRAM))
+        self._opened.callback(self._end)
+        with attempt(self.name, "cannot reach the sensor", "its address"):
             self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVED_BYTES)
             self._socket.settimeout(POLL_S)
             self._socket.connect((self._settings.address, self._settings.port))
-            self._heard_s = now_s() - SILENT_S  # so that the first `receive` asks at once
-        except OSError as error:
-            self.close()
-            raise DeviceFailed(
-                f"{self.name}: cannot reach the sensor ({error.strerror or error}), expected its address"
-            ) from None
+        self._heard_s = now_s() - SILENT_S  # so that the first `receive` asks at once
 
     def receive(self) -> SampleBlock | None:
-        if self._socket is None:
-            raise DeviceFailed(f"{self.name}: it is closed")
         try:
             if now_s() - self._heard_s >= SILENT_S:
                 self._socket.send(BEGIN)
@@ -118,8 +106,6 @@ class UdpSource(Source):
         self._n_refused += len(received) - len(sound) if received else 1  # a datagram of another form is one
         return self._samples.block(sound, arrival_s) if sound else None
 
-    def close(self) -> None:
-        line, self._socket = self._socket, None
-        if line is not None:
-            with line, contextlib.suppress(OSError):
-                line.send(END)
+    def _end(self) -> None:
+        with contextlib.suppress(OSError):  # the sensor may have gone first
+            self._socket.send(END)

@@ -6,9 +6,8 @@ from dataclasses import replace
 import pytest
 from sampled import Sampled
 
-from tactometry.devices.sensors.force_calibration import ForceCalibration
 from tactometry.devices.sensors.reader import Reader
-from tactometry.devices.sensors.streamed import streamed_force, streamed_position
+from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force, streamed_position
 from tactometry.gates.speed import triangle
 from tactometry.rigs.bench import ASSUMED_DISPLAY_HEIGHT_M, Bench
 from tactometry.rigs.device_rig import Equipment
