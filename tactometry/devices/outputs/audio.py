@@ -1,6 +1,7 @@
 """A sound card as an output, through PortAudio (extra: audio)."""
 
 import contextlib
+import functools
 import json
 import subprocess
 import time
@@ -17,7 +18,7 @@ from ..clock_map import ClockMap
 from ..portaudio import FULL_SCALE, end_stream, library, refuse_default
 from .frame_feed import DryRuns, FrameFeed
 from .gain import Gain, SignalChain, required_gain
-from .output import LONGEST_WORD_S, Driver
+from .output import LONGEST_WORD_S, AmplifiedDriver
 
 FADE_S = 1e-3
 """A stop falls to zero within this time, or within a block where that is shorter (unverified default)."""
@@ -63,23 +64,19 @@ class AudioSettings:
         return SignalChain(f"audio {self.device}, {self.sample_format}", system_volume(self.device))
 
 
-class AudioOutput(Driver):
+class AudioOutput(AmplifiedDriver):
     """An output stream that runs as long as the output is open: zeros, and the frames of one signal at a time."""
 
-    connected = True
-
     def __init__(self, settings: AudioSettings, gain: Gain) -> None:
-        self.name = f"audio {settings.device}"
-        self.n_channels: int = len(settings.channels)
-        self.rate_hz: float = settings.rate_hz
-        self.full_scale_v: float = gain.load_volts_per_unit
-        self._settings, self._gain = settings, gain
+        super().__init__(f"audio {settings.device}", len(settings.channels), settings.rate_hz, gain)
+        self._settings = settings
         self._stream: Any = None
         self._device: str | None = None
         self._course: FrameFeed | None = None
         self._n_frames, self._dry = 0, DryRuns(settings.latency_s / 2)
         self._clocks = ClockMap()
-        self._numbered: tuple[Signal, NDArray[np.generic]] | None = None
+        self._numbers = functools.lru_cache(maxsize=1)(self._round_to_zero)
+        """What the card gets, (n_channels, n_samples); the last signal's is kept, so that `play` begins at once."""
 
     def facts(self) -> dict[str, str | int | float | None]:
         latency_s = None if self._stream is None else self._stream.latency
@@ -126,12 +123,6 @@ class AudioOutput(Driver):
         full_scale = FULL_SCALE[self._settings.sample_format]
         return self._gain.to_volts(self._numbers(signal).astype(np.float64) / full_scale, signal.rate_hz)
 
-    def _numbers(self, signal: Signal) -> NDArray[np.generic]:
-        """What the card gets, (n_channels, n_samples); the last signal's is kept, so that `play` begins at once."""
-        if self._numbered is None or self._numbered[0] is not signal:
-            self._numbered = signal, self._round_to_zero(signal)
-        return self._numbered[1]
-
     def _round_to_zero(self, signal: Signal) -> NDArray[np.generic]:
         """Rounded towards zero, so that no limit is passed by rounding."""
         units = self._gain.to_units(signal)
@@ -146,7 +137,8 @@ class AudioOutput(Driver):
         """Begin to emit: the time at which the card says that the first frame leaves it."""
         if self._stream is None or not self._stream.active:
             raise DeviceFailed(f"output {self.name!r}: it is not open, or stopped by itself; nothing was played")
-        course = FrameFeed(self._frames(self._numbers(signal)), self._n_fade)
+        n_fade = max(1, round(FADE_S * self.rate_hz))
+        course = FrameFeed(self._frames(self._numbers(signal)), n_fade)
         self._let_end()
         self._course = course
         if signal.samples.size and not course.begun.wait(LONGEST_START_S):
@@ -163,10 +155,6 @@ class AudioOutput(Driver):
 
     def _silent(self) -> DeviceFailed:
         return DeviceFailed(f"output {self.name!r}: the device asked for no samples in {LONGEST_START_S:g} s")
-
-    @property
-    def _n_fade(self) -> int:
-        return max(1, round(FADE_S * self.rate_hz))
 
     def _frames(self, numbers: NDArray[np.generic]) -> NDArray[np.generic]:
         channels = self._settings.channels

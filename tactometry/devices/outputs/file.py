@@ -12,7 +12,7 @@ from ...files.durable import read_file
 from ...files.samples import Npz, wav_of
 from ...signal import Signal
 from .gain import Gain, SignalChain
-from .output import Driver
+from .output import UnconnectedDriver
 
 
 @dataclass(frozen=True)
@@ -36,10 +36,8 @@ class FileSettings:
         return SignalChain(f"file {self.folder}")
 
 
-class FileOutput(Driver):
+class FileOutput(UnconnectedDriver):
     """Writes each signal to a file of its own and never over another."""
-
-    connected = False
 
     def __init__(self, settings: FileSettings) -> None:
         self.name = f"file {settings.folder}"
@@ -69,12 +67,6 @@ class FileOutput(Driver):
             _WRITERS[self._format](file, self.final(signal))
         self._n_written += 1
         return onset_s
-
-    def stop(self) -> None:
-        pass
-
-    def close(self) -> None:
-        pass
 
 
 def read_signal(path: Path) -> Signal:

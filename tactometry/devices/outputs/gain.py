@@ -5,14 +5,11 @@ from datetime import date
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...arguments.require import positive
 from ...errors import DeviceFailed, InvalidParameter
-from ...signal import Signal
+from ...signal import FloatArray, Signal
 from ..measured import Measured, check_age
-
-FloatArray = NDArray[np.float64]
 
 MAX_AGE_DAYS: Final = 365
 """Of a gain for which nobody stated another age (unverified default)."""

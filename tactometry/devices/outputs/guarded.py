@@ -1,5 +1,6 @@
 """The guard before every driver: nothing reaches a load that its limits do not allow."""
 
+import functools
 import threading
 import time
 from collections.abc import Callable
@@ -47,7 +48,7 @@ class Guarded:
         self._before: Exposure | None = None
         self._on_signal: Callable[[GuardedSignal], None] = lambda signal: None
         self._counting = threading.Lock()
-        self._checked: tuple[Signal, Signal] | None = None
+        self._final = functools.lru_cache(maxsize=1)(self._checked)
 
     @property
     def name(self) -> str:
@@ -110,11 +111,9 @@ class Guarded:
             If the signal must not or cannot be played.
         """
         limits = self._stated_limits()
-        if self._checked is None or self._checked[0] is not signal:
-            self._checked = signal, self._final(signal, limits)
-        return limits, self._checked[1]
+        return limits, self._final(signal, limits)
 
-    def _final(self, signal: Signal, limits: Limits) -> Signal:
+    def _checked(self, signal: Signal, limits: Limits) -> Signal:
         # twice: what was asked for, and what rounding and clipping make of it
         limits.check(signal)
         check_format(signal, self.driver)

@@ -13,16 +13,13 @@ from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...arguments.require import expect, positive
 from ...errors import DeviceFailed, needed
-from ...signal import Signal
+from ...signal import FloatArray, Signal
 from ..deadline import CLOSE_WITHIN_S, within
 from .gain import Gain, SignalChain, required_gain
-from .output import Driver
-
-FloatArray = NDArray[np.float64]
+from .output import AmplifiedDriver
 
 
 @dataclass(frozen=True)
@@ -75,17 +72,12 @@ def connector_v(settings: NiSettings, gain: Gain, signal: Signal) -> FloatArray:
     return np.pad(volts, ((0, 0), (0, 1)))
 
 
-class NiOutput(Driver):
+class NiOutput(AmplifiedDriver):
     """One finite, self-ending task per signal."""
 
-    connected = True
-
     def __init__(self, settings: NiSettings, gain: Gain) -> None:
-        self.name = f"ni {','.join(settings.channels)}"
-        self.n_channels: int = len(settings.channels)
-        self.rate_hz: float = settings.rate_hz
-        self.full_scale_v: float = gain.load_volts_per_unit
-        self._settings, self._gain = settings, gain
+        super().__init__(f"ni {','.join(settings.channels)}", len(settings.channels), settings.rate_hz, gain)
+        self._settings = settings
         self._task: Any = None
         self._is_open = False
 

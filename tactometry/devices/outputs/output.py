@@ -88,11 +88,35 @@ class Driver(ABC):
         """Zero, and let go of the device; may be called more than once."""
 
 
-class NullOutput(Driver):
-    """A driver to which nothing is connected: any channels, any rate."""
+class AmplifiedDriver(Driver):
+    """A driver that leads out of the computer, to an amplifier: its channels, its rate and its gain are known."""
+
+    connected = True
+    n_channels: int
+    rate_hz: float
+
+    def __init__(self, name: str, n_channels: int, rate_hz: float, gain: Gain) -> None:
+        self.name, self.n_channels, self.rate_hz = name, n_channels, rate_hz
+        self.full_scale_v, self._gain = gain.load_volts_per_unit, gain
+
+
+class UnconnectedDriver(Driver):
+    """A driver to which nothing is connected that would have to be put to zero."""
+
+    connected = False
+
+    def stop(self) -> None:
+        pass
+
+    def close(self) -> None:
+        pass
+
+
+class NullOutput(UnconnectedDriver):
+    """A driver of which nothing comes: any channels, any rate."""
 
     name = "null"
-    connected = emits = False
+    emits = False
 
     def __init__(self, n_channels: int | None = None, rate_hz: float | None = None) -> None:
         self.n_channels, self.rate_hz = n_channels, rate_hz
@@ -106,12 +130,6 @@ class NullOutput(Driver):
     def play(self, signal: Signal) -> float:
         del signal
         return time.perf_counter()
-
-    def stop(self) -> None:
-        pass
-
-    def close(self) -> None:
-        pass
 
 
 @dataclass(frozen=True)
