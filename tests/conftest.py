@@ -275,7 +275,7 @@ def participant(watched, hands, in_background):
 @pytest.fixture
 def unhurried_sensors(monkeypatch):
     """Where silence is not the subject: a busy machine may hold up a sensor's thread for longer than it is borne."""
-    for name in ("gated_samples.SILENT_S", "watchdog.SILENT_S", "trace.DEAF_S"):
+    for name in ("gated_samples.SILENT_S", "watchdog.SILENT_S", "gated_samples.DEAF_S"):
         monkeypatch.setattr(f"tactometry.rigs.touch.{name}", LONGEST_WAIT_S)
 
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from tactometry.errors import InvalidParameter, TactometryError
-from tactometry.rigs.rendering import render
+from tactometry.rigs.emitter import render
 from tactometry.signal import Stimulus
 
 from ..study.experiment import Experiment

@@ -49,6 +49,7 @@ def _equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog") ->
         bench.output.ramp_s,
         bench.release,
         lambda: device_facts(bench, devices) | learnt,
+        bench.screen.height_m,
     )
 
 
@@ -71,7 +72,7 @@ def bench(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "Rig
         window = Window(fullscreen=screen.fullscreen, size=(screen.width_px, screen.height_px))
         if window.caution is not None:
             terminal.tell(window.caution)
-        return Bench(window, equipment, texts, display_height_m=screen.height_m, log=log, terminal=terminal)
+        return Bench(window, equipment, texts, log=log, terminal=terminal)
 
     return RigKind("bench", make)
 

@@ -12,19 +12,15 @@ from typing import TypeVar
 
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.answer_rules import value_at
-from ..session.event import EventLog
 from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
 from ..trials.trial import outcome
-from .device_rig import DeviceRig, Equipment
-from .experimenter.supervisor import utc_text
-from .experimenter.terminal import ExperimenterTerminal
-from .experimenter.trial_log import CLOCK, TrialLog
+from .device_rig import DeviceRig
+from .experimenter.supervisor import CLOCK, TrialLog
 from .pages import entry, form, layout
-from .pages.page import Answer, Display, Page
+from .pages.page import Answer, Page
 from .pages.presenter import Dress, as_it_is
-from .texts import Texts
+from .touch.gated_samples import Trace
 from .touch.touch import TouchCourse, moving_cue
-from .touch.trace import Trace
 from .touch.watchdog import RepeatedStimulus, play_to_end, watchdog
 
 S = TypeVar("S")
@@ -36,41 +32,13 @@ ASSUMED_DISPLAY_HEIGHT_M = 0.3
 class Bench(DeviceRig):
     """A rig with a person at it.
 
-    Parameters
-    ----------
-    screen : Display
-    equipment : Equipment
-    texts : Texts
-    display_height_m : float, optional
-        Measured height of the visible picture, m, for the moving cue of a `Slide`; without it
-        `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says that the height was not measured.
-    log : EventLog, optional
-        Where pauses, remarks, clocks and the timing of each trial are kept.
-    terminal : ExperimenterTerminal, optional
-        The experimenter's.
-
-    Raises
-    ------
-    DeviceFailed
-        If a device does not open; all are closed then.
+    Without a measured height of the display a `Slide` takes `ASSUMED_DISPLAY_HEIGHT_M`, and the journal says that it
+    was not measured. The log also keeps the clocks and the timing of each trial.
     """
-
-    def __init__(
-        self,
-        screen: Display,
-        equipment: Equipment,
-        texts: Texts,
-        *,
-        display_height_m: float | None = None,
-        log: EventLog | None = None,
-        terminal: ExperimenterTerminal | None = None,
-    ) -> None:
-        self._display_height_m = display_height_m
-        super().__init__(screen, equipment, texts, terminal or ExperimenterTerminal(), log)
-        self._trial_log = TrialLog(self._supervisor, screen, self._clocks)
 
     def _open(self) -> None:
         super()._open()
+        self._trial_log = TrialLog(self._supervisor, self._screen, self._clocks)
         # drawn now, so that the first page of a trial costs no frame when it is due
         for interval in (None, 1, 2):
             self._screen.prepare(layout.marker_page(interval, playing=True))
@@ -84,7 +52,7 @@ class Bench(DeviceRig):
         return {
             "rig": "bench",
             **self._screen.facts(),
-            "display_height_m": self._display_height_m,
+            "display_height_m": self._equipment.display_height_m,
             **self._device_facts(),
             "clock": "time.perf_counter",
             "clock_resolution_s": time.get_clock_info("perf_counter").resolution,
@@ -106,8 +74,7 @@ class Bench(DeviceRig):
         return self._touch(request, "press", as_it_is, Trace())
 
     def _slide(self, request: Slide) -> Touched:
-        height_m = ASSUMED_DISPLAY_HEIGHT_M if self._display_height_m is None else self._display_height_m
-        places = Trace()
+        height_m, places = self._equipment.display_height_m or ASSUMED_DISPLAY_HEIGHT_M, Trace()
         return self._touch(request, "slide", moving_cue(request, height_m, places), places)
 
     def _touch(self, request: Press | Slide, words: str, dress: Dress, places: Trace) -> Touched:
@@ -149,8 +116,7 @@ class Bench(DeviceRig):
         repetition."""
         self._trial_log.note_answer(end_s)
         self._terminal.add(f"answered in {end_s - onset_s:.2f} s")
-        latency_s = round(end_s - onset_s, 6)
-        return self._session_s(onset_s), latency_s, utc_text(end_s), not self._supervisor.repeat
+        return *self._times(onset_s, end_s), not self._supervisor.repeat
 
     def _rate(self, request: Rate) -> Rated:
         scale = self._scale(request)
@@ -216,7 +182,7 @@ class Bench(DeviceRig):
             )
             self._emitter.stop()
         begun_s, latency_s, utc, counts = self._timing(onset_s, end_s)
-        n_gaps = stimulus.n_gaps
+        n_gaps = stimulus.n_gaps()
         return Adjusted(request.level(n_steps), begun_s, latency_s, utc, counts and not n_gaps, n_gaps)
 
     def _wait(self, request: Wait) -> Done:

@@ -13,14 +13,12 @@ from ..session.event import EventLog
 from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Question, Rate, Record, Show, Slide, Wait
 from ..trials.trial import outcome
 from .device_rig import DeviceRig, Equipment
-from .experimenter.supervisor import utc_text
 from .experimenter.terminal import ExperimenterTerminal
-from .frame_timing import PERIOD_WITHOUT_BLANK_S
 from .pages import layout
-from .pages.page import Input, Page
+from .pages.page import Display
 from .texts import Texts
+from .touch.gated_samples import Trace
 from .touch.touch import TouchCourse
-from .touch.trace import Trace
 from .touch.watchdog import play_to_end
 
 T = TypeVar("T")
@@ -33,39 +31,6 @@ SILENT_OUTPUT: Final = (
     "This terminal plays nothing: stimuli are checked and left out, and the rows hold no delivered level. It is for "
     "trying a study out; with --bench, stimuli play through the output of the bench file."
 )
-
-
-class Blind:
-    """A `tactometry.rigs.pages.page.Display` that shows nothing and on which nothing can be pressed."""
-
-    aspect = 1.0
-    period_s = PERIOD_WITHOUT_BLANK_S
-
-    def prepare(self, page: Page) -> None:
-        pass
-
-    def present(self, page: Page) -> float:
-        del page
-        return time.perf_counter()
-
-    def refresh(self, page: Page) -> float:
-        time.sleep(self.period_s)
-        return self.present(page)
-
-    def events(self) -> tuple[Input, ...]:
-        return ()
-
-    def facts(self) -> Facts:
-        return {}
-
-    def frame_intervals_s(self) -> list[float]:
-        return []
-
-    def clock_offset_s(self) -> float:
-        return 0.0
-
-    def close(self) -> None:
-        pass
 
 
 class Lines(ExperimenterTerminal):
@@ -101,7 +66,8 @@ class Console(DeviceRig):
         log: EventLog | None = None,
     ) -> None:
         self._source, self._output = source or sys.stdin, output or sys.stdout
-        super().__init__(Blind(), equipment, replace(texts, stop="ctrl_c"), Lines(self._output), log)
+        texts = replace(texts, stop="ctrl_c")
+        super().__init__(Display(), equipment, texts, terminal=Lines(self._output), log=log)
 
     def _open(self) -> None:
         super()._open()
@@ -130,14 +96,10 @@ class Console(DeviceRig):
             if ESCAPE in line:
                 raise self._stop("Escape was typed")
             try:
-                return read(line.strip()), *self._timing(onset_s)
+                return read(line.strip()), *self._times(onset_s, time.perf_counter())
             except ValueError:
                 self._terminal.tell(f"found {line.strip()!r}, expected an answer to: {prompt}")
         raise self._stop(f"{N_TRIES} lines were no answers")
-
-    def _timing(self, onset_s: float) -> tuple[float, float, str]:
-        now_s = time.perf_counter()
-        return self._session_s(onset_s), round(now_s - onset_s, 6), utc_text(now_s)
 
     def _stop(self, why: str) -> Stopped:
         return self._supervisor.stop(why, f" ({self._tally})")
@@ -190,7 +152,7 @@ class Console(DeviceRig):
     def _fill(self, request: Fill) -> Filled:
         onset_s = time.perf_counter()
         values = tuple(self._fill_one(request, question) for question in request.questions)
-        return Filled(values, *self._timing(onset_s))
+        return Filled(values, *self._times(onset_s, time.perf_counter()))
 
     def _fill_one(self, request: Fill, question: Question) -> float | None:
         statement, left, right = self._texts.question(question)

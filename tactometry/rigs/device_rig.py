@@ -1,30 +1,32 @@
 """What the rigs with devices have in common: an output and sensors, a clock, and who looks after the session."""
 
 import time
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from typing import TypeVar
 
 from ..devices.outputs.guarded import Guarded
 from ..devices.outputs.output import RAMP_S
 from ..devices.sensors.streamed import StreamedSensor
+from ..errors import DeviceFailed
 from ..safety.limits import FORCE_PEAK_N, Limits
 from ..session.answer import Done, Played, Touched
 from ..session.event import EventLog
 from ..session.request import A, Facts, Play, Press, Request, Slide
 from ..signal import Signal, Stimulus
 from ..trials.trial import Tally, Trial, tally
-from .closing import closed_on_failure
+from .closing import ended_by_signal
 from .emitter import Emitter
-from .experimenter.supervisor import Supervisor
+from .experimenter.supervisor import Supervisor, utc_text
 from .experimenter.terminal import ExperimenterTerminal
 from .live_rig import LiveRig
 from .pages import layout
 from .pages.page import Display
 from .pages.presenter import Presenter
 from .texts import Texts
-from .touch.setup import Release, TouchSetup
+from .touch.gated_samples import Release
+from .touch.watchdog import TouchSetup
 
 Felt = TypeVar("Felt", Played, Touched)
 
@@ -50,6 +52,8 @@ class Equipment:
         Whether the force must leave its band between touches.
     facts : callable
         What the head of the journal says of the devices, once they are open, and their clocks at any time.
+    display_height_m : float, optional
+        Measured height of the visible picture, m, for the moving cue of a slide.
     """
 
     output: Guarded
@@ -60,10 +64,22 @@ class Equipment:
     ramp_s: float = RAMP_S
     release: bool = True
     facts: Callable[[], Facts] = dict
+    display_height_m: float | None = None
 
 
 class DeviceRig(LiveRig):
     """Opens the devices, and closes all of them, its output first, whatever goes wrong.
+
+    Parameters
+    ----------
+    screen : Display
+        The participant's.
+    equipment : Equipment
+    texts : Texts
+    terminal : ExperimenterTerminal, optional
+        The experimenter's.
+    log : EventLog, optional
+        Where pauses, remarks and stimuli are kept.
 
     Raises
     ------
@@ -72,9 +88,16 @@ class DeviceRig(LiveRig):
     """
 
     def __init__(
-        self, screen: Display, equipment: Equipment, texts: Texts, terminal: ExperimenterTerminal, log: EventLog | None
+        self,
+        screen: Display,
+        equipment: Equipment,
+        texts: Texts,
+        *,
+        terminal: ExperimenterTerminal | None = None,
+        log: EventLog | None = None,
     ) -> None:
-        self._screen, self._equipment, self._texts, self._terminal = screen, equipment, texts, terminal
+        self._screen, self._equipment, self._texts = screen, equipment, texts
+        self._terminal = terminal = terminal or ExperimenterTerminal()
         limits, output = equipment.limits, equipment.output
         self._emitter = Emitter(equipment.bank, output, limits, equipment.ramp_s)
         pause_page = layout.message_page(texts.message("pause"), "", screen.aspect)
@@ -93,7 +116,7 @@ class DeviceRig(LiveRig):
         )
         self._tally = Tally()
         self.closed = False
-        with closed_on_failure(self):
+        with self._closed_on_failure():
             self._open()
 
     def _open(self) -> None:
@@ -103,6 +126,30 @@ class DeviceRig(LiveRig):
                 device.open()
         if self._equipment.sensor is not None:
             self._equipment.sensor.subscribe(self._setup.release.hear)
+
+    @contextmanager
+    def _closed_on_failure(self) -> Iterator[None]:
+        """Close the rig, output first, when the body ends by any exception.
+
+        Raises
+        ------
+        DeviceFailed
+            If it is closed already, or PsychoPy ends the program.
+        """
+        if self.closed:
+            raise DeviceFailed("bench: it is closed, nothing can be asked of it; open it again")
+        try:
+            yield
+        except SystemExit as end:
+            self.close()
+            if ended_by_signal(end):
+                raise
+            raise DeviceFailed(
+                f"window: PsychoPy ended the program by itself (exit status {end.code}); go on with --resume"
+            ) from end
+        except BaseException:  # Ctrl-C too: whatever ends a request, nothing plays on behind it
+            self.close()
+            raise
 
     def close(self) -> None:
         if self.closed:
@@ -133,7 +180,7 @@ class DeviceRig(LiveRig):
         self._supervisor.zero_s = time.perf_counter() - elapsed_s
 
     def answer(self, request: Request[A]) -> A:
-        with closed_on_failure(self):
+        with self._closed_on_failure():
             self._finish_trial()
             return super().answer(request)
 
@@ -146,6 +193,10 @@ class DeviceRig(LiveRig):
 
     def _session_s(self, clock_s: float) -> float:
         return round(clock_s - self._supervisor.zero_s, 6)
+
+    def _times(self, onset_s: float, end_s: float) -> tuple[float, float, str]:
+        """Onset in the session, latency and time of day of an answer."""
+        return self._session_s(onset_s), round(end_s - onset_s, 6), utc_text(end_s)
 
     def _done(self) -> Done:
         return Done(self._session_s(time.perf_counter()))

@@ -5,13 +5,31 @@ import threading
 import time
 from collections.abc import Mapping
 
+from ..arguments.require import lookup
 from ..devices.deadline import BEGIN_WITHIN_S
 from ..devices.outputs.guarded import Guarded
-from ..devices.outputs.output import LONGEST_WORD_S, RAMP_S
+from ..devices.outputs.output import LONGEST_WORD_S, RAMP_S, with_ramps
 from ..errors import DeviceFailed, InvalidParameter
 from ..safety.limits import Limits
 from ..signal import Signal, Stimulus
-from .rendering import render
+
+
+def render(bank: Mapping[str, Stimulus], name: str, level: float, limits: Limits | None, ramp_s: float = 0.0) -> Signal:
+    """The final samples of the stimulus `name` of a bank, with ramps where it does not begin and end at rest.
+
+    Every rig makes its signals so.
+
+    Raises
+    ------
+    InvalidParameter
+        If the bank has no such stimulus (with the nearest name), or the stimulus no such level.
+    LimitExceeded
+        If a limit of the study is passed.
+    """
+    signal = with_ramps(lookup("stimulus", name, bank).at(level), ramp_s)
+    if limits is not None:
+        limits.check(signal)
+    return signal
 
 
 class Emitter:

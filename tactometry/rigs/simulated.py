@@ -2,12 +2,13 @@
 
 import functools
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import KW_ONLY, dataclass, field
 from typing import Protocol
 
 import numpy as np
 
+from ..arguments.require import expect, lookup
 from ..contact import Contact
-from ..errors import InvalidParameter, nearest
 from ..gates.force import compliance
 from ..gates.speed import SpeedCompliance, motion
 from ..observers.decisions import Decision, Felt
@@ -19,9 +20,9 @@ from ..session.answer_rules import value_at
 from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
 from ..signal import Signal, Stimulus
 from ..trials.trial import Trial
+from .emitter import render
 from .judgement import broken_condition, compliance_fields
 from .live_rig import LiveRig
-from .rendering import render
 
 
 class Sensation(Protocol):
@@ -48,6 +49,7 @@ def _speed_compliance(request: Press | Slide, grip: Grip) -> SpeedCompliance | N
     return motion(grip.times_s, grip.positions_m, request.speed_m_per_s, request.speed_tolerance)
 
 
+@dataclass(eq=False)
 class SimulatedRig(LiveRig):
     """Answers as `observer` does from what `sensation` says that the skin receives.
 
@@ -56,32 +58,25 @@ class SimulatedRig(LiveRig):
     stopped. Limits are checked as on a bench.
     """
 
-    def __init__(
-        self,
-        bank: Mapping[str, Stimulus],
-        limits: Limits,
-        *,
-        sensation: Sensation,
-        observer: Observer,
-        finger: SimulatedFinger,
-        rng_of: Callable[[int], np.random.Generator],
-        decisions: Mapping[str, Decision],
-        by_stimulus: Mapping[str, Sensation] | None = None,
-    ) -> None:
-        self._decisions = decisions
-        self._by_stimulus = by_stimulus or {}
-        self._sensation = sensation
-        self._observer = observer
-        self._finger = finger
-        self._rng_of = rng_of
+    bank: Mapping[str, Stimulus]
+    limits: Limits
+    _: KW_ONLY
+    sensation: Sensation
+    observer: Observer
+    finger: SimulatedFinger
+    rng_of: Callable[[int], np.random.Generator]
+    decisions: Mapping[str, Decision]
+    by_stimulus: Mapping[str, Sensation] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
         self._now_s = 0.0
         # levels come again and again: each is rendered and checked once
-        self._rendered = functools.cache(lambda stimulus, level: render(bank, stimulus, level, limits))
+        self._rendered = functools.cache(lambda stimulus, level: render(self.bank, stimulus, level, self.limits))
         self._begin_trial(0)
 
     def _begin_trial(self, n_trials: int) -> None:
         self._n_trials = n_trials
-        self._rng = self._rng_of(n_trials)
+        self._rng = self.rng_of(n_trials)
         self._felt: list[Felt] = []
 
     def facts(self) -> Facts:
@@ -103,7 +98,7 @@ class SimulatedRig(LiveRig):
         self._felt.append(Felt(stimulus, level_db))
 
     def _sensation_db(self, stimulus: str, signal: Signal, contact: Contact) -> float:
-        return self._by_stimulus.get(stimulus, self._sensation).sensation_db(signal, contact)
+        return self.by_stimulus.get(stimulus, self.sensation).sensation_db(signal, contact)
 
     def _pass(self, duration_s: float) -> float:
         """The present time, which then passes by."""
@@ -125,7 +120,7 @@ class SimulatedRig(LiveRig):
 
     def _touch(self, request: Press | Slide) -> Touched:
         signal = self._signal(request.stimulus, request.level)
-        grip = self._finger.hold(request, self._rng)
+        grip = self.finger.hold(request, self._rng)
         force = compliance(grip.times_s, grip.forces_n, request.target_n, request.tolerance)
         speed = _speed_compliance(request, grip)
         reason = broken_condition(request, force, speed)
@@ -143,33 +138,23 @@ class SimulatedRig(LiveRig):
         )
 
     def _choose(self, request: Choose) -> Chosen:
-        known = self._decisions
-        if request.question not in known:
-            raise InvalidParameter(
-                f"the simulated participant was asked {request.question!r}, expected one of {', '.join(known)}"
-                f"{nearest(request.question, known)}"
-            )
-        decision = known[request.question]
+        decision = lookup("question to the simulated participant", request.question, self.decisions)
         n_expected = decision.n_stimuli or len(request.options)
-        if len(self._felt) != n_expected:
-            raise InvalidParameter(
-                f"the simulated participant was asked {request.question!r} with {len(request.options)} options after "
-                f"{len(self._felt)} stimuli, expected {n_expected}"
-            )
-        option = decision.decide(self._observer, self._felt, request, self._rng)
-        onset_s, latency_s = self._timing(1)
-        return Chosen(option, onset_s, latency_s)
+        asked = f"{request.question!r} to the simulated participant, with {len(request.options)} options"
+        expect(len(self._felt) == n_expected, asked, f"{len(self._felt)} stimuli before it", f"{n_expected}")
+        option = decision.decide(self.observer, self._felt, request, self._rng)
+        return Chosen(option, *self._timing(1))
 
     def _timing(self, n_questions: int) -> tuple[float, float]:
         """Onset and latency of so many questions that are answered one after the other."""
-        latency_s = round(sum(self._observer.answer_time_s(self._rng) for _ in range(n_questions)), 6)
+        latency_s = round(sum(self.observer.answer_time_s(self._rng) for _ in range(n_questions)), 6)
         return self._pass(latency_s), latency_s
 
     def _rate(self, request: Rate) -> Rated:
         return Rated(_value_of(self._liking(), request), *self._timing(1))
 
     def _enter(self, request: Enter) -> Rated:
-        value = max(self._observer.magnitude(self._last_db(), self._rng), request.low)
+        value = max(self.observer.magnitude(self._last_db(), self._rng), request.low)
         return Rated(value if request.high is None else min(value, request.high), *self._timing(1))
 
     def _fill(self, request: Fill) -> Filled:
@@ -178,7 +163,7 @@ class SimulatedRig(LiveRig):
         return Filled(values, *self._timing(len(values)))
 
     def _liking(self) -> float:
-        return self._observer.liking(self._last_db(), self._rng)
+        return self.observer.liking(self._last_db(), self._rng)
 
     def _last_db(self) -> float:
         return self._felt[-1].level_db if self._felt else 0.0
@@ -196,7 +181,7 @@ class SimulatedRig(LiveRig):
         signal = self._signal(request.stimulus, request.level(n_steps))
         contact = Contact(request.target_n or 0.0, request.speed_m_per_s or 0.0)
         assert signal is not None
-        return self._observer.detect(self._sensation_db(request.stimulus, signal, contact), self._rng)
+        return self.observer.detect(self._sensation_db(request.stimulus, signal, contact), self._rng)
 
     def _wait(self, request: Wait) -> Done:
         self._pass(request.duration_s)

@@ -2,7 +2,6 @@
 
 What PsychoPy 2026.2.5 does and does not do was measured: text and plain shapes are cheap, keys come whole
 from its `ptb` back end only, its clock is the wall clock on Linux, taps are missed by polling.
-from ..session.request import Facts
 """
 
 import ctypes
@@ -22,7 +21,7 @@ from ..errors import DeviceFailed
 from ..session.request import Facts
 from .closing import ended_by_signal
 from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
-from .pages.page import PAPER, Box, Click, Closed, Disc, Input, KeyDown, Page, Text
+from .pages.page import PAPER, Box, Click, Closed, Disc, Display, Input, KeyDown, Page, Text
 
 FONT = "Noto Sans"
 N_MEASURED_FRAMES, N_MEASUREMENTS = 20, 3
@@ -94,7 +93,7 @@ def load_psychopy() -> SimpleNamespace:
             ) from error
 
 
-class Window:
+class Window(Display):
     """A screen as `tactometry.rigs.pages.page.Display` says.
 
     Parameters

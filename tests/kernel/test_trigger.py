@@ -14,9 +14,8 @@ from patience import LONGEST_WAIT_S
 from tactometry.devices.sensors.reader import Reader
 from tactometry.errors import DeviceFailed
 from tactometry.rigs.emitter import Emitter
-from tactometry.rigs.touch.gated_samples import MOVING_S, SILENT_S
+from tactometry.rigs.touch.gated_samples import DEAF_S, MOVING_S, SILENT_S, Trace
 from tactometry.rigs.touch.touch import Held
-from tactometry.rigs.touch.trace import DEAF_S, Trace
 from tactometry.rigs.touch.trigger import TURN_S, Trigger, hearing, quick_turns
 from tactometry.session.request import Press, Slide
 from tactometry.signal import Signal
@@ -86,7 +85,7 @@ class Clock:
 
 def test_a_slide_begins_only_where_both_are_held(monkeypatch):
     """Force from the first sample, motion from the 40th; then the other way round."""
-    monkeypatch.setattr("tactometry.rigs.touch.trace.time", clock := Clock())
+    monkeypatch.setattr("tactometry.rigs.touch.gated_samples.time", clock := Clock())
     for first_moves, first_holds in ((40, 0), (0, 40)):
         held, n_samples = Held(slide(hold_s=0.1), moving=True), 100
         times_s = stamps_s(n_samples)
@@ -109,7 +108,7 @@ def test_a_slide_begins_only_where_both_are_held(monkeypatch):
 
 def test_a_gate_opens_when_the_hold_was_heard_of_for_so_long_by_our_clock(monkeypatch):
     """All stamps of a hold come at once, then one of each millisecond: the gate is open by its stamps, and waits."""
-    monkeypatch.setattr("tactometry.rigs.touch.trace.time", clock := Clock())
+    monkeypatch.setattr("tactometry.rigs.touch.gated_samples.time", clock := Clock())
     held, times_s = Held(press(hold_s=0.0995), moving=False), stamps_s(1)[0] + np.arange(300) / 1000
     clock.now_s = times_s[150]
     held.applied_force.hear(times_s[:150], np.ones(150))

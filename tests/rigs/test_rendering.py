@@ -10,9 +10,10 @@ from tactometry.devices.outputs.output import NullOutput
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.rigs.bench import Bench
-from tactometry.rigs.console import Blind, Console
+from tactometry.rigs.console import Console
 from tactometry.rigs.device_rig import Equipment
-from tactometry.rigs.rendering import render
+from tactometry.rigs.emitter import render
+from tactometry.rigs.pages.page import Display
 from tactometry.rigs.simulated import SimulatedRig
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
@@ -24,7 +25,7 @@ TIGHT = Limits(1e-6)
 
 def bench(limits):
     output = Guarded(NullOutput(), Limits(1000.0))
-    return Bench(Blind(), Equipment(output, BANK, limits), texts_in("en", {}))
+    return Bench(Display(), Equipment(output, BANK, limits), texts_in("en", {}))
 
 
 def console(limits):

@@ -4,10 +4,12 @@ Lengths are in heights of the screen, with the origin in its middle and y upward
 every screen that is wide enough.
 """
 
+import time
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Literal
 
 from ...session.request import Facts
+from ..frame_timing import PERIOD_WITHOUT_BLANK_S
 
 Answer = int | str | tuple[int, int]
 """What a button stands for: an option or a place, a name, or (row, place)."""
@@ -122,35 +124,50 @@ class Page:
         return next((button.answer for button in self.buttons if button.takes(event)), None)
 
 
-class Display(Protocol):
-    """What a bench needs of a display and a keyboard. All times are on `time.perf_counter`, in seconds."""
+class Display:
+    """What a rig needs of a display and a keyboard. All times are on `time.perf_counter`, in seconds.
+
+    As it stands here nothing is shown on it and nothing can be pressed: that of a console.
+    """
 
     @property
     def aspect(self) -> float:
         """Width over height."""
+        return 1.0
 
     def prepare(self, page: Page) -> None:
         """Build what the page needs, so that its first frame comes without delay."""
 
     def present(self, page: Page) -> float:
         """Show a page for the first time: the time of the flip."""
+        del page
+        return time.perf_counter()
 
     def refresh(self, page: Page) -> float:
         """Show the next frame of the page: the time of the flip."""
+        time.sleep(self.period_s)
+        return self.present(page)
 
     def events(self) -> tuple[Input, ...]:
         """What was pressed or closed since the last call, in order; each once."""
+        return ()
 
-    def facts(self) -> Facts: ...
+    def facts(self) -> Facts:
+        """What the head of the journal says of it."""
+        return {}
 
     @property
     def period_s(self) -> float:
         """From frame to frame."""
+        return PERIOD_WITHOUT_BLANK_S
 
     def frame_intervals_s(self) -> list[float]:
         """Those since the last call."""
+        return []
 
     def clock_offset_s(self) -> float:
         """Our clock minus that of the keyboard."""
+        return 0.0
 
-    def close(self) -> None: ...
+    def close(self) -> None:
+        """May be called more than once."""

@@ -1,18 +1,20 @@
-"""What the finger does during one touch: the samples of its force and of its way, collected, gated, and judged."""
+"""What the finger does during one touch and between two: samples of its force and of its way, gated, and judged."""
 
 import math
+import threading
+import time
 from abc import ABC, abstractmethod
 from typing import Generic, TypeVar
 
 import numpy as np
 
-from ...devices.sensors.reader import FloatArray
+from ...devices.sensors.streamed import mean_speed_m_per_s
 from ...gates.force import Compliance, ForceGate, compliance
 from ...gates.speed import SpeedCompliance, SpeedGate, motion
 from ...safety.limits import FORCE_PEAK_N
+from ...signal import FloatArray
 from ...trials.trial import Reason
 from ..judgement import fault_of_speed
-from .trace import Since, Trace
 
 G = TypeVar("G", ForceGate, SpeedGate)
 
@@ -24,6 +26,72 @@ MOVING_S = 0.1
 """So long must a speed be kept before a stimulus begins: a turn of a fast finger is shorter (unverified default)."""
 HALT_S = 0.15
 """A finger that is out of its band of speed for longer has stopped; a turn is shorter (unverified default)."""
+DEAF_S = 0.5
+"""A sensor's thread that tells nothing for longer, not even that nothing came, is held up (unverified default)."""
+
+
+class Trace:
+    """Collects blocks in one thread, and gives them to another; `last_s` is the last stamp, `last` its value."""
+
+    def __init__(self) -> None:
+        self._blocks: list[tuple[FloatArray, FloatArray]] = []
+        self._told_s = self._taken_s = time.perf_counter()
+        self._silent_s = 0.0
+        self.last_s: float | None = None
+        self.last: FloatArray | None = None
+
+    def hear(self, times_s: FloatArray, values: FloatArray) -> None:
+        now_s = time.perf_counter()
+        if times_s.size:
+            self._blocks.append((times_s, values))
+            self.last_s, self.last = float(times_s[-1]), values[-1]
+            self._taken_s = min(now_s, self.last_s)  # a stamp may be ahead of us by an error of the clocks
+        self._told_s = now_s
+        self._silent_s = 0.0 if times_s.size else now_s - self._taken_s
+
+    def quiet(self, longest_s: float) -> bool:
+        """Whether nothing is known of longer. What waits to be read while the process is held up is no silence."""
+        return self._silent_s > longest_s or time.perf_counter() - self._told_s > DEAF_S
+
+    @property
+    def age_s(self) -> float:
+        """How long ago the last sample was taken, or the trace begun."""
+        return time.perf_counter() - self._taken_s
+
+    def between(self, begin_s: float, end_s: float) -> tuple[FloatArray, FloatArray]:
+        """Times and values of the finite samples of an interval; none where a stamp goes back."""
+        blocks = self._blocks.copy()  # the sensor's thread adds to them meanwhile
+        if not blocks:
+            return np.empty(0), np.empty(0)
+        times_s, values = (np.concatenate(parts) for parts in zip(*blocks, strict=True))
+        finite = np.isfinite(values.reshape(len(values), -1)).all(axis=1)
+        kept = (times_s >= begin_s) & (times_s <= end_s) & finite
+        sound = bool(np.all(np.diff(times_s[kept]) >= 0))
+        return (times_s[kept], values[kept]) if sound else (times_s[:0], values[:0])
+
+    def mean_speed_m_per_s(self, begin_s: float, end_s: float) -> float | None:
+        """Of positions; None where it was not measured."""
+        times_s, positions_m = self.between(begin_s, end_s)
+        return mean_speed_m_per_s(times_s, positions_m) if times_s.size else None
+
+
+class Since:
+    """How long we have heard of something that a sensor's stamps say began: a second opinion, by our own clock.
+
+    Samples that waited and came at once were heard of only now: what needs both opinions is late at most, never early.
+    """
+
+    def __init__(self) -> None:
+        self._began_s: float | None = None
+        self._heard_s = time.perf_counter()
+
+    def hear(self, began_s: float | None) -> None:
+        """It began at this stamp; None where it is over."""
+        if began_s != self._began_s:
+            self._began_s, self._heard_s = began_s, time.perf_counter()
+
+    def lasts(self, longest_s: float) -> bool:
+        return self._began_s is not None and time.perf_counter() - self._heard_s >= longest_s
 
 
 class GatedSamples(ABC, Generic[G]):
@@ -126,3 +194,46 @@ class FingerMotion(GatedSamples[SpeedGate]):
         if times_s.size < 2 or np.any(np.diff(times_s) == 0):  # two places at one time have no speed
             return None
         return motion(times_s, positions_m[:, 0], self.gate.target_m_per_s, self.gate.tolerance)
+
+
+class Release:
+    """Whether the finger let go between two touches: a sensor that is stuck in its band never does.
+
+    It hears the force all the time; where none is `needed`, it is always given.
+
+    Examples
+    --------
+    >>> release, gate = Release(), ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.5)
+    >>> release.hear(np.array([0.0, 0.1]), np.array([0.1, 1.0]))
+    >>> release.given(gate), release.begin(), release.given(gate)
+    (True, None, False)
+    >>> release.hear(np.array([0.2]), np.array([1.1]))
+    >>> release.given(gate)
+    False
+    """
+
+    def __init__(self, *, needed: bool = True) -> None:
+        self._needed = needed
+        self._lock = threading.Lock()
+        self._low_n, self._high_n = math.inf, -math.inf
+
+    def hear(self, times_s: FloatArray, forces_n: FloatArray) -> None:
+        del times_s
+        known_n = forces_n[np.isfinite(forces_n)]
+        if known_n.size:
+            with self._lock:
+                self._low_n = min(self._low_n, float(known_n.min()))
+                self._high_n = max(self._high_n, float(known_n.max()))
+
+    def begin(self) -> None:
+        """A touch is over: what the force did before does not count."""
+        with self._lock:
+            self._low_n, self._high_n = math.inf, -math.inf
+
+    def given(self, gate: ForceGate) -> bool:
+        """Whether the force was out of the band of a gate since then."""
+        with self._lock:
+            heard = self._low_n <= self._high_n
+            # where both extremes are in the band, so was all between them
+            stayed = gate.holds(self._low_n) and gate.holds(self._high_n)
+            return not self._needed or (heard and not stayed)

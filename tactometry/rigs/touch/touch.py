@@ -18,11 +18,9 @@ from ..judgement import broken_condition, compliance_fields
 from ..pages import layout
 from ..pages.page import Page
 from ..pages.presenter import Dress, as_it_is
-from .gated_samples import MOVING_S, AppliedForce, FingerMotion
-from .setup import Release, TouchSetup
-from .trace import Trace, speed_m_per_s
+from .gated_samples import MOVING_S, AppliedForce, FingerMotion, Release, Trace
 from .trigger import Trigger, hearing, quick_turns
-from .watchdog import silence
+from .watchdog import TouchSetup, silence
 
 TOLD_EVERY_S = 1.0
 
@@ -118,7 +116,7 @@ class TouchCourse:
         sensor = self.setup.sensor
         with hearing(self.setup.position, self.places.hear):
             touched, delay_s = (self._unmeasured(signal), None) if sensor is None else self._held(signal, sensor)
-        speed = speed_m_per_s(self.places, touched.onset_s, touched.onset_s + self.request.duration_s)
+        speed = self.places.mean_speed_m_per_s(touched.onset_s, touched.onset_s + self.request.duration_s)
         return replace(touched, speed_mean_m_per_s=None if speed is None else round(speed, 6)), delay_s
 
     def _unmeasured(self, signal: Signal | None) -> Touched:

@@ -7,7 +7,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from ...devices.deadline import BEGIN_WITHIN_S
-from ...devices.sensors.streamed import FloatArray, OnSamples, StreamedSensor
+from ...devices.sensors.streamed import OnSamples, StreamedSensor
+from ...signal import FloatArray
 
 TURN_S = 0.002
 """While a decision is awaited, a thread that computes lets others in after this time; Python's own is 5 ms."""

@@ -1,25 +1,43 @@
-"""What plays without a gate of force, under the eyes of the force sensor all the same."""
+"""With what a touch is carried out; what plays without a gate of force, under the eyes of the sensor all the same."""
 
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import dataclass
 
 import numpy as np
 
 from ...devices.outputs.output import LONGEST_WORD_S
-from ...devices.sensors.reader import FloatArray
 from ...devices.sensors.streamed import StreamedSensor
+from ...safety.limits import FORCE_PEAK_N
 from ...session.answer import Played
 from ...session.request import Adjust, Play
-from ...signal import Signal
+from ...signal import FloatArray, Signal
 from ..emitter import Emitter
 from ..pages.page import Page
-from .gated_samples import SILENT_S
-from .setup import TouchSetup
-from .trace import Trace
+from ..pages.presenter import Presenter
+from .gated_samples import SILENT_S, Release, Trace
 from .trigger import hearing
 
 SILENT = "the force sensor is silent"
+
+
+Pause = Callable[[str, Callable[[], bool]], None]
+"""Pauses the session for a reason, until it is over."""
+
+
+@dataclass(frozen=True)
+class TouchSetup:
+    """Screen, output and sensors of a rig; `say` tells the experimenter. Above `force_peak_n` nothing plays."""
+
+    presenter: Presenter
+    emitter: Emitter
+    sensor: StreamedSensor | None
+    position: StreamedSensor | None
+    release: Release
+    pause: Pause
+    say: Callable[[str], None]
+    force_peak_n: float = FORCE_PEAK_N
 
 
 def silence(sensor: StreamedSensor | None) -> str:
@@ -99,16 +117,11 @@ class RepeatedStimulus:
             return
         signal = self._emitter.final(self._request.stimulus, self._request.level(n_steps))
         self._emitter.stop()
-        self._n_before = self._gaps_so_far(0.0)
+        self._n_before = self.n_gaps(0.0)
         self._n_steps, self._signal = n_steps, signal
         self._end_s = self._emitter.emit(signal) + signal.duration_s
 
-    def _gaps_so_far(self, longest_wait_s: float) -> int | None:
-        """Gaps up to now; those of the signal that plays are the output's."""
+    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
+        """Gaps in all that was played up to now; None where the output cannot tell."""
         now = self._emitter.n_gaps(self._signal, longest_wait_s)
         return self._n_before if now is None else (self._n_before or 0) + now
-
-    @property
-    def n_gaps(self) -> int | None:
-        """Gaps in all that was played; None where the output cannot tell."""
-        return self._gaps_so_far(LONGEST_WORD_S)
