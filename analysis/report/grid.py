@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import pandas as pd
@@ -16,6 +16,7 @@ from ..wording.numbers import cell_text, plain_text
 class TextGrid:
     """A table as text."""
 
+    kind: ClassVar = "table"
     header: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
 

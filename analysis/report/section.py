@@ -8,7 +8,7 @@ import pandas as pd
 
 from ..figures.style import Drawing
 from ..result import Analysis
-from .grid import TextGrid, grid, plain_rows
+from .grid import TextGrid, plain_rows
 
 
 @dataclass(frozen=True)
@@ -25,17 +25,6 @@ class Heading:
 
     kind: ClassVar = "heading"
     text: str
-
-
-@dataclass(frozen=True)
-class TableBlock:
-    kind: ClassVar = "table"
-    grid: TextGrid
-
-    @classmethod
-    def of(cls, table: pd.DataFrame, analysis: Analysis) -> "TableBlock":
-        """Its rows as they stand."""
-        return cls(grid(table, analysis.factors))
 
 
 @dataclass(frozen=True)
@@ -79,7 +68,7 @@ class Details:
     is_open: bool = False
 
 
-Content = Lead | Heading | TableBlock | Sentences | FoldedSentences | Figure | Details
+Content = Lead | Heading | TextGrid | Sentences | FoldedSentences | Figure | Details
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,6 @@ from tactometry.analysis.report.section import (
     Lead,
     ResultKind,
     Section,
-    TableBlock,
     TextTable,
     rows_of,
 )
@@ -39,9 +38,7 @@ def figure() -> Figure:
 def added(monkeypatch) -> None:
     """As by a file in `sections` and a line in `kinds`."""
     kind = ResultKind(
-        lambda _: [
-            Section("Reactions < all", (Lead("Means."), Details("More", (TableBlock(grid(ROWS, ())), figure()))))
-        ],
+        lambda _: [Section("Reactions < all", (Lead("Means."), Details("More", (grid(ROWS, ()), figure()))))],
         lambda _: [TextTable(ROWS, "reactions", ["no test of reactions"])],
         lambda _: [("reactions", [{"participant": "P01"}])],
     )

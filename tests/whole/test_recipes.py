@@ -89,12 +89,7 @@ LINES = (
         '    "spring": "tactometry.devices.sensors.spring:SpringSettings",\n',
         '    "recorded": ',
     ),
-    (
-        "analysis/report/kinds.py",
-        "from .sections.latency import LATENCY\n",
-        "from .sections.loss import LOSS\n",
-    ),
-    ("analysis/report/kinds.py", "    LATENCY,\n", "    LOSS,\n"),
+    ("analysis/report/kinds.py", '    "latency",\n', '    "loss",\n'),
     (
         "stimuli/scenes/effects/__init__.py",
         '    "strips": "tactometry.stimuli.scenes.effects.strips:Strips",\n',

@@ -7,7 +7,8 @@ from ...outcomes.findings import FORCE as TARGET
 from ...result import Analysis
 from ...wording.cross_table import cross_table
 from ..captions import figure_text
-from ..section import Figure, Lead, ResultKind, Section, TableBlock, TextTable, rows_of
+from ..grid import grid
+from ..section import Figure, Lead, ResultKind, Section, TextTable, rows_of
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:
@@ -15,7 +16,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         table = analysis.tables["force"]
         spread = " over participants ± standard deviation between them" if table["mean_low"].notna().any() else ""
         lead = Lead(f"Mean applied force{spread}, and time in the target band where it was measured.")
-        crossed = TableBlock.of(cross_table(table, analysis.factors), analysis)
+        crossed = grid(cross_table(table, analysis.factors), analysis.factors)
         yield Section("Applied force", (lead, crossed, _figure(analysis)))
 
 
@@ -37,4 +38,4 @@ def _terminal(analysis: Analysis) -> Iterator[TextTable]:
         yield TextTable(cross_table(table, analysis.factors), f"applied force (mean{spread})")
 
 
-FORCE = ResultKind(_sections, _terminal, rows_of("force"))
+KIND = ResultKind(_sections, _terminal, rows_of("force"))

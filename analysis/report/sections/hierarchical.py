@@ -8,8 +8,8 @@ from ...result import Analysis
 from ...tasks.kinds import CURVES
 from ...wording.cross_table import cross_table
 from ...wording.labels import dependent_name, dependent_title, with_unit
-from ..grid import plain_rows
-from ..section import Content, Details, Figure, Lead, ResultKind, Section, Sentences, TableBlock, TextTable
+from ..grid import grid, plain_rows
+from ..section import Content, Details, Figure, Lead, ResultKind, Section, Sentences, TextTable
 from ..sentences import hierarchical_sentences
 
 MEANS = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean_high"}
@@ -32,11 +32,10 @@ def _blocks(outcome: HierarchicalOutcome, analysis: Analysis) -> Iterator[Conten
         f"A check of the primary analysis. Hierarchical model: {values} of the group with 95 % interval; "
         "estimates of participants are drawn to the group as far as their answers leave it open."
     )
-    yield TableBlock.of(cross_table(outcome.conditions, outcome.fit.factors), analysis)
+    yield grid(cross_table(outcome.conditions, outcome.fit.factors), analysis.factors)
     yield _figure(outcome, analysis)
     yield sentences
-    participants = TableBlock.of(outcome.participants, analysis)
-    yield Details(f"Participants ({len(outcome.participants)} rows)", (participants,))
+    yield Details(f"Participants ({len(outcome.participants)} rows)", (grid(outcome.participants, analysis.factors),))
 
 
 def _dependent(outcome: HierarchicalOutcome) -> str:
@@ -79,4 +78,4 @@ def _plain(outcome: HierarchicalOutcome, unit: str) -> dict[str, object]:
     }
 
 
-HIERARCHICAL = ResultKind(_sections, _terminal, _values)
+KIND = ResultKind(_sections, _terminal, _values)

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from ...figures.group import loss_figure
 from ...result import Analysis
 from ...wording.cross_table import cross_table
-from ..section import Figure, Lead, ResultKind, Section, TableBlock, TextTable, rows_of
+from ..grid import grid
+from ..section import Figure, Lead, ResultKind, Section, TextTable, rows_of
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:
@@ -18,7 +19,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         bars = "; bars are 95 % t-intervals" if has_interval else ""
         drawing = loss_figure(table, analysis.factors)
         figure = Figure("loss", drawing, f"Loss of amplitude: means over {over}{bars}.", table="loss")
-        crossed = TableBlock.of(cross_table(table, analysis.factors), analysis)
+        crossed = grid(cross_table(table, analysis.factors), analysis.factors)
         yield Section("Loss of amplitude", (lead, crossed, figure))
 
 
@@ -30,4 +31,4 @@ def _terminal(analysis: Analysis) -> Iterator[TextTable]:
         yield TextTable(cross_table(table, analysis.factors), f"loss of amplitude (mean{interval})")
 
 
-LOSS = ResultKind(_sections, _terminal, rows_of("loss"))
+KIND = ResultKind(_sections, _terminal, rows_of("loss"))

@@ -14,18 +14,7 @@ from ...wording.labels import dependent_name, dependent_title, in_words, with_un
 from ...wording.numbers import interval_text, p_text
 from ..captions import figure_text, means_sentence, means_text
 from ..grid import TextGrid, grid, plain_rows
-from ..section import (
-    Content,
-    Figure,
-    FoldedSentences,
-    Heading,
-    Lead,
-    ResultKind,
-    Section,
-    Sentences,
-    TableBlock,
-    TextTable,
-)
+from ..section import Content, Figure, FoldedSentences, Heading, Lead, ResultKind, Section, Sentences, TextTable
 from ..sentences import outcome_sentences, primary_sentences
 
 EFFECT_COLUMNS = {
@@ -48,7 +37,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
 def _blocks(outcome: Outcome, analysis: Analysis) -> Iterator[Content]:
     factors = analysis.factors
     yield Lead(means_sentence(outcome.group))
-    yield TableBlock.of(outcome.cross, analysis)
+    yield grid(outcome.cross, factors)
     yield from _amplitudes(outcome, analysis)
     yield _figure(outcome, analysis)
     if outcome.dependent == EXPONENT and GROWTH in analysis.tables:
@@ -57,7 +46,7 @@ def _blocks(outcome: Outcome, analysis: Analysis) -> Iterator[Content]:
     if outcome.effects is not None:
         heading = outcome.heading()
         yield Heading(in_words(heading, factors))
-        yield TableBlock(_effects_grid(outcome.effects, factors))
+        yield _effects_grid(outcome.effects, factors)
         yield Sentences(sentences.pop(heading, []))
     yield FoldedSentences(sentences, n_open=2)
 
@@ -69,7 +58,7 @@ def _amplitudes(outcome: Outcome, analysis: Analysis) -> Iterator[Content]:
         return
     peak = " peak" * bool(analysis.study.procedure)  # the levels of our own stimuli are peaks
     yield Lead(f"The same in {unit.removeprefix(DECIBELS)}{peak}, 10^(level / 20): means are geometric.")
-    yield TableBlock.of(cross_table(as_amplitudes(outcome.group), analysis.factors), analysis)
+    yield grid(cross_table(as_amplitudes(outcome.group), analysis.factors), analysis.factors)
 
 
 def as_amplitudes(group: pd.DataFrame) -> pd.DataFrame:
@@ -151,4 +140,4 @@ def _plain_primary(outcome: Outcome) -> dict[str, object] | None:
     }
 
 
-OUTCOMES = ResultKind(_sections, _terminal, _values)
+KIND = ResultKind(_sections, _terminal, _values)

@@ -8,7 +8,8 @@ from ...figures import participants
 from ...result import Analysis
 from ...tasks.kinds import CURVES
 from ...wording.procedures import procedure_name
-from ..section import Details, Figure, ResultKind, Section, TableBlock, rows_of
+from ..grid import grid
+from ..section import Details, Figure, ResultKind, Section, rows_of
 
 SHOWN = ("threshold", "interval_low", "interval_high", "jnd", "jnd_low", "jnd_high", "width", "guess_rate",
          "lapse_rate", "n_trials", "n_catch", "status", "misfit")  # fmt: skip
@@ -22,7 +23,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         drawn = enumerate(_figures(analysis))
         unfolding = (Details(title, (figure,), is_open=n < N_OPEN) for n, (title, figure) in drawn)
         estimates = _short(analysis)
-        rows = Details(f"All estimates ({len(estimates)} rows)", (TableBlock.of(estimates, analysis),))
+        rows = Details(f"All estimates ({len(estimates)} rows)", (grid(estimates, analysis.factors),))
         yield Section("Participants", (*unfolding, rows))
 
 
@@ -59,4 +60,4 @@ def _short(analysis: Analysis) -> pd.DataFrame:
     return table[[name for name in wanted if name in table.columns]]
 
 
-PARTICIPANTS = ResultKind(_sections, values=rows_of("thresholds"))
+KIND = ResultKind(_sections, values=rows_of("thresholds"))

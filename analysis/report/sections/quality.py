@@ -3,7 +3,8 @@
 from collections.abc import Iterator
 
 from ...result import Analysis
-from ..section import Content, Heading, Lead, ResultKind, Section, TableBlock, rows_of
+from ..grid import TextGrid, grid
+from ..section import Content, Heading, Lead, ResultKind, Section, rows_of
 
 COLUMNS = {
     "n_rows": "rows", "n_practice": "practice", "n_invalid": "invalid", "n_repeated": "asked again",
@@ -18,8 +19,8 @@ GOODNESS = (
 )
 
 
-def _table(analysis: Analysis, name: str) -> TableBlock:
-    return TableBlock.of(analysis.tables[name].rename(columns=COLUMNS), analysis)
+def _table(analysis: Analysis, name: str) -> TextGrid:
+    return grid(analysis.tables[name].rename(columns=COLUMNS), analysis.factors)
 
 
 def _blocks(analysis: Analysis) -> Iterator[Content]:
@@ -34,4 +35,4 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
     yield Section("Data quality", tuple(_blocks(analysis)))
 
 
-QUALITY = ResultKind(_sections, values=rows_of("goodness", "excluded"))
+KIND = ResultKind(_sections, values=rows_of("goodness", "excluded"))

@@ -11,7 +11,7 @@ from ...outcomes.ratings import REFERENCE, Ratings
 from ...result import Analysis
 from ..captions import figure_text, means_of, means_sentence, means_text
 from ..grid import TextGrid, plain_rows
-from ..section import Content, Figure, FoldedSentences, Lead, ResultKind, Section, TableBlock, TextTable
+from ..section import Content, Figure, FoldedSentences, Lead, ResultKind, Section, TextTable
 from ..sentences import form_sentences
 
 MOST_LINES = 7
@@ -26,7 +26,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
 def _blocks(form: Ratings) -> Iterator[Content]:
     low, high, cross = form.form.score_low, form.form.score_high, form.cross()
     yield Lead(f"Scores from {low:g} to {high:g}. {means_sentence(form.summary)}")
-    yield TableBlock(TextGrid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None))))
+    yield TextGrid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None)))
     yield from _figures(form)
     yield FoldedSentences(form_sentences(form), n_open=1)
 
@@ -96,4 +96,4 @@ def _values(analysis: Analysis) -> Iterator[tuple[str, object]]:
     yield "questionnaire_statistics", {form.name: form_sentences(form) for form in analysis.forms}
 
 
-QUESTIONNAIRES = ResultKind(_sections, _terminal, _values)
+KIND = ResultKind(_sections, _terminal, _values)

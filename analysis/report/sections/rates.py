@@ -35,4 +35,4 @@ def _is_tracked(analysis: Analysis, task: str) -> bool:
     return "tracks" in analysis.tables and task in set(analysis.tables["tracks"]["task"])
 
 
-RATES = ResultKind(_sections)
+KIND = ResultKind(_sections)

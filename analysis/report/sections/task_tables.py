@@ -6,7 +6,8 @@ import pandas as pd
 
 from ...result import Analysis
 from ...tasks.kinds import RESULTS
-from ..section import Details, Lead, ResultKind, Section, TableBlock, TextTable, rows_of
+from ..grid import grid
+from ..section import Details, Lead, ResultKind, Section, TextTable, rows_of
 
 TOLD = {task: results for task, results in RESULTS.items() if results.title or results.dependent}
 
@@ -24,10 +25,10 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
     for task, view in _views(analysis):
         if TOLD[task].dependent:
             title = f"Participants: {task} ({len(view)} rows)"
-            yield Section("", (Details(title, (TableBlock.of(view, analysis),)),))
+            yield Section("", (Details(title, (grid(view, analysis.factors),)),))
     for task, view in _views(analysis):
         if TOLD[task].title:
-            yield Section(TOLD[task].title, (Lead(TOLD[task].lead), TableBlock.of(view, analysis)))
+            yield Section(TOLD[task].title, (Lead(TOLD[task].lead), grid(view, analysis.factors)))
 
 
 def _terminal(analysis: Analysis) -> Iterator[TextTable]:
@@ -36,4 +37,4 @@ def _terminal(analysis: Analysis) -> Iterator[TextTable]:
             yield TextTable(view, TOLD[task].in_terminal)
 
 
-TASK_TABLES = ResultKind(_sections, _terminal, rows_of(*TOLD))
+KIND = ResultKind(_sections, _terminal, rows_of(*TOLD))

@@ -12,4 +12,4 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         yield Section("Times to answer", (Lead(f"Median of all answers: {median_s:.2f} s."),))
 
 
-LATENCY = ResultKind(_sections)
+KIND = ResultKind(_sections)
