@@ -6,7 +6,6 @@ Every refusal is one sentence with the file and, where there is one, the row (th
 import csv
 import io
 import json
-import re
 from pathlib import Path
 
 import pandas as pd
@@ -14,6 +13,9 @@ import pandas as pd
 from tactometry.errors import InvalidFile
 from tactometry.files.durable import read_file
 from tactometry.trials.row_rules import MOST_COLUMNS
+
+LAST_LINE = "end"
+"""Put behind a table that may hold quotation marks."""
 
 
 def text_cells(file: Path, separator: str = "") -> pd.DataFrame:
@@ -123,40 +125,21 @@ def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
 
 
 def _any_cells(text: str, separator: str, file: Path) -> pd.DataFrame:
+    lines = text if text.endswith("\n") else f"{text}\n"
     try:
-        cells = pd.read_csv(
-            io.StringIO(text),
-            sep=separator,
-            header=None,
-            dtype=str,
-            keep_default_na=False,
-            na_filter=False,
-            skip_blank_lines=False,
-            index_col=False,
-        )
-    except (pd.errors.ParserError, pd.errors.EmptyDataError) as damage:
-        raise InvalidFile(f"{file}{_plainly(str(damage))}") from None
-    _refuse_short_rows(text, separator, cells.shape[1], file)
-    return cells
-
-
-def _refuse_short_rows(text: str, separator: str, n_columns: int, file: Path) -> None:
-    """The reader fills short rows up in silence: count the cells where there are not enough."""
-    try:
-        counts = _cell_counts(text, separator)
+        # An open quotation mark takes the last line, too, which is then no row of its own.
+        *rows, end = csv.reader(io.StringIO(f"{lines}{LAST_LINE}", newline=""), delimiter=separator)
     except csv.Error as damage:
         raise InvalidFile(
             f"{file}: found something that is no table ({damage}), expected comma-separated values"
         ) from None
-    for row, n in enumerate(counts, start=1):
-        if 0 < n < n_columns:
-            raise InvalidFile(f"{file}, row {row}: found {n} cells, expected {n_columns} as in the header")
-
-
-def _cell_counts(text: str, separator: str) -> list[int]:
-    if '"' in text:
-        return [len(cells) for cells in csv.reader(io.StringIO(text), delimiter=separator)]
-    return [line.count(separator) + 1 if line.strip() else 0 for line in text.split("\n")]
+    if end != [LAST_LINE]:
+        raise InvalidFile(f"{file}: found a quotation mark that is never closed, expected it in pairs")
+    n_columns = max(1, len(rows[0]))
+    for row, cells in enumerate(rows, start=1):
+        if len(cells) not in (0, n_columns):
+            raise InvalidFile(f"{file}, row {row}: found {len(cells)} cells, expected {n_columns} as in the header")
+    return pd.DataFrame([cells or [""] * n_columns for cells in rows], dtype=str)
 
 
 def _text(file: Path) -> str:
@@ -176,15 +159,6 @@ def _text(file: Path) -> str:
     if not text.strip():
         raise InvalidFile(f"{file}: found an empty file, expected a header and trials")
     return text
-
-
-def _plainly(message: str) -> str:
-    uneven = re.search(r"Expected (\d+) fields in line (\d+), saw (\d+)", message)
-    if uneven:
-        return f", row {uneven[2]}: found {uneven[3]} cells, expected {uneven[1]} as in the header"
-    if "EOF inside string" in message:
-        return ": found a quotation mark that is never closed, expected it in pairs"
-    return f": found something that is no table ({message.strip().splitlines()[-1]}), expected comma-separated values"
 
 
 def _with_header(cells: pd.DataFrame, file: Path) -> pd.DataFrame:
