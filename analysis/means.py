@@ -9,9 +9,10 @@ INTERVAL = 0.95
 MEAN = ("mean", "mean_low", "mean_high", "sd")
 
 
-def mean_row(values: Array, interval: float = INTERVAL) -> dict[str, object]:
-    """All columns of `MEAN`: None where there is nothing to tell."""
-    return dict.fromkeys(MEAN) | mean_with_interval(values, interval)
+def mean_row(values: Array, interval: float = INTERVAL, name: str = "mean") -> dict[str, object]:
+    """All columns of `MEAN`, of a value of this name: None where there is nothing to tell."""
+    row = dict.fromkeys(MEAN) | mean_with_interval(values, interval)
+    return {column.replace("mean", name): value for column, value in row.items()}
 
 
 def mean_with_interval(values: Array, interval: float = INTERVAL) -> dict[str, object]:

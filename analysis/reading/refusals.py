@@ -5,6 +5,13 @@ from typing import Any
 import pandas as pd
 
 from tactometry.errors import InvalidFile, nearest
+from tactometry.trials.row_rules import rows_text
+
+
+def place_of(rows: pd.DataFrame) -> str:
+    """Where rows of a table of trials stand: the first of them, and how many more there are."""
+    numbers = rows["row"].tolist()
+    return f"{rows['source'].iloc[0]}{rows_text(numbers[0], numbers[1:], len(numbers))}"
 
 
 def bad_cell(row: "pd.Series[Any]", column: str, found: str, expected: str) -> InvalidFile:

@@ -3,6 +3,7 @@
 Every refusal is one sentence with the file, the row (the header is row 1) and the column.
 """
 
+import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,13 +19,13 @@ from tactometry.records.data_set import keys_of
 from tactometry.records.head import ADDED
 from tactometry.trials.cell_rules import PARTICIPANT, CellRule
 from tactometry.trials.columns import MAY_BE_FACTORS, RESERVED, stated_factors
-from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS, rows_text
+from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
 from tactometry.trials.tasks import TASKS, tasks_with_level
 
 from .cell_numbers import numbers_of
 from .column_map import ColumnMap, translate, trials_of
 from .level_scale import on_scale, wide_levels
-from .refusals import bad_cell, no_column
+from .refusals import bad_cell, no_column, place_of
 from .rows import holds, is_catch
 from .text_table import text_cells
 
@@ -198,7 +199,7 @@ def _refuse_other_code(table: pd.DataFrame, file: Path) -> None:
     code = keys_of(file.stem).get("participant")
     if code is not None:
         expected = f"{code!r} as in the file's name; remove the file if it is a copy"
-        _expect(table, "participant", file, table["participant"] == code, expected)
+        _expect(table, "participant", table["participant"] == code, expected)
 
 
 def _raw(file: Path, column_map: ColumnMap) -> pd.DataFrame:
@@ -213,29 +214,29 @@ def _raw(file: Path, column_map: ColumnMap) -> pd.DataFrame:
 
 def _checked_table(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
     table = raw.assign(source=str(file))
-    _expect_texts(table, "participant", file, lambda code: PARTICIPANT.fullmatch(code) is not None, _CODE)
-    _expect_texts(table, "task", file, lambda task: task in TASKS, f"one of {', '.join(TASKS)}")
+    _expect_texts(table, "participant", lambda code: PARTICIPANT.fullmatch(code) is not None, _CODE)
+    _expect_texts(table, "task", lambda task: task in TASKS, f"one of {', '.join(TASKS)}")
     for name in (name for name in NUMBERS if name in table.columns):
-        table[name] = _numbers(table, name, file)
+        table[name] = _numbers(table, name)
     for name in (name for name in COUNTS if name in table.columns):
-        table[name] = _whole(table, name, file)
+        table[name] = _whole(table, name)
     for name in (name for name in FLAGS if name in table.columns):
-        _expect_texts(table, name, file, lambda flag: flag in ("", "0", "1"), "1, 0 or nothing")
+        _expect_texts(table, name, lambda flag: flag in ("", "0", "1"), "1, 0 or nothing")
         table[name] = table[name].map({"": np.nan, "0": 0.0, "1": 1.0}).astype(np.float64)
-    _check_answers(table, file)
+    _check_answers(table)
     return table
 
 
 _CODE = "a code of 1 to 32 letters and digits, no name and no path"
 
 
-def _expect_texts(table: pd.DataFrame, name: str, file: Path, holds: Callable[[str], bool], expected: str) -> None:
+def _expect_texts(table: pd.DataFrame, name: str, holds: Callable[[str], bool], expected: str) -> None:
     wrong = [value for value in table[name].unique() if not holds(value)]
     if wrong:
-        _expect(table, name, file, ~table[name].isin(wrong), expected)
+        _expect(table, name, ~table[name].isin(wrong), expected)
 
 
-def _expect(table: pd.DataFrame, name: str, file: Path, fine: "pd.Series[bool]", expected: str) -> None:
+def _expect(table: pd.DataFrame, name: str, fine: "pd.Series[bool]", expected: str) -> None:
     """Refuse a table with rows that are not, by the first of them."""
     bad = table[~fine]
     if bad.empty:
@@ -243,8 +244,7 @@ def _expect(table: pd.DataFrame, name: str, file: Path, fine: "pd.Series[bool]",
     cell = bad[name].iloc[0]
     text = "" if pd.isna(cell) else str(cell)
     shown = "nothing" if not text else repr(text if len(text) <= 40 else text[:40] + "...")
-    rows = [int(row) for row in bad["row"]]
-    where = f"{file}{rows_text(rows[0], rows[1:], len(rows))}, column {name!r}"
+    where = f"{place_of(bad)}, column {name!r}"
     raise InvalidFile(f"{where}: found {shown}, expected {expected}{_meaning(name, text)}")
 
 
@@ -275,46 +275,43 @@ def _meaning(name: str, text: str) -> str:
 def _toml_text(text: str) -> str:
     r"""
     >>> print(_toml_text("y"), _toml_text("don't\n"))
-    'y' "don't\u000a"
+    'y' "don't\n"
     """
-    if text.isprintable() and "'" not in text:
-        return f"'{text}'"
-    signs = {"\\": "\\\\", '"': '\\"'}
-    return '"' + "".join(signs.get(s, s if s.isprintable() else f"\\u{ord(s):04x}") for s in text) + '"'
+    return f"'{text}'" if text.isprintable() and "'" not in text else json.dumps(text, ensure_ascii=False)
 
 
 _NUMBER = re.compile(r"[+-]?\d+\.?\d*")
 
 
-def _numbers(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
+def _numbers(table: pd.DataFrame, name: str) -> "pd.Series[float]":
     values = numbers_of(table[name])
     fine = pd.Series(np.isfinite(values), table.index)
     if not fine.all():  # texts are compared where they must be, as that takes longer than all the rest
         fine |= table[name] == ""
         has_comma = table[name][~fine].head(1).str.fullmatch(r"-?\d+,\d+").any()
-        _expect(table, name, file, fine, "a decimal point" if has_comma else "a finite number or nothing")
+        _expect(table, name, fine, "a decimal point" if has_comma else "a finite number or nothing")
     return values
 
 
-def _whole(table: pd.DataFrame, name: str, file: Path) -> "pd.Series[float]":
-    values = _numbers(table, name, file)
-    _expect(table, name, file, values.isna() | ((values == np.floor(values)) & (values >= 0)), "a whole number from 0")
+def _whole(table: pd.DataFrame, name: str) -> "pd.Series[float]":
+    values = _numbers(table, name)
+    _expect(table, name, values.isna() | ((values == np.floor(values)) & (values >= 0)), "a whole number from 0")
     return values
 
 
-def _check_answers(table: pd.DataFrame, file: Path) -> None:
+def _check_answers(table: pd.DataFrame) -> None:
     for task in sorted(table["task"].unique()):
         if TASKS[task].is_read:
-            _check_responses(table, task, file)
+            _check_responses(table, task)
     lost = table["task"].isin(CURVED) & table["level"].isna() & ~is_catch(table)
-    _expect(table, "level", file, ~lost, "a level, or 1 in the column 'catch'")
+    _expect(table, "level", ~lost, "a level, or 1 in the column 'catch'")
 
 
-def _check_responses(table: pd.DataFrame, task: str, file: Path) -> None:
+def _check_responses(table: pd.DataFrame, task: str) -> None:
     rule, of_task = TASKS[task].response, table["task"] == task
     fine = {text for text in table.loc[of_task, "response"].unique() if text == "" or _fits(rule, text)}
     expected = f"{rule.words}, where the task is {task}"
-    _expect(table, "response", file, ~of_task | table["response"].isin(fine), expected)
+    _expect(table, "response", ~of_task | table["response"].isin(fine), expected)
 
 
 def _fits(rule: CellRule, text: str) -> bool:

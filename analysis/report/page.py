@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 
-from tactometry.errors import DeviceFailed, InvalidParameter, counted
+from tactometry.errors import InvalidParameter, attempt, counted
 from tactometry.files.safe_text import cell_text, file_text
 
 from ..result import Analysis
@@ -31,13 +31,11 @@ def write_report(analysis: Analysis, path: Path, *, pdf: bool = False) -> Analys
     """
     check_report(path)
     folder = path.with_name(f"{path.stem}_tables")
-    try:
+    with attempt(path, "cannot be written, or its tables", "a place to write to"):
         folder.mkdir(parents=True, exist_ok=True)
         page = render(analysis)
         write_tables(analysis.tables, folder)
         path.write_text(page, encoding="utf-8")
-    except OSError as failure:
-        raise DeviceFailed(f"{failure.filename or path}: cannot be written ({failure.strerror})") from None
     if pdf:
         print_pdf(path)
     return replace(analysis, report=path, tables_folder=folder)
@@ -63,15 +61,13 @@ def write_figures(analysis: Analysis, folder: Path) -> Analysis:
     DeviceFailed
         If something cannot be written.
     """
-    try:
+    with attempt(folder, "cannot be written", "a place to write to"):
         folder.mkdir(parents=True, exist_ok=True)
         for figure in figures_of(analysis):
             stem = file_text(figure.name)
             (folder / f"{stem}.svg").write_text(figure.drawing.svg, encoding="utf-8")
             (folder / f"{stem}.png").write_bytes(figure.drawing.png())
             write_tables({figure.name: figure.rows(analysis.tables[figure.table])}, folder)
-    except OSError as failure:
-        raise DeviceFailed(f"{failure.filename or folder}: cannot be written ({failure.strerror})") from None
     return replace(analysis, figures_folder=folder)
 
 

@@ -42,8 +42,8 @@ def analysis_sentences(outcome: Outcome, name: Primary) -> list[str]:
     """Of one of its analyses."""
     if name is Primary.MIXED_MODEL and outcome.model is not None:
         return model_sentences(outcome.model)
-    tell = permutation_sentences if name is Primary.PERMUTATION else anova_sentences
-    return tell(outcome.analyses()[name])
+    sentences = permutation_sentences if name is Primary.PERMUTATION else anova_sentences
+    return sentences(outcome.analyses()[name])
 
 
 def _comparisons(outcome: Outcome, unit: str) -> dict[str, list[str]]:
@@ -53,10 +53,9 @@ def _comparisons(outcome: Outcome, unit: str) -> dict[str, list[str]]:
     for name, table in outcome.pairs.items():
         by_heading[f"Pairs of {name}"] = pair_sentences(table, unit, factor=name)
     for (name, by), table in outcome.simple_pairs.items():
-        tell = group_sentences if name == outcome.between else pair_sentences
-        by_heading[f"Pairs of {name} at each {by}"] = tell(table, unit, by=by, factor=name)
+        by_heading[f"Pairs of {name} at each {by}"] = pair_sentences(table, unit, by=by, factor=name)
     for name, table in outcome.group_pairs.items():
-        by_heading[f"Groups of {name}"] = group_sentences(table, unit, factor=name)
+        by_heading[f"Groups of {name}"] = pair_sentences(table, unit, factor=name)
     for name, table in outcome.equivalence.items():
         by_heading[f"Equivalence over {name}"] = equivalence_sentences(table, unit, factor=name)
     return by_heading
@@ -215,41 +214,27 @@ WELCH = PairTest("Welch's t", "g", ", alike in all participants of a group")
 
 
 def pair_sentences(compared: pd.DataFrame, unit: str = "", by: str = "", factor: str = "") -> list[str]:
-    """One for each paired comparison of `pairs`; `by` is a factor at each of whose values they were compared,
-    `factor` the one that was compared: its name says the unit.
+    """One for each comparison of `pairs` or of `group_pairs`; `by` is a factor at each of whose values they were
+    compared, `factor` the one that was compared: its name says the unit.
 
     >>> row = {"a": 60, "b": 120, "difference": -4.8125, "simultaneous_low": -5.21, "simultaneous_high": -4.41, "df": 7}
     >>> row |= {"t": -28.527, "p_unc": 1e-8, "p_corr": 1e-8, "dz": -10.09, "bf10": 4.3e5, "status": "ok"}
     >>> print(*pair_sentences(pd.DataFrame([row]), "dB", factor="frequency_hz"))
     120 Hz less 60 Hz: -4.81 dB, 95 % CI [-5.21, -4.41], t(7) = -28.53, p < .001, dz = -10.09, BF10 > 10 000,
     extreme evidence for a difference
-    """
-    return _comparisons_of_pairs(compared, PAIRED, unit, by, factor)
-
-
-def group_sentences(compared: pd.DataFrame, unit: str = "", by: str = "", factor: str = "") -> list[str]:
-    """One for each pair of `group_pairs`.
-
     >>> row = {"a": "left", "b": "right", "difference": 3.0, "simultaneous_low": 0.73, "simultaneous_high": 5.27}
     >>> row |= {"df": 4.0, "t": 3.674, "p_unc": 0.021, "p_corr": 0.021, "g": 2.4, "bf10": 3.6, "status": "ok"}
-    >>> print(*group_sentences(pd.DataFrame([row]), "dB"))
+    >>> print(*pair_sentences(pd.DataFrame([row]), "dB"))
     right less left: 3.00 dB, 95 % CI [0.73, 5.27], Welch's t(4) = 3.67, p = .021, g = 2.40, BF10 = 3.6,
     moderate evidence for a difference
     """
-    return _comparisons_of_pairs(compared, WELCH, unit, by, factor)
-
-
-def _comparisons_of_pairs(compared: pd.DataFrame, test: PairTest, unit: str, by: str, factor: str) -> list[str]:
+    test = PAIRED if PAIRED.size in compared.columns else WELCH
     n_tested = int(compared["p_unc"].notna().sum())
     return [
-        f"{_compared_name(row, by, factor)}: {_comparison(row, test, unit, n_tested)}" for _, row in compared.iterrows()
+        f"{f'{value_of(by, row[by])}: ' if by else ''}{level_of(factor, row['b'])} less {level_of(factor, row['a'])}: "
+        f"{_comparison(row, test, unit, n_tested)}"
+        for _, row in compared.iterrows()
     ]
-
-
-def _compared_name(row: "pd.Series[Any]", by: str, factor: str) -> str:
-    """Which values of a factor are compared, and at which value of another."""
-    place = f"{value_of(by, row[by])}: " if by else ""
-    return f"{place}{level_of(factor, row['b'])} less {level_of(factor, row['a'])}"
 
 
 def _comparison(row: "pd.Series[Any]", test: PairTest, unit: str, n_tested: int) -> str:
@@ -326,12 +311,14 @@ def _censoring_text(n: int) -> str:
 
 def alpha_sentences(consistency: pd.DataFrame, factors: Sequence[str]) -> list[str]:
     """Cronbach's alpha of each row of `consistency`."""
-    sentences = []
-    for _, row in consistency.iterrows():
-        place = "".join(f"{row[name]} " for name in factors) + str(row["dimension"])
-        if pd.isna(row["alpha"]):
-            sentences.append(f"{place}: no Cronbach's alpha ({row['note']})")
-        else:
-            ends = f"[{share_text(row['alpha_low'])}, {share_text(row['alpha_high'])}]"
-            sentences.append(f"{place}: Cronbach's alpha = {share_text(row['alpha'])}, 95 % CI {ends}, n = {row['n']}")
-    return sentences
+    return [
+        f"{' '.join(str(row[name]) for name in (*factors, 'dimension'))}: {_alpha_text(row)}"
+        for _, row in consistency.iterrows()
+    ]
+
+
+def _alpha_text(row: "pd.Series[Any]") -> str:
+    if pd.isna(row["alpha"]):
+        return f"no Cronbach's alpha ({row['note']})"
+    ends = f"[{share_text(row['alpha_low'])}, {share_text(row['alpha_high'])}]"
+    return f"Cronbach's alpha = {share_text(row['alpha'])}, 95 % CI {ends}, n = {row['n']}"

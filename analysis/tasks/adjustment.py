@@ -25,8 +25,7 @@ def adjustment_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame
 
 def _row(rows: pd.DataFrame) -> dict[str, object]:
     settings = np.asarray(numbers_of(rows["response"]), dtype=np.float64)
-    named = {name.replace("mean", DEPENDENT): value for name, value in mean_row(settings).items()}
-    return {"task": TASK, **named, "n_settings": len(settings)}
+    return {"task": TASK, **mean_row(settings, name=DEPENDENT), "n_settings": len(settings)}
 
 
 ANALYSIS = TaskAnalysis(

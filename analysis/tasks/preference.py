@@ -19,12 +19,11 @@ from scipy.stats import norm, t as student
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidFile, nearest
 from tactometry.trials.columns import stated_factors
-from tactometry.trials.row_rules import rows_text
 
 from ..arrays import Array, Bools, Indices
 from ..conditions import parts
 from ..reading.cell_numbers import numbers_of
-from ..reading.refusals import no_column
+from ..reading.refusals import no_column, place_of
 from ..reading.trials import Trials
 from ..wording.labels import level_of
 from .task_analysis import Results, TaskAnalysis
@@ -187,8 +186,8 @@ def _check_pairs(rows: pd.DataFrame) -> None:
     alike = (rows["item"] == rows["item_b"]) | (rows["item"] == "") | (rows["item_b"] == "")
     if alike.any():
         first = rows[alike].iloc[0]
-        where = f"{first['source']}{rows_text(first['row'], list(rows[alike]['row'])[1:], int(alike.sum()))}"
-        raise InvalidFile(f"{where}: found the items {first['item']!r} and {first['item_b']!r}, expected {expected}")
+        found = f"found the items {first['item']!r} and {first['item_b']!r}"
+        raise InvalidFile(f"{place_of(rows[alike])}: {found}, expected {expected}")
 
 
 def _of_a_condition(condition: dict[str, Any], rows: pd.DataFrame) -> pd.DataFrame:

@@ -1,10 +1,11 @@
 """The rule that chose the levels: the levels that it went through, and what it made of the answers itself, the mean of
 reversals or the mean of a posterior."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import astuple, dataclass
 from itertools import pairwise
 from statistics import fmean, stdev
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -55,20 +56,16 @@ def _runs(
     # By blocks, as tracks of one block may have learnt from each other's answers.
     replayed = {} if replay is None else {key: replay(block) for key, block in _groups(rows, of_block)}
     runs: dict[tuple[object, ...], list[RuleEstimate]] = {}
-    for (*block, track), run in _groups(rows, [*of_block, "track"]):
-        by_replay = None if replay is None else replayed[tuple(block)].get(str(track))
-        for key, rows_of_run in _groups(run, ["participant", *factors, "task"]):
-            runs.setdefault(key, []).append(from_rows(rows_of_run) if by_replay is None else by_replay)
+    for key, run in _groups(rows, [*of_block, "track", *factors, "task"]):
+        block, (track, *condition) = key[: len(of_block)], key[len(of_block) :]
+        by_replay = None if replay is None else replayed[block].get(str(track))
+        runs.setdefault((block[0], *condition), []).append(from_rows(run) if by_replay is None else by_replay)
     return runs
 
 
-def _groups(rows: pd.DataFrame, keys: Sequence[str]) -> Iterator[tuple[tuple[object, ...], pd.DataFrame]]:
-    """The rows of each combination of values, in the order of these; without a search where there is one only."""
-    first = rows.iloc[0] if len(rows) else None
-    if first is not None and all((rows[name] == first[name]).all() for name in keys):
-        yield tuple(first[name] for name in keys), rows
-    else:
-        yield from rows.groupby(list(keys), sort=True, observed=True, dropna=False)
+def _groups(rows: pd.DataFrame, keys: Sequence[str]) -> Iterable[tuple[tuple[Any, ...], pd.DataFrame]]:
+    """The rows of each combination of values, in the order of these; what is missing is a value, too."""
+    return rows.groupby(list(keys), sort=True, observed=True, dropna=False)
 
 
 def _mean_estimate(runs: Sequence[RuleEstimate]) -> RuleEstimate:

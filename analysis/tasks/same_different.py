@@ -77,30 +77,21 @@ def same_different_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataF
     other = rows[~rows["is_same"]].groupby([*keys, "level"])["different"].agg(n_hits="sum", n_different="size")
     same = rows[rows["is_same"]].groupby(keys)["different"].agg(n_false_alarms="sum", n_same="size")
     counts = other.reset_index().merge(same.reset_index(), how="left", on=keys)
-    counts = counts.fillna(dict.fromkeys(COUNTED, 0)).astype(
-        dict.fromkeys(COUNTED, np.int64)
-    )  # nobody need have met same pairs
-    return counts.join(pd.DataFrame([_sensitivities(*numbers) for numbers in counts[list(COUNTED)].to_numpy()]))
+    nobody = dict.fromkeys(COUNTED, 0)  # need have met same pairs
+    counts = counts.fillna(nobody).astype(dict.fromkeys(COUNTED, np.int64))
+    return counts.join(pd.DataFrame([_sensitivities(*numbers) for numbers in counts[list(COUNTED)].values.tolist()]))
 
 
 def _sensitivities(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> dict[str, object]:
-    """d' by both rules, or why there is none."""
-    counts = int(n_hits), int(n_different), int(n_false_alarms), int(n_same)
-    note = _why_undefined(*counts)
+    """d' by both rules, or why there is none. Of answers that are all alike the log-linear rule makes one from the
+    numbers of trials alone: 1.2 of no hit in 4 and no false alarm in 15."""
+    are_alike = n_hits + n_false_alarms in (0, n_different + n_same)
+    note = "all answers alike" if n_same and are_alike else "" if n_same else "no same pairs"
+    counts = n_hits, n_different, n_false_alarms, n_same
     return {name: np.nan if note else rule(*counts) for name, rule in RULES.items()} | {"note": note}
 
 
 RULES = {"d_prime_differencing": differencing_sensitivity, "d_prime_independent": independent_sensitivity}
-
-
-def _why_undefined(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> str:
-    """Why there is no d'. Of answers that are all alike the log-linear rule makes one from the numbers of trials alone:
-    1.2 of no hit in 4 and no false alarm in 15."""
-    if not n_same:
-        return "no same pairs"
-    if n_hits + n_false_alarms in (0, n_different + n_same):
-        return "all answers alike"
-    return ""
 
 
 def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
