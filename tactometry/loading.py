@@ -4,18 +4,19 @@ import ast
 import sys
 from collections.abc import Callable
 from importlib import import_module
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
 
 def resolve(target: str) -> Any:
-    """The object of a target string.
+    """The object of a target string, or what it has below it.
 
-    >>> resolve("math:pi")
-    3.141592653589793
+    >>> resolve("math:pi"), resolve("builtins:str.upper")("pi")
+    (3.141592653589793, 'PI')
     """
     module, _, name = target.partition(":")
-    return getattr(import_module(module), name)
+    return attrgetter(name)(import_module(module))
 
 
 def exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[], list[str]]]:

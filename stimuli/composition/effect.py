@@ -5,6 +5,7 @@ A stage is sized by what is asked of all, and an effect is asked for stages: the
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 from tactometry.arguments import require
@@ -84,9 +85,9 @@ class Stage:
         return replace(self, settings=settings, error=size.error, n_operations=size.n_operations)
 
     def bind(self) -> Callable[..., Any]:
-        """The callable of the run, with the settings in it."""
-        call: Callable[..., Any] = resolve(self.target)(**self.settings)
-        return call
+        """The callable of the run, with the settings in it: the value of a class, or a function that takes them."""
+        called = resolve(self.target)
+        return called(**self.settings) if isinstance(called, type) else partial(called, **self.settings)
 
 
 @dataclass(frozen=True)
@@ -194,7 +195,6 @@ class Effect:
 
         What its stages compute, refuse or predict stands in their `size`, which is asked for if an output needs them.
         """
-        del scene
         return (self.stage(),)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
@@ -209,22 +209,18 @@ class Effect:
 
     def size(self, demand: "Demand") -> Size:
         """How finely the value works; it refuses what no output can be had with."""
-        del demand
         return Size()
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
         """What it brings into the voltage and the force of an electrovibration scene."""
-        del scene
         return VoltageContent()
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
         """What it brings into the motion of a plate."""
-        del scene
         return PlateContent()
 
     def wavenumber_rad_per_m(self, plate: Any, frequency_hz: float) -> float | None:
         """Of the waves in a plate, by an effect that changes them; None leaves them as they are."""
-        del plate, frequency_hz
         return None
 
 

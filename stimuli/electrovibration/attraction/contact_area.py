@@ -1,6 +1,6 @@
 """Contact area of a finger against the force that presses it."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
 from typing import Protocol, runtime_checkable
@@ -47,10 +47,9 @@ class PowerLawArea(Effect):
         return (Stage("contact_area", (), "area_m2", f"{__name__}:_area_under", settings),)
 
 
-def _area_under(force_n: float, **law: float) -> Callable[[], float]:
+def _area_under(force_n: float, **law: float) -> float:
     """The area under a force."""
-    area_m2 = float(PowerLawArea(**law).area_m2(force_n))
-    return lambda: area_m2
+    return float(PowerLawArea(**law).area_m2(force_n))
 
 
 def _forces(force_n: ArrayLike) -> FloatArray:

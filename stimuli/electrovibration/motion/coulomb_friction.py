@@ -1,6 +1,6 @@
 """Coulomb friction of a finger that slides all the time."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import hypot
 from typing import ClassVar, Self
@@ -91,7 +91,6 @@ class CoulombFriction(Quantity):
         return sliding.stage(), dragged
 
 
-def dragged(force_n: float, **law: float) -> Callable[[FloatArray], FloatArray]:
+def dragged(electrostatic_n: FloatArray, force_n: float, **law: float) -> FloatArray:
     """Friction under a normal force and an attraction."""
-    mu = CoulombFriction(**law).coefficient_at(force_n)
-    return lambda electrostatic_n: mu * (force_n + electrostatic_n)
+    return CoulombFriction(**law).coefficient_at(force_n) * (force_n + electrostatic_n)

@@ -1,8 +1,7 @@
 """Friction that lags behind the attraction, less so for a faster finger."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -67,10 +66,10 @@ class FrictionLag(Effect):
         return (Stage("friction_lag", ("components",), "components", f"{__name__}:steady", settings),)
 
 
-def steady(speed_m_per_s: float, **lag: float) -> "Callable[[Components], Components]":
+def steady(parts: "Components", speed_m_per_s: float, **lag: float) -> "Components":
     """Components behind a lag."""
-    law = FrictionLag(**lag)
-    return lambda parts: replace(parts, amplitudes=parts.amplitudes * law.gain(parts.frequencies_hz, speed_m_per_s))
+    gain = FrictionLag(**lag).gain(parts.frequencies_hz, speed_m_per_s)
+    return replace(parts, amplitudes=parts.amplitudes * gain)
 
 
 @checked
@@ -115,14 +114,10 @@ def lagged_friction_n(
     return np.asarray(mu * force_n + lagging_n)
 
 
-def lagging(
-    force_n: float, speed_m_per_s: float, **lag: float
-) -> Callable[[FloatArray, Pieces, ForceForm, CoulombFriction], FloatArray]:
+def lagging(*drive: Any, force_n: float, speed_m_per_s: float, **lag: float) -> FloatArray:
     """The lagging friction of a scene."""
-    law = FrictionLag(**lag)
-    return lambda t_s, voltage, form, friction: lagged_friction_n(
-        t_s, voltage, form, lag=law, friction=friction, force_n=force_n, speed_m_per_s=speed_m_per_s
-    )
+    (*attraction, friction), law = drive, FrictionLag(**lag)
+    return lagged_friction_n(*attraction, lag=law, friction=friction, force_n=force_n, speed_m_per_s=speed_m_per_s)
 
 
 def _resolved_hz(cutoff_hz: float, t_s: FloatArray) -> float:

@@ -1,6 +1,5 @@
 """A sinusoidal grating: the voltage follows the position of the finger, exactly."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import pi
 
@@ -37,7 +36,7 @@ class CosineGrating(Effect):
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         settings = {"frequency_hz": self._frequency_hz(scene)}
-        return (Stage("texture", ("unit_voltage",), "unit_voltage", f"{__name__}:modulation", settings),)
+        return (Stage("texture", ("unit_voltage",), "unit_voltage", f"{__name__}:modulated", settings),)
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
         frequency_hz = self._frequency_hz(scene)
@@ -48,25 +47,21 @@ class CosineGrating(Effect):
         return scene.contacts[0].speed_m_per_s / self.period_m
 
 
-def modulation(frequency_hz: float) -> Callable[[Pieces], Pieces]:
+def modulated(voltage: Pieces, frequency_hz: float) -> Pieces:
     """A voltage times ``|cos(pi f t)|``: each sinusoid becomes two, the sign alternates from zero to zero."""
-
-    def modulated(voltage: Pieces) -> Pieces:
-        if voltage.slopes_v_per_s.any():
-            raise InvalidParameter("texture: found a voltage with slopes, expected one of constants and sinusoids")
-        zeros_s = (np.arange(np.ceil(voltage.end_s * frequency_hz - 0.5)) + 0.5) / frequency_hz
-        split = voltage.split_at(zeros_s) if zeros_s.size else voltage
-        half_turns = np.floor(split.starts_s * frequency_hz + 0.5 + 1e-9)
-        sign = np.where(half_turns % 2, -1.0, 1.0)[:, None]
-        turn_hz, f_hz = frequency_hz / 2, split.frequencies_hz
-        low_hz = f_hz - turn_hz
-        low = np.where(low_hz < 0, np.conj(split.harmonics_v), split.harmonics_v)
-        both = np.hstack([split.harmonics_v / 2, low / 2, split.offsets_v[:, None]])
-        return replace(
-            split,
-            offsets_v=np.zeros(len(split.starts_s)),
-            frequencies_hz=np.r_[f_hz + turn_hz, np.abs(low_hz), turn_hz],
-            amplitudes_v=sign * both,
-        )
-
-    return modulated
+    if voltage.slopes_v_per_s.any():
+        raise InvalidParameter("texture: found a voltage with slopes, expected one of constants and sinusoids")
+    zeros_s = (np.arange(np.ceil(voltage.end_s * frequency_hz - 0.5)) + 0.5) / frequency_hz
+    split = voltage.split_at(zeros_s) if zeros_s.size else voltage
+    half_turns = np.floor(split.starts_s * frequency_hz + 0.5 + 1e-9)
+    sign = np.where(half_turns % 2, -1.0, 1.0)[:, None]
+    turn_hz, f_hz = frequency_hz / 2, split.frequencies_hz
+    low_hz = f_hz - turn_hz
+    low = np.where(low_hz < 0, np.conj(split.harmonics_v), split.harmonics_v)
+    both = np.hstack([split.harmonics_v / 2, low / 2, split.offsets_v[:, None]])
+    return replace(
+        split,
+        offsets_v=np.zeros(len(split.starts_s)),
+        frequencies_hz=np.r_[f_hz + turn_hz, np.abs(low_hz), turn_hz],
+        amplitudes_v=sign * both,
+    )

@@ -30,5 +30,4 @@ class AirGap(Effect):
         return replace(skin, gap_m=self.gap_m)
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
-        del scene
         return VoltageContent(gap_m=self.gap_m)

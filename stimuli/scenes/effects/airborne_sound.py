@@ -1,6 +1,6 @@
 """What is heard of an emission."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf, log10
 from typing import TYPE_CHECKING, ClassVar
@@ -36,7 +36,6 @@ class AirborneSound(Effect):
     distance_m: float = 0.3
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        del scene
         made, raised = ("screen", "emission"), ("level_at_1v_dba", "voltage_v")
         return (
             Stage("airborne_sound", made, "level_at_1v_dba", f"{__name__}:heard", size=self._size),
@@ -53,16 +52,13 @@ class AirborneSound(Effect):
         return Size(settings, lost / ratio**3, n * (0.2 * surface.n_transducers + 30))
 
 
-def heard(modes_to_hz: float, distance_m: float) -> "Callable[[Screen, EmittedSignal], float]":
+def heard(screen: "Screen", emission: "EmittedSignal", modes_to_hz: float, distance_m: float) -> float:
     """The level of an emission of 1 V."""
     from ...time_reversal.field.sound import noise
 
-    def level_dba(screen: "Screen", emission: "EmittedSignal") -> float:
-        return noise(screen, emission.at_1_v, modes_to_hz, distance_m=distance_m).a_weighted_db
-
-    return level_dba
+    return noise(screen, emission.at_1_v, modes_to_hz, distance_m=distance_m).a_weighted_db
 
 
-def raised() -> Callable[[float, float], float]:
+def raised(level_at_1v_dba: float, voltage_v: float) -> float:
     """The level at a voltage; ``-inf`` for silence."""
-    return lambda level_at_1v_dba, voltage_v: level_at_1v_dba + (20 * log10(abs(voltage_v)) if voltage_v else -inf)
+    return level_at_1v_dba + (20 * log10(abs(voltage_v)) if voltage_v else -inf)

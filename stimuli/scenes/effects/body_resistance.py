@@ -27,12 +27,10 @@ class BodyResistance(Effect):
     resistance_ohm: float
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        del scene
         return self.stage(), circuit_stage(self.kind)
 
     def __call__(self, skin: "Skin") -> "Skin":
         return replace(skin, body_resistance_ohm=self.resistance_ohm)
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
-        del scene
         return VoltageContent(bare_kinks=1.0)

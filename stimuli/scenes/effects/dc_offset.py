@@ -49,5 +49,4 @@ class DcOffset(Effect):
         return Size()
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
-        del scene
         return VoltageContent(constant=abs(self.ratio))

@@ -1,6 +1,6 @@
 """Energy: what the plate holds at the focus instant, and what the transducers draw."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -11,7 +11,8 @@ from ..stages.truncation import MOST_MODES, n_modes, remainder
 
 if TYPE_CHECKING:
     from ..stages.emission import EmittedSignal
-    from ..stages.motion import PlateMotion
+
+STRAIN = "tactometry.stimuli.scenes.stages.motion:PlateMotion.strain_energy_j"
 
 
 @dataclass(frozen=True)
@@ -37,7 +38,7 @@ class DriveEnergy(Effect):
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         switched = scene.find("quantiser") is not None
         return (
-            Stage("strain_energy", ("motion",), "energy_at_1v_j", f"{__name__}:strained", size=_strain_size),
+            Stage("strain_energy", ("motion",), "energy_at_1v_j", STRAIN, size=_strain_size),
             _squared("energy", "energy_at_1v_j", "energy_j"),
             self._switching() if switched else self._heating(),
             _squared("power", "power_at_1v_w", "power_w"),
@@ -69,29 +70,21 @@ def _squared(name: str, at_1v: str, gives: str) -> Stage:
     return Stage(name, (at_1v, "voltage_v"), gives, f"{__name__}:grown")
 
 
-def strained(static_to_hz: float) -> "Callable[[PlateMotion], float]":
-    """Half the sum of M w^2 q^2 over all modes at the focus instant (J at 1 V)."""
-    return lambda motion: motion.strain_energy_j(static_to_hz)
-
-
-def drawn(capacitance_f: float) -> "Callable[[EmittedSignal], float]":
+def drawn(emission: "EmittedSignal", capacitance_f: float) -> float:
     """The mean power during an emission of 1 V."""
     from ...time_reversal.field.merit import switched_power_w
 
-    return lambda emission: switched_power_w(emission.at_1_v, capacitance_f)
+    return switched_power_w(emission.at_1_v, capacitance_f)
 
 
-def heated(capacitance_f: float, loss_tangent: float) -> "Callable[[EmittedSignal, EmittedSignal], float]":
+def heated(emission: "EmittedSignal", in_band: "EmittedSignal", capacitance_f: float, loss_tangent: float) -> float:
     """The mean power of dielectric loss during an emission of 1 V, of what of it lies in the band."""
     from ...time_reversal.field.merit import dielectric_power_w
 
-    def power_w(emission: "EmittedSignal", in_band: "EmittedSignal") -> float:
-        longer: float = in_band.samples.shape[1] / emission.samples.shape[1]
-        return longer * dielectric_power_w(in_band.at_1_v, capacitance_f, loss_tangent)
-
-    return power_w
+    longer: float = in_band.samples.shape[1] / emission.samples.shape[1]
+    return longer * dielectric_power_w(in_band.at_1_v, capacitance_f, loss_tangent)
 
 
-def grown() -> Callable[[float, float], float]:
+def grown(at_1v: float, voltage_v: float) -> float:
     """Energy and power grow with the square."""
-    return lambda at_1v, voltage_v: at_1v * voltage_v**2
+    return at_1v * voltage_v**2

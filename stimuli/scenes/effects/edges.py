@@ -63,7 +63,6 @@ class Edges(Effect):
         return Size(error=error)
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
-        del scene
         return PlateContent(most_ritz_modes=MOST_RITZ_MODES)
 
     @property

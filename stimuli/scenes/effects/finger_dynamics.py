@@ -1,10 +1,9 @@
 """The finger pad as mass, spring and damper, which grow with the speed: exact motion, event-exact stick and slip."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import sqrt
-from operator import attrgetter
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings
@@ -48,7 +47,6 @@ class FingerDynamics(Effect):
         return sqrt(STIFFNESS_N_S_PER_M2 / MASS_KG_PER_M_PER_S)
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
-        del scene
         return VoltageContent(swing_rad_per_s=self.natural_rad_per_s)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
@@ -77,28 +75,26 @@ def _read(name: str, quantity: str) -> Stage:
     return Stage(quantity, ("motion",), quantity, f"{__name__}:read", {"name": name})
 
 
-def slipping(force_n: float, speed_m_per_s: float) -> "Callable[..., Motion]":
+def slipping(*drive: Any, force_n: float, speed_m_per_s: float) -> "Motion":
     """The motion of a finger in full slip."""
     from ...electrovibration.motion.finger import sliding
     from ...electrovibration.motion.pad import Finger
 
-    finger = Finger.at_speed(speed_m_per_s)
-    return lambda t_s, voltage, form, friction: sliding(
-        t_s, voltage, form, finger=finger, friction=friction, force_n=force_n
-    )
+    *attraction, friction = drive
+    return sliding(*attraction, finger=Finger.at_speed(speed_m_per_s), friction=friction, force_n=force_n)
 
 
-def sticking(force_n: float, speed_m_per_s: float) -> "Callable[..., StickSlip]":
+def sticking(*drive: Any, force_n: float, speed_m_per_s: float) -> "StickSlip":
     """The motion of a finger that sticks and slips."""
     from ...electrovibration.motion.pad import Finger
     from ...electrovibration.motion.stick_slip import Travel, stick_slip
 
-    finger, travel = Finger.at_speed(speed_m_per_s), Travel(speed_m_per_s)
-    return lambda t_s, voltage, form, friction: stick_slip(
-        t_s, voltage, form, finger=finger, friction=friction, force_n=force_n, travel=travel
-    )
+    (*attraction, friction), finger = drive, Finger.at_speed(speed_m_per_s)
+    travel = Travel(speed_m_per_s)
+    return stick_slip(*attraction, finger=finger, friction=friction, force_n=force_n, travel=travel)
 
 
-def read(name: str) -> "Callable[[Motion | StickSlip], FloatArray]":
+def read(motion: "Motion | StickSlip", name: str) -> "FloatArray":
     """One course of a motion."""
-    return attrgetter(name)
+    course: FloatArray = getattr(motion, name)
+    return course

@@ -1,9 +1,9 @@
 """Fingers at rest that load the plate: at the focus, elsewhere, several."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 from tactometry.arguments import require
 
@@ -12,11 +12,7 @@ from ...composition.effect import Demand, Effect, Setting, Size, Stage, Surround
 from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes
 
-if TYPE_CHECKING:
-    from ...arrays import FloatArray
-    from ..stages.contact import Numbers
-    from ..stages.motion import PlateMotion
-
+CONTACT = "tactometry.stimuli.scenes.stages.contact"
 REFERENCE_FORCE_N = 2.0
 
 
@@ -53,9 +49,9 @@ class FingerLoad(Effect):
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         needs, n = ("motion", "oversampling"), len(self.at_rest(scene))
         return (
-            Stage("finger_load", ("motion",), "motion", f"{__name__}:borne", size=self._size),
-            Stage("contacts", needs, "per_volt_contacts", f"{__name__}:displaced", self._places(scene)),
-            Stage("contact_forces", needs, "per_volt_forces", f"{__name__}:forced", {"n": n}),
+            Stage("finger_load", ("motion",), "motion", f"{CONTACT}:borne", size=self._size),
+            Stage("contacts", needs, "per_volt_contacts", f"{CONTACT}:displaced", self._places(scene)),
+            Stage("contact_forces", needs, "per_volt_forces", f"{CONTACT}:forced", {"n": n}),
             at_voltage("contact_displacement", "per_volt_contacts", "contact_displacement_m"),
             at_voltage("contact_force", "per_volt_forces", "contact_force_n"),
         )
@@ -96,23 +92,3 @@ class FingerLoad(Effect):
     def _places(self, scene: Surroundings) -> dict[str, Setting]:
         x_m, y_m = zip(*self.places_m(scene), strict=True)
         return {"x_m": x_m, "y_m": y_m}
-
-
-def borne(x_m: "Numbers", y_m: "Numbers", force_n: "Numbers", **pulp: float) -> "Callable[[PlateMotion], PlateMotion]":
-    """The motion of the plate under the fingers."""
-    from ...time_reversal.finger import Fingertip
-    from ..stages.contact import bearing
-
-    finger = Fingertip(**pulp)
-    return bearing([finger.load((x, y), f) for x, y, f in zip(x_m, y_m, force_n, strict=True)])
-
-
-def displaced(x_m: "Numbers", y_m: "Numbers") -> "Callable[[PlateMotion, int], FloatArray]":
-    """(n_contacts, n): the displacement under every finger (m/V)."""
-    points = tuple(zip(x_m, y_m, strict=True))
-    return lambda motion, oversampling: motion.course(motion.of_points(points), oversampling)
-
-
-def forced(n: int) -> "Callable[[PlateMotion, int], FloatArray]":
-    """(n_contacts, n_times): the force on every finger (N/V): the last channels of the motion, reversed."""
-    return lambda motion, oversampling: motion.course(-motion.played[-n:], oversampling)

@@ -1,9 +1,9 @@
 """Several foci at the same instant."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import sqrt
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from tactometry.errors import InvalidParameter
 
@@ -11,8 +11,7 @@ from ...composition.content import PlateContent
 from ...composition.effect import Effect, Stage, Surroundings
 from ..stages.scaling import at_voltage
 
-if TYPE_CHECKING:
-    from ..stages.emission import Points
+PLACES = "tactometry.stimuli.scenes.stages.emission:several"
 
 
 @dataclass(frozen=True)
@@ -45,17 +44,10 @@ class Foci(Effect):
         surface = scene.surface
         settings = {"x_m": (surface.focus_x_m, *self.x_m), "y_m": (surface.focus_y_m, *self.y_m)}
         return (
-            Stage("foci", (), "foci_m", f"{__name__}:several", settings),
+            Stage("foci", (), "foci_m", PLACES, settings),
             at_voltage("peaks", "per_volt_peaks", "peaks_m"),
         )
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
         """Each focus keeps one over the root of their number."""
-        del scene
         return PlateContent(weakening=sqrt(self.n), places_m=tuple(zip(self.x_m, self.y_m, strict=True)))
-
-
-def several(x_m: tuple[float, ...], y_m: tuple[float, ...]) -> "Callable[[], Points]":
-    """Places to focus on."""
-    places = tuple(zip(x_m, y_m, strict=True))
-    return lambda: places

@@ -1,6 +1,6 @@
 """What a finger feels of foci: the level of the strongest above the threshold of a single one."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf, log10
 from typing import TYPE_CHECKING, ClassVar
@@ -43,14 +43,13 @@ class FocusDetection(Effect):
         return 20 * log10(ratio) if ratio else -inf
 
 
-def felt() -> "Callable[[FloatArray, FloatArray], float]":
+def felt(t_s: "FloatArray", course: "FloatArray") -> float:
     """The amplitude of the single event that is felt as strongly as a course (m/V)."""
     from ...time_reversal.stimulus.sensation import events, felt_amplitude_m
 
-    return lambda t_s, course: felt_amplitude_m(*events(course, 1 / float(t_s[1] - t_s[0])))
+    return felt_amplitude_m(*events(course, 1 / float(t_s[1] - t_s[0])))
 
 
-def under_finger() -> "Callable[[FloatArray, FloatArray], float]":
+def under_finger(t_s: "FloatArray", courses: "FloatArray") -> float:
     """The same, of the first of some courses."""
-    feel = felt()
-    return lambda t_s, courses: feel(t_s, courses[0])
+    return felt(t_s, courses[0])

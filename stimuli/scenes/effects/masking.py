@@ -1,6 +1,5 @@
 """A masker raises the threshold."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 from ...composition.effect import Effect, Stage, Surroundings
@@ -24,11 +23,10 @@ class Masking(Effect):
     slope: float = 0.52
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        del scene
         settings = {"elevation_db": self.slope * self.level_db_re_threshold}
         return (Stage("masking", ("sensation_db",), "sensation_db", f"{__name__}:masked", settings),)
 
 
-def masked(elevation_db: float) -> Callable[[float], float]:
+def masked(sensation_db: float, elevation_db: float) -> float:
     """The level above a raised threshold."""
-    return lambda sensation_db: sensation_db - elevation_db
+    return sensation_db - elevation_db

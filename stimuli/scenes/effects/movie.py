@@ -35,7 +35,6 @@ class Movie(Effect):
             raise InvalidParameter(f"Movie.n_frames: found {self.n_frames}, expected at least 2")
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        del scene
         needs = ("motion", "frames_s", "x_m", "y_m")
         return (
             Stage("frames", (), "frames_s", f"{MAP}:frame_times", size=self._frames_size),

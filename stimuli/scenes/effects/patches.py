@@ -1,17 +1,13 @@
 """Bonded patches in place of pushes at points."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
 
-if TYPE_CHECKING:
-    from ...time_reversal.plate.plate import Plate
-    from ...time_reversal.screen.transducer import ForceSource
+PATCHES = "tactometry.stimuli.scenes.stages.emission:patches"
 
 
 @dataclass(frozen=True)
@@ -31,8 +27,7 @@ class Patches(Effect):
     moment_n_per_v: float = 8.2e-4
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        del scene
-        return (Stage("patches", ("plate",), "sources", f"{__name__}:bonded", size=self._size),)
+        return (Stage("patches", ("plate",), "sources", PATCHES, size=self._size),)
 
     def _size(self, demand: Demand) -> Size:
         surface = demand.surface
@@ -44,14 +39,4 @@ class Patches(Effect):
         return Size({"n_transducers": surface.n_transducers, "inset_m": surface.inset_m, **vars(self)})
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
-        del scene
         return PlateContent(reach_m=self.side_m / 2)
-
-
-def bonded(
-    n_transducers: int, inset_m: float, side_m: float, moment_n_per_v: float
-) -> "Callable[[Plate], tuple[ForceSource, ...]]":
-    """Patches along the border."""
-    from ...time_reversal.screen.transducer import border
-
-    return lambda plate: tuple(border(plate, n_transducers, side_m, inset_m, moment_n_per_v))

@@ -1,6 +1,6 @@
 """Receptor channels in place of one threshold: the channel furthest above its own mediates detection."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar
 
@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from ...arrays import FloatArray
     from ...perception.detection import Components
 
+HIGHEST = "tactometry.stimuli.scenes.surfaces.electrovibration:highest"
 STEEPEST_DB_PER_HZ = 2.5
 """Of the thresholds of `tactometry.stimuli.perception.channels`, at 3 Hz: an upper bound."""
 
@@ -36,8 +37,7 @@ class Receptors(Effect):
     reference_force_n: float = 6.7e-6
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        del scene
-        strongest = Stage("strongest", ("channels_db",), "sensation_db", f"{__name__}:strongest")
+        strongest = Stage("strongest", ("channels_db",), "sensation_db", HIGHEST)
         return self.stage(), strongest
 
     def __call__(self, components: "Components") -> "FloatArray":
@@ -47,10 +47,4 @@ class Receptors(Effect):
         return channel_levels_db(components, self.reference_force_n)
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
-        del scene
         return VoltageContent(steepest_db_per_hz=STEEPEST_DB_PER_HZ)
-
-
-def strongest() -> "Callable[[FloatArray], float]":
-    """The highest level."""
-    return lambda channels_db: float(channels_db.max())

@@ -44,5 +44,4 @@ class Sensitivity(Effect):
         return sensation_level_db(components, self.reference_force_n)
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
-        del scene
         return VoltageContent(steepest_db_per_hz=STEEPEST_DB_PER_HZ)

@@ -28,12 +28,10 @@ class SkinLeakage(Effect):
     corneum_resistivity_ohm_m: float = 2.0e4
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        del scene
         return self.stage(), circuit_stage(self.kind)
 
     def __call__(self, skin: "Skin") -> "Skin":
         return replace(skin, corneum_resistivity_ohm_m=self.corneum_resistivity_ohm_m)
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
-        del scene
         return VoltageContent(resistivity_ohm_m=self.corneum_resistivity_ohm_m)

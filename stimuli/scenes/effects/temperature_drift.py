@@ -1,9 +1,8 @@
 """A plate that is warmer than when it learnt."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from math import isfinite, pi
-from typing import TYPE_CHECKING, Final
+from typing import Final
 
 from tactometry.arguments.require import within
 from tactometry.errors import InvalidParameter
@@ -11,10 +10,7 @@ from tactometry.errors import InvalidParameter
 from ...composition.content import PlateContent
 from ...composition.effect import Effect, Stage, Surroundings
 
-if TYPE_CHECKING:
-    from ...time_reversal.responses.responses import Responses
-    from ...time_reversal.screen.screen import Screen
-    from ..stages.emission import Points
+LEARNING = "tactometry.stimuli.scenes.stages.emission:learning_colder"
 
 MOST_SHIFT: Final = 0.1
 """As in `drift.warmed`: an effect that no output needs imports no physics."""
@@ -49,21 +45,10 @@ class TemperatureDrift(Effect):
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         learning = {name: getattr(scene.surface, name) for name in ("rate_hz", "reversal_s", "band_max_hz", "flank_hz")}
         settings = {**vars(self), **learning}
-        return (Stage("drift", ("screen", "foci_m"), "learnt", f"{__name__}:learnt_cold", settings),)
+        return (Stage("drift", ("screen", "foci_m"), "learnt", LEARNING, settings),)
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
         """Modes out of tune add up to less."""
         surface = scene.surface
         turned = 2 * pi * surface.band_max_hz * self.kelvin * self.shift_per_k * surface.reversal_s / 2
         return PlateContent(weakening=float(1 + turned**2))
-
-
-def learnt_cold(
-    kelvin: float, shift_per_k: float, rate_hz: float, reversal_s: float, band_max_hz: float, flank_hz: float
-) -> "Callable[[Screen, Points], Responses]":
-    """Responses of the colder plate."""
-    from ...time_reversal.screen.screen import warmed
-    from ..stages.emission import learning
-
-    learn = learning(rate_hz, reversal_s, band_max_hz, flank_hz)
-    return lambda screen, foci: learn(warmed(screen, -kelvin, shift_per_k), foci)

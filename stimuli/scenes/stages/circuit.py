@@ -1,6 +1,5 @@
 """The voltage across a layer: a divider without losses, or the exact answer of a circuit with some."""
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
@@ -39,18 +38,14 @@ def check_ramp(demand: Demand, effect: str) -> None:
         )
 
 
-def divided() -> "Callable[[FloatArray, Pieces, ForceForm], FloatArray]":
+def divided(t_s: "FloatArray", voltage: "Pieces", form: "ForceForm") -> "FloatArray":
     """Layers without losses divide a voltage at any frequency alike."""
-
-    def share(t_s: "FloatArray", voltage: "Pieces", form: "ForceForm") -> "FloatArray":
-        gain = sum(form.relaxations.gains, start=form.relaxations.dc_gain)
-        return gain * voltage.at(t_s)
-
-    return share
+    gain = sum(form.relaxations.gains, start=form.relaxations.dc_gain)
+    return gain * voltage.at(t_s)
 
 
-def relaxed() -> "Callable[[FloatArray, Pieces, ForceForm], FloatArray]":
+def relaxed(t_s: "FloatArray", voltage: "Pieces", form: "ForceForm") -> "FloatArray":
     """The exact solution of the circuit."""
     from ...electrovibration.skin.solution import Solution
 
-    return lambda t_s, voltage, form: Solution(voltage, form.relaxations).at(t_s)
+    return Solution(voltage, form.relaxations).at(t_s)

@@ -1,13 +1,14 @@
 """Fingers that rest on the plate: each answers its motion there with a force that moves the plate in turn."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from tactometry.errors import InvalidParameter
 
-from ...arrays import ComplexArray, real_product
+from ...arrays import ComplexArray, FloatArray, real_product
+from ...time_reversal.finger import Fingertip
 from ...time_reversal.responses.load import PlateLoad, carried
 from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import PointForce
@@ -16,23 +17,29 @@ from .motion import PlateMotion, answer, moving
 Numbers = tuple[float, ...]
 
 
-def bearing(contacts: Sequence[PlateLoad]) -> Callable[[PlateMotion], PlateMotion]:
-    """The motion of a plate that bears contacts: their forces are further channels, exact for linear contacts."""
+def borne(motion: PlateMotion, x_m: Numbers, y_m: Numbers, force_n: Numbers, **pulp: float) -> PlateMotion:
+    """The motion of the plate under fingers: their forces are further channels, exact for linear contacts."""
+    finger = Fingertip(**pulp)
+    contacts = [finger.load((x, y), f) for x, y, f in zip(x_m, y_m, force_n, strict=True)]
+    _check_places(motion.screen, contacts)
     places = tuple(PointForce(contact.x_m, contact.y_m) for contact in contacts)
+    screen = replace(motion.screen, sources=(*motion.screen.sources, *places))
+    forces = _forces(motion, screen, contacts)
+    oscillators, at = moving(screen, motion.modes_to_hz, motion.static_to_hz)
+    pushed = np.ascontiguousarray(at[:, -len(places) :])
+    amplitude = answer(oscillators, screen.plate.mass_kg, motion.s, lambda part: real_product(pushed, -forces[:, part]))
+    amplitude += motion.amplitude
+    return replace(motion, screen=screen, amplitude=amplitude, played=np.vstack([motion.played, -forces]))
 
-    def borne(motion: PlateMotion) -> PlateMotion:
-        _check_places(motion.screen, contacts)
-        screen = replace(motion.screen, sources=(*motion.screen.sources, *places))
-        forces = _forces(motion, screen, contacts)
-        oscillators, at = moving(screen, motion.modes_to_hz, motion.static_to_hz)
-        pushed = np.ascontiguousarray(at[:, -len(places) :])
-        amplitude = answer(
-            oscillators, screen.plate.mass_kg, motion.s, lambda part: real_product(pushed, -forces[:, part])
-        )
-        amplitude += motion.amplitude
-        return replace(motion, screen=screen, amplitude=amplitude, played=np.vstack([motion.played, -forces]))
 
-    return borne
+def displaced(motion: PlateMotion, oversampling: int, x_m: Numbers, y_m: Numbers) -> FloatArray:
+    """(n_contacts, n): the displacement under every finger (m/V)."""
+    return motion.course(motion.of_points(tuple(zip(x_m, y_m, strict=True))), oversampling)
+
+
+def forced(motion: PlateMotion, oversampling: int, n: int) -> FloatArray:
+    """(n_contacts, n_times): the force on every finger (N/V): the last channels of the motion, reversed."""
+    return motion.course(-motion.played[-n:], oversampling)
 
 
 def _forces(motion: PlateMotion, screen: Screen, contacts: Sequence[PlateLoad]) -> ComplexArray:

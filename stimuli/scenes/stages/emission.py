@@ -1,6 +1,5 @@
 """From a plate to what its transducers emit: learn, reverse, quantise."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -8,14 +7,16 @@ import numpy as np
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray
-from ...time_reversal.filters import Band, GainCurve, filtered
+from ...time_reversal.filters import Band, Butterworth, GainCurve, filtered
 from ...time_reversal.focusing.focusing import Emission, reversed_waveform
 from ...time_reversal.focusing.quantiser import Analogue, Quantiser
+from ...time_reversal.plate.glass import GLASSES
 from ...time_reversal.plate.modes import Modes
 from ...time_reversal.plate.plate import Plate
+from ...time_reversal.responses import responses
 from ...time_reversal.responses.responses import Responses
 from ...time_reversal.screen.attenuation import Attenuation
-from ...time_reversal.screen.screen import Screen
+from ...time_reversal.screen.screen import Screen, warmed
 from ...time_reversal.screen.transducer import ForceSource, PointForce, border
 
 Points = tuple[tuple[float, float], ...]
@@ -48,68 +49,79 @@ class Push:
         self.point.check(plate, name)
 
 
-def glass_plate(glass: str, length_m: float, width_m: float, thickness_m: float) -> Callable[[], Plate]:
+def glass_plate(glass: str, length_m: float, width_m: float, thickness_m: float) -> Plate:
     """A plate of a glass, its edges simply supported."""
-    from ...time_reversal.plate.glass import GLASSES
-
-    plate = GLASSES[glass].plate(length_m, width_m, thickness_m, "SSSS")
-    return lambda: plate
+    return GLASSES[glass].plate(length_m, width_m, thickness_m, "SSSS")
 
 
-def pushes(n_transducers: int, inset_m: float, force_n_per_v: float) -> Callable[[Plate], tuple[ForceSource, ...]]:
+def pushes(plate: Plate, n_transducers: int, inset_m: float, force_n_per_v: float) -> tuple[ForceSource, ...]:
     """Points along the border."""
-
-    def placed(plate: Plate) -> tuple[ForceSource, ...]:
-        places = border(plate, n_transducers, inset_m, inset_m)
-        return tuple(Push(PointForce(place.x_m, place.y_m), force_n_per_v) for place in places)
-
-    return placed
+    places = border(plate, n_transducers, inset_m, inset_m)
+    return tuple(Push(PointForce(place.x_m, place.y_m), force_n_per_v) for place in places)
 
 
-def lossless() -> Callable[[Plate, tuple[ForceSource, ...]], Screen]:
+def patches(
+    plate: Plate, n_transducers: int, inset_m: float, side_m: float, moment_n_per_v: float
+) -> tuple[ForceSource, ...]:
+    """Patches along the border."""
+    return tuple(border(plate, n_transducers, side_m, inset_m, moment_n_per_v))
+
+
+def lossless(plate: Plate, sources: tuple[ForceSource, ...]) -> Screen:
     """A plate with transducers that rings for ever."""
-    return lambda plate, sources: Screen(plate, sources, Attenuation(float("inf")))
+    return Screen(plate, sources, Attenuation(float("inf")))
 
 
-def single(x_m: float, y_m: float) -> Callable[[], Points]:
+def single(x_m: float, y_m: float) -> Points:
     """One place to focus on."""
-    return lambda: ((x_m, y_m),)
+    return ((x_m, y_m),)
+
+
+def several(x_m: tuple[float, ...], y_m: tuple[float, ...]) -> Points:
+    """Places to focus on."""
+    return tuple(zip(x_m, y_m, strict=True))
 
 
 def learning(
-    rate_hz: float, reversal_s: float, band_max_hz: float, flank_hz: float
-) -> Callable[[Screen, Points], Responses]:
+    screen: Screen, foci: Points, rate_hz: float, reversal_s: float, band_max_hz: float, flank_hz: float
+) -> Responses:
     """What the transducers do at the foci: the modes of the band, over the reversal time."""
     band = Band(0.0, band_max_hz, flank_hz)
-    return Emission(band, reversal_s, rate_hz, modes_to_hz=band_max_hz).responses
+    return Emission(band, reversal_s, rate_hz, modes_to_hz=band_max_hz).responses(screen, foci)
 
 
-def analogue() -> Callable[[], Quantiser]:
+def learning_colder(screen: Screen, foci: Points, kelvin: float, shift_per_k: float, **learnt: float) -> Responses:
+    """Responses of the colder plate."""
+    return learning(warmed(screen, -kelvin, shift_per_k), foci, **learnt)
+
+
+def analogue() -> Quantiser:
     """A linear amplifier."""
-    return Analogue
+    return Analogue()
 
 
-def quantised() -> Callable[[Responses, Quantiser], EmittedSignal]:
+def amplified_responses(learnt: Responses, cutoff_hz: float, order: int) -> Responses:
+    """Responses of the amplifier and the plate."""
+    return responses.through(learnt, Butterworth(cutoff_hz, order))
+
+
+def amplified(emission: EmittedSignal, cutoff_hz: float, order: int) -> EmittedSignal:
+    """What leaves the amplifier."""
+    return through(emission, Butterworth(cutoff_hz, order))
+
+
+def quantised(learnt: Responses, rule: Quantiser) -> EmittedSignal:
     """The learnt responses, reversed, as the amplifier can emit them."""
-
-    def played(learnt: Responses, rule: Quantiser) -> EmittedSignal:
-        waveform = reversed_waveform(learnt)
-        return EmittedSignal(rule.quantise(waveform, learnt.rate_hz), learnt.rate_hz, waveform.shape[1] - 1)
-
-    return played
+    waveform = reversed_waveform(learnt)
+    return EmittedSignal(rule.quantise(waveform, learnt.rate_hz), learnt.rate_hz, waveform.shape[1] - 1)
 
 
-def in_band(band_max_hz: float, flank_hz: float, margin_s: float) -> Callable[[EmittedSignal], EmittedSignal]:
+def in_band(emission: EmittedSignal, band_max_hz: float, flank_hz: float, margin_s: float) -> EmittedSignal:
     """What of an emission lies in the band, without a change of phase; what rings outside fades over `margin_s`."""
-    band = Band(0.0, band_max_hz, flank_hz)
-
-    def limited(emission: EmittedSignal) -> EmittedSignal:
-        wide = through(emission, band, margin_s)
-        rise = np.sin(np.linspace(0, np.pi / 2, round(margin_s * emission.rate_hz))) ** 2
-        flat = np.ones(emission.samples.shape[1])
-        return replace(wide, samples=wide.samples * np.concatenate([rise, flat, rise[::-1]]))
-
-    return limited
+    wide = through(emission, Band(0.0, band_max_hz, flank_hz), margin_s)
+    rise = np.sin(np.linspace(0, np.pi / 2, round(margin_s * emission.rate_hz))) ** 2
+    flat = np.ones(emission.samples.shape[1])
+    return replace(wide, samples=wide.samples * np.concatenate([rise, flat, rise[::-1]]))
 
 
 def through(emission: EmittedSignal, gain: GainCurve, margin_s: float = 0.0) -> EmittedSignal:

@@ -132,26 +132,27 @@ def moving(screen: Screen, modes_to_hz: float, static_to_hz: float) -> tuple[Osc
 
 
 def driven(
-    modes_to_hz: float, static_to_hz: float, heard_to_hz: float, after_s: float
-) -> Callable[[Screen, EmittedSignal], PlateMotion]:
+    screen: Screen,
+    emission: EmittedSignal,
+    *,
+    modes_to_hz: float,
+    static_to_hz: float,
+    heard_to_hz: float,
+    after_s: float,
+) -> PlateMotion:
     """The motion until `after_s` behind the focus, at frequencies up to `heard_to_hz`."""
-
     if static_to_hz < modes_to_hz:
         raise InvalidParameter(
             f"settings.motion.static_to_hz: found {static_to_hz}, expected at least modes_to_hz, {modes_to_hz}"
         )
-
-    def motion(screen: Screen, emission: EmittedSignal) -> PlateMotion:
-        n_played, rate_hz = emission.samples.shape[1], emission.rate_hz
-        n = max(emission.focus + 1 + round(after_s * rate_hz), n_played)
-        s, growth, n_fft = contour(n, rate_hz)
-        s = s[: int(heard_to_hz * n_fft / rate_hz) + 1]
-        played = np.fft.rfft(emission.samples / growth[:n_played], n_fft)[:, : len(s)]
-        oscillators, forces = moving(screen, modes_to_hz, static_to_hz)
-        amplitude = answer(oscillators, screen.plate.mass_kg, s, lambda part: real_product(forces, played[:, part]))
-        return PlateMotion(screen, modes_to_hz, static_to_hz, amplitude, played, s, n_fft, rate_hz, emission.focus, n)
-
-    return motion
+    n_played, rate_hz = emission.samples.shape[1], emission.rate_hz
+    n = max(emission.focus + 1 + round(after_s * rate_hz), n_played)
+    s, growth, n_fft = contour(n, rate_hz)
+    s = s[: int(heard_to_hz * n_fft / rate_hz) + 1]
+    played = np.fft.rfft(emission.samples / growth[:n_played], n_fft)[:, : len(s)]
+    oscillators, forces = moving(screen, modes_to_hz, static_to_hz)
+    amplitude = answer(oscillators, screen.plate.mass_kg, s, lambda part: real_product(forces, played[:, part]))
+    return PlateMotion(screen, modes_to_hz, static_to_hz, amplitude, played, s, n_fft, rate_hz, emission.focus, n)
 
 
 def answer(
@@ -168,24 +169,19 @@ def answer(
     return amplitude
 
 
-def focus_value() -> Callable[[PlateMotion, Points], FloatArray]:
+def focus_value(motion: PlateMotion, foci: Points) -> FloatArray:
     """(n_foci,): the displacement of the foci at the focus instant (m/V)."""
-    return lambda motion, foci: _real(motion.of_points(foci), motion.turning(np.zeros(1)))[:, 0]
+    return _real(motion.of_points(foci), motion.turning(np.zeros(1)))[:, 0]
 
 
-def sampling(factor: int) -> Callable[[], int]:
+def sampling(factor: int) -> int:
     """How many times finer than the clock courses are given."""
-    return lambda: factor
+    return factor
 
 
-def course_times() -> Callable[[PlateMotion, int], FloatArray]:
-    """Times from the focus instant."""
-    return lambda motion, oversampling: motion.times_s(oversampling)
-
-
-def focus_course() -> Callable[[PlateMotion, Points, int], FloatArray]:
+def focus_course(motion: PlateMotion, foci: Points, oversampling: int) -> FloatArray:
     """The displacement of the first focus over time (m/V)."""
-    return lambda motion, foci, oversampling: motion.course(motion.of_points(foci[:1])[0], oversampling)
+    return motion.course(motion.of_points(foci[:1])[0], oversampling)
 
 
 def _real(numbers: ComplexArray, turning: ComplexArray) -> FloatArray:

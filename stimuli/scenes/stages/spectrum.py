@@ -5,7 +5,6 @@ lost is how far the transform of the window is from a parabola in logarithms ove
 form. An error of frequency counts by the steepest slope of sensitivity.
 """
 
-from collections.abc import Callable
 from math import exp, log, pi, sin
 from typing import TYPE_CHECKING
 
@@ -53,10 +52,10 @@ def size(demand: Demand) -> Size:
     return Size({"padding": padding}, error, n_operations=300.0 * padding * n)
 
 
-def components_of(padding: int) -> "Callable[[FloatArray, FloatArray], Components]":
+def components_of(t_s: "FloatArray", record: "FloatArray", padding: int) -> "Components":
     """The components of a record (n_samples,) at equal steps, its mean left out."""
     # a period of the transform ends before the sample that would begin the next
-    return lambda t_s, record: components(record[:-1], (record.size - 1) / float(t_s[-1]), padding)
+    return components(record[:-1], (record.size - 1) / float(t_s[-1]), padding)
 
 
 def _read_off(offset: float, padding: int) -> tuple[float, float]:

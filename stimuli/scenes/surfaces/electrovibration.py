@@ -1,6 +1,6 @@
 """An electrovibration screen: from a level to the attraction of a finger, with whatever effects are called for."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -12,14 +12,13 @@ from ...composition.effect import Effect, Size, Stage, Surface
 from ...composition.sampling import per_sample, record
 from ..effects import OF_ELECTROVIBRATION
 from ..stages.circuit import divider_stage
-from ..stages.scaling import MULTIPLIED
+from ..stages.scaling import MULTIPLY
 
 if TYPE_CHECKING:
     from tactometry.signal import Signal
 
     from ...arrays import FloatArray
     from ...composition.effect import Demand
-    from ...electrovibration.attraction.force import ForceForm
     from ...electrovibration.skin.skin import Skin
     from ...electrovibration.waveforms.pieces import Pieces
     from ...electrovibration.waveforms.waveform import Waveform
@@ -27,6 +26,8 @@ if TYPE_CHECKING:
 SAME_VOLTAGE = 1e-6
 """Of the peak: what rounding of two ways to a voltage may leave between them."""
 TINY = 1e-300
+WAVEFORMS = "tactometry.stimuli.electrovibration.waveforms"
+FORCE = "tactometry.stimuli.electrovibration.attraction.force:ForceForm.force_n"
 COMPONENTS = "tactometry.stimuli.scenes.stages.spectrum:components_of"
 
 
@@ -78,22 +79,21 @@ class Electrovibration(Surface):
         require.not_negative("Electrovibration", ramp_s=self.ramp_s)
 
     def stages(self, scene: "Demand") -> tuple[Stage, ...]:
-        del scene
         tone = {"frequency_hz": self.frequency_hz, "duration_s": self.duration_s, "ramp_s": self.ramp_s}
         of_layer, force = ("unit_layer_voltage_v", "peak_voltage_v"), ("electrostatic_force_n",)
-        drawn, once = ("layer_voltage_v", "form"), per_sample(1.0)
+        drawn, once = ("form", "layer_voltage_v"), per_sample(1.0)
         return (
             Stage("waveform", (), "waveform", f"{__name__}:tone", tone),
             Stage("unit_voltage", ("waveform",), "unit_voltage", f"{__name__}:of_one_volt"),
-            Stage("level", ("level_db_re_1v",), "peak_voltage_v", f"{__name__}:peak"),
-            Stage("voltage", ("unit_voltage", "peak_voltage_v"), "voltage", f"{__name__}:scaled"),
+            Stage("level", ("level_db_re_1v",), "peak_voltage_v", f"{WAVEFORMS}.waveform:peak_voltage_v"),
+            Stage("voltage", ("unit_voltage", "peak_voltage_v"), "voltage", f"{WAVEFORMS}.pieces:Pieces.scaled"),
             Stage("sampling", ("unit_voltage",), "t_s", f"{__name__}:grid", size=record),
-            Stage("drive", ("t_s", "voltage"), "voltage_v", f"{__name__}:sampled", size=per_sample(700.0)),
+            Stage("drive", ("voltage", "t_s"), "voltage_v", f"{WAVEFORMS}.pieces:Pieces.at", size=per_sample(700.0)),
             Stage("skin", (), "skin", f"{__name__}:lossless", self._skin()),
             Stage("area", (), "area_m2", f"{__name__}:constant", {"value": self.area_m2}),
             divider_stage(),
-            Stage("layer_voltage", of_layer, "layer_voltage_v", MULTIPLIED, size=once),
-            Stage("attraction", drawn, "electrostatic_force_n", f"{__name__}:attraction", size=per_sample(3.0)),
+            Stage("layer_voltage", of_layer, "layer_voltage_v", MULTIPLY, size=once),
+            Stage("attraction", drawn, "electrostatic_force_n", FORCE, size=per_sample(3.0)),
             Stage("spectrum", ("t_s", "friction_force_n"), "components", COMPONENTS, size=fine_spectrum),
             Stage("peak", force, "peak_force_n", f"{__name__}:highest", size=once),
         )
@@ -131,85 +131,63 @@ class PlayedElectrovibration(Electrovibration):
         return tuple(replace(stage, effect=effect.kind) for stage in effect.felt_stages(scene))
 
 
-def tone(frequency_hz: float, duration_s: float, ramp_s: float) -> "Callable[[], Waveform]":
+def tone(frequency_hz: float, duration_s: float, ramp_s: float) -> "Waveform":
     """A sine with ramps."""
     from ...electrovibration.waveforms.sine import Sine
 
-    waveform = Sine(frequency_hz, duration_s, ramp_s, rate_hz=max(20_000.0, 4 * frequency_hz))
-    return lambda: waveform
+    return Sine(frequency_hz, duration_s, ramp_s, rate_hz=max(20_000.0, 4 * frequency_hz))
 
 
-def of_one_volt() -> "Callable[[Waveform], Pieces]":
+def of_one_volt(waveform: "Waveform") -> "Pieces":
     """The voltage of level 0 dB re 1 V, exactly."""
-    return lambda waveform: waveform.pieces(0.0)
+    return waveform.pieces(0.0)
 
 
-def peak() -> Callable[[float], float]:
-    """The peak voltage of a level."""
-    from ...electrovibration.waveforms.waveform import peak_voltage_v
-
-    return peak_voltage_v
-
-
-def peak_of_signal(ramp_s: float) -> "Callable[[Pieces, Signal], float]":
+def peak_of_signal(unit: "Pieces", signal: "Signal", ramp_s: float) -> float:
     """The peak voltage at which the voltage of a scene is a signal, which nothing but its level may set apart.
 
     Samples end a step before the voltage does, and so does their last ramp: the level is that of the first half.
     """
     import numpy as np
 
-    def peak_voltage_v(unit: "Pieces", signal: "Signal") -> float:
-        if signal.unit != "V" or len(signal.samples) != 1:
-            raise InvalidParameter(
-                f"signal: found {len(signal.samples)} channels in {signal.unit!r}, expected one channel in volt ('V')"
-            )
-        (voltage_v,) = signal.samples
-        of_one_volt = unit.at(np.arange(voltage_v.size) / signal.rate_hz)
-        half = of_one_volt[: voltage_v.size // 2]
-        peak_v = float(half @ voltage_v[: half.size] / max(half @ half, TINY))
-        beside = float(np.abs(voltage_v - peak_v * of_one_volt).max()) / signal.peak
-        step_of_ramp = np.pi / (2 * ramp_s * signal.rate_hz) if ramp_s else 0.0
-        if beside > step_of_ramp + SAME_VOLTAGE or abs(signal.duration_s - unit.end_s) > 1 / signal.rate_hz:
-            raise InvalidParameter(
-                f"signal: found a voltage of {signal.duration_s:g} s that is {beside:.2g} of its peak beside that of "
-                f"the scene ({unit.end_s:g} s) at any level, expected the tone of the scene; state the same frequency, "
-                "duration, ramps, phase and carrier"
-            )
-        return peak_v
-
-    return peak_voltage_v
+    if signal.unit != "V" or len(signal.samples) != 1:
+        raise InvalidParameter(
+            f"signal: found {len(signal.samples)} channels in {signal.unit!r}, expected one channel in volt ('V')"
+        )
+    (voltage_v,) = signal.samples
+    of_one_volt = unit.at(np.arange(voltage_v.size) / signal.rate_hz)
+    half = of_one_volt[: voltage_v.size // 2]
+    peak_v = float(half @ voltage_v[: half.size] / max(half @ half, TINY))
+    beside = float(np.abs(voltage_v - peak_v * of_one_volt).max()) / signal.peak
+    step_of_ramp = np.pi / (2 * ramp_s * signal.rate_hz) if ramp_s else 0.0
+    if beside > step_of_ramp + SAME_VOLTAGE or abs(signal.duration_s - unit.end_s) > 1 / signal.rate_hz:
+        raise InvalidParameter(
+            f"signal: found a voltage of {signal.duration_s:g} s that is {beside:.2g} of its peak beside that of "
+            f"the scene ({unit.end_s:g} s) at any level, expected the tone of the scene; state the same frequency, "
+            "duration, ramps, phase and carrier"
+        )
+    return peak_v
 
 
-def scaled() -> "Callable[[Pieces, float], Pieces]":
-    """A voltage of a peak."""
-    return lambda unit, peak_voltage_v: unit.scaled(peak_voltage_v)
-
-
-def grid(n_samples: int) -> "Callable[[Pieces], FloatArray]":
+def grid(voltage: "Pieces", n_samples: int) -> "FloatArray":
     """Equal steps from the beginning to the end of a voltage."""
     import numpy as np
 
-    return lambda voltage: np.linspace(0.0, voltage.end_s, n_samples)
+    return np.linspace(0.0, voltage.end_s, n_samples)
 
 
-def sampled() -> "Callable[[FloatArray, Pieces], FloatArray]":
-    """A voltage at times."""
-    return lambda t_s, voltage: voltage.at(t_s)
-
-
-def lossless(**layers: Any) -> "Callable[[], Skin]":
+def lossless(**layers: Any) -> "Skin":
     """A skin whose corneum does not conduct."""
     from math import inf
 
     from ...electrovibration.skin.skin import Skin
 
-    dry = Skin(**layers, corneum_resistivity_ohm_m=inf)
-    return lambda: dry
+    return Skin(**layers, corneum_resistivity_ohm_m=inf)
 
 
-def constant(value: float) -> Callable[[], float]:
+def constant(value: float) -> float:
     """A number that nothing changes."""
-    return lambda: value
+    return value
 
 
 def fine_spectrum(demand: "Demand") -> Size:
@@ -219,11 +197,6 @@ def fine_spectrum(demand: "Demand") -> Size:
     return size(demand)
 
 
-def attraction() -> "Callable[[FloatArray, ForceForm], FloatArray]":
-    """The force of a layer's voltage."""
-    return lambda layer_v, form: form.force_n(layer_v)
-
-
-def highest() -> "Callable[[FloatArray], float]":
+def highest(course: "FloatArray") -> float:
     """The largest value of a course."""
-    return lambda course: float(course.max())
+    return float(course.max())

@@ -137,7 +137,7 @@ class TimeReversal(GlassPanel, Surface):
         needs = ("motion", "foci_m", "oversampling")
         return (
             Stage("sampling", (), "oversampling", f"{MOTION}:sampling", size=self._sampling_size),
-            Stage("times", ("motion", "oversampling"), "t_s", f"{MOTION}:course_times"),
+            Stage("times", ("motion", "oversampling"), "t_s", f"{MOTION}:PlateMotion.times_s"),
             Stage("focus_course", needs, "per_volt_course", f"{MOTION}:focus_course", size=_per_sample(100.0)),
             at_voltage("focus_signal", "per_volt_course", "focus_displacement_m", _per_sample(1.0)),
         )
@@ -224,9 +224,9 @@ def _per_sample(n_operations: float) -> Callable[[Demand], Size]:
     return size
 
 
-def first_magnitude() -> Callable[[Any, float], float]:
+def first_magnitude(values: Any, voltage_v: float) -> float:
     """The magnitude of the first of some values, at a voltage."""
-    return lambda values, voltage_v: float(abs(values[0] * voltage_v))
+    return float(abs(values[0] * voltage_v))
 
 
 def _check_rest(scene: Demand) -> None:
