@@ -46,8 +46,8 @@ class Stage:
     gives : str
         Name of the quantity.
     target : str
-        ``module:function``; the function takes the settings by name and returns the callable of the run, which takes
-        the needed quantities in their order. It is imported when the plan is bound, and not before.
+        ``module:function``, which takes the needed quantities in their order and the settings by name, or
+        ``module:Class``, whose value takes the quantities. It is imported when the plan is bound, and not before.
     settings : mapping
         Numbers and texts that are fixed when the plan is made.
     error : float
@@ -85,7 +85,7 @@ class Stage:
         return replace(self, settings=settings, error=size.error, n_operations=size.n_operations)
 
     def bind(self) -> Callable[..., Any]:
-        """The callable of the run, with the settings in it: the value of a class, or a function that takes them."""
+        """The callable of the run, with the settings in it."""
         called = resolve(self.target)
         return called(**self.settings) if isinstance(called, type) else partial(called, **self.settings)
 
@@ -229,6 +229,26 @@ class Quantity(Effect):
 
     def __call__(self) -> Self:
         return self
+
+
+class Alteration(Effect):
+    """An effect that sets fields of the one quantity that it reads and gives, by the names of its own.
+
+    `sets` says what those are called there, where it is something else.
+
+    >>> from dataclasses import dataclass
+    >>> @dataclass(frozen=True)
+    ... class Gap(Alteration):
+    ...     sets = {"gap_m": "force_n"}
+    ...     gap_m: float
+    >>> Gap(2.0)(FingerContact(1.0)).force_n
+    2.0
+    """
+
+    sets: ClassVar[Mapping[str, str]] = {}
+
+    def __call__(self, quantity: Any) -> Any:
+        return replace(quantity, **{self.sets.get(name, name): value for name, value in vars(self).items()})
 
 
 class Surface:

@@ -2,7 +2,7 @@
 
 import textwrap
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import isinf
 
 from tactometry.errors import InvalidParameter
@@ -14,19 +14,11 @@ from .scene import Scene
 COLUMNS = (("stage", 24), ("on", 4), ("why", 30), ("error", 7), ("predicted", 9), ("cold", 7), ("warm", 7))
 WIDTH = 100
 
+Row = tuple[tuple[str, ...], str]
+"""A line of the explanation, a cell for each of `COLUMNS`, and the settings that stand below it.
 
-@dataclass(frozen=True)
-class Row:
-    """A line of the explanation; `cold` is the time of the first run of this process, `warm` that of the second."""
-
-    stage: str
-    on: str
-    why: str
-    error: str
-    predicted: str
-    cold: str
-    warm: str
-    settings: str = ""
+``cold`` is the time of the first run of this process, ``warm`` that of the second.
+"""
 
 
 def explained(scene: Scene, given: Mapping[str, float]) -> str:
@@ -43,9 +35,9 @@ def explained(scene: Scene, given: Mapping[str, float]) -> str:
     on = (_on(stage, plan, *times_s) for stage, *times_s in zip(plan.stages, cold, warm, strict=True))
     rows = [*on, *_off(scene)]
     lines = [*_assumed(scene), "", _line(name.title() for name, _ in COLUMNS), "-" * WIDTH]
-    for row in rows:
-        lines.append(_line((row.stage, row.on, row.why, row.error, row.predicted, row.cold, row.warm)))
-        lines += [f"    {text}" for text in textwrap.wrap(row.settings, WIDTH - 4)]
+    for cells, settings in rows:
+        lines.append(_line(cells))
+        lines += [f"    {text}" for text in textwrap.wrap(settings, WIDTH - 4)]
     return "\n".join([*lines, "-" * WIDTH, *_totals(scene, plan, sum(cold), sum(warm))])
 
 
@@ -66,8 +58,8 @@ def values_for(plan: Plan, given: Mapping[str, float]) -> dict[str, float]:
 def _on(stage: Stage, plan: Plan, cold_s: float, warm_s: float) -> Row:
     settings = ", ".join(f"{key} = {_short(value)}" for key, value in stage.settings.items())
     error = "exact" if stage.error == 0 else "set" if isinf(stage.error) else f"{stage.error:.1e}"
-    predicted = _time(predicted_s(stage))
-    return Row(stage.name, "on", _why(stage, plan), error, predicted, _time(cold_s), _time(warm_s), settings)
+    times = map(_time, (predicted_s(stage), cold_s, warm_s))
+    return (stage.name, "on", _why(stage, plan), error, *times), settings
 
 
 def _why(stage: Stage, plan: Plan) -> str:
@@ -81,10 +73,10 @@ def _why(stage: Stage, plan: Plan) -> str:
 
 def _off(scene: Scene) -> list[Row]:
     """Effects of the scene that no output needs, then those of the surface that are not in it."""
-    unused = [Row(effect.kind, "off", "no output needs it", "", "", "", "") for effect in scene.off()]
+    unused = [((effect.kind, "off", "no output needs it", "", "", "", ""), "") for effect in scene.off()]
     named = {effect.kind for effect in scene.effects}
     kinds = [kind for kind in scene.surface.effects if kind not in named]
-    return [*unused, *(Row(kind, "off", "not called for", "", "0", "0", "0") for kind in kinds)]
+    return [*unused, *(((kind, "off", "not called for", "", "0", "0", "0"), "") for kind in kinds)]
 
 
 def _assumed(scene: Scene) -> list[str]:

@@ -7,6 +7,7 @@ from functools import cached_property
 from math import isfinite
 from typing import Any
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ..composition.effect import Stage
@@ -71,8 +72,7 @@ class Plan:
                 f"{', '.join(self.given) or 'nothing'}"
             )
         for name, value in given.items():
-            if isinstance(value, (int, float)) and not isfinite(value):
-                raise InvalidParameter(f"given.{name}: found {value}, expected a finite number")
+            expect(not isinstance(value, (int, float)) or isfinite(value), f"given.{name}", value, "a finite number")
         registers = [*self._program.constants, *(given[name] for name in self.given)]
         registers += [None] * self._program.n_varying
         for call, read, written in self._program.steps:

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING
 
+from tactometry.arguments.require import expect
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter, nearest
 
@@ -63,8 +64,7 @@ class Scene:
     settings: Mapping[str, Mapping[str, Setting]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        if not 0 < self.accuracy <= 1:
-            raise InvalidParameter(f"Scene.accuracy: found {self.accuracy}, expected above 0 and at most 1")
+        expect(0 < self.accuracy <= 1, "Scene.accuracy", self.accuracy, "above 0 and at most 1")
         if not self.outputs:
             raise InvalidParameter("Scene.outputs: found none, expected at least one quantity")
         check_effects(self.effects, self)
@@ -205,10 +205,7 @@ def _check_kept(stage: Stage, error: float) -> None:
 
 
 def _check_known(where: str, name: str, known: Sequence[str], what: str) -> None:
-    if name not in known:
-        raise InvalidParameter(
-            f"{where}: found no such {what}, expected one of {', '.join(known) or 'none'}{nearest(name, known)}"
-        )
+    expect(name in known, where, f"no such {what}", f"one of {', '.join(known) or 'none'}{nearest(name, known)}")
 
 
 def _check_like(where: str, value: Setting, chosen: Setting) -> None:
@@ -220,8 +217,7 @@ def _check_like(where: str, value: Setting, chosen: Setting) -> None:
         fits = isinstance(value, int if whole else (int, float)) and not isinstance(value, bool)
         fits = fits and math.isfinite(float(value)) and (float(value) > 0 or chosen <= 0)  # type: ignore[arg-type]
         expected = f"a {'whole' if whole else 'finite'} number{' above 0' if chosen > 0 else ''}"
-    if not fits:
-        raise InvalidParameter(f"{where}: found {value!r}, expected {expected}, such as {chosen!r}")
+    expect(fits, where, repr(value), f"{expected}, such as {chosen!r}")
 
 
 def _with(stage: Stage, settings: Mapping[str, Setting]) -> Stage:

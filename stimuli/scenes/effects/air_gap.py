@@ -1,17 +1,13 @@
 """Air between the insulator and the skin."""
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 from ...composition.content import VoltageContent
-from ...composition.effect import Effect, Surroundings
-
-if TYPE_CHECKING:
-    from ...electrovibration.skin.skin import Skin
+from ...composition.effect import Alteration, Surroundings
 
 
 @dataclass(frozen=True)
-class AirGap(Effect):
+class AirGap(Alteration):
     """A gap of `gap_m`, above 0.
 
     >>> AirGap(gap_m=1e-6).slot
@@ -25,9 +21,6 @@ class AirGap(Effect):
     assumes = ("the gap is even under the whole contact",)
 
     gap_m: float
-
-    def __call__(self, skin: "Skin") -> "Skin":
-        return replace(skin, gap_m=self.gap_m)
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
         return VoltageContent(gap_m=self.gap_m)

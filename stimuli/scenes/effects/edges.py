@@ -5,17 +5,13 @@ model of learning are the same, so that of the phase that this turns in the reve
 are fitted to Ritz modes of 25 to 40 more degrees, with a margin, and kept by tests.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from math import pi
-from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
-from ...composition.effect import Demand, Effect, Size, Surroundings
-
-if TYPE_CHECKING:
-    from ...time_reversal.plate.plate import Plate
+from ...composition.effect import Alteration, Demand, Size, Surroundings
 
 OF_SINGULAR_CORNER, OF_OTHER_CORNERS = 10.0, 0.05
 """Relative error of the frequencies times the fourth power of the degree."""
@@ -25,7 +21,7 @@ SEEN = 0.05
 
 
 @dataclass(frozen=True)
-class Edges(Effect):
+class Edges(Alteration):
     """Four letters of S, C, F for the edges x = 0, y = 0, x = length, y = width, other than ``SSSS``.
 
     >>> Edges("FFFF").slot
@@ -48,9 +44,6 @@ class Edges(Effect):
                 "Edges.boundary: found 'SSSS', which a plate has without effects, expected other edges; leave "
                 "the effect out"
             )
-
-    def __call__(self, plate: "Plate") -> "Plate":
-        return replace(plate, boundary=self.boundary)
 
     def size(self, demand: Demand) -> Size:
         error = self.error(demand)

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
@@ -31,8 +32,7 @@ class Movie(Effect):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        if self.n_frames < 2:
-            raise InvalidParameter(f"Movie.n_frames: found {self.n_frames}, expected at least 2")
+        expect(self.n_frames >= 2, "Movie.n_frames", self.n_frames, "at least 2")
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         needs = ("motion", "frames_s", "x_m", "y_m")

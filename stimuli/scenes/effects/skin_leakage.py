@@ -1,18 +1,14 @@
 """The stratum corneum leaks: its voltage is the applied one through a high-pass, exactly."""
 
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 from ...composition.content import VoltageContent
-from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.effect import Alteration, Stage, Surroundings
 from ..stages.circuit import circuit_stage
-
-if TYPE_CHECKING:
-    from ...electrovibration.skin.skin import Skin
 
 
 @dataclass(frozen=True)
-class SkinLeakage(Effect):
+class SkinLeakage(Alteration):
     """Resistivity of the stratum corneum, above 0; 20 kohm m is an unverified default.
 
     >>> SkinLeakage().corneum_resistivity_ohm_m
@@ -29,9 +25,6 @@ class SkinLeakage(Effect):
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         return self.stage(), circuit_stage(self.kind)
-
-    def __call__(self, skin: "Skin") -> "Skin":
-        return replace(skin, corneum_resistivity_ohm_m=self.corneum_resistivity_ohm_m)
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
         return VoltageContent(resistivity_ohm_m=self.corneum_resistivity_ohm_m)

@@ -10,6 +10,7 @@ from matplotlib import animation, rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ..result import Result
@@ -46,8 +47,7 @@ def write_film(result: Result, title: str, path: Path) -> None:
 
 
 def _writer(path: Path) -> Any:
-    if path.suffix not in FORMATS:
-        raise InvalidParameter(f"--movie: found {str(path)!r}, expected a name that ends in {' or '.join(FORMATS)}")
+    expect(path.suffix in FORMATS, "--movie", repr(str(path)), f"a name that ends in {' or '.join(FORMATS)}")
     if path.suffix == ".gif":
         return animation.PillowWriter(fps=FRAMES_PER_S)
     if not _ffmpeg():

@@ -7,13 +7,14 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 
+from ...time_reversal.field.merit import HALF, area_m2
 from ..result import Result
 from .courses import COLOURS, PANEL_IN, draw_course, mark, names, numbers
 
 WIDTH_IN, MAP_IN, HEAD_IN, AXIS_IN = 10.0, 3.6, 0.5, 0.3
 SLIDING_TIME = "sliding_t_s"
 NEAR_M, NEAR_S = 15e-3, 0.25e-3
-HALF, AROUND = 0.5, 1.5
+AROUND = 1.5
 DIVERGING = "RdBu_r"
 
 
@@ -43,7 +44,7 @@ def _maps(figure: SubFigure, values: Any) -> None:
     image = draw_map(whole, x_m, y_m, field_m, float(np.abs(field_m).max()))
     draw_map(near, x_m, y_m, field_m, float(np.abs(field_m).max()))
     near.contour(x_m * 1e3, y_m * 1e3, field_m.T / field_m[peak], levels=[HALF], colors="k", linewidths=1.0)
-    half_m2 = half_area_m2(x_m, y_m, field_m)
+    half_m2 = area_m2(field_m, (x_m, y_m)) if field_m.any() else 0.0
     reach_m = max(NEAR_M, AROUND * (half_m2 / np.pi) ** 0.5)
     for axis, at_m, limit in (("x", x_m[peak[0]], near.set_xlim), ("y", y_m[peak[1]], near.set_ylim)):
         limit((at_m - reach_m) * 1e3, (at_m + reach_m) * 1e3)
@@ -61,16 +62,6 @@ def draw_map(axes: Axes, x_m: Any, y_m: Any, field_m: Any, largest_m: float) -> 
     image = axes.imshow(shown, origin="lower", extent=extent, cmap=DIVERGING, vmin=-largest, vmax=largest)
     axes.set(xlabel="x (mm)", ylabel="y (mm)")
     return image
-
-
-def half_area_m2(x_m: Any, y_m: Any, field_m: Any) -> float:
-    """The area around the peak that is above half of it."""
-    from scipy.ndimage import label
-
-    peak = np.unravel_index(np.abs(field_m).argmax(), field_m.shape)
-    islands, _ = label(field_m / field_m[peak] >= HALF)
-    cell_m2 = (x_m[1] - x_m[0]) * (y_m[1] - y_m[0])
-    return float(np.count_nonzero(islands == islands[peak]) * cell_m2)
 
 
 def _courses(figure: SubFigure, result: Result, drawn: list[str]) -> None:

@@ -247,10 +247,7 @@ def _check_place(surface: TimeReversal) -> None:
         )
     for name, side in (("focus_x_m", "length_m"), ("focus_y_m", "width_m")):
         at_m, side_m = getattr(surface, name), getattr(surface, side)
-        if not 0 < at_m < side_m:
-            raise InvalidParameter(
-                f"TimeReversal.{name}: found {at_m}, expected a place between the edges, 0 and {side_m} m"
-            )
+        require.expect(0 < at_m < side_m, f"TimeReversal.{name}", at_m, f"a place between the edges, 0 and {side_m} m")
 
 
 def _check_times(surface: TimeReversal) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import Matrix, NotNegative, Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import ascending, between, not_negative, positive, whole, within
+from tactometry.arguments.require import ascending, between, expect, not_negative, positive, whole, within
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
@@ -123,15 +123,13 @@ def uniformity(amplitudes_m: Vector) -> float:
 
 def _ratio(amplitude: float, field: FloatArray) -> float:
     rms = math.sqrt(float(np.mean(np.square(field)))) if np.size(field) else 0.0
-    if rms == 0.0:
-        raise InvalidParameter("field: found zero everywhere, expected a field to compare the focus with")
+    expect(rms > 0.0, "field", "zero everywhere", "a field to compare the focus with")
     return abs(amplitude) / rms
 
 
 def _crossing(at: FloatArray, relative: FloatArray, level: float) -> float:
     below = np.flatnonzero(relative < level)
-    if below.size == 0:
-        raise InvalidParameter(f"profile: found no point below {level} of the peak, expected a longer line")
+    expect(below.size != 0, "profile", f"no point below {level} of the peak", "a longer line")
     i = int(below[0])
     positive("width_m", profile=float(relative[i - 1] - relative[i]))
     share = (relative[i - 1] - level) / (relative[i - 1] - relative[i])
@@ -204,8 +202,7 @@ def dielectric_power_w(
 
 def _drive(owner: str, signal: Signal, channel_capacitance_f: float) -> None:
     not_negative(owner, channel_capacitance_f=channel_capacitance_f)
-    if signal.samples.shape[1] < 2:
-        raise InvalidParameter("signal: found fewer than two samples, expected a drive")
+    expect(signal.samples.shape[1] >= 2, "signal", "fewer than two samples", "a drive")
 
 
 @checked

@@ -15,7 +15,7 @@ from numba import njit
 
 from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import shaped
+from tactometry.arguments.require import expect, shaped
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
@@ -77,8 +77,7 @@ def overlap(oscillators: Oscillators, reversal_s: Positive) -> FloatArray:
     e^{(l_n + l_m*) T} is the product of two numbers per mode, so that no exponential is taken per pair; pairs with a
     z T near 0, where e^{zT} - 1 would cancel, take its power series.
     """
-    if not oscillators.oscillates.all():
-        raise InvalidParameter("oscillators: found rigid or overdamped modes, expected modes that oscillate")
+    expect(oscillators.oscillates.all(), "oscillators", "rigid or overdamped modes", "modes that oscillate")
     decay, omega = (
         np.ascontiguousarray(part, float) for part in (oscillators.decay_per_s, oscillators.split_rad_per_s)
     )

@@ -12,6 +12,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
@@ -146,8 +147,7 @@ def _weights(n_foci: int, weights: Sequence[float] | None) -> FloatArray:
 def _window(window: FloatArray | None, n: int) -> FloatArray:
     if window is None:
         return np.ones(n)
-    if np.shape(window) != (n,):
-        raise InvalidParameter(f"window: found shape {np.shape(window)}, expected ({n},)")
+    expect(np.shape(window) == (n,), "window", f"shape {np.shape(window)}", f"({n},)")
     return np.asarray(window, float)
 
 

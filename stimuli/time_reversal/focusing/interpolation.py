@@ -14,8 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import some, within
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, some, within
 
 from ...arrays import FloatArray
 from ..filters import Band
@@ -40,8 +39,7 @@ def interpolated(
     points : sequence of (x_m, y_m)
     at : (x_m, y_m)
     """
-    if len(points) != calibrated.n_points:
-        raise InvalidParameter(f"points: found {len(points)}, expected {calibrated.n_points}, one per row")
+    expect(len(points) == calibrated.n_points, "points", len(points), f"{calibrated.n_points}, one per row")
     n_fft = 2 * max(calibrated.n_samples, 1)
     frequency_hz = np.fft.rfftfreq(n_fft, 1 / calibrated.rate_hz)
     weights, _ = estimator(points, at, plate, frequency_hz, noise_share)

@@ -11,7 +11,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import finite_array, within
+from tactometry.arguments.require import expect, finite_array, within
 from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray
@@ -56,8 +56,7 @@ def inverse_filter_waveform(
     finite_array("inverse_filter_waveform.wanted", target)
     if target.shape != (points.n_points,) or not target.any():
         raise InvalidParameter(f"wanted: found {wanted}, expected {points.n_points} numbers, not all zero")
-    if not points.samples.any():
-        raise InvalidParameter("points: found responses that are zero everywhere, expected a point that can be moved")
+    expect(points.samples.any(), "points", "responses that are zero everywhere", "a point that can be moved")
     n = samples_in("reversal_s", reversal_s, points.rate_hz)
     n_fft = 2 * max(n, points.n_samples)
     frequency_hz = np.asarray(np.fft.rfftfreq(n_fft, 1 / points.rate_hz), float)

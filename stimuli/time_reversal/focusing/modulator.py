@@ -12,8 +12,7 @@ import numpy as np
 from numba import njit
 from numpy.typing import NDArray
 
-from tactometry.arguments.require import finite_array
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, finite_array
 
 from ...arrays import FloatArray
 
@@ -57,8 +56,7 @@ def modulate(signal: FloatArray, order: int) -> BitStream:
     >>> modulate(np.full((1, 8), 0.5), 1).bits[0].mean()
     np.float64(0.5)
     """
-    if order not in (1, 2):
-        raise InvalidParameter(f"order: found {order}, expected 1 or 2")
+    expect(order in (1, 2), "order", order, "1 or 2")
     by_time = np.ascontiguousarray(signal.T)
     bits = np.empty(by_time.shape, np.int8)
     peak, error = _modulate(by_time, bits, *FEEDBACK[order])

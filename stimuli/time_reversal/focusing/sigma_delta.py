@@ -4,7 +4,8 @@ from dataclasses import dataclass
 
 from tactometry.arguments.annotations import Matrix, Positive
 from tactometry.arguments.checked import checked
-from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.arguments.require import expect
+from tactometry.errors import LimitExceeded
 
 from ...arrays import FloatArray
 from ...composition.effect import Quantity
@@ -37,8 +38,7 @@ class SigmaDelta(Quantity):
     scale: Positive = 0.7
 
     def __post_init__(self) -> None:
-        if self.order not in (1, 2):
-            raise InvalidParameter(f"SigmaDelta.order: found {self.order}, expected 1 or 2")
+        expect(self.order in (1, 2), "SigmaDelta.order", self.order, "1 or 2")
 
     def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
         from .modulator import modulate

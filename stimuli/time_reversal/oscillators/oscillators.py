@@ -12,8 +12,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.arguments.require import one_of, positive
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, one_of, positive
 
 from ...arrays import ComplexArray, FloatArray
 
@@ -187,5 +186,4 @@ def _creeping(modes: Oscillators, time_s: FloatArray, quantity: str) -> FloatArr
 def check_sampling(rate_hz: float, n_samples: int) -> None:
     """Refuse a rate that is not above 0 or a negative length."""
     positive("sampling", rate_hz=rate_hz)
-    if n_samples < 0:
-        raise InvalidParameter(f"n_samples: found {n_samples}, expected at least 0")
+    expect(n_samples >= 0, "n_samples", n_samples, "at least 0")

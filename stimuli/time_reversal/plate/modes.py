@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike
 
 from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import finite_array, shaped
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, finite_array, shaped
 
 from ...arrays import FloatArray, IntArray
 from ..rectangle.axis import Axis, SineAxis
@@ -181,8 +180,7 @@ def _modes_of(plate: Plate, f_max_hz: float, shear_factor: float | None) -> Sepa
 def _check_points(x_m: ArrayLike, y_m: ArrayLike) -> None:
     finite_array("x_m", x_m)
     finite_array("y_m", y_m)
-    if np.size(x_m) != np.size(y_m):
-        raise InvalidParameter(f"x_m, y_m: found {np.size(x_m)} and {np.size(y_m)} numbers, expected as many")
+    expect(np.size(x_m) == np.size(y_m), "x_m, y_m", f"{np.size(x_m)} and {np.size(y_m)} numbers", "as many")
 
 
 def _thin_hz(plate: Plate, f_max_hz: float, shear_factor: float) -> float:

@@ -7,8 +7,7 @@ from numpy.typing import ArrayLike
 
 from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import whole, within
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect, whole, within
 
 from ...arrays import FloatArray
 from ..rectangle.axis import SineAxis
@@ -51,8 +50,7 @@ def deflection_m(plate: Plate, force_n: float, at_m: tuple[float, float], x_m: A
     178
     """
     plate.check_holds("at_m", at_m)
-    if plate.rectangle.n_rigid:
-        raise InvalidParameter(f"Plate.boundary: found {plate.boundary!r}, expected edges that hold it under a force")
+    expect(not plate.rectangle.n_rigid, "Plate.boundary", repr(plate.boundary), "edges that hold it under a force")
     whole("deflection_m", lowest=1, n_x=np.size(x_m), n_y=np.size(y_m))
     x, y = np.broadcast_arrays(np.atleast_1d(x_m), np.atleast_1d(y_m))
     for i, place in enumerate(zip(x.ravel(), y.ravel(), strict=True)):

@@ -17,7 +17,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import within
+from tactometry.arguments.require import expect, within
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.files.durable import read_file
 from tactometry.files.samples import Npz
@@ -61,8 +61,7 @@ def sweep(f_min_hz: Positive, f_max_hz: float, *, rate_hz: float, duration_s: fl
     """
     within("sweep", np.nextafter(f_min_hz, np.inf), rate_hz / 2, f_max_hz=f_max_hz)  # above `f_min_hz`, never at it
     n = samples_in("sweep.duration_s", duration_s, rate_hz)
-    if n < 2:
-        raise InvalidParameter(f"sweep.duration_s: found {duration_s}, expected at least two samples")
+    expect(n >= 2, "sweep.duration_s", duration_s, "at least two samples")
     time_s = np.arange(n) / rate_hz
     growth_s = n / rate_hz / np.log(f_max_hz / f_min_hz)  # in which the frequency grows by e
     phase_rad = 2 * np.pi * f_min_hz * growth_s * np.expm1(time_s / growth_s)
@@ -130,8 +129,7 @@ def deconvolved(
     n_fft = int(next_fast_len(played.shape[-1] + recorded.shape[-1], real=True))
     spectrum = np.fft.rfft(played, n_fft)
     power = np.square(np.abs(spectrum))
-    if not power.any():
-        raise InvalidParameter("played: found zeros alone, expected an excitation")
+    expect(power.any(), "played", "zeros alone", "an excitation")
     inverse = np.conj(spectrum) / (power + regularisation * power.mean())
     return np.asarray(np.fft.irfft(np.fft.rfft(recorded, n_fft) * inverse, n_fft)[..., :n_samples])
 

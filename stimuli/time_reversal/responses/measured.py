@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import one_of, shaped, some, within
+from tactometry.arguments.require import expect, one_of, shaped, some, within
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.files.durable import LARGEST_BYTES, read_file
 from tactometry.files.hdf5 import as_npz
@@ -93,8 +93,7 @@ def aligned(responses: Responses, delay_s: Sequence[float]) -> Responses:
     delay_s : sequence of float
         One per channel: latency of the output and the trigger; what moves before time 0 is cut off.
     """
-    if len(delay_s) != responses.n_channels:
-        raise InvalidParameter(f"delay_s: found {len(delay_s)}, expected {responses.n_channels}, one per channel")
+    expect(len(delay_s) == responses.n_channels, "delay_s", len(delay_s), f"{responses.n_channels}, one per channel")
     n_fft = 2 * responses.n_samples
     frequency_hz = np.fft.rfftfreq(n_fft, 1 / responses.rate_hz)
     ramp = np.exp(2j * np.pi * frequency_hz * np.asarray(delay_s, float)[:, None])
@@ -162,8 +161,7 @@ def reciprocity_error(there: Vector, back: Vector) -> float:
     """Relative rms difference of the responses p -> q and q -> p, which physics makes equal."""
     shaped("reciprocity_error.back", back, np.shape(there))
     size = float(np.sqrt(np.mean(np.square(there)) * np.mean(np.square(back))))
-    if size == 0:
-        raise InvalidParameter("there, back: found zero everywhere, expected responses")
+    expect(size > 0, "there, back", "zero everywhere", "responses")
     return float(np.sqrt(np.mean(np.square(np.asarray(there) - back)) / size))
 
 

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from tactometry.arguments.annotations import Positive, Unbounded, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import between, positive_array
+from tactometry.arguments.require import between, expect, positive_array
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray, IndexArray
@@ -147,18 +147,15 @@ def _blocks(responses: FloatArray, rate_hz: float) -> tuple[FloatArray, float]:
     """(n, `N_BLOCKS`) mean energy of equal blocks up to the last sound, and their whole length in s."""
     loudest = np.abs(responses).max(axis=0)
     sounding = np.flatnonzero(loudest > FAINTEST * loudest.max(initial=0.0))
-    if not len(sounding):
-        raise InvalidParameter("response: found zero everywhere, expected an impulse response")
+    expect(len(sounding) > 0, "response", "zero everywhere", "an impulse response")
     size = (int(sounding[-1]) + 1) // N_BLOCKS
-    if size < 1:
-        raise InvalidParameter(f"response: found {sounding[-1] + 1} samples, expected at least {N_BLOCKS}")
+    expect(size >= 1, "response", f"{sounding[-1] + 1} samples", f"at least {N_BLOCKS}")
     cut = responses[:, : size * N_BLOCKS].reshape(-1, N_BLOCKS, size)
     return np.asarray(np.square(cut).mean(axis=2)), size * N_BLOCKS / rate_hz
 
 
 def _check_sounds(response: FloatArray) -> None:
-    if not np.any(response):
-        raise InvalidParameter("response: found zero everywhere, expected an impulse response")
+    expect(np.any(response), "response", "zero everywhere", "an impulse response")
 
 
 def _first(energy: FloatArray) -> int:
@@ -166,8 +163,7 @@ def _first(energy: FloatArray) -> int:
 
 
 def _clear_decay(energy: FloatArray) -> Decay:
-    if _first(energy) > N_BLOCKS // 2:
-        raise InvalidParameter("response: found its loudest part in the second half, expected a decay; learn longer")
+    expect(_first(energy) <= N_BLOCKS // 2, "response", "its loudest part in the second half", "a decay; learn longer")
     decay = decay_of(energy)
     if decay.fall_db < LEAST_FALL_DB:
         raise InvalidParameter(

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import one_of, whole
+from tactometry.arguments.require import expect, one_of, whole
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
@@ -141,8 +141,7 @@ def impulse_responses(
 def samples_in(name: str, duration_s: float, rate_hz: float) -> int:
     """Whole samples of a duration, at least 0."""
     check_sampling(rate_hz, 0)
-    if not (np.isfinite(duration_s) and duration_s >= 0):
-        raise InvalidParameter(f"{name}: found {duration_s}, expected a finite time, at least 0")
+    expect(np.isfinite(duration_s) and duration_s >= 0, name, duration_s, "a finite time, at least 0")
     if duration_s * rate_hz > MAX_SAMPLES:
         raise InvalidParameter(
             f"{name}: found {duration_s} s at {rate_hz} Hz, expected at most {MAX_SAMPLES:.0e} samples"
@@ -190,10 +189,8 @@ def values_at(screen: Screen, points: Sequence[Point], f_max_hz: float) -> Float
         If there is no point, or one is outside of the plate.
     """
     place = np.asarray(points, float)
-    if len(place) == 0:
-        raise InvalidParameter("points: found none, expected at least one")
-    if place.ndim != 2 or place.shape[1] != 2:
-        raise InvalidParameter(f"points: found shape {place.shape}, expected (n_points, 2), pairs (x_m, y_m)")
+    expect(len(place) != 0, "points", "none", "at least one")
+    expect(place.ndim == 2 and place.shape[1] == 2, "points", f"shape {place.shape}", "(n_points, 2), pairs (x_m, y_m)")
     for i, (x, y) in enumerate(place):
         screen.plate.check_holds(f"points[{i}]", (x, y))
     return values(screen.modes(f_max_hz), place[:, 0], place[:, 1])

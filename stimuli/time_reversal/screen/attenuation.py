@@ -7,7 +7,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import NotNegative, NotNegativeArray, Positive, Unbounded
 from tactometry.arguments.checked import checked
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from ...arrays import FloatArray
 
@@ -37,8 +37,7 @@ class Attenuation:
     reference_hz: Positive = 10e3
 
     def __post_init__(self) -> None:
-        if not self.tau_s > 0:
-            raise InvalidParameter(f"Attenuation.tau_s: found {self.tau_s}, expected a time above 0, or inf")
+        expect(self.tau_s > 0, "Attenuation.tau_s", self.tau_s, "a time above 0, or inf")
 
     @property
     def t60_s(self) -> float:

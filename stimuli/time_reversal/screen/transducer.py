@@ -9,7 +9,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import some, whole
+from tactometry.arguments.require import expect, some, whole
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
@@ -169,8 +169,7 @@ def border(
     """
     whole("border", lowest=1, highest=MAX_TRANSDUCERS, n_transducers=n_transducers)
     a, b = plate.length_m - 2 * inset_m, plate.width_m - 2 * inset_m
-    if min(a, b) <= 0 or side_m > 2 * inset_m:
-        raise InvalidParameter(f"inset_m: found {inset_m}, expected room for patches of {side_m} m on the plate")
+    expect(min(a, b) > 0 and side_m <= 2 * inset_m, "inset_m", inset_m, f"room for patches of {side_m} m on the plate")
     along = (np.arange(n_transducers) + 0.5) / n_transducers * 2 * (a + b)
     corners = np.array([0, a, a + b, 2 * a + b, 2 * (a + b)])
     x = inset_m + np.interp(along, corners, [0, a, a, 0, 0])

@@ -9,6 +9,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import NotNegative, Positive, Vector
 from tactometry.arguments.checked import checked
+from tactometry.arguments.require import expect
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
@@ -235,8 +236,7 @@ def felt_amplitude_m(times_s: Vector, peaks_m: Vector) -> float:
     3e-06
     """
     times, peaks = np.asarray(times_s, float), np.asarray(peaks_m, float)
-    if len(times) != len(peaks):
-        raise InvalidParameter(f"peaks_m: found {len(peaks)}, expected {len(times)}, one per time")
+    expect(len(times) == len(peaks), "peaks_m", len(peaks), f"{len(times)}, one per time")
     return summed_amplitude(times, peaks)
 
 
