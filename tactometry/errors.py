@@ -2,7 +2,7 @@
 
 import difflib
 import re
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from typing import Final
 
@@ -121,6 +121,28 @@ def reason(error: Exception) -> str:
     ('no such rate', 'No such file or directory')
     """
     return getattr(error, "strerror", None) or " ".join(str(error).split())
+
+
+@contextmanager
+def rewording(tell: Callable[[str], str]) -> Iterator[None]:
+    """A refusal in the words of whoever asked: what `tell` makes of the sentence.
+
+    Raises
+    ------
+    InvalidParameter
+        If the body raises an error that a person can mend.
+
+    Examples
+    --------
+    >>> with rewording(lambda words: f"procedure.{words}"):
+    ...     raise LimitExceeded("level: found 90, expected at most 40")
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: procedure.level: found 90, expected at most 40
+    """
+    try:
+        yield
+    except TactometryError as error:
+        raise InvalidParameter(tell(str(error))) from None
 
 
 def nearest(found: str, names: Iterable[str]) -> str:

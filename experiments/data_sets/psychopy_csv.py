@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 from tactometry.files.safe_text import cell_text
 
-from .source import ExportedDataSet, Row, delimited_text
+from .source import ExportedDataSet, delimited_text
 
 RENAMED = {
     "study": "expName",
@@ -33,12 +33,9 @@ def psychopy_files(source: ExportedDataSet) -> dict[str, bytes]:
     files = {"columns.toml": _column_map(ordered, source.factors).encode()}
     for participant, session, rows in source.sessions():
         study = source.text("study") or "study"
-        files[f"data/{participant}_{study}_session-{session}.csv"] = delimited_text(header, _body(rows, ordered), ",")
+        body = [[_cell(name, row.get(name, "")) for name in ordered] for row in rows]
+        files[f"data/{participant}_{study}_session-{session}.csv"] = delimited_text(header, body, ",")
     return files
-
-
-def _body(rows: Sequence[Row], names: Sequence[str]) -> list[list[str]]:
-    return [[_cell(name, row.get(name, "")) for name in names] for row in rows]
 
 
 def _cell(name: str, text: str) -> str:

@@ -12,23 +12,12 @@ from tactometry.analysis.tasks.kinds import ANALYSES
 from tactometry.analysis.tasks.task_analysis import R_OF_FORM
 from tactometry.files.safe_text import cell_text
 from tactometry.questionnaire import Questionnaire
+from tactometry.trials.columns import ALWAYS, FIRST, OPTIONAL
+from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
 
 from .source import ExportedDataSet, delimited_text
 
-TEXT = (
-    "participant",
-    "study",
-    "procedure",
-    "level_unit",
-    "task",
-    "timestamp_utc",
-    "track",
-    "item",
-    "item_b",
-    "response",
-    "rig",
-    "invalid_reason",
-)
+TEXT = {column.name for column in (*FIRST, *ALWAYS, *OPTIONAL)}.difference(NUMBERS, COUNTS, FLAGS)
 MOST_CATEGORIES = 15
 """A scale of more answers is taken as a continuous one."""
 SCRIPT = """# Reads trials.csv with its types. Written by tactometry export --to r.
@@ -114,9 +103,8 @@ def _models(source: ExportedDataSet) -> Iterator[str]:
     for task in source.tasks():
         rows = source.used[(source.used["task"] == task) & ~scored]
         if len(rows):
-            data = (
-                "used" if source.tasks() == [task] and not scored.any() else f"subset(used, task == {r_string(task)})"
-            )
+            is_alone = source.tasks() == [task] and not scored.any()
+            data = "used" if is_alone else f"subset(used, task == {r_string(task)})"
             yield _fill_model(ANALYSES[task].r_model, rows, source, data)
     for form in source.forms.values():
         rows = source.used[scored & (source.used["procedure"] == form.name)]

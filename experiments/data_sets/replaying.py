@@ -1,12 +1,11 @@
 """Recorded answers fed back into the protocol that asked for them, and files written anew from them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from tactometry.errors import Diverged, InvalidFile
 from tactometry.files.durable import read_file
 from tactometry.provenance import sha256
-from tactometry.records.agreement import REBUILD, disagreement
 from tactometry.records.data_set import sessions
 from tactometry.records.head import Head
 from tactometry.records.journal import read
@@ -16,7 +15,7 @@ from tactometry.session.run import replay
 
 from ..study.experiment import Experiment, wire
 from ..study.study_file import parse
-from .session_files import OTHER_STUDY, derived_csv, has_rows, name_defect, session_of, trials_file
+from .session_files import OTHER_STUDY, has_rows, name_defect, session_of, trials_defects, trials_file
 
 
 @dataclass(frozen=True)
@@ -82,7 +81,7 @@ def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes
     head = recording.head
     trials = trials_file(root, journal)
     if head is None:
-        if has_rows(trials):
+        if has_rows(root, journal):
             raise Diverged(f"{trials}, row 2: found a trial, but the journal holds none; restore {journal.name}")
         return Replayed(journal.name, 0, complete=False)
     _check_name(journal, head)
@@ -90,12 +89,8 @@ def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes
         raise Diverged(f"{journal}, line 1: {OTHER_STUDY}")
     course = experiment.course(head.participant, head.session, head.number, head.seed)
     replay(course, recording.replay(str(journal)), complete=recording.complete)
-    if not trials.exists():
-        raise Diverged(f"{trials}: found no such file, expected the trials of the journal; {REBUILD}")
-    differs = disagreement(read_file(trials, "a trials file"), derived_csv(recording, experiment))
-    if differs is not None:
-        row, how = differs
-        raise Diverged(f"{trials}, row {row}: {how}")
+    for defect in trials_defects(root, journal, recording, experiment):
+        raise Diverged(str(replace(defect, file=str(trials))))
     return Replayed(journal.name, len(recording.trials), recording.complete, tuple(changes(recording.sittings)))
 
 

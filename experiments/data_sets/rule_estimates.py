@@ -40,13 +40,13 @@ class _Replay:
         names = [str(name) for name in dict.fromkeys(block["track"])]
         ready = self._rule(block)
         if ready is None:
-            return dict.fromkeys(names, _absent("these are not trials of the study.toml beside the table"))
+            return dict.fromkeys(names, RuleEstimate(note="these are not trials of the study.toml beside the table"))
         if ready.rule.unreplayed:
-            return dict.fromkeys(names, _absent(ready.rule.unreplayed))
+            return dict.fromkeys(names, RuleEstimate(note=ready.rule.unreplayed))
         try:
             procedures = _procedures_after(ready, block, names)
         except InvalidParameter as refusal:
-            return dict.fromkeys(names, _absent(f"the rule of study.toml refuses these answers ({refusal})"))
+            return dict.fromkeys(names, RuleEstimate(note=f"the rule of study.toml refuses these answers ({refusal})"))
         estimates = (procedure.estimate for procedure in procedures)
         return {name: RuleEstimate(of.level, of.sd, of.n, of.note) for name, of in zip(names, estimates, strict=True)}
 
@@ -61,10 +61,6 @@ class _Replay:
             factors[name] = known[0]
         ready = self.wiring.procedure(tables(study, factors)["procedure"])
         return ready if set(block["procedure"]) == {ready.rule.name} else None
-
-
-def _absent(why: str) -> RuleEstimate:
-    return RuleEstimate(note=why)
 
 
 def _text(value: Any) -> str:

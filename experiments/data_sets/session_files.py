@@ -1,12 +1,20 @@
-"""The files of a session beside its journal: where they are, what they hold, and whose they must be."""
+"""The files of a session beside its journal: where they are, what they hold, whose they must be, and whether they still
+say what the journal holds: somebody may have edited them, or a crash cut them."""
 
+import json
 import os
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
+from tactometry.errors import TactometryError, counted
 from tactometry.files.durable import read_file
+from tactometry.records.agreement import REBUILD, disagreement
 from tactometry.records.data_set import Session, trials_csv
 from tactometry.records.head import Head, columns_in
-from tactometry.records.journal import Recording
+from tactometry.records.journal import Recording, read
+from tactometry.trials.columns import Column
+from tactometry.trials.row_rules import Defect
 
 from ..study.experiment import Experiment
 
@@ -49,13 +57,77 @@ def n_rows(content: bytes) -> int:
     return max(sum(bool(line.strip()) for line in content.split(b"\n")) - 1, 0)
 
 
-def has_rows(path: Path) -> bool:
-    """Whether there is a trials file that holds rows."""
+def json_table(path: Path) -> Mapping[str, Any]:
+    """A JSON file that holds an object; empty if it does not."""
+    try:
+        content = json.loads(path.read_bytes())
+    except (OSError, ValueError, RecursionError):
+        return {}
+    return content if isinstance(content, dict) else {}
+
+
+def has_rows(root: Path, journal: Path) -> bool:
+    """Whether the trials file of a journal is there and holds rows."""
+    path = trials_file(root, journal)
     return os.path.lexists(path) and n_rows(read_file(path, "a trials file")) > 0
 
 
-def derived_csv(recording: Recording, experiment: Experiment) -> bytes:
-    """The trials file that a journal stands for."""
+def derived_defects(file: Path, name: str, what: str, rows: str, expected: bytes) -> Iterator[Defect]:
+    """Whether a file, `what` with `rows`, is what its journal says."""
+    if not os.path.lexists(file):
+        yield Defect(name, None, f"found no such file, expected the {rows} of the journal; {REBUILD}")
+        return
+    differs = disagreement(read_file(file, what), expected)
+    if differs is not None:
+        yield Defect(name, *differs)
+
+
+def trials_defects(root: Path, journal: Path, recording: Recording, experiment: Experiment) -> Iterator[Defect]:
+    """Whether the trials file of a journal that has begun is what it says."""
     assert recording.head is not None
+    file = trials_file(root, journal)
     columns = columns_in(experiment.design(b"").columns, recording.head.format)
-    return trials_csv(recording.trials, session_of(recording.head), recording.head.rig, columns)
+    expected = trials_csv(recording.trials, session_of(recording.head), recording.head.rig, columns)
+    yield from derived_defects(file, f"data/{file.name}", "a trials file", "trials", expected)
+
+
+def edit_warnings(path: Path) -> list[str]:
+    """A warning if trials files of a data set, or the one that `path` is, differ from the journals beside them.
+
+    Empty where there is no journal. What cannot be compared is told too.
+    """
+    root = path if path.is_dir() else path.parent.parent
+    files = sorted(path.glob("data/*_data.csv")) if path.is_dir() else [path]
+    journals = {file: root / "journals" / f"{file.stem.removesuffix('_data')}.jsonl" for file in files}
+    known = [file for file in files if journals[file].is_file()]
+    texts = [text for file in known if (text := _difference(file, journals[file])) is not None]
+    if not texts:
+        return []
+    differ = "differs from its journal" if len(texts) == 1 else "differ from their journals"
+    return [
+        f"{len(texts)} of {counted(len(known), 'trials file')} {differ}, and what stands in the table is analysed: "
+        f"{texts[0]}{'; tactometry validate names all' if len(texts) > 1 else ''}"
+    ]
+
+
+def _difference(file: Path, journal: Path) -> str | None:
+    """How a trials file differs from its journal."""
+    content = read_file(file, "a trials file")
+    names = header_of(content)
+    try:
+        recording = read(journal)
+    except TactometryError as damage:
+        return f"{file.name}: {damage}"
+    head = recording.head
+    if head is None:
+        return None if content.count(b"\n") < 2 else f"{file.name}: holds trials, and its journal none"
+    described = list(json_table(file.with_suffix(".json")))
+    if described and names != described:
+        return f"{file.name}, row 1: found other columns than {file.with_suffix('.json').name} describes"
+    columns = [Column(name, "") for name in described or names]
+    try:
+        expected = trials_csv(recording.trials, session_of(head), head.rig, columns)
+    except KeyError as unknown:
+        return f"{file.name}, row 1: found the column {unknown}, which the journal does not hold"
+    differs = disagreement(content, expected)
+    return None if differs is None else f"{file.name}, row {differs[0]}: {differs[1]}"

@@ -19,9 +19,12 @@ from tactometry.errors import InvalidFile, InvalidParameter, counted
 from tactometry.files.durable import make_folder, write_atomically
 from tactometry.files.safe_text import cell_text
 from tactometry.questionnaire import Questionnaire
+from tactometry.records.description import NAME
 from tactometry.trials.columns import ALWAYS, FIRST, OPTIONAL, Column
 from tactometry.trials.row_rules import RULES
 from tactometry.trials.tasks import FORM_TASK
+
+from .session_files import json_table
 
 Row = Mapping[str, str]
 
@@ -99,7 +102,7 @@ def read_source(path: Path) -> ExportedDataSet:
         _check_study(table, file)
     fullest = max(tables, key=lambda table: table.shape[1])  # older sessions lack the columns that came later
     names = [str(name) for name in fullest.columns if name != "row"]
-    description = _description(path)
+    description = json_table(path / NAME)
     title = str(description.get("name") or path.stem)
     return ExportedDataSet(
         rows=tuple(row for table in tables for row in _rows(table, names)),
@@ -135,17 +138,6 @@ def _forms(trials: Trials) -> dict[str, Questionnaire]:
     return {name: form for name, form in sorted(forms_of(trials.path).items()) if name in asked}
 
 
-def _description(path: Path) -> Mapping[str, object]:
-    file = path / "dataset_description.json"
-    if not file.is_file():
-        return {}
-    try:
-        content = json.loads(file.read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return {}
-    return content if isinstance(content, dict) else {}
-
-
 def _column(name: str, description: Mapping[str, object]) -> Column:
     known = {column.name: column for column in (*FIRST, *ALWAYS, *OPTIONAL)}
     if name in known:
@@ -170,13 +162,10 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> list[Path]:
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InvalidParameter(f"--out: found that {folder} holds something, expected a new or an empty folder")
-    written = []
-    for name, content in sorted(files.items()):
-        path = folder / name
-        make_folder(path.parent)
-        write_atomically(path, content)
-        written.append(path)
-    return written
+    for name, content in files.items():
+        make_folder((folder / name).parent)
+        write_atomically(folder / name, content)
+    return [folder / name for name in sorted(files)]
 
 
 def delimited_text(header: Sequence[str], rows: Sequence[Sequence[str]], separator: str) -> bytes:

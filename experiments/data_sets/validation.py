@@ -14,7 +14,7 @@ from pathlib import Path
 from tactometry.errors import InvalidFile, TactometryError
 from tactometry.files.durable import drafts, files_in, read_file
 from tactometry.provenance import sha256
-from tactometry.records.agreement import REBUILD, disagreement
+from tactometry.records.agreement import REBUILD
 from tactometry.records.data_set import keys_of, participants, sessions
 from tactometry.records.description import NAME, SIMULATED
 from tactometry.records.head import ADDED, columns_in
@@ -26,7 +26,7 @@ from tactometry.trials.trial import tally
 
 from ..study.experiment import Experiment, wire
 from ..study.study_file import parse
-from .session_files import OTHER_STUDY, derived_csv, has_rows, header_of, n_rows, name_defect, trials_file
+from .session_files import OTHER_STUDY, derived_defects, has_rows, header_of, n_rows, name_defect, trials_defects
 
 CSV_NAME = re.compile(r"[a-z]+-[a-zA-Z0-9]+(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 
@@ -225,39 +225,23 @@ def _session(root: Path, journal: Path, experiment: Experiment | None, notes: li
     if sha256(read_file(root / "study.toml", "the study that ran")) != head.study_sha256:
         yield Defect(name, 1, OTHER_STUDY)
     else:
-        yield from _agreement(root, journal, recording, experiment)
+        yield from trials_defects(root, journal, recording, experiment)
         yield from _events(journal, recording)
 
 
 def _not_begun(root: Path, journal: Path, notes: list[str]) -> Iterator[Defect]:
-    if has_rows(trials_file(root, journal)):
+    if has_rows(root, journal):
         yield Defect(f"journals/{journal.name}", None, "found no trial, expected those of the trials file")
     else:
         notes.append(f"journals/{journal.name}: the session has not begun; start it with --resume")
-
-
-def _agreement(root: Path, journal: Path, recording: Recording, experiment: Experiment) -> Iterator[Defect]:
-    """Whether the trials file is what the journal says."""
-    file = trials_file(root, journal)
-    if not os.path.lexists(file):
-        yield Defect(f"data/{file.name}", None, f"found no such file, expected the trials of the journal; {REBUILD}")
-        return
-    differs = disagreement(read_file(file, "a trials file"), derived_csv(recording, experiment))
-    if differs is not None:
-        yield Defect(f"data/{file.name}", *differs)
 
 
 def _events(journal: Path, recording: Recording) -> Iterator[Defect]:
     """Whether the events file is what the journal says."""
     file = journal.with_name(f"{journal.stem}_events.tsv")
     name = f"journals/{file.name}"
-    if not os.path.lexists(file):
-        if recording.event_rows:
-            yield Defect(name, None, f"found no such file, expected the events of the journal; {REBUILD}")
-        return
-    expected = events_tsv(recording.event_rows, columns_in(COLUMNS, recording.format))
-    differs = disagreement(read_file(file, "an events file"), expected)
-    if differs is not None:
-        yield Defect(name, *differs)
-    if not file.with_suffix(".json").is_file():
+    if os.path.lexists(file) or recording.event_rows:
+        expected = events_tsv(recording.event_rows, columns_in(COLUMNS, recording.format))
+        yield from derived_defects(file, name, "an events file", "events", expected)
+    if os.path.lexists(file) and not file.with_suffix(".json").is_file():
         yield Defect(name, None, f"found no description of its columns beside it, expected a JSON file; {REBUILD}")

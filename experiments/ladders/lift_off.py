@@ -6,11 +6,9 @@ from functools import partial
 
 import numpy as np
 
-from tactometry.stimuli.time_reversal import Fingertip, PointForce, Screen
+from tactometry.stimuli.time_reversal import A4_SCREEN, Attenuation, Fingertip, PointForce, Screen
 from tactometry.stimuli.time_reversal.lift_off import one_sided_contact
-from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses, values_at
-from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 
 from ..cost.problem import Problem, Real, Reference, Rung, over_largest
 

@@ -8,7 +8,7 @@ from tactometry.arguments.require import expect
 from tactometry.errors import DeviceFailed
 from tactometry.records.head import LARGEST_SEED
 
-from ..study.experiment import wire
+from ..study.experiment import Experiment, wire
 from ..study.rehearsal import flaw
 from ..study.session_plan import all_sessions
 from ..study.study_file import parse
@@ -45,18 +45,13 @@ class Simulation:
             for session in range(1, len(all_sessions(study, None, n, self.seed)) + 1)
         ]
 
+    def experiment(self) -> Experiment:
+        return wire(parse(self.study_toml, self.where), self.where)
 
-def simulate_one(simulation: Simulation, who: Who) -> Recorded:
-    """One session of one simulated participant."""
-    experiment = wire(parse(simulation.study_toml, simulation.where), simulation.where)
-    return record(
-        experiment,
-        simulation.study_toml,
-        simulation.root,
-        who,
-        simulated(experiment, who),
-        resume=simulation.resume,
-    )
+    def record(self, who: Who) -> Recorded:
+        """One session of one simulated participant."""
+        experiment = self.experiment()
+        return record(experiment, self.study_toml, self.root, who, simulated(experiment, who), resume=self.resume)
 
 
 def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None = None) -> Iterator[Recorded]:
@@ -65,11 +60,11 @@ def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None =
     The result does not depend on where it is computed.
     """
     # Once and here: a study that is refused starts no process and no session.
-    flaw(wire(parse(simulation.study_toml, simulation.where), simulation.where), simulation.root)
+    flaw(simulation.experiment(), simulation.root)
     if scheduler is not None:
         yield from _on_cluster(simulation, scheduler)
     elif n_jobs == 1:
-        yield from (simulate_one(simulation, who) for who in simulation.sessions())
+        yield from map(simulation.record, simulation.sessions())
     else:
         yield from _parallel(simulation, n_jobs)
 
@@ -77,7 +72,7 @@ def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None =
 def _parallel(simulation: Simulation, n_jobs: int) -> Iterator[Recorded]:
     import joblib
 
-    calls = (joblib.delayed(simulate_one)(simulation, who) for who in simulation.sessions())
+    calls = map(joblib.delayed(simulation.record), simulation.sessions())
     yield from joblib.Parallel(n_jobs=n_jobs, return_as="generator")(calls)
 
 

@@ -1,20 +1,18 @@
 """From the numbers of a study to stimuli, sessions and simulated participants."""
 
 from collections.abc import Iterator, Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from math import comb
 from operator import itemgetter
 
-import numpy as np
-
 from tactometry.arguments.require import at_most, expect
 from tactometry.config.quantity import unit_suffix, units
-from tactometry.errors import InvalidParameter, TactometryError
+from tactometry.errors import rewording
 from tactometry.observers.kinds import Population, population_of
 from tactometry.observers.observer import Observer
-from tactometry.protocols.procedures.practice import Practice
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
-from tactometry.protocols.session import Part, session
+from tactometry.protocols.session import session
 from tactometry.protocols.tasks.task import AsksForm, Task
 from tactometry.protocols.track import Condition, Track
 from tactometry.questionnaire import Questionnaire, questionnaires_of
@@ -30,7 +28,7 @@ from tactometry.trials.tasks import TASKS
 from .cells import WiredCell, Wiring
 from .procedure_table import practice_of
 from .random_streams import stream
-from .session_plan import Key, SessionBuilder, all_cells, crossing_of, key_of, session_cells
+from .session_plan import Key, SessionPlan, all_cells, crossing_of, key_of
 from .study_file import Study
 from .task_table import DECISIONS, TaskTable, form_of, task_of
 
@@ -53,14 +51,9 @@ class Strongest:
 
 
 @dataclass(frozen=True)
-class Experiment:
+class Experiment(SessionPlan):
     """A study that is wired: every table built once, every cell's stimulus named, every level within the limits."""
 
-    study: Study
-    table: TaskTable
-    cells: Mapping[Key, WiredCell]
-    practice: Practice | None
-    forms: Mapping[str, Questionnaire]
     people: Population
 
     @property
@@ -101,11 +94,6 @@ class Experiment:
             yield "practice", self.practice.bounds[1]
         for key in self.table.task_kind.own_levels:
             yield f"task.{key}", getattr(self.task, key)
-
-    def parts(self, number: int, rng: np.random.Generator, n_session: int = 1, seed: int = 0) -> tuple[Part, ...]:
-        """The parts of a session of the participant with this number, in order; `rng` shuffles within blocks."""
-        factors = session_cells(self.study, self.table.over, number, n_session, seed)
-        return SessionBuilder(self.study, self.table, self.cells, self.practice, self.forms, rng).parts(factors)
 
     def course(self, participant: str, n_session: int, number: int, seed: int) -> Course[tuple[Track, ...]]:
         """The protocol of one session: a pure function of its arguments."""
@@ -170,16 +158,14 @@ def wire(study: Study, where: str) -> Experiment:
     InvalidParameter
         If a table holds what its kind does not know, or a level would pass a limit; `where` opens the sentence.
     """
-    try:
+    with rewording(lambda words: f"{where}, {words}"):
         experiment = _build(study)
         _check_forces(experiment)
         for strongest in experiment.strongest():
             _check_signal(study.limits, strongest)
         for cell in experiment.cells.values():
             experiment.table.task_kind.check_levels(experiment.task, *cell.procedure.rule.bounds)
-    except TactometryError as error:
-        raise InvalidParameter(f"{where}, {error}") from None
-    return experiment
+        return experiment
 
 
 def _build(study: Study) -> Experiment:
@@ -215,12 +201,8 @@ def _check_forces(experiment: Experiment) -> None:
         request = condition.touch.request(condition.stimulus, None, None)
         if isinstance(request, Play):
             continue
-        try:
+        with _within_limits(f"touch.force_n: found {request.target_n:g} N"):
             experiment.study.limits.check_force(request.target_n, request.tolerance)
-        except TactometryError as error:
-            raise InvalidParameter(
-                f"touch.force_n: found {request.target_n:g} N, expected one within the limits ({error})"
-            ) from None
 
 
 def _check_signal(limits: Limits, strongest: Strongest) -> None:
@@ -231,9 +213,9 @@ def _check_signal(limits: Limits, strongest: Strongest) -> None:
     expect(duration_s <= limits.longest_s, "stimulus.duration_s", f"{duration_s:g} s", longest)
     n_samples = duration_s * getattr(stimulus, "rate_hz", 0.0)
     at_most("stimulus.duration_s times the rate, in samples", n_samples, MOST_SAMPLES)
-    try:
+    with _within_limits(f"{strongest.where}: found the highest level {strongest.level:g}"):
         limits.check(strongest.signal)
-    except TactometryError as error:
-        raise InvalidParameter(
-            f"{strongest.where}: found the highest level {strongest.level:g}, expected one within the limits ({error})"
-        ) from None
+
+
+def _within_limits(finding: str) -> AbstractContextManager[None]:
+    return rewording(lambda words: f"{finding}, expected one within the limits ({words})")

@@ -18,11 +18,7 @@ from tactometry.protocols.procedures.practice import Practice
 from tactometry.questionnaire import Dimension, Item, Questionnaire
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
-from tactometry.stimuli.electrovibration.attraction.polarity import Polarity
-from tactometry.stimuli.electrovibration.motion.coulomb_friction import CoulombFriction
-from tactometry.stimuli.electrovibration.motion.friction_lag import FrictionLag
-from tactometry.stimuli.electrovibration.skin.skin import Skin
-from tactometry.stimuli.electrovibration.skin.stack import Layer
+from tactometry.stimuli.electrovibration import CoulombFriction, FrictionLag, Layer, Polarity, Skin
 from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 

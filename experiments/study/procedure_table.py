@@ -6,17 +6,12 @@ from typing import Any, Final
 
 import numpy as np
 
+from tactometry import protocols
 from tactometry.arguments.require import expect
 from tactometry.config.strict import build, kind_of
-from tactometry.errors import InvalidParameter
-from tactometry.protocols.bayesian.quest import Quest
-from tactometry.protocols.bayesian.settings import PsiSettings, QuestPlusSettings
-from tactometry.protocols.procedures.constant_stimuli import ConstantStimuli
-from tactometry.protocols.procedures.method_of_limits import MethodOfLimits
+from tactometry.errors import rewording
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.protocols.procedures.procedure import Procedure, Rule
-from tactometry.protocols.procedures.staircase import Staircase
-from tactometry.protocols.procedures.weighted_staircase import WeightedStaircase
 
 
 @dataclass(frozen=True)
@@ -32,23 +27,23 @@ class ProcedureKind:
 
 _LEVELS: Final = {"low": 0.0, "high": 40.0}
 PROCEDURES: Mapping[str, ProcedureKind] = {
-    "staircase": ProcedureKind(Staircase, {"start": 20.0, "steps": [4.0], **_LEVELS}),
+    "staircase": ProcedureKind(protocols.Staircase, {"start": 20.0, "steps": [4.0], **_LEVELS}),
     "weighted_staircase": ProcedureKind(
-        WeightedStaircase, {"start": 20.0, "steps_up": [4.0], "steps_down": [2.0], **_LEVELS}
+        protocols.WeightedStaircase, {"start": 20.0, "steps_up": [4.0], "steps_down": [2.0], **_LEVELS}
     ),
-    "constant_stimuli": ProcedureKind(ConstantStimuli, {"levels": [1.0], "repeats": 1}),
-    "method_of_limits": ProcedureKind(MethodOfLimits, {"step": 2.0, **_LEVELS}),
-    "quest": ProcedureKind(Quest, {"start": 20.0, "start_sd": 5.0, "step": 1.0, **_LEVELS}),
+    "constant_stimuli": ProcedureKind(protocols.ConstantStimuli, {"levels": [1.0], "repeats": 1}),
+    "method_of_limits": ProcedureKind(protocols.MethodOfLimits, {"step": 2.0, **_LEVELS}),
+    "quest": ProcedureKind(protocols.Quest, {"start": 20.0, "start_sd": 5.0, "step": 1.0, **_LEVELS}),
     "quest_plus": ProcedureKind(
-        QuestPlusSettings,
+        protocols.QuestPlusSettings,
         {"n_levels": 41, "width_low": 4.0, "width_high": 24.0, **_LEVELS},
-        QuestPlusSettings.procedure,
+        protocols.QuestPlusSettings.procedure,
         can_be_shared=True,
     ),
     "psi": ProcedureKind(
-        PsiSettings,
+        protocols.PsiSettings,
         {"n_levels": 41, "sd_low": 1.0, "sd_high": 8.0, **_LEVELS},
-        PsiSettings.procedure,
+        protocols.PsiSettings.procedure,
         can_be_shared=True,
     ),
 }
@@ -84,10 +79,8 @@ def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
     """
     kind: ProcedureKind = kind_of(table, "procedure", PROCEDURES)
     built: Any = build(kind.table, without(table, "kind", "shared"), "procedure")
-    try:  # some tables make a rule that refuses more than they do themselves
-        rule = kind.rule(built)
-    except InvalidParameter as error:
-        raise InvalidParameter(f"procedure: {error}") from None
+    with rewording(lambda words: f"procedure: {words}"):
+        rule = kind.rule(built)  # some tables make a rule that refuses more than they do themselves
     shared = table.get("shared", False)
     able = " or ".join(name for name, other in PROCEDURES.items() if other.can_be_shared)
     can_be = shared is False or (shared is True and kind.can_be_shared)

@@ -6,7 +6,7 @@ from math import prod
 from pathlib import Path
 
 from tactometry.arguments.require import expect
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.errors import InvalidParameter, nearest, rewording
 from tactometry.protocols.session import pages
 from tactometry.rigs.texts import Texts, texts_in
 from tactometry.session.request import Show
@@ -71,10 +71,8 @@ def _pages(experiment: Experiment) -> Iterator[Show]:
 
 
 def _fill(texts: Texts, shown: Show | str) -> None:
-    try:
+    with rewording(lambda words: f"texts: {words}"):
         texts.page(shown) if isinstance(shown, Show) else texts.message(shown)
-    except InvalidParameter as error:
-        raise InvalidParameter(f"texts: {error}") from None
 
 
 def rehearse_forms(experiment: Experiment, language: str) -> None:

@@ -10,7 +10,7 @@ from typing import Any, Final
 from tactometry.arguments.require import expect
 from tactometry.config.strict import build, build_kind
 from tactometry.contact import Contact
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.errors import nearest, rewording
 from tactometry.protocols.tasks.touch import Sliding, Touch
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import Effect, FingerContact
@@ -87,14 +87,12 @@ def felt_scene(table: Mapping[str, Any], kind: str, stimulus: Any, touch: Touch)
     assert isinstance(touch, Sliding)
     phase_rad = getattr(stimulus, "phase_rad", 0.0)
     expect(phase_rad == 0, "stimulus.phase_rad", f"{phase_rad:g}", "0: a scene plays a tone that begins at 0")
-    try:
+    with rewording(_in_study):
         contacts = (FingerContact(touch.force_n, touch.speed_m_per_s),)
         panel = build_kind({**surface, **tone}, "surface", SURFACES)
         scene = Scene(panel, (*effects, *played), (SENSATION,), read.accuracy, contacts)
         scene.felt(Contact(touch.force_n, touch.speed_m_per_s)).resolve()
-    except InvalidParameter as error:
-        raise InvalidParameter(_in_study(str(error))) from None
-    return FeltScene(scene)
+        return FeltScene(scene)
 
 
 def _stated(read: SceneTable) -> tuple[dict[str, Any], tuple[Effect, ...]]:
@@ -114,12 +112,8 @@ def _named(name: str) -> tuple[dict[str, Any], tuple[Effect, ...]]:
     """Surface and effects of a built-in scene, but for what a stimulus plays."""
     scene = load_scene(path_of(name)).scene
     kind = scene.surface.kind
-    expect(
-        kind == KIND,
-        "scene.name",
-        f"{name!r}, a scene on {kind!r}",
-        f"one on {KIND!r}, such as 'electrovibration-panel'",
-    )
+    expected = f"one on {KIND!r}, such as 'electrovibration-panel'"
+    expect(kind == KIND, "scene.name", f"{name!r}, a scene on {kind!r}", expected)
     return {"kind": kind, **vars(scene.surface)}, tuple(effect for effect in scene.effects if not _plays(effect))
 
 

@@ -7,12 +7,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactometry.arguments.require import expect
-from tactometry.protocols.block import Block
+from tactometry.protocols import Block, Condition, Track
 from tactometry.protocols.order import Crossing, combinations
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.protocols.session import Inquiry, Part
 from tactometry.protocols.tasks.task import Alternative
-from tactometry.protocols.track import Condition, Track
 from tactometry.questionnaire import Questionnaire
 from tactometry.trials.cells import cell as cell_text
 
@@ -80,8 +79,8 @@ def all_sessions(study: Study, over: str | None, number: int, seed: int) -> list
 
 
 @dataclass(frozen=True)
-class SessionBuilder:
-    """Puts the parts of a session in their order, from what was built once for all sessions of a study.
+class SessionPlan:
+    """What the sessions of a study are put together from, built once for all of them.
 
     Parameters
     ----------
@@ -93,8 +92,6 @@ class SessionBuilder:
         The rule of the practice before the first block.
     forms : mapping of str to Questionnaire
         Those of the inquiries, by the name of the inquiry.
-    rng : Generator
-        Shuffles within blocks.
     """
 
     study: Study
@@ -102,18 +99,15 @@ class SessionBuilder:
     cells: Mapping[Key, WiredCell]
     practice: Practice | None
     forms: Mapping[str, Questionnaire]
-    rng: np.random.Generator
 
-    def parts(self, factors: Sequence[Factors]) -> tuple[Part, ...]:
-        """Practice, the blocks in their order, and the questionnaires between and after them."""
-        groups = itertools.groupby(factors, self._slow)
-        blocks = [self._block(list(group)) for _, group in groups]
+    def parts(self, number: int, rng: np.random.Generator, n_session: int = 1, seed: int = 0) -> tuple[Part, ...]:
+        """The parts of a session of the participant with this number, in order: practice, the blocks, and the
+        questionnaires between and after them; `rng` shuffles within blocks."""
+        factors = session_cells(self.study, self.table.over, number, n_session, seed)
+        blocks = [self._block(list(group), rng) for _, group in itertools.groupby(factors, self._slow)]
         practice = self._practice(blocks[0])
-        between = itertools.chain.from_iterable(self._with_inquiries(block) for block in blocks)
+        between = (part for block in blocks for part in (block, *self._inquiries("block", block.factors)))
         return (*practice, *between, *self._inquiries("session", {}))
-
-    def _with_inquiries(self, block: Block) -> tuple[Part, ...]:
-        return (block, *self._inquiries("block", block.factors))
 
     def _slow(self, factors: Factors) -> list[float | str]:
         return [level for name, level in factors.items() if name not in self.study.plan.interleave]
@@ -132,10 +126,10 @@ class SessionBuilder:
         options = replace(first.options, feedback=True, rest_after=None)
         return [replace(first, tracks=(track,), options=options, practice=True)]
 
-    def _block(self, group: Sequence[Factors]) -> Block:
+    def _block(self, group: Sequence[Factors], rng: np.random.Generator) -> Block:
         """A block of cells that are interleaved; the first one's procedure is dealt out to all tracks."""
         conditions = dict(named for factors in group for named in self._conditions(factors))
-        procedures = self._cell(group[0]).procedure.for_tracks(list(conditions), self.rng)
+        procedures = self._cell(group[0]).procedure.for_tracks(list(conditions), rng)
         tracks = [
             Track(condition, procedure, name if len(conditions) > 1 else None)
             for (name, condition), procedure in zip(conditions.items(), procedures, strict=True)

@@ -11,7 +11,7 @@ from tactometry.arguments.require import expect, first_repeat, given, one_of, po
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build
 from tactometry.config.toml import LARGEST_FILE, errors_in, table_of
-from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.errors import InvalidFile, InvalidParameter, nearest, rewording
 from tactometry.files.durable import read_file
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.safety.limits import Limits
@@ -129,10 +129,8 @@ class Study:
 def _check_analysis(study: Study) -> None:
     from tactometry.analysis.plan import AnalysisPlan
 
-    try:
+    with rewording(lambda words: words if words.startswith("analysis") else f"analysis.{words}"):
         build(AnalysisPlan, study.analysis, "analysis").check(list(study.factors))
-    except InvalidParameter as wrong:
-        raise InvalidParameter(f"{'' if str(wrong).startswith('analysis') else 'analysis.'}{wrong}") from None
 
 
 def _check_factors(factors: Mapping[str, tuple[float | str, ...]]) -> None:

@@ -1,11 +1,11 @@
 """The task of a study, and how its blocks present it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 from tactometry.arguments.require import expect, one_of
-from tactometry.config.strict import build, check_keys, kind_of
+from tactometry.config.strict import build, check_keys, fields_of, kind_of
 from tactometry.loading import resolve
 from tactometry.observers.decisions import Decision
 from tactometry.protocols.block_state import BlockOptions
@@ -60,7 +60,7 @@ def task_of(study: Study) -> TaskTable:
         If it holds what its kind does not know.
     """
     task_kind: TaskKind = kind_of(study.task, "task", TASKS)
-    common, of_kind = _names(BlockOptions), _names(task_kind.table)
+    common, of_kind = fields_of(BlockOptions), fields_of(task_kind.table)
     check_keys(study.task, ("kind", *of_kind, *common), "task")
     options = build(BlockOptions, {key: study.task[key] for key in common if key in study.task}, "task")
     keys: Any = build(task_kind.table, {key: study.task[key] for key in of_kind if key in study.task}, "task")
@@ -68,10 +68,6 @@ def task_of(study: Study) -> TaskTable:
     table = TaskTable(study.task["kind"], task, options, keys.over if isinstance(keys, Over) else None)
     _check(study, table)
     return table
-
-
-def _names(kind: type) -> tuple[str, ...]:
-    return tuple(each.name for each in fields(kind))
 
 
 def _check(study: Study, table: TaskTable) -> None:

@@ -40,8 +40,8 @@ def command(
     from tactometry.analysis.plan import read_plan
     from tactometry.analysis.reading.column_map import read_column_map
     from tactometry.analysis.report.summary import summary
-    from tactometry.experiments.data_sets.edited import edit_warnings
     from tactometry.experiments.data_sets.rule_estimates import replay_of
+    from tactometry.experiments.data_sets.session_files import edit_warnings
 
     factors = None if within is None else [name.strip() for name in within.split(",") if name.strip()]
     analysis = analyse(

@@ -12,7 +12,7 @@ from tutorial_session import journal_of, live
 
 from tactometry.analysis.reading.quality import quality
 from tactometry.analysis.reading.trials import read_trials
-from tactometry.experiments.data_sets.edited import edit_warnings
+from tactometry.experiments.data_sets.session_files import edit_warnings
 
 PAIR = {"participant": "P1", "trial": "1", "side": "a", "procedure": "pairs", "level": "1", "task": "preference"} | {
     "response": "1",

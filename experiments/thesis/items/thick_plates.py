@@ -6,11 +6,10 @@ from functools import lru_cache
 
 import numpy as np
 
+from tactometry.stimuli.time_reversal import Band, focus_amplitude
 from tactometry.stimuli.time_reversal.design.closed_forms import resolution_m
 from tactometry.stimuli.time_reversal.field.merit import resolution_per_focus_m
 from tactometry.stimuli.time_reversal.figures.gallery import RIG_BAND, rig
-from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.focusing.focusing import focus_amplitude
 
 FOCI_M = ((0.121, 0.093), (0.15, 0.105), (0.17, 0.12), (0.1, 0.11), (0.14, 0.08))
 THICKNESSES_M = (2e-3, 3e-3)
