@@ -18,10 +18,11 @@ from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.output import RAMP_S, NullSettings
 from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import ForceCalibration, StreamedSensor, streamed_force, streamed_position
-from tactometry.errors import InvalidParameter, nearest
 from tactometry.rigs.texts import languages
 from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
+
+from ..study.study_file import no_such
 
 LONGEST_DELAY_S = 0.05
 """Of a sensor: half of the time after which a silent one is lost (unverified default)."""
@@ -139,10 +140,8 @@ class BenchFile:
         for name in ("force", "position"):
             table = getattr(self, name)
             if table is not None and table.sensor not in self.sensors:
-                raise InvalidParameter(
-                    f"{name}.sensor: found {table.sensor!r}, expected one of the file's sensors "
-                    f"({', '.join(self.sensors) or 'it has none'}){nearest(table.sensor, self.sensors)}"
-                )
+                known = tuple(self.sensors) or ("it has none",)
+                raise no_such(f"{name}.sensor", table.sensor, "one of the file's sensors", known)
 
     def limits_with(self, study: Limits) -> Limits:
         """The tighter of both limits."""
@@ -180,28 +179,22 @@ class BenchFile:
         """
         if not self.output.settings.connected:
             return
-        if self.force is None and not self.output.ungated:
-            raise InvalidParameter(
-                "force: found none, expected the sensor that stops the output when the finger leaves; state it, or "
-                "ungated = true in [output]; nothing was played"
-            )
-        if self.force is not None and self.output.ungated:
-            raise InvalidParameter("output.ungated: found true beside [force], expected one of them")
-        if self.force is not None and not self.sensors[self.force.sensor].settings.live:
-            raise InvalidParameter(
-                f"force.sensor: found {self.force.sensor!r}, a recording, which knows of no finger, expected a sensor; "
-                "nothing was played"
-            )
+        if self.force is None:
+            sensor = "the sensor that stops the output when the finger leaves; state it, or ungated = true in [output]"
+            expect(self.output.ungated, "force", "none", f"{sensor}; nothing was played")
+            return
+        expect(not self.output.ungated, "output.ungated", "true beside [force]", "one of them")
+        recording = f"{self.force.sensor!r}, a recording, which knows of no finger"
+        is_live = self.sensors[self.force.sensor].settings.live
+        expect(is_live, "force.sensor", recording, "a sensor; nothing was played")
 
     @property
     def cautions(self) -> tuple[str, ...]:
         """What the file allows and a session should be told."""
-        settings = self.output.settings
+        is_shared = getattr(self.output.settings, "shared", False)
         allowed = {
             "output.ungated = true: nothing stops the output when the finger leaves": self.output.ungated,
-            "output.shared = true: other programs may play to the output and change its volume": getattr(
-                settings, "shared", False
-            ),
+            "output.shared = true: other programs may play to the output and change its volume": is_shared,
             "force.release = false: a force sensor that is stuck in its band is not found out": not self.release,
         }
         return tuple(f"bench file, {words}" for words, said in allowed.items() if said)
@@ -222,9 +215,8 @@ class BenchFile:
     def _position(self, readers: Mapping[str, Reader]) -> StreamedSensor | None:
         if self.position is None:
             return None
-        reader = readers[self.position.sensor]
-        reader.check_channels("position.channels", *self.position.channels)
-        part = self.position
+        part, reader = self.position, readers[self.position.sensor]
+        reader.check_channels("position.channels", *part.channels)
         return streamed_position(reader, part.channels, part.metres_per_count, part.zero_counts)
 
 

@@ -47,11 +47,8 @@ class Microphone:
     def __post_init__(self) -> None:
         n = self.reader.source.n_channels
         two = len({self.channel, self.reference} & set(range(n))) == 2
-        found, expected = (
-            f"{self.channel} and {self.reference}",
-            f"two of 0 to {n - 1}, those of {self.reader.source.name}",
-        )
-        expect(two, "channel, reference", found, expected)
+        expected = f"two of 0 to {n - 1}, those of {self.reader.source.name}"
+        expect(two, "channel, reference", f"{self.channel} and {self.reference}", expected)
 
 
 @dataclass(frozen=True)
@@ -100,11 +97,8 @@ def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterat
 
 def join(responses: Sequence[Responses]) -> Responses:
     """One point's responses to several channels."""
-    return Responses(
-        np.concatenate([response.samples for response in responses], axis=1),
-        responses[0].rate_hz,
-        responses[0].quantity,
-    )
+    samples = np.concatenate([response.samples for response in responses], axis=1)
+    return Responses(samples, responses[0].rate_hz, responses[0].quantity)
 
 
 def _signal(learning: Learning, channel: int, n_channels: int) -> Signal:

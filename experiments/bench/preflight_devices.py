@@ -20,9 +20,9 @@ from tactometry.signal import Signal
 
 from ..study.experiment import Experiment
 from .bench_file import BenchFile
-from .board_stimuli import bank_on
 from .calibration import tone
 from .finding import Finding, duration, findings_of
+from .stimuli import bank_on
 
 LISTEN_S = 2.0
 RATE_TOLERANCE = 0.02

@@ -16,17 +16,9 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from tactometry.analysis.threshold.fitting import Status, ThresholdFit, fit_many
-from tactometry.protocols import (
-    ConstantStimuli,
-    ParameterGrid,
-    Procedure,
-    Quest,
-    QuestPlus,
-    Staircase,
-    WeightedStaircase,
-)
+from tactometry.protocols import ConstantStimuli, ParameterGrid, Quest, QuestPlus, Staircase, WeightedStaircase
 from tactometry.protocols.bayesian.quest_plus import Aim
-from tactometry.protocols.procedures.procedure import Rule
+from tactometry.protocols.procedures.procedure import Procedure, Rule
 from tactometry.psychometric import PsychometricFunction
 
 Array = NDArray[np.float64]

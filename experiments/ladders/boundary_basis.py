@@ -66,11 +66,8 @@ def _condition(k: float, a: float, parity: int) -> float:
     p, moment, force = math.sqrt(k * k + a * a), k * k + bent, k * k - bent
     q2 = k * k - a * a
     q = math.sqrt(abs(q2))
-    cos, sinc = (math.cos(q * half), _sinc(q * half)) if q2 > 0 else (1.0, math.tanh(q * half) / max(q * half, 1e-300))
+    at = q * half
+    cos, sinc = (math.cos(at), float(np.sinc(at / np.pi))) if q2 > 0 else (1.0, math.tanh(at) / max(at, 1e-300))
     if parity:
         return p * force**2 * sinc * half - moment**2 * math.tanh(p * half) * cos
     return q2 * moment**2 * sinc * half + p * force**2 * math.tanh(p * half) * cos
-
-
-def _sinc(x: float) -> float:
-    return math.sin(x) / x if x else 1.0

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from tactometry.signal import Signal
+from tactometry.stimuli import time_reversal
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     PowerLawArea,
@@ -16,21 +17,7 @@ from tactometry.stimuli.electrovibration import (
     electrostatic_force_n_at,
 )
 from tactometry.stimuli.scenes.file import SceneFile, load_scene
-from tactometry.stimuli.time_reversal import (
-    Attenuation,
-    Band,
-    Fingertip,
-    OneBit,
-    PlateLoad,
-    Screen,
-    band_limited,
-    border,
-    drive,
-    emitted,
-    impulse_responses,
-    inaudible,
-    loaded_responses,
-)
+from tactometry.stimuli.time_reversal import Attenuation, Band, Fingertip, OneBit, PlateLoad, Screen
 
 from ..cost.problem import Problem, Real, Reference, Rung, over_largest
 from ..scenes import path_of
@@ -134,21 +121,22 @@ def _in_time(scene: SceneFile, loads: Sequence[PlateLoad], n: int) -> Real:
     surface, (screen, cutoff_hz) = _surface(scene), _screen(scene)
     focus, band = [(surface.focus_x_m, surface.focus_y_m)], Band(0.0, surface.band_max_hz, surface.flank_hz)
     timing = {"rate_hz": surface.rate_hz, "duration_s": surface.reversal_s, "f_max_hz": surface.band_max_hz}
-    learnt = inaudible(band_limited(impulse_responses(screen, focus, **timing), band), cutoff_hz, 2e3)
-    signal = _band_limited(drive(learnt, scene.given["voltage_v"], OneBit()), band)
+    heard = time_reversal.impulse_responses(screen, focus, **timing)
+    learnt = time_reversal.inaudible(time_reversal.band_limited(heard, band), cutoff_hz, 2e3)
+    signal = _band_limited(time_reversal.drive(learnt, scene.given["voltage_v"], OneBit()), band)
     courses = []
     for factor in HIGHER:
         timing = {"rate_hz": signal.rate_hz, "duration_s": HEARD_S, "f_max_hz": factor * surface.band_max_hz}
-        heard = loaded_responses(screen, focus, loads, **timing)
+        heard = time_reversal.loaded_responses(screen, focus, loads, **timing)
         last = FINER * (2 * learnt.n_samples - 1)
-        courses.append(emitted(signal, heard)[0, last - n + 1 : last + 1])
+        courses.append(time_reversal.emitted(signal, heard)[0, last - n + 1 : last + 1])
     return np.asarray(np.linalg.solve([[1.0, 1 / f, 1 / f**3] for f in HIGHER], courses)[0])
 
 
 def _screen(scene: SceneFile) -> tuple[Screen, float]:
     """As the file says, and where the audible band ends."""
     effects, surface = {effect.kind: vars(effect) for effect in scene.scene.effects}, _surface(scene)
-    patches = border(surface.plate, surface.n_transducers, effects["patches"]["side_m"], surface.inset_m)
+    patches = time_reversal.border(surface.plate, surface.n_transducers, effects["patches"]["side_m"], surface.inset_m)
     shear_factor = 5 / 6 if "shear" in effects else None
     screen = Screen(surface.plate, patches, Attenuation(effects["attenuation"]["tau_s"]), shear_factor)
     return screen, effects["audible_filter"]["cutoff_hz"]

@@ -14,9 +14,9 @@ from ..cost.problem import Problem, Real, Reference, Rung, over_interval
 LEVELS = np.array([-3.0, -2.0, -1.0, 0.0, 1.0, 2.0, 3.0])
 N_CORRECT, N_TRIALS = np.array([23, 20, 26, 30, 37, 39, 40]), 40
 N_SETS, RANGE, GAP = 16, 6.0, 1.0
-SHAPE: Any = {"shape": "normal", "guess_rate": 0.5}
 N_FINEST, N_COARSER = (281, 241, 24), (201, 161, 16)
 GUESS, LAPSE = 0.5, 0.02
+SHAPE: Any = {"shape": "normal", "guess_rate": GUESS}
 FALL = 1.9207294103470607
 """Half of the 95 % point of chi-square with one degree of freedom."""
 LOG_WIDTHS, FARTHEST, GRID = (0.0, 3.5), 3.5, (801, 701)
@@ -97,13 +97,11 @@ def likelihood() -> Problem:
         reference=Reference("the profile written out, by Brent's methods", _by_brent, 1e-7),
         independent=Reference("its highest values on a grid", _on_a_grid, 1e-4),
         error=over_interval,
-        rungs=(Rung("Wald (ml)", partial(_likelihood_fit, "ml")), Rung("profile", partial(_likelihood_fit, "profile"))),
+        rungs=tuple(
+            Rung(setting, partial(_fitted, method, lapse_rate=LAPSE))
+            for setting, method in (("Wald (ml)", "ml"), ("profile", "profile"))
+        ),
     )
-
-
-def _likelihood_fit(method: str) -> Real:
-    fitted = fit(LEVELS, N_CORRECT, N_TRIALS, shape="normal", guess_rate=GUESS, lapse_rate=LAPSE, method=method)
-    return estimate_and_ends(fitted)
 
 
 def _log_likelihood(threshold: Real, log_width: Real) -> Real:

@@ -29,8 +29,7 @@ def _equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog") ->
     from tactometry.rigs.device_rig import Equipment
 
     from ..bench.bench_file import device_facts
-    from ..bench.board_stimuli import bank_on
-    from ..bench.learnt_stimuli import learnt_facts
+    from ..bench.stimuli import bank_on, learnt_facts
 
     devices = bench.devices(experiment.study.limits, date.today())
     for caution in bench.cautions:

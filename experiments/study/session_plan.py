@@ -105,9 +105,10 @@ class SessionPlan:
         questionnaires between and after them; `rng` shuffles within blocks."""
         factors = session_cells(self.study, self.table.over, number, n_session, seed)
         blocks = [self._block(list(group), rng) for _, group in itertools.groupby(factors, self._slow)]
-        practice = self._practice(blocks[0])
-        between = (part for block in blocks for part in (block, *self._inquiries("block", block.factors)))
-        return (*practice, *between, *self._inquiries("session", {}))
+        parts: list[Part] = [*self._practice(blocks[0])]
+        for block in blocks:
+            parts += [block, *self._inquiries("block", block.factors)]
+        return (*parts, *self._inquiries("session", {}))
 
     def _slow(self, factors: Factors) -> list[float | str]:
         return [level for name, level in factors.items() if name not in self.study.plan.interleave]

@@ -16,7 +16,7 @@ from tables import trial_rows
 from tactometry.devices.outputs.bit_stream import HEADER_BYTES, decode, word_bytes
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.bench.bench_file import load_bench
-from tactometry.experiments.bench.board_stimuli import bank_on, board_of
+from tactometry.experiments.bench.stimuli import bank_on, board_of
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import builtin, load
 from tactometry.records.journal import read

@@ -13,7 +13,7 @@ from study_texts import changed
 from tactometry.devices.outputs.output import with_ramps
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.bench.bench_file import RAMP_S, Learnt
-from tactometry.experiments.bench.learnt_stimuli import bank_of
+from tactometry.experiments.bench.stimuli import bank_of
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.experiment import wire

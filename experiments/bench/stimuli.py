@@ -2,15 +2,18 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
-from tactometry.errors import InvalidParameter, LimitExceeded
+from tactometry.errors import rewording
+from tactometry.rigs.emitter import render
 from tactometry.signal import Signal, Stimulus
 
 from ..study.experiment import Experiment
-from .bench_file import BenchFile, OutputPart
-from .learnt_stimuli import bank_of
+from .bench_file import BenchFile, Learnt, OutputPart
 
 
 @dataclass(frozen=True)
@@ -58,10 +61,9 @@ class Board:
         match stimulus:
             case FocusTrain() | TimeReversalStimulus():
                 return self._on(plates, replace(stimulus, supply_v=self.supply_v))
-            case Hybrid(focus=train):
-                return self._on((*plates, *electrode), replace(stimulus, focus=replace(train, supply_v=self.supply_v)))
-            case MeasuredHybrid(focus=foci):
-                return self._on((*plates, *electrode), replace(stimulus, focus=replace(foci, supply_v=self.supply_v)))
+            case Hybrid() | MeasuredHybrid():
+                focus: Any = replace(stimulus.focus, supply_v=self.supply_v)
+                return self._on((*plates, *electrode), replace(stimulus, focus=focus))
             case AmplitudeModulated():
                 return self._on(electrode, of_supply(stimulus, self.rate_hz, self.supply_v))
         return stimulus
@@ -104,10 +106,57 @@ def _lowest(experiment: Experiment, name: str) -> float:
 
 def _switched(name: str, stimulus: Stimulus, lowest: float, board: Board) -> Stimulus:
     """As the board makes it, down to the lowest level; the highest is for the output to refuse, as of any other."""
-    try:
+    with rewording(lambda words: f"output, {name}: {words}; nothing was played"):
         switched = board.switched(stimulus)
         if switched is not stimulus:
             switched.at(lowest)
         return switched
-    except (InvalidParameter, LimitExceeded) as error:
-        raise InvalidParameter(f"output, {name}: {error}; nothing was played") from None
+
+
+def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimulus]:
+    """The stimuli by name; the kinds `focus`, `pattern` and `hybrid` from the learnt responses, where there are any.
+
+    Raises
+    ------
+    InvalidFile
+        If the file cannot be read.
+    InvalidParameter
+        If the responses do not suit a stimulus, or its highest level needs more than the amplifier has.
+    """
+    if learnt is None:
+        return experiment.bank
+    from tactometry.stimuli import hybrid
+    from tactometry.stimuli.time_reversal.responses.measured import read
+    from tactometry.stimuli.time_reversal.stimulus import focus_train
+
+    heard = read([Path(learnt.responses)])
+
+    def suited(stimulus: Stimulus) -> Stimulus:
+        match stimulus:
+            case focus_train.FocusTrain():
+                return focus_train.measured(stimulus, heard)
+            case hybrid.Hybrid():
+                return hybrid.measured(stimulus, heard)
+        return stimulus
+
+    bank: dict[str, Stimulus] = {}
+    for strongest in experiment.strongest():
+        place = f"time_reversal.responses, {learnt.responses}, {strongest.name}"
+        with rewording(partial("{}: {}".format, place)):
+            bank[strongest.name] = suited(strongest.stimulus)
+            render(bank, strongest.name, strongest.level, limits=None)
+    return bank
+
+
+def learnt_facts(learnt: Learnt | None) -> dict[str, str | None]:
+    """What a journal says of the responses: their file, its digest, when and by whom they were measured."""
+    if learnt is None:
+        return {}
+    from tactometry.provenance import sha256
+    from tactometry.stimuli.time_reversal.responses.learning import read_provenance
+
+    path = Path(learnt.responses)
+    said = read_provenance(path) if path.suffix == ".npz" else {}
+    when = " ".join(str(said[key]) for key in ("measured_on", "measured_by") if key in said)
+    digest = sha256(path.read_bytes())
+    return {"responses": path.name, "responses_sha256": digest, "responses_measured": when or None}
