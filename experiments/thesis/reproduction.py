@@ -1,6 +1,6 @@
 """A table, figure or finding of the thesis made anew: its numbers, each with how it came about."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final, Literal, get_args
@@ -75,7 +75,7 @@ class Reproduction:
     title: str
     stated: str
     assumes: str
-    numbers: Callable[[], Sequence[Number]] | None = None
+    numbers: Callable[[], Iterable[Number]] | None = None
     drawing: Callable[[], Any] | None = None
     origin: Origin = "derived"
     outcome: str = ""

@@ -1,4 +1,4 @@
-"""Tables, findings and figures of the thesis: a file for each (one for the figures of two chapters), one line here."""
+"""Tables, findings and figures of the thesis: a file for those of one computation or chapter, a line for each here."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -15,18 +15,18 @@ REPRODUCTIONS: Mapping[str, str] = {
     "finding-2": f"{_HERE}.finding_2:FINDING",
     "finding-3": f"{_HERE}.finding_3:FINDING",
     "finding-4": f"{_HERE}.finding_4:FINDING",
-    "finding-5": f"{_HERE}.finding_5:FINDING",
+    "finding-5": f"{_HERE}.four_signals:FINDING_5",
     "table-2.1": f"{_HERE}.table_2_1:TABLE",
-    "table-3.1": f"{_HERE}.table_3_1:TABLE",
-    "table-3.2": f"{_HERE}.table_3_2:TABLE",
-    "table-3.3": f"{_HERE}.table_3_3:TABLE",
+    "table-3.1": f"{_HERE}.thick_plates:TABLE_3_1",
+    "table-3.2": f"{_HERE}.thick_plates:TABLE_3_2",
+    "table-3.3": f"{_HERE}.thick_plates:TABLE_3_3",
     "table-4.1": f"{_HERE}.table_4_1:TABLE",
-    "table-4.3": f"{_HERE}.table_4_3:TABLE",
-    "table-4.4": f"{_HERE}.table_4_4:TABLE",
-    "table-4.5": f"{_HERE}.table_4_5:TABLE",
+    "table-4.3": f"{_HERE}.four_signals:TABLE_4_3",
+    "table-4.4": f"{_HERE}.four_signals:TABLE_4_4",
+    "table-4.5": f"{_HERE}.four_signals:TABLE_4_5",
     "table-6.1": f"{_HERE}.table_6_1:TABLE",
-    "table-6.2": f"{_HERE}.table_6_2:TABLE",
-    "table-6.3": f"{_HERE}.table_6_3:TABLE",
+    "table-6.2": f"{_HERE}.electrovibration_thresholds:TABLE_6_2",
+    "table-6.3": f"{_HERE}.electrovibration_thresholds:TABLE_6_3",
     "figure-3.4": f"{_HERE}.figures_3_4:FIGURE_3_4",
     "figure-3.8": f"{_HERE}.figures_3_4:FIGURE_3_8",
     "figure-3.9": f"{_HERE}.figures_3_4:FIGURE_3_9",

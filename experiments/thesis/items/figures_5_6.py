@@ -1,7 +1,6 @@
 """Figures of chapters 5 and 6 and of appendix B about results."""
 
 import math
-from functools import partial
 from typing import Any, get_args
 
 from tactometry.observers.signal_detection import SignalDetectionObserver
@@ -125,7 +124,7 @@ FIGURE_6_8 = Reproduction(
     title="Electrostatic force of a step, a trapeze and a sine for several areas",
     stated="Figures 6.8 to 6.10 by their captions (pages 13 and 14).",
     assumes="The parameter set P0 of Table 6.1, 40 dB re 1 V, 0.5 to 1.5 cm2, the law of the corneum's layer.",
-    drawing=partial(electrovibration.force_for_inputs),
+    drawing=electrovibration.force_for_inputs,
 )
 FIGURE_6_15 = Reproduction(
     title="Mean detection rate against frequency for three forces",

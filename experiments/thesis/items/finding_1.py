@@ -1,6 +1,6 @@
 """Finding 1: one focus is detected at about 10 um, whatever the force."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Literal, get_args
 
@@ -19,21 +19,18 @@ Criterion = Literal["loaded", "unloaded"]
 Levels = Sequence[tuple[float, float]]
 
 
-def numbers() -> list[Number]:
+def numbers() -> Iterator[Number]:
     cells = list(experiment(STUDY).cells.values())
     of_study = [(contact_of(cell).force_n, threshold_of(cell)) for cell in cells]
     by_criterion = {criterion: _levels(criterion) for criterion in get_args(Criterion)}
     lifted_n = ejection_force_n(FOCUS_M, MEAN_HZ)
     origins: dict[str, Origin] = {"loaded": "derived", "unloaded": "assumed"}
-    return [
-        *(_threshold(*each) for each in of_study),
-        _change("the built-in study", of_study, "assumed" if of_study == by_criterion["unloaded"] else "derived"),
-        *(
-            replace(_change(f"criterion {name}", levels, origins[name]), is_variant=True)
-            for name, levels in by_criterion.items()
-        ),
-        Number("force that a focus lifts", "10 um at 12.5 kHz under 0.1 g", lifted_n, "N", "derived"),
-    ]
+    for force_n, level_db in of_study:
+        yield _threshold(force_n, level_db)
+    yield _change("the built-in study", of_study, "assumed" if of_study == by_criterion["unloaded"] else "derived")
+    for name, levels in by_criterion.items():
+        yield replace(_change(f"criterion {name}", levels, origins[name]), is_variant=True)
+    yield Number("force that a focus lifts", "10 um at 12.5 kHz under 0.1 g", lifted_n, "N", "derived")
 
 
 def _levels(criterion: Criterion) -> Levels:

@@ -1,5 +1,7 @@
 """Finding 2: 2 N cost about 6 % of the amplitude away from the focus, up to 30 % at it."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from tactometry.stimuli.time_reversal.figures.gallery import FOCUS, P1, RIG_BAND
@@ -17,20 +19,15 @@ FINGERS = (DEFAULT, (5.0, TAU_S), (20.0, TAU_S), (RESISTANCE_N_S_PER_M, 2e-3), (
 STATED = {"at the focus": ("up to 30 %", 0.25, 0.33), "elsewhere": ("about 6 %", 0.04, 0.08)}
 
 
-def numbers() -> list[Number]:
-    found = [number for finger in FINGERS for number in _losses(*finger)]
+def numbers() -> Iterator[Number]:
+    for resistance, tau_s in FINGERS:
+        screen = Screen(A4_PROTOTYPE.plate, A4_PROTOTYPE.sources, Attenuation(tau_s))
+        is_default = (resistance, tau_s) == DEFAULT
+        for place, at_m in {"at the focus": (FOCUS,), "elsewhere": ELSEWHERE_M}.items():
+            loss = _loss(screen, at_m, resistance)
+            yield _number(place, _condition(resistance, tau_s), loss, is_default=is_default)
     relearnt = _loss(A4_PROTOTYPE, (FOCUS,), RESISTANCE_N_S_PER_M, relearn=True)
-    return [*found, Number("at the focus, learnt again", _condition(*DEFAULT), 100 * relearnt, "%", "derived")]
-
-
-def _losses(resistance: float, tau_s: float) -> list[Number]:
-    screen = Screen(A4_PROTOTYPE.plate, A4_PROTOTYPE.sources, Attenuation(tau_s))
-    is_default = (resistance, tau_s) == DEFAULT
-    places = {"at the focus": (FOCUS,), "elsewhere": ELSEWHERE_M}
-    return [
-        _number(place, _condition(resistance, tau_s), _loss(screen, at_m, resistance), is_default=is_default)
-        for place, at_m in places.items()
-    ]
+    yield Number("at the focus, learnt again", _condition(*DEFAULT), 100 * relearnt, "%", "derived")
 
 
 def _number(place: str, condition: str, loss: float, *, is_default: bool) -> Number:

@@ -1,5 +1,6 @@
 """Finding 4: trains at 200 Hz under a sinc please most, a single focus least."""
 
+from collections.abc import Iterator
 from math import inf
 
 import numpy as np
@@ -17,21 +18,16 @@ SAME_DB = 1.0
 BEST, LEAST = "P3", "P0"
 
 
-def numbers() -> list[Number]:
+def numbers() -> Iterator[Number]:
     felt_db = levels_db()
     liked = {name: liking(level_db) for name, level_db in felt_db.items()}
     order = sorted(liked, key=lambda name: -liked[name])
     spread_db = max(felt_db.values()) - min(felt_db.values())
-    return [
-        number
-        for name, level_db in felt_db.items()
-        for number in (
-            Number("sensation level", words(name), level_db, "dB", "calibrated"),
-            Number("over the single focus", words(name), level_db - felt_db[LEAST], "dB", "derived"),
-            Number("pleasantness", words(name), liked[name], "of 1", "assumed"),
-            Number("place", words(name), order.index(name) + 1.0, "", "assumed", *_stated(name, order, spread_db)),
-        )
-    ]
+    for name, level_db in felt_db.items():
+        yield Number("sensation level", words(name), level_db, "dB", "calibrated")
+        yield Number("over the single focus", words(name), level_db - felt_db[LEAST], "dB", "derived")
+        yield Number("pleasantness", words(name), liked[name], "of 1", "assumed")
+        yield Number("place", words(name), order.index(name) + 1.0, "", "assumed", *_stated(name, order, spread_db))
 
 
 def levels_db() -> dict[str, float]:

@@ -1,5 +1,7 @@
 """Table 2.1: where each receptor channel mediates detection."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from tactometry.stimuli.perception.channels import NP_I, NP_III, P, channel_thresholds_db
@@ -15,17 +17,16 @@ BEST_HZ = 250.0
 HALF_AN_OCTAVE = 0.5
 
 
-def numbers() -> list[Number]:
+def numbers() -> Iterator[Number]:
     f_hz = np.geomspace(0.4, 1000.0, 2001)
     thresholds_db = channel_thresholds_db(f_hz)
     lowest, felt = thresholds_db.argmin(axis=0), np.isfinite(thresholds_db.min(axis=0))
-    found = []
     for name, (row, from_hz, to_hz) in STATED_HZ.items():
         band_hz = f_hz[(lowest == row) & felt]
-        ends = {"mediates from": (band_hz[0], from_hz), "mediates to": (band_hz[-1], to_hz)}
-        found += [_number(quantity, name, *pair) for quantity, pair in ends.items()]
+        yield _number("mediates from", name, band_hz[0], from_hz)
+        yield _number("mediates to", name, band_hz[-1], to_hz)
     best_hz = float(f_hz[thresholds_db[P].argmin()])
-    return [*found, _number("most sensitive at", "Pacini (P)", best_hz, BEST_HZ)]
+    yield _number("most sensitive at", "Pacini (P)", best_hz, BEST_HZ)
 
 
 def _number(quantity: str, channel: str, found_hz: float, stated_hz: float) -> Number:

@@ -2,7 +2,7 @@
 
 from tactometry.stimuli.electrovibration.skin.skin import Skin
 
-from ..reproduction import Number, Reproduction
+from ..reproduction import Number, Origin, Reproduction
 
 AREA_M2 = 1e-4
 
@@ -25,10 +25,8 @@ def numbers() -> list[Number]:
         "time constant": (1e6 * skin.tau_s, "us"),
         "corner of the high-pass": (skin.cutoff_hz, "Hz"),
     }
-    return [
-        *(Number(name, "set P0", *constant, "assumed") for name, constant in assumed.items()),
-        *(Number(name, "set P0", *constant, "derived") for name, constant in derived.items()),
-    ]
+    constants: dict[Origin, dict[str, tuple[float, str]]] = {"assumed": assumed, "derived": derived}
+    return [Number(name, "set P0", *values, origin) for origin, of in constants.items() for name, values in of.items()]
 
 
 TABLE = Reproduction(
