@@ -1,6 +1,6 @@
 """One thing that a preflight looked at, and what all of them together come to."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 from tactometry.errors import TactometryError
@@ -35,9 +35,9 @@ def exit_status(findings: list[Finding]) -> int:
     return int(any(finding.fine is False for finding in findings))
 
 
-def findings_of(part: str, look: Callable[[], Iterator[Finding]]) -> Iterator[Finding]:
-    """The findings of a part; a failure is one more, and those before it stay."""
+def findings_of(part: str, findings: Iterator[Finding]) -> Iterator[Finding]:
+    """The findings of a part, as it is looked at; a failure is one more, and those before it stay."""
     try:
-        yield from look()
+        yield from findings
     except TactometryError as error:
         yield Finding(part, "failed", str(error), fine=False, device=error.exit_status == 3)

@@ -1,6 +1,5 @@
 """Preflight: what a session needs, tried before a participant comes."""
 
-from collections.abc import Callable, Iterator
 from pathlib import Path
 
 from tactometry.errors import TactometryError
@@ -10,9 +9,8 @@ from ..study.experiment import Experiment, wire
 from ..study.study_file import load
 from .bench_file import BenchFile
 from .finding import Finding, findings_of
-from .preflight_computer import computer, disk, existing
+from .preflight_computer import computer, disk, display, existing
 from .preflight_devices import devices
-from .preflight_display import display
 
 
 def check(study: str | None, bench: BenchFile, folder: Path, *, hands_off: bool) -> list[Finding]:
@@ -30,14 +28,10 @@ def check(study: str | None, bench: BenchFile, folder: Path, *, hands_off: bool)
     """
     findings, experiment = _study(study) if study is not None else ([], None)
     limits = experiment.study.limits if experiment is not None else bench.limits
-    parts: dict[str, Callable[[], Iterator[Finding]]] = {
-        "computer": computer,
-        "disk": lambda: disk(existing(folder)),
-        "display": lambda: display(bench.screen, existing(folder)),
-        "devices": lambda: devices(bench, limits, experiment, hands_off=hands_off),
-    }
-    for part, look in parts.items():
-        findings += findings_of(part, look)
+    findings += findings_of("computer", computer())
+    findings += findings_of("disk", disk(existing(folder)))
+    findings += findings_of("display", display(bench.screen, existing(folder)))
+    findings += findings_of("devices", devices(bench, limits, experiment, hands_off=hands_off))
     return findings
 
 

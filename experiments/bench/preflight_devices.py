@@ -4,7 +4,6 @@ import time
 from collections.abc import Iterator
 from contextlib import closing
 from datetime import date
-from functools import partial
 from typing import Final
 
 import numpy as np
@@ -41,11 +40,11 @@ def devices(
     # Without limits anywhere a volt is the most that is tried; hands are off, so that no gate of force is asked for.
     connected = bench.devices(limits or Limits(voltage_peak_v=1.0), date.today(), touched=False)
     for name, reader in connected.readers.items():
-        yield from findings_of(f"sensor {name}", partial(_sensor, name, reader))
+        yield from findings_of(f"sensor {name}", _sensor(name, reader))
     if connected.force is not None:
-        yield from findings_of("force", partial(_force, connected.force))
-    yield from findings_of("output", partial(_gate, bench))
-    yield from findings_of("output", partial(_tried, connected.output, bench, limits, experiment, hands_off=hands_off))
+        yield from findings_of("force", _force(connected.force))
+    yield from findings_of("output", _gate(bench))
+    yield from findings_of("output", _tried(connected.output, bench, limits, experiment, hands_off=hands_off))
 
 
 def _sensor(name: str, reader: Reader) -> Iterator[Finding]:
@@ -108,9 +107,9 @@ def _tried(
     """The tone and the strongest stimuli; limits that the load needs and nobody stated stop all of them, said once."""
     if output.limits is not None and output.load is not None:
         output.limits.check_stated(output.load)
-    yield from findings_of("output", partial(_output, output, limits, hands_off=hands_off))
+    yield from findings_of("output", _output(output, limits, hands_off=hands_off))
     if experiment is not None:
-        yield from findings_of("output", partial(_strongest, output, experiment, bench))
+        yield from findings_of("output", _strongest(output, experiment, bench))
 
 
 def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Iterator[Finding]:

@@ -61,7 +61,8 @@ def validate(path: Path) -> Soundness:
 
 
 def _data_set(root: Path) -> Soundness:
-    experiment, unsound = _study(root)
+    unsound: list[Defect] = []
+    experiment = _study(root, unsound)
     notes = [*_codes_by_capitals(root), *_drafts(root)]
     files, journals = files_in(root / "data", "*.csv"), sessions(root)
     contents = {file: content for file in files if (content := _read(file, f"data/{file.name}", unsound)) is not None}
@@ -122,15 +123,14 @@ def _drafts(root: Path) -> Iterator[str]:
             yield f"{path.relative_to(root)}: a draft that an interruption left; {way}"
 
 
-def _study(root: Path) -> tuple[Experiment | None, list[Defect]]:
-    unsound: list[Defect] = []
+def _study(root: Path, unsound: list[Defect]) -> Experiment | None:
+    """The study that ran, or a defect more."""
     content = _read(root / "study.toml", "study.toml", unsound, "the study that ran")
-    if content is None:
-        return None, unsound
     try:
-        return wire(parse(content, "study.toml"), "study.toml"), []
+        return None if content is None else wire(parse(content, "study.toml"), "study.toml")
     except TactometryError as error:
-        return None, [Defect("study.toml", None, str(error).removeprefix("study.toml").lstrip(":, "))]
+        unsound.append(Defect("study.toml", None, str(error).removeprefix("study.toml").lstrip(":, ")))
+        return None
 
 
 def _description(root: Path, contents: dict[Path, bytes]) -> Iterator[Defect]:

@@ -12,7 +12,7 @@ from tactometry.protocols.tasks.task import AsksForm
 
 from .cells import tables
 from .experiment import Experiment
-from .random_streams import stream
+from .session_plan import stream
 
 if TYPE_CHECKING:
     from .felt_effects import FeltEffects

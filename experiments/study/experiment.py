@@ -27,8 +27,7 @@ from tactometry.trials.tasks import TASKS
 
 from .cells import WiredCell, Wiring
 from .procedure_table import practice_of
-from .random_streams import stream
-from .session_plan import Key, SessionPlan, all_cells, crossing_of, key_of
+from .session_plan import Key, SessionPlan, all_cells, crossing_of, key_of, stream
 from .study_file import Study
 from .task_table import DECISIONS, TaskTable, form_of, task_of
 

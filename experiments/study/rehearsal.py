@@ -12,8 +12,7 @@ from tactometry.rigs.texts import Texts, texts_in
 from tactometry.session.request import Show
 
 from .experiment import Experiment
-from .random_streams import stream
-from .session_plan import all_sessions
+from .session_plan import all_sessions, stream
 
 WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong"))
 """Pages that a block shows in the midst of its trials."""

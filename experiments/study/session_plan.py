@@ -1,6 +1,8 @@
-"""The parts of a session: a pure function of the study, the participant's number, the session and the seed."""
+"""The parts of a session: a pure function of the study, the participant's number, the session and the seed; random
+streams depend on who, when and what for, never on what was drawn before."""
 
 import itertools
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -16,7 +18,6 @@ from tactometry.questionnaire import Questionnaire
 from tactometry.trials.cells import cell as cell_text
 
 from .cells import WiredCell
-from .random_streams import stream
 from .study_file import Levels, Study
 from .task_table import TaskTable
 
@@ -167,3 +168,13 @@ def all_cells(study: Study) -> list[dict[str, float | str]]:
     crossing = Crossing[float | str](study.factors, {}, nested_levels(study))
     cells = crossing.cells(0, np.random.default_rng(0))  # all orders are fixed: nothing is drawn
     return [{name: cell[name] for name in study.factors} for cell in cells]
+
+
+def stream(seed: int, *keys: str | int) -> np.random.Generator:
+    """The generator of `seed` for this use: equal keys give equal streams, other keys independent ones.
+
+    >>> stream(1, "P01", 1, "protocol").integers(1000) == stream(1, "P01", 1, "protocol").integers(1000)
+    np.True_
+    """
+    words = tuple(key if isinstance(key, int) else zlib.crc32(key.encode()) for key in keys)
+    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=words))

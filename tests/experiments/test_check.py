@@ -23,8 +23,8 @@ from tactometry.cli.check import _table
 from tactometry.cli.output import hands_are_off
 from tactometry.experiments.bench.bench_file import load_bench, parse_bench
 from tactometry.experiments.bench.finding import Finding, exit_status
+from tactometry.experiments.bench.preflight_computer import _try_keys, key_to_record_s
 from tactometry.experiments.bench.preflight_devices import devices, tone_of
-from tactometry.experiments.bench.preflight_display import _try_keys, key_to_record_s
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load as load_numbers
 from tactometry.rigs.pages.page import Page
@@ -118,7 +118,7 @@ def test_the_way_from_a_key_to_its_record_is_that_of_a_real_key(watched, partici
 
 
 def test_where_nobody_presses_a_key_the_check_goes_on(watched, monkeypatch, tmp_path):
-    monkeypatch.setattr("tactometry.experiments.bench.preflight_display.KEYS_WITHIN_S", 0.1)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight_computer.KEYS_WITHIN_S", 0.1)
     found = _try_keys(watched, "fr", tmp_path)
     assert (found.found, found.fine) == ("no key was pressed in 0.1 s", None)
     assert "sur la barre d'espace" in watched.pages[-1].items[1].words

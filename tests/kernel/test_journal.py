@@ -239,7 +239,7 @@ def test_the_catalogue_names_every_built_in_study():
 
 
 def test_streams_differ_by_use():
-    from tactometry.experiments.study.random_streams import stream
+    from tactometry.experiments.study.session_plan import stream
 
     draws = {tuple(stream(1, *keys).integers(2**60, size=2)) for keys in [("a",), ("b",), ("a", 1), ("a", 1, 2), ()]}
     assert len(draws) == 5

@@ -157,7 +157,7 @@ def test_check_finds_it_and_its_exit_status_is_3(line, folder):
         yield
 
     with unprivileged():
-        findings = list(findings_of("sensor hand", opened))
+        findings = list(findings_of("sensor hand", opened()))
     assert "Permission denied" in findings[0].found
     assert exit_status(findings) == 3
 
