@@ -26,7 +26,7 @@ LINES = (
     (
         "experiments/study/procedure_table.py",
         "from tactometry.protocols.procedures.stochastic_approximation import StochasticApproximation\n",
-        "from tactometry.protocols.procedures.weighted_staircase import",
+        "from tactometry.protocols.procedures.procedure import",
     ),
     (
         "experiments/study/procedure_table.py",
