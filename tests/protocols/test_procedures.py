@@ -41,6 +41,7 @@ def psychopy_levels(answers, **options):
     return levels, handler
 
 
+@pytest.mark.slow
 @given(
     answers=st.lists(st.booleans(), min_size=1, max_size=80),
     n_up=st.integers(1, 3),
@@ -77,6 +78,7 @@ def test_sequences_equal_those_of_psychopy(answers, n_up, n_down, steps, initial
     assert list(end.reversals) == handler.reversalIntensities
 
 
+@pytest.mark.slow
 @given(answers=st.lists(st.booleans(), min_size=1, max_size=60), n_down=st.integers(1, 3))
 def test_levels_at_the_bounds_equal_those_of_psychopy_until_censoring(answers, n_down):
     ours, _ = follow(
@@ -89,6 +91,7 @@ def test_levels_at_the_bounds_equal_those_of_psychopy_until_censoring(answers, n
     assert ours == theirs[: len(ours)]
 
 
+@pytest.mark.slow
 def test_psychopy_ends_when_both_counts_are_reached_and_ours_when_one_is():
     answers = [True, False] * 40
     options = {"startVal": 10.0, "stepSizes": [2.0, 1.0], "nReversals": 6, "nTrials": 30, "nDown": 1}
@@ -98,6 +101,7 @@ def test_psychopy_ends_when_both_counts_are_reached_and_ours_when_one_is():
     assert (len(theirs), len(ours), end.ending) == (30, 7, "converged")
 
 
+@pytest.mark.slow
 def test_psychopy_steps_from_the_level_that_was_asked_for_and_ours_from_the_delivered_one():
     handler = psychopy_staircase(startVal=10.0, stepSizes=[2.0, 1.0], nTrials=9, nDown=1)
     next(handler)

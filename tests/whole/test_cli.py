@@ -180,9 +180,9 @@ def test_the_sine_variant_is_one_line_and_its_censored_cells_stay_bounds(tmp_pat
     output(capsys, "new", "electrovibration-threshold", "--out", "sine.toml")
     study = Path("sine.toml").read_text("utf-8")
     Path("sine.toml").write_text(study.replace('kind = "amplitude_modulated"', 'kind = "sine"'), "utf-8")
-    output(capsys, "simulate", "sine.toml", "--participants", 6, "--seed", 2, "--out", "d")
+    output(capsys, "simulate", "sine.toml", "--participants", 4, "--seed", 2, "--out", "d")
     out = output(capsys, "analyse", "d")
-    assert re.search(r" 30 │ .*of 6: \d above the", out)
+    assert re.search(r" 30 │ .*of 4: \d above the", out)
     assert "95 % interval between participants" in out
     assert re.search(r"analysis of variance of values and bounds\s+\(by the rule", out)
     assert re.search(r"values and bounds\s+leaves\s+out\s+frequency\s+=\s+30\s+Hz", out)
@@ -210,6 +210,7 @@ def readme_commands():
     ]
 
 
+@pytest.mark.slow
 def test_the_commands_of_the_readme_work_as_printed(tmp_path, capsys, monkeypatch):
     commands = [shlex.split(command) for command in readme_commands()]
     assert len(commands) >= 5
