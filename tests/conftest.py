@@ -26,7 +26,7 @@ __all__ = ["alsa", "needed", "pytest_addoption", "pytest_sessionfinish", "server
 
 SEED = secrets.randbits(32) if SOAK else int(os.environ.get("TACTOMETRY_TEST_SEED", "0"))
 settings.register_profile("reduced", deadline=None, max_examples=100, derandomize=True)
-settings.register_profile("once", settings.get_profile("reduced"), max_examples=40)
+settings.register_profile("once", settings.get_profile("reduced"), max_examples=25)
 settings.register_profile("soak", deadline=None, max_examples=1000)
 settings.load_profile("soak" if SOAK else "reduced")
 write_in_memory()
