@@ -7,7 +7,7 @@ import pandas as pd
 from scipy.stats import shapiro
 
 from ..arrays import Array
-from ..wording.numbers import p_text, share_text
+from ..wording import p_text, share_text
 from .contrasts import ContrastEffect, effects
 from .design import spread, within_design
 

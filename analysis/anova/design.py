@@ -10,7 +10,7 @@ import pandas as pd
 from tactometry.errors import InvalidParameter
 
 from ..arrays import RELATIVE_ZERO, Array, Indices, size_of
-from ..reading.refusals import no_column
+from ..reading.rows import no_column
 
 MIN_PARTICIPANTS, MAX_FACTORS = 3, 3
 AVERAGED = "several values of one participant in one cell were averaged"

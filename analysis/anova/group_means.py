@@ -18,9 +18,8 @@ import pandas as pd
 from scipy.stats import t as student
 
 from ..arrays import Array, size_of
-from ..conditions import parts
-from ..means import mean_with_interval
-from ..wording.numbers import interval_text
+from ..means import mean_with_interval, parts
+from ..wording import interval_text
 
 BOUNDS: Mapping[str, tuple[str, str]] = {
     "threshold": ("interval_low", "interval_high"),

@@ -13,7 +13,7 @@ from tactometry.errors import InvalidParameter
 from ..anova.design import UndefinedStatistic
 from ..anova.post_hoc import pairs
 from ..anova.within_subjects import repeated_measures
-from ..reading.refusals import no_column
+from ..reading.rows import no_column
 from .scoring import dimensions_of
 
 THESIS: Mapping[str, tuple[str, str]] = {

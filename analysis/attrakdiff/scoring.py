@@ -16,9 +16,8 @@ from tactometry.trials.columns import RESERVED, stated_factors
 
 from ..anova.group_means import MEANS, group_table
 from ..arrays import Array
-from ..conditions import by_condition, parts
-from ..means import MEAN, mean_row
-from ..reading.refusals import no_column
+from ..means import MEAN, by_condition, mean_row, parts
+from ..reading.rows import no_column
 
 NAME = "attrakdiff"
 HERE = (*RESERVED, "row", "source")

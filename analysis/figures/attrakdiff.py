@@ -7,8 +7,7 @@ import numpy as np
 import pandas as pd
 
 from ..attrakdiff.scoring import REGIONS
-from .axes import means_with_intervals
-from .style import Drawing, drawing_of, house_style, look, new_figure
+from .style import Drawing, drawing_of, look, means_with_intervals, new_figure
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -29,8 +28,7 @@ def scores_figure(
     `summary` has the columns `condition, dimension, mean, mean_low, mean_high, within_low, within_high`; `names` are
     the conditions to draw.
     """
-    with house_style():
-        figure = new_figure(6.6, 3.4)
+    with new_figure(6.6, 3.4) as figure:
         axes = figure.add_subplot()
         for n, name in enumerate(names):
             means = summary[summary["condition"] == name].set_index("dimension").reindex(list(order))
@@ -63,8 +61,7 @@ def profile_figure(profile: pd.DataFrame, names: Sequence[str], low: float, high
     """
     words = profile.drop_duplicates("item")
     y = np.arange(len(words))
-    with house_style():
-        figure = new_figure(6.6, 0.21 * len(words) + 1.0)
+    with new_figure(6.6, 0.21 * len(words) + 1.0) as figure:
         axes = figure.add_subplot()
         for n, name in enumerate(names):
             means = profile[profile["condition"] == name].set_index("item").reindex(words["item"])
@@ -93,8 +90,7 @@ def portfolio_figure(portfolio: pd.DataFrame) -> Drawing:
     """
     from matplotlib.patches import Rectangle
 
-    with house_style():
-        figure = new_figure(5.4, 4.6)
+    with new_figure(5.4, 4.6) as figure:
         axes = figure.add_subplot()
         _regions(axes)
         for n, row in enumerate(portfolio.to_dict("records")):
@@ -135,8 +131,7 @@ def crossed_figure(
     `summary` is as for `scores_figure`; `design` maps a condition to frequency and envelope.
     """
     envelopes = list(dict.fromkeys(envelope for _, envelope in design.values()))
-    with house_style():
-        figure = new_figure(1.75 * len(order) + 0.9, 3.2)
+    with new_figure(1.75 * len(order) + 0.9, 3.2) as figure:
         panels = figure.subplots(1, len(order), squeeze=False, sharey=True).ravel()
         for axes, dimension in zip(panels, order, strict=True):
             of_dimension = summary[summary["dimension"] == dimension].set_index("condition")

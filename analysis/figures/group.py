@@ -8,8 +8,8 @@ import pandas as pd
 
 from ..anova.group_means import HIGH, LOW
 from ..tasks.kinds import CURVES
-from .axes import FactorAxis, level_label, means_with_intervals, panels, series, shift
-from .style import Drawing, drawing_of, house_style, look, new_figure
+from ..wording import with_unit
+from .style import Drawing, FactorAxis, drawing_of, look, means_with_intervals, new_figure, panels, series, shift
 
 BESIDE = 0.4
 """Of the step from one series to the next: where the dots of participants lie, so that no bar hides them."""
@@ -40,8 +40,7 @@ def threshold_figure(
     participants are faint dots, and open triangles where `individuals` have a bound (`LOW`, `HIGH`), `targets` dashed
     lines. `from_zero` lets the axis of values begin at 0."""
     axis = FactorAxis.of(group, factors)
-    with house_style():
-        figure = new_figure(6.6, 3.6)
+    with new_figure(6.6, 3.6) as figure:
         axes = figure.add_subplot()
         where = axis.place(axes, group)
         lines, log = series(group, axis.series), axes.get_xscale() == "log"
@@ -88,14 +87,14 @@ def _draw_individuals(
 def rate_figure(rates: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
     """Detection rate against level, one panel per series (force), one line per value of the main factor
     (frequency)."""
-    labels = level_label(unit), CURVES[str(rates["task"].iloc[0])].rate_label
+    labels = with_unit("Level", unit), CURVES[str(rates["task"].iloc[0])].rate_label
     return _level_figure(rates, factors, "rate", labels, 2.5, ylim=RATES)
 
 
 def growth_figure(growth: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Drawing:
     """Of magnitude estimates, geometric means against the level: a panel per series, a line per value of the main
     factor; the numbers on a logarithmic axis, and the levels unless they are in decibels."""
-    labels = level_label(unit), "Magnitude (geometric mean)"
+    labels = with_unit("Level", unit), "Magnitude (geometric mean)"
     of_levels = "linear" if unit.startswith("dB") else "log"
     return _level_figure(growth, factors, "geometric_mean", labels, 2.7, yscale="log", xscale=of_levels)
 
@@ -117,8 +116,7 @@ def _level_figure(
 def mean_rate_figure(rates: pd.DataFrame, factors: Sequence[str]) -> Drawing:
     """Mean detection rate (all levels) against the main factor, a line per series."""
     axis = FactorAxis.of(rates, factors)
-    with house_style():
-        figure = new_figure(6.6, 3.0)
+    with new_figure(6.6, 3.0) as figure:
         axes = figure.add_subplot()
         where, lines = axis.place(axes, rates), series(rates, axis.series)
         for n, (name, line) in enumerate(lines):
@@ -136,8 +134,7 @@ def loss_figure(group: pd.DataFrame, factors: Sequence[str]) -> Drawing:
     panel_by = min(axis.series, key=lambda name: group[name].nunique()) if len(axis.series) > 1 else None
     places = series(group, [panel_by] if panel_by else [])
     lines = [name for name in axis.series if name != panel_by]
-    with house_style():
-        figure = new_figure(2.9 * len(places) + 1.6, 3.2)
+    with new_figure(2.9 * len(places) + 1.6, 3.2) as figure:
         grid = figure.subplots(1, len(places), squeeze=False, sharey=True)[0]
         for axes, (name, panel) in zip(grid, places, strict=True):
             _draw_losses(axes, panel, axis, lines)

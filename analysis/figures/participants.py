@@ -11,9 +11,8 @@ from statsmodels.stats.proportion import proportion_confint
 from ..tasks.cells import Estimate
 from ..tasks.kinds import CURVES
 from ..threshold.status import Status
-from ..wording.labels import condition_name
-from .axes import FactorAxis, level_label, panels
-from .style import Drawing, drawing_of, house_style, look, new_figure
+from ..wording import condition_name, with_unit
+from .style import Drawing, FactorAxis, drawing_of, look, new_figure, panels
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,8 +29,7 @@ def curve_figure(estimates: Sequence[Estimate], factors: Sequence[str], *, unit:
     rows = -(-len(shown) // columns)
     levels = [x for estimate in shown for x in estimate.cell.levels] or [0.0, 1.0]
     span = (min(levels), max(levels)) if min(levels) < max(levels) else (min(levels) - 1, max(levels) + 1)
-    with house_style():
-        figure = new_figure(max(1.45 * columns, 3.0), 1.35 * rows + 0.5)
+    with new_figure(max(1.45 * columns, 3.0), 1.35 * rows + 0.5) as figure:
         for place, estimate in enumerate(shown):
             axes = _panel(figure, place, rows, columns)
             _draw_curve(axes, estimate, span)
@@ -40,7 +38,7 @@ def curve_figure(estimates: Sequence[Estimate], factors: Sequence[str], *, unit:
                 labelsize=6.5, length=2, labelleft=place % columns == 0, labelbottom=place >= len(shown) - columns
             )
         task = shown[0].cell.task
-        figure.supxlabel(level_label(unit), fontsize=8)
+        figure.supxlabel(with_unit("Level", unit), fontsize=8)
         figure.supylabel(CURVES[task].rate_label, fontsize=8, x=0.08 / figure.get_size_inches()[0])
         return drawing_of(figure)
 
@@ -86,7 +84,7 @@ def track_figure(rows: pd.DataFrame, factors: Sequence[str], *, unit: str) -> Dr
     main factor (frequency); filled where the answer was yes or correct, open where not, catch trials left
     out."""
     axis = FactorAxis.of(rows, factors)
-    labels = "Trial of the track", level_label(unit)
+    labels = "Trial of the track", with_unit("Level", unit)
     return panels(rows, axis, partial(_draw_tracks, axis=axis), labels=labels, height_in=2.1, share_x=False)
 
 

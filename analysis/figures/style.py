@@ -1,15 +1,23 @@
-"""One look for all figures: colours that the colour-blind tell apart, vector output with equal bytes for
-equal data."""
+"""What figures share: colours that the colour-blind tell apart, vector output with equal bytes for equal data, which
+factor runs along x and which make series."""
 
 import io
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
 from tactometry.palette import COLOURS
 
+from ..arrays import Array
+from ..wording import condition_name, title_of
+
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 PRINT_DPI = 300
@@ -45,14 +53,16 @@ def house_style() -> Iterator[None]:
         yield
 
 
-def new_figure(width_in: float, height_in: float) -> "Figure":
-    """A figure that no window knows of."""
+@contextmanager
+def new_figure(width_in: float, height_in: float) -> "Iterator[Figure]":
+    """A figure that no window knows of, in the house style."""
     from matplotlib.backends.backend_svg import FigureCanvasSVG
     from matplotlib.figure import Figure
 
-    figure = Figure(figsize=(width_in, height_in), layout="constrained")
-    FigureCanvasSVG(figure)
-    return figure
+    with house_style():
+        figure = Figure(figsize=(width_in, height_in), layout="constrained")
+        FigureCanvasSVG(figure)
+        yield figure
 
 
 @dataclass(frozen=True)
@@ -90,3 +100,119 @@ def shades(n: int) -> Sequence[tuple[float, float, float, float]]:
     import matplotlib as mpl
 
     return [mpl.colormaps["viridis"](LIGHTEST * place / max(1, n - 1)) for place in range(n)]
+
+
+LOG_RANGE = 4.0
+SPREAD, MOST_SPREAD = 0.18, 0.7
+
+
+@dataclass(frozen=True)
+class FactorAxis:
+    """Which factor runs along x, which ones make the series; both may be missing."""
+
+    along: str | None
+    series: tuple[str, ...]
+
+    @classmethod
+    def of(cls, table: pd.DataFrame, factors: Sequence[str]) -> "FactorAxis":
+        """The numeric factor with most levels along x, the others as series."""
+        numeric = [name for name in factors if pd.api.types.is_numeric_dtype(table[name])]
+        along = max(numeric or list(factors), key=lambda name: table[name].nunique(), default=None)
+        return cls(along, tuple(name for name in factors if name != along))
+
+    def place(self, axes: "Axes", table: pd.DataFrame) -> dict[object, float]:
+        """Put the values of the factor along x on that axis, a logarithmic one where they span much, and say where each
+        lies; without a factor all rows lie at one place."""
+        from matplotlib.ticker import NullLocator
+
+        levels: list[Any] = ["all"] if self.along is None else sorted(set(table[self.along]))
+        axes.set_xlabel("" if self.along is None else title_of(self.along))
+        if not all(isinstance(level, int | float | np.number) for level in levels):
+            axes.set_xticks(range(len(levels)), [str(level) for level in levels])
+            return {level: float(n) for n, level in enumerate(levels)}
+        if levels[0] > 0 and levels[-1] / levels[0] > LOG_RANGE:
+            axes.set_xscale("log")
+            axes.xaxis.set_minor_locator(NullLocator())
+        axes.set_xticks([float(level) for level in levels], [f"{level:g}" for level in levels])
+        return {level: float(level) for level in levels}
+
+    def x(self, rows: pd.DataFrame, where: Mapping[object, float]) -> Array:
+        """Where these rows lie."""
+        values = ["all"] * len(rows) if self.along is None else rows[self.along]
+        return np.array([where[value] for value in values])
+
+    def lines(self, table: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame, tuple[float, float, float, float]]]:
+        """A part of the table for each value of the factor along x, with its name and colour."""
+        groups = series(table, [self.along] if self.along else [])
+        return ((name, rows, colour) for (name, rows), colour in zip(groups, shades(len(groups)), strict=True))
+
+
+def series(table: pd.DataFrame, names: Sequence[str]) -> list[tuple[str, pd.DataFrame]]:
+    if not names:
+        return [("", table)]
+    grouped = table.groupby(list(names), sort=True, observed=True)
+    return [(condition_name(names, key), rows) for key, rows in grouped]
+
+
+def means_with_intervals(axes: "Axes", x: NDArray[Any], means: pd.DataFrame, **style: Any) -> None:
+    """Means with their intervals: within participants where the table has such (`within_low`, `within_high`), and then
+    the one between them (`mean_low`, `mean_high`) as a thin line behind it; `style` is that of `errorbar`."""
+    mean = means["mean"].astype(float).to_numpy()
+    known, between = np.isfinite(mean), _ends(means, "mean")
+    within = _ends(means, "within") if "within_low" in means.columns else np.full_like(between, np.nan)
+    is_within = np.isfinite(within).all(axis=0)
+    bars = np.nan_to_num(np.where(is_within, within, between)[:, known], nan=0.0)
+    drawn_bars = axes.errorbar(x[known], mean[known], yerr=bars, **({"capsize": 2.5, "elinewidth": 1.2} | style))
+    behind = known & is_within & np.isfinite(between).all(axis=0)
+    low, high = mean - between[0], mean + between[1]
+    colour = drawn_bars.lines[0].get_color()
+    axes.vlines(x[behind], low[behind], high[behind], color=colour, linewidth=0.6, alpha=0.7)
+
+
+def _ends(means: pd.DataFrame, name: str) -> Array:
+    """How far the interval reaches below and above the mean, shape (2, condition)."""
+    mean, low, high = (means[column].astype(float).to_numpy() for column in ("mean", f"{name}_low", f"{name}_high"))
+    return np.stack([mean - low, high - mean])
+
+
+def shift(place: float, n: int, where: dict[object, float], *, log: bool) -> dict[object, float]:
+    """Series side by side, so that their intervals do not hide each other: `n` of them take at most `MOST_SPREAD` of
+    the smallest step of the axis, and each at most `SPREAD`.
+
+    >>> {name: round(x, 6) for name, x in shift(1, 2, {"a": 0.0, "b": 1.0}, log=False).items()}
+    {'a': 0.09, 'b': 1.09}
+    """
+    offset = (place - (n - 1) / 2) * min(SPREAD, MOST_SPREAD / n)
+    spots = np.array(list(where.values()))
+    scaled = np.log(spots) if log else spots
+    step = min(np.diff(np.sort(scaled)), default=1.0)
+    moved = scaled + offset * step
+    return dict(zip(where, (np.exp(moved) if log else moved).tolist(), strict=True))
+
+
+def panels(
+    table: pd.DataFrame,
+    axis: FactorAxis,
+    draw: "Callable[[Axes, pd.DataFrame], None]",
+    *,
+    labels: tuple[str, str],
+    height_in: float,
+    share_x: bool,
+) -> Drawing:
+    """A panel per series, at most three side by side, each drawn by `draw`, with one legend for all."""
+    parts = series(table, axis.series)
+    columns = min(3, len(parts))
+    rows = -(-len(parts) // columns)
+    with new_figure(2.6 * columns + 1.4, height_in * rows + 0.4) as figure:
+        grid = figure.subplots(rows, columns, squeeze=False, sharex=share_x, sharey=True).ravel()
+        for axes, (name, panel) in zip(grid, parts, strict=False):
+            draw(axes, panel)
+            axes.set_title(name)
+            axes.set_xlabel(labels[0])
+        for axes in grid[len(parts) :]:
+            axes.set_visible(False)
+        for axes in grid[::columns]:
+            axes.set_ylabel(labels[1])
+        if axis.along:
+            figure.legend(*grid[0].get_legend_handles_labels(), loc="outside right center")
+        return drawing_of(figure)

@@ -14,7 +14,7 @@ from ..tasks.cells import Cell
 from ..tasks.kinds import CURVES
 from ..tasks.task_analysis import DIFFERENCE_PER_WIDTH, SHAPE
 from ..threshold.status import Status
-from ..wording.numbers import interval_text, number_text
+from ..wording import interval_text, number_text
 
 MOST_CELLS = 500
 """More cells than these take longer than a report should: `fit_hierarchical` has no such bound."""

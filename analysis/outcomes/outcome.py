@@ -22,7 +22,7 @@ from ..anova.split_plot import group_pairs, mixed_anova
 from ..anova.within_subjects import permutation_test, repeated_measures
 from ..mixed_models.censored import censored_model
 from ..mixed_models.linear import MixedModel, mixed_model
-from ..wording.cross_table import cross_table
+from ..wording import cross_table
 from .findings import FORCE, TITLES, Outcome, Primary, primary_analysis
 
 MEASURED = "log2 of the measured force"

@@ -13,8 +13,7 @@ from ..attrakdiff.patterns import THESIS, against_reference, frequency_by_envelo
 from ..attrakdiff.scoring import consistency, item_scores, portfolio, scores, summary, word_pairs
 from ..reading.study_file import forms_of
 from ..reading.trials import Trials, asked_rows
-from ..wording.labels import value_of
-from ..wording.numbers import interval_text
+from ..wording import interval_text, value_of
 from .findings import Outcome, Primary
 from .outcome import outcome
 

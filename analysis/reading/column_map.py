@@ -13,8 +13,7 @@ from tactometry.config.strict import read_toml
 from tactometry.errors import InvalidFile
 
 from .level_scale import LevelScale
-from .refusals import no_column
-from .rows import holds
+from .rows import holds, no_column
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ import pandas as pd
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
-from .refusals import no_column
+from .rows import no_column
 from .trials import Trials
 
 TARGET = "force_n"

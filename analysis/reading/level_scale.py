@@ -11,7 +11,7 @@ from tactometry.errors import nearest
 from tactometry.trials.tasks import TASKS, tasks_with_level
 
 from ..arrays import Array
-from .refusals import bad_cell
+from .rows import bad_cell
 
 LevelScale = Literal["linear", "log10", "db"]
 LOGARITHMS: Mapping[str, tuple[str, Callable[[Array], Array]]] = {

@@ -14,7 +14,7 @@ from tactometry.records.head import Head
 from tactometry.records.sittings import changes, heads
 
 from ..arrays import Bools
-from ..wording.labels import NAMED
+from ..wording import NAMED
 from .level_scale import SETTINGS
 from .trials import Trials
 

@@ -22,11 +22,9 @@ from tactometry.trials.columns import MAY_BE_FACTORS, RESERVED, stated_factors
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
 from tactometry.trials.tasks import TASKS, tasks_with_level
 
-from .cell_numbers import numbers_of
 from .column_map import ColumnMap, translate, trials_of
 from .level_scale import on_scale, wide_levels
-from .refusals import bad_cell, no_column, place_of
-from .rows import holds, is_catch
+from .rows import bad_cell, holds, is_catch, no_column, numbers_of, place_of
 from .text_table import text_cells
 
 REQUIRED = ("participant", "level", "task", "response")

@@ -15,8 +15,7 @@ from ..tasks.cells import CHOICES
 from ..tasks.goodness import goodness_warnings
 from ..tasks.kinds import CURVES, RESULTS
 from ..threshold.status import Status
-from ..wording.labels import named_cells
-from ..wording.numbers import percent_text
+from ..wording import named_cells, percent_text
 
 MANY_FALSE_ALARMS = 0.25
 MANY_INVALID = 0.2

@@ -8,8 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 import pandas as pd
 
-from ..wording.labels import header_of
-from ..wording.numbers import cell_text, plain_text
+from ..wording import cell_text, header_of, plain_text
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from ..outcomes.ratings import Ratings
 from ..plan import AnalysisPlan
 from ..result import Analysis
 from ..tasks.kinds import CURVES, RESULTS
-from ..wording.procedures import PROCEDURES
+from ..wording import PROCEDURES
 
 PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "matplotlib")
 SHAPES = {

@@ -12,7 +12,7 @@ from tactometry.errors import InvalidParameter, attempt, counted
 from tactometry.files.safe_text import cell_text, file_text
 
 from ..result import Analysis
-from ..wording.labels import in_words, split_unit
+from ..wording import in_words, split_unit
 from .kinds import KINDS
 from .methods import references
 from .pdf import print_pdf

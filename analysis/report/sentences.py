@@ -14,8 +14,7 @@ from ..mixed_models.linear import MixedModel
 from ..outcomes.findings import Outcome, Primary
 from ..outcomes.hierarchical_outcome import HierarchicalOutcome
 from ..outcomes.ratings import REFERENCE, Ratings
-from ..wording.labels import in_unit, level_of, value_of
-from ..wording.numbers import interval_texts, number_text, p_text, percent_text, share_text
+from ..wording import in_unit, interval_texts, level_of, number_text, p_text, percent_text, share_text, value_of
 
 INTERVAL_OF_ETA = "90 %"
 MOST_EVIDENCE = 10_000

@@ -14,9 +14,7 @@ from tactometry.trials.tasks import TASKS
 
 from ..reading.study_file import StudyText
 from ..tasks.kinds import ANALYSES
-from ..wording.labels import in_words, level_of, split_unit
-from ..wording.numbers import percent_text
-from ..wording.procedures import procedure_phrase
+from ..wording import in_words, level_of, percent_text, procedure_phrase, split_unit
 
 Table = Mapping[str, Any]
 STIMULI = {

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from ..wording.labels import in_words
+from ..wording import in_words
 from .grid import grid
 from .kinds import KINDS
 

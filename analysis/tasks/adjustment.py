@@ -8,9 +8,8 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from ..conditions import by_condition
-from ..means import mean_row
-from ..reading.cell_numbers import numbers_of
+from ..means import by_condition, mean_row
+from ..reading.rows import numbers_of
 from .task_analysis import Results, TaskAnalysis
 
 TASK = "adjustment"

@@ -5,10 +5,9 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from ..conditions import by_condition
-from ..means import mean_row
+from ..means import by_condition, mean_row
 from ..reading.exclusion import TARGET
-from ..wording.numbers import decimals_of, percent_text
+from ..wording import decimals_of, percent_text
 
 MEASURED = ("force_mean_n", "force_sd_n", "force_in_band")
 

@@ -10,10 +10,8 @@ import pandas as pd
 
 from tactometry.trials.tasks import tasks_with_level
 
-from ..conditions import parts
-from ..reading.cell_numbers import numbers_of
-from ..reading.refusals import bad_cell
-from ..reading.rows import correctness, delivered_level, is_catch
+from ..means import parts
+from ..reading.rows import bad_cell, correctness, delivered_level, is_catch, numbers_of
 from ..reading.trials import Trials
 from ..threshold.fitting import ThresholdFit, fit_many
 from .kinds import CURVES

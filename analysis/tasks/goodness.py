@@ -15,7 +15,7 @@ from ..threshold.goodness import STATISTICS, Goodness, Sequences, goodness
 from ..threshold.log_posterior import LogPosterior
 from ..threshold.mode import climb
 from ..threshold.prior import Prior
-from ..wording.labels import named_cells
+from ..wording import named_cells
 from .cells import Estimate, catch_counts, cell_keys, stacked_counts
 from .kinds import CURVES
 from .rule_estimate import FIXED

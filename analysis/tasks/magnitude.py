@@ -12,10 +12,8 @@ import pandas as pd
 from scipy.stats import linregress, t as student
 
 from ..arrays import Array
-from ..conditions import by_condition
-from ..reading.cell_numbers import numbers_of
-from ..reading.refusals import bad_cell
-from ..reading.rows import delivered_level
+from ..means import by_condition
+from ..reading.rows import bad_cell, delivered_level, numbers_of
 from .task_analysis import Results, TaskAnalysis
 
 TASK = "magnitude"

@@ -5,9 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from ..conditions import by_condition
-from ..means import mean_row, mean_with_interval
-from ..reading.refusals import bad_cell
+from ..means import by_condition, mean_row, mean_with_interval
+from ..reading.rows import bad_cell
 from .task_analysis import Results, TaskAnalysis
 
 TASK = "measurement"

@@ -21,11 +21,10 @@ from tactometry.errors import InvalidFile, nearest
 from tactometry.trials.columns import stated_factors
 
 from ..arrays import Array, Bools, Indices
-from ..conditions import parts
-from ..reading.cell_numbers import numbers_of
-from ..reading.refusals import no_column, place_of
+from ..means import parts
+from ..reading.rows import no_column, numbers_of, place_of
 from ..reading.trials import Trials
-from ..wording.labels import level_of
+from ..wording import level_of
 from .task_analysis import Results, TaskAnalysis
 
 Texts = NDArray[np.str_]

@@ -11,8 +11,7 @@ import pandas as pd
 from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
-from ..reading.cell_numbers import numbers_of
-from ..reading.rows import is_catch
+from ..reading.rows import is_catch, numbers_of
 from ..reading.trials import Trials
 from .signal_detection import LARGEST_D_PRIME, z_score
 from .task_analysis import R_OF_LEVEL, Results, TaskAnalysis

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 
 import pandas as pd
 
-from tactometry.analysis.reading.cell_numbers import numbers_of
+from tactometry.analysis.reading.rows import numbers_of
 from tactometry.analysis.tasks.kinds import ANALYSES
 from tactometry.analysis.tasks.task_analysis import R_OF_FORM
 from tactometry.files.safe_text import cell_text

@@ -16,7 +16,7 @@ from tactometry.analysis.report.sentences import (
     pair_sentences,
     permutation_sentences,
 )
-from tactometry.analysis.wording.numbers import p_text, share_text
+from tactometry.analysis.wording import p_text, share_text
 
 ARGUMENTS = {"dependent": "y", "subject": "subject"}
 

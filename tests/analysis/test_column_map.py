@@ -11,8 +11,8 @@ from hypothesis import HealthCheck, given, strategies as st
 from places import DOCS
 
 from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.reading.cell_numbers import numbers_of, plain_numbers
 from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
+from tactometry.analysis.reading.rows import numbers_of, plain_numbers
 from tactometry.analysis.reading.text_table import plain_cells
 from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.cli.analyse import command
@@ -260,7 +260,7 @@ def test_a_spoiled_level_is_refused_with_file_row_and_column(tmp_path, guise, da
 def test_both_readers_of_numbers_agree_to_the_last_digit(words) -> None:
     import pandas as pd
 
-    from tactometry.analysis.reading.cell_numbers import _numbers_of_words
+    from tactometry.analysis.reading.rows import _numbers_of_words
 
     text = pd.Series(words, dtype="str")
     assert np.array_equal(plain_numbers(text), _numbers_of_words(text), equal_nan=True)

@@ -25,7 +25,7 @@ from tactometry.analysis.report.summary import summary
 from tactometry.analysis.result import Analysis
 from tactometry.analysis.tasks.task_analysis import DIFFERENCE_PER_WIDTH
 from tactometry.analysis.threshold.fitting import fit
-from tactometry.analysis.wording.cross_table import cross_table
+from tactometry.analysis.wording import cross_table
 from tactometry.cli.analyse import command, summary_text
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
 

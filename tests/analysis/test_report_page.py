@@ -9,9 +9,8 @@ import pandas as pd
 import pytest
 from places import RECORDED
 
-from tactometry.analysis.figures.axes import shift
 from tactometry.analysis.figures.group import threshold_figure
-from tactometry.analysis.figures.style import COLOURS, look
+from tactometry.analysis.figures.style import COLOURS, look, shift
 from tactometry.analysis.outcomes.findings import Outcome
 from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials

@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from tactometry.analysis.figures.style import drawing_of, house_style, new_figure
+from tactometry.analysis.figures.style import drawing_of, new_figure
 from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report import page, summary as json, terminal
@@ -30,8 +30,8 @@ def found(whole) -> Analysis:
 
 
 def figure() -> Figure:
-    with house_style():
-        return Figure("reactions", drawing_of(new_figure(2, 1)), "Reactions.", "reactions")
+    with new_figure(2, 1) as bare:
+        return Figure("reactions", drawing_of(bare), "Reactions.", "reactions")
 
 
 @pytest.fixture

@@ -149,7 +149,7 @@ BAD = (
     ("protocols/tasks", "from tactometry.protocols.tasks import yes_no"),
     ("experiments/study", "from tactometry.experiments import bench"),
     ("analysis/tasks", "from tactometry.analysis import report"),
-    ("analysis/wording", "from tactometry.analysis import reading"),
+    ("analysis/wording.py", "from tactometry.analysis import reading"),
     ("analysis/report/sections", "from tactometry.analysis.report import page"),
     ("analysis/outcomes", "from tactometry.records import journal"),
     ("stimuli/time_reversal", "import tactometry.session.request"),
@@ -167,7 +167,7 @@ BACK_UP = (
     ("analysis/outcomes/findings.py", "from .ratings import Ratings"),
     ("analysis/threshold/likelihood.py", "from .prior import Prior"),
     ("analysis/result.py", "from .report import page"),
-    ("analysis/conditions.py", "from .means import mean_row"),
+    ("analysis/means.py", "from .plan import AnalysisPlan"),
 )
 """Lines that run back up the floors, each in a file that stands on one."""
 

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from ...figures.group import threshold_figure
 from ...outcomes.findings import FORCE as TARGET
 from ...result import Analysis
-from ...wording.cross_table import cross_table
+from ...wording import cross_table
 from ..captions import figure_text
 from ..grid import grid
 from ..section import Figure, Lead, ResultKind, Section, TextTable, rows_of

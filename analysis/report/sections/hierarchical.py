@@ -6,8 +6,7 @@ from ...figures import group
 from ...outcomes.hierarchical_outcome import HierarchicalOutcome
 from ...result import Analysis
 from ...tasks.kinds import CURVES
-from ...wording.cross_table import cross_table
-from ...wording.labels import dependent_name, dependent_title, with_unit
+from ...wording import cross_table, dependent_name, dependent_title, with_unit
 from ..grid import grid, plain_rows
 from ..section import Content, Details, Figure, Lead, ResultKind, Section, Sentences, TextTable
 from ..sentences import hierarchical_sentences

@@ -4,7 +4,7 @@ from collections.abc import Iterator
 
 from ...figures.group import loss_figure
 from ...result import Analysis
-from ...wording.cross_table import cross_table
+from ...wording import cross_table
 from ..grid import grid
 from ..section import Figure, Lead, ResultKind, Section, TextTable, rows_of
 

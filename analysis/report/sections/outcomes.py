@@ -9,9 +9,7 @@ from ...figures import group
 from ...outcomes.findings import Outcome
 from ...result import Analysis
 from ...tasks.magnitude import DEPENDENT as EXPONENT, GROWTH
-from ...wording.cross_table import cross_table
-from ...wording.labels import dependent_name, dependent_title, in_words, with_unit
-from ...wording.numbers import interval_text, p_text
+from ...wording import cross_table, dependent_name, dependent_title, in_words, interval_text, p_text, with_unit
 from ..captions import figure_text, means_sentence, means_text
 from ..grid import TextGrid, grid, plain_rows
 from ..section import Content, Figure, FoldedSentences, Heading, Lead, ResultKind, Section, Sentences, TextTable

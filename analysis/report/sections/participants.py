@@ -7,7 +7,7 @@ import pandas as pd
 from ...figures import participants
 from ...result import Analysis
 from ...tasks.kinds import CURVES
-from ...wording.procedures import procedure_name
+from ...wording import procedure_name
 from ..grid import grid
 from ..section import Details, Figure, ResultKind, Section, rows_of
 
