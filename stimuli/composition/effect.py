@@ -20,6 +20,11 @@ Answer = TypeVar("Answer")
 Setting = float | int | str | tuple[float, ...] | tuple[str, ...]
 
 
+def note(words: str, *names: str) -> dict[str, str]:
+    """The same words for each of some names: of quantities how to have them, of kinds why they do not go together."""
+    return dict.fromkeys(names, words)
+
+
 @dataclass(frozen=True)
 class Size:
     """How finely a stage works: settings that the tolerated error chooses, the error that is left, and the work.

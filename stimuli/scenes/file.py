@@ -10,7 +10,7 @@ from tactometry.config.strict import build, build_kind, check_keys, convert
 from tactometry.config.toml import errors_in, read_table
 from tactometry.errors import InvalidParameter
 
-from ..composition.effect import Effect, FingerContact, Setting
+from ..composition.effect import Effect, FingerContact
 from .effects import EFFECTS
 from .scene import Scene
 from .surfaces import SURFACES
@@ -71,13 +71,9 @@ def _scene(tables: _Tables) -> Scene:
     surface, effects = build_kind(tables.surface, "surface", SURFACES), _all_of(tables.effects)
     contacts = tuple(build(FingerContact, touch, f"contacts[{n}]") for n, touch in enumerate(tables.contacts))
     try:
-        return Scene(surface, effects, tables.outputs, tables.accuracy, contacts, _settings(tables))
+        return Scene(surface, effects, tables.outputs, tables.accuracy, contacts, tables.settings or {})
     except InvalidParameter as error:
         raise InvalidParameter(str(error).removeprefix("Scene.")) from None
-
-
-def _settings(tables: _Tables) -> Mapping[str, Mapping[str, Setting]]:
-    return {stage: dict(chosen) for stage, chosen in (tables.settings or {}).items()}
 
 
 def _all_of(tables: tuple[dict[str, Any], ...]) -> tuple[Effect, ...]:

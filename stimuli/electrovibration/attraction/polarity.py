@@ -1,15 +1,13 @@
 """An asymmetry of the skin between positive and negative voltages."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from tactometry.arguments.checked import checked
 
 from ...arrays import FloatArray
-from ...composition.effect import Effect
+from ...composition.effect import Effect, note
 
 NO_FLOW = "the exact motion has no term for it; remove 'polarity' or the other"
 
@@ -40,7 +38,7 @@ class Polarity(Effect):
     kind = "polarity"
     slot = "polarity"
     not_negative = ("positive_share",)
-    excludes: ClassVar[Mapping[str, str]] = {"friction_lag": NO_FLOW, "finger_dynamics": NO_FLOW}
+    excludes = note(NO_FLOW, "friction_lag", "finger_dynamics")
     reads, gives = ("electrostatic_force_n", "layer_voltage_v"), "electrostatic_force_n"
 
     positive_share: float

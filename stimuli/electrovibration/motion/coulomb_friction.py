@@ -1,9 +1,8 @@
 """Coulomb friction of a finger that slides all the time."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from math import hypot
-from typing import ClassVar, Self
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,7 +12,7 @@ from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
-from ...composition.effect import Quantity, Stage, Surroundings
+from ...composition.effect import Quantity, Stage, Surroundings, note
 
 
 @dataclass(frozen=True)
@@ -35,9 +34,9 @@ class CoulombFriction(Quantity):
     requires = ("sliding contact",)
     gives = stage_name = "friction_law"
     assumes = ("the finger slides all the time; its coefficient knows no speed far above slip_speed_m_per_s",)
-    cures: ClassVar[Mapping[str, str]] = {
-        "friction_force_n": "add the effect friction, or dry_friction with finger_dynamics, and a sliding contact"
-    }
+    cures = note(
+        "add the effect friction, or dry_friction with finger_dynamics, and a sliding contact", "friction_force_n"
+    )
 
     coefficient: float = 0.5
     load_exponent: float = 0.0

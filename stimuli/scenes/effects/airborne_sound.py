@@ -1,11 +1,10 @@
 """What is heard of an emission."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf, log10
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
-from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
+from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
 from ..stages.truncation import n_frequencies_of_sound, n_modes, remainder
 
 if TYPE_CHECKING:
@@ -27,7 +26,7 @@ class AirborneSound(Effect):
     kind = "airborne_sound"
     slot = "sound"
     positive = ("distance_m",)
-    cures: ClassVar[Mapping[str, str]] = {"sound_level_dba": "add the effect airborne_sound"}
+    cures = note("add the effect airborne_sound", "sound_level_dba")
     requires = ("attenuation",)
     assumes = (
         "sound is that of a plate in a baffle with simply supported edges, radiated as many modes do in the mean",

@@ -1,12 +1,11 @@
 """Energy: what the plate holds at the focus instant, and what the transducers draw."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter
 
-from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
+from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
 from ..stages.truncation import MOST_MODES, n_modes, remainder
 
 if TYPE_CHECKING:
@@ -30,7 +29,7 @@ class DriveEnergy(Effect):
     kind = "drive_energy"
     slot = "energy"
     positive = ("capacitance_f", "loss_tangent")
-    cures: ClassVar[Mapping[str, str]] = dict.fromkeys(("energy_j", "power_w"), "add the effect drive_energy")
+    cures = note("add the effect drive_energy", "energy_j", "power_w")
 
     capacitance_f: float = 5.31e-9
     loss_tangent: float = 0.017

@@ -1,12 +1,11 @@
 """The finger pad as mass, spring and damper, which grow with the speed: exact motion, event-exact stick and slip."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import sqrt
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from ...composition.content import VoltageContent
-from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect, Stage, Surroundings, note
 from ...composition.sampling import per_sample
 
 if TYPE_CHECKING:
@@ -29,10 +28,9 @@ class FingerDynamics(Effect):
     kind = "finger_dynamics"
     slot = "dynamics"
     requires = ("friction", "sliding contact")
-    cures: ClassVar[Mapping[str, str]] = {
-        "skin_displacement_m": "add the effects friction (or dry_friction) and finger_dynamics",
-        "slip_events_s": "add the effects dry_friction and finger_dynamics",
-    }
+    cures = note("add the effects dry_friction and finger_dynamics", "slip_events_s") | note(
+        "add the effects friction (or dry_friction) and finger_dynamics", "skin_displacement_m"
+    )
     assumes = ("the pad is one mass, spring and damper; its damping (0.04 of the critical) is unverified",)
 
     @property

@@ -1,14 +1,13 @@
 """Fingers at rest that load the plate: at the focus, elsewhere, several."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import pi
-from typing import Any, ClassVar
+from typing import Any
 
 from tactometry.arguments import require
 
 from ...composition.content import PlateContent
-from ...composition.effect import Demand, Effect, Setting, Size, Stage, Surroundings
+from ...composition.effect import Demand, Effect, Setting, Size, Stage, Surroundings, note
 from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes
 
@@ -28,13 +27,11 @@ class FingerLoad(Effect):
 
     kind = "finger_load"
     slot = "load"
-    cures: ClassVar[Mapping[str, str]] = dict.fromkeys(
-        ("contact_force_n", "contact_displacement_m"), "add the effect finger_load and a contact at rest"
-    )
+    cures = note("add the effect finger_load and a contact at rest", "contact_force_n", "contact_displacement_m")
     requires = ("resting contact",)
-    excludes: ClassVar[Mapping[str, str]] = {
-        "shear": "a force at a point sinks into a plate with shear without limit; remove 'shear' or 'finger_load'"
-    }
+    excludes = note(
+        "a force at a point sinks into a plate with shear without limit; remove 'shear' or 'finger_load'", "shear"
+    )
     assumes = ("a contact is linear and two-sided: it pulls as well as it presses, and never lifts off",)
 
     resistance_n_s_per_m: float = 10.0

@@ -1,14 +1,12 @@
 """Several foci at the same instant."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import sqrt
-from typing import ClassVar
 
 from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
-from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect, Stage, Surroundings, note
 from ..stages.scaling import at_voltage
 
 PLACES = "tactometry.stimuli.scenes.stages.emission:several"
@@ -24,7 +22,7 @@ class Foci(Effect):
 
     kind = "foci"
     slot = "foci"
-    cures: ClassVar[Mapping[str, str]] = {"peaks_m": "add the effect foci"}
+    cures = note("add the effect foci", "peaks_m")
 
     x_m: tuple[float, ...]
     y_m: tuple[float, ...]

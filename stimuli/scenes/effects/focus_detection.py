@@ -1,11 +1,10 @@
 """What a finger feels of foci: the level of the strongest above the threshold of a single one."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from math import inf, log10
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
-from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect, Stage, Surroundings, note
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
@@ -26,7 +25,7 @@ class FocusDetection(Effect):
     slot = "detection"
     positive = ("reference_m",)
     reads, gives = ("felt_at_1v_m", "voltage_v"), "sensation_db"
-    cures: ClassVar[Mapping[str, str]] = {"sensation_db": "add the effect focus_detection"}
+    cures = note("add the effect focus_detection", "sensation_db")
     assumes = ("every focus is felt as one event of displacement, whatever its course; a train by its energy in 0.2 s",)
 
     reference_m: float = 10e-6

@@ -1,13 +1,12 @@
 """Which of the four laws of the literature gives the electrostatic force; they differ by a factor near 1000."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar, Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect, Stage, Surroundings, note
 
 if TYPE_CHECKING:
     from ...electrovibration.attraction.force import ForceForm
@@ -29,9 +28,9 @@ class ForceLaw(Effect):
     kind = "force_law"
     slot = "law"
     reads, gives = ("skin", "area_m2"), "form"
-    cures: ClassVar[Mapping[str, str]] = {
-        "form": "add the effect force_law and name one of the four laws; their forces differ by a factor near 1000"
-    }
+    cures = note(
+        "add the effect force_law and name one of the four laws; their forces differ by a factor near 1000", "form"
+    )
     assumes = ("one force law of four, which differ by a factor near 1000",)
 
     law: Law

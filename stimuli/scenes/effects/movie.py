@@ -1,13 +1,12 @@
 """The field around the focus instant, frame by frame."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
-from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
+from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
 from ..stages.scaling import at_voltage
 
 MAP = "tactometry.stimuli.scenes.stages.map"
@@ -25,7 +24,7 @@ class Movie(Effect):
     kind = "movie"
     slot = "movie"
     positive = ("span_s",)
-    cures: ClassVar[Mapping[str, str]] = dict.fromkeys(("movie_m", "frames_s"), "add the effect movie")
+    cures = note("add the effect movie", "movie_m", "frames_s")
 
     n_frames: int = 61
     span_s: float = 0.5e-3

@@ -1,11 +1,10 @@
 """Receptor channels in place of one threshold: the channel furthest above its own mediates detection."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from ...composition.content import VoltageContent
-from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect, Stage, Surroundings, note
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
@@ -31,7 +30,7 @@ class Receptors(Effect):
     positive = ("reference_force_n",)
     requires = ("friction",)
     reads, gives = ("components",), "channels_db"
-    cures: ClassVar[Mapping[str, str]] = {"channels_db": "add the effects friction and receptors"}
+    cures = note("add the effects friction and receptors", "channels_db")
     assumes = ("thresholds are those of force, without the mobility of the skin; nothing sums over time",)
 
     reference_force_n: float = 6.7e-6

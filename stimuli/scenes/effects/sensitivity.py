@@ -1,11 +1,10 @@
 """Sensation by the component furthest above the spectral threshold of touch."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING
 
 from ...composition.content import VoltageContent
-from ...composition.effect import Effect, Surroundings
+from ...composition.effect import Effect, Surroundings, note
 
 if TYPE_CHECKING:
     from ...perception.detection import Components
@@ -29,10 +28,8 @@ class Sensitivity(Effect):
     positive = ("reference_force_n",)
     requires = ("friction",)
     reads, gives = ("components",), "sensation_db"
-    cures: ClassVar[Mapping[str, str]] = {"sensation_db": "add the effects friction and sensitivity, or receptors"}
-    excludes: ClassVar[Mapping[str, str]] = {
-        "receptors": "both are thresholds by frequency; remove 'sensitivity' or 'receptors'"
-    }
+    cures = note("add the effects friction and sensitivity, or receptors", "sensation_db")
+    excludes = note("both are thresholds by frequency; remove 'sensitivity' or 'receptors'", "receptors")
     assumes = ("the threshold is one of force, without the mobility of the skin; nothing sums over time",)
 
     reference_force_n: float = 6.7e-6

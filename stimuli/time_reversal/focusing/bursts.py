@@ -17,9 +17,7 @@ from tactometry.signal import Signal
 
 from ...arrays import FloatArray, IntArray
 from ..responses.responses import Responses
-from .focusing import reversed_waveform
-from .pattern import Pattern, focus_starts
-from .quantiser import Analogue, Quantiser, one_bit
+from .quantiser import Analogue, Quantiser
 
 RESOLVED: Final = 0.02
 """How far a focus may be off, in parts of the largest one: 0.17 dB (unverified default)."""
@@ -42,6 +40,11 @@ class Bursts:
     supply_v : float
         Above 0.
 
+    Raises
+    ------
+    InvalidParameter
+        If one emission begins before the one before it is over.
+
     Examples
     --------
     >>> h = Responses(np.array([[[1.0, 2.0, 4.0]]]), 1e3)
@@ -55,31 +58,8 @@ class Bursts:
     rows: Sequence[int]
     supply_v: float
 
-    @classmethod
-    def of(
-        cls,
-        focus: Responses,
-        heard: Responses,
-        pattern: Pattern,
-        quantiser: Quantiser | None,
-        reversal_s: float | None,
-        rows: Sequence[int],
-        supply_v: float,
-    ) -> "Bursts":
-        """Those of a pattern; the arguments are those of `TimeReversalStimulus`.
-
-        Raises
-        ------
-        InvalidParameter
-            If one emission begins before the one before it is over.
-        """
-        rule, starts = quantiser or one_bit(), focus_starts(pattern, focus.rate_hz)
-        bits = {
-            row: rule.quantise(reversed_waveform(focus.at_point(row), reversal_s=reversal_s), focus.rate_hz)
-            for row in set(rows)
-        }
-        _check_apart(starts, bits[rows[0]].shape[1], focus.rate_hz)
-        return cls([bits[row] for row in rows], starts, heard, rows, supply_v)
+    def __post_init__(self) -> None:
+        _check_apart(self.starts, self.bits[0].shape[1], self.heard.rate_hz)
 
     @property
     def reach_m(self) -> float:

@@ -198,7 +198,7 @@ def pattern_drive(
     one_of("pattern_drive.modulation", modulation, MODULATIONS)
     rows = _rows(path, pattern.n_foci, foci.n_points)
     rule = quantiser or one_bit()
-    waves = {row: reversed_waveform(foci.at_point(row), reversal_s=reversal_s) for row in set(rows)}
+    waves = reversed_waveforms(foci, rows, reversal_s)
     n = next(iter(waves.values())).shape[1]
     starts = focus_starts(pattern, foci.rate_hz)
     overlaps = len(starts) > 1 and int(np.min(np.diff(starts))) < n
@@ -212,6 +212,11 @@ def pattern_drive(
         supply = _supply(scales, starts, n)
         total = supply * rule.quantise(total / np.where(supply > 0, supply, 1.0), foci.rate_hz)
     return Signal(voltage_v * total, foci.rate_hz, "V")
+
+
+def reversed_waveforms(foci: Responses, rows: Sequence[int], reversal_s: float | None) -> dict[int, FloatArray]:
+    """By the row of each place that a train has foci at: (n_channels, n_reversal), not quantised yet."""
+    return {row: reversed_waveform(foci.at_point(row), reversal_s=reversal_s) for row in set(rows)}
 
 
 @checked

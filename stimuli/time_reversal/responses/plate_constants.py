@@ -46,7 +46,7 @@ class MeasuredConstant:
 @checked
 def schroeder_db(response: FloatArray) -> FloatArray:
     """Energy still to come at each sample, in dB of the whole; minus infinity after the last."""
-    _check_sounds(response)
+    expect(np.any(response), "response", "zero everywhere", "an impulse response")
     to_come = np.cumsum(np.square(response)[..., ::-1], axis=-1)[..., ::-1]
     with np.errstate(divide="ignore"):
         return np.asarray(10 * np.log10(to_come / to_come[..., :1]))
@@ -152,10 +152,6 @@ def _blocks(responses: FloatArray, rate_hz: float) -> tuple[FloatArray, float]:
     expect(size >= 1, "response", f"{sounding[-1] + 1} samples", f"at least {N_BLOCKS}")
     cut = responses[:, : size * N_BLOCKS].reshape(-1, N_BLOCKS, size)
     return np.asarray(np.square(cut).mean(axis=2)), size * N_BLOCKS / rate_hz
-
-
-def _check_sounds(response: FloatArray) -> None:
-    expect(np.any(response), "response", "zero everywhere", "an impulse response")
 
 
 def _first(energy: FloatArray) -> int:

@@ -27,7 +27,9 @@ from ..focusing.pattern import (
     Pattern,
     Table,
     focus_samples,
+    focus_starts,
     pattern_drive,
+    reversed_waveforms,
 )
 from ..focusing.quantiser import Analogue, Quantiser
 from ..focusing.sigma_delta import SigmaDelta
@@ -169,15 +171,11 @@ class TimeReversalStimulus:
     @cached_property
     def _bursts(self) -> Bursts:
         assert self.supply_v is not None
-        return Bursts.of(
-            self.focus,
-            self.heard or self.focus,
-            self.pattern,
-            self.quantiser,
-            self.reversal_s,
-            self._rows,
-            self.supply_v,
-        )
+        rate_hz, rule = self.focus.rate_hz, self.quantiser or OneBit()
+        waves = reversed_waveforms(self.focus, self._rows, self.reversal_s)
+        bits = {row: rule.quantise(wave, rate_hz) for row, wave in waves.items()}
+        starts = focus_starts(self.pattern, rate_hz)
+        return Bursts([bits[row] for row in self._rows], starts, self.heard or self.focus, self._rows, self.supply_v)
 
     @property
     def _rows(self) -> list[int]:
