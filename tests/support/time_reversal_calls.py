@@ -308,6 +308,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 "foci": RESPONSES, "pattern": Pattern(10.0, 0.2), "voltage_v": 30.0, "quantiser": OneBit(),
                 "reversal_s": 0.1, "path": [0, 1], "modulation": "burst", "tau_s": 3e-2,
             },
+            "reversed_waveforms": {"foci": RESPONSES, "rows": [0, 1, 0], "reversal_s": 0.1},
             "focus_samples": {"pattern": Pattern(10.0, 0.2), "rate_hz": 2e3, "n_reversal": 9},
             "focus_starts": {"pattern": Pattern(10.0, 0.2), "rate_hz": 2e3},
             "burst_s": {"weight": 0.5, "reversal_s": 7e-3, "tau_s": 3.5e-3},

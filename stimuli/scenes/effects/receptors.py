@@ -5,12 +5,12 @@ from typing import TYPE_CHECKING
 
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings, note
+from ..stages.scaling import HIGHEST
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
     from ...perception.detection import Components
 
-HIGHEST = "tactometry.stimuli.scenes.surfaces.electrovibration:highest"
 STEEPEST_DB_PER_HZ = 2.5
 """Of the thresholds of `tactometry.stimuli.perception.channels`, at 3 Hz: an upper bound."""
 

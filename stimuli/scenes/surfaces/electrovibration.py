@@ -12,7 +12,7 @@ from ...composition.effect import Effect, Size, Stage, Surface
 from ...composition.sampling import per_sample, record
 from ..effects import OF_ELECTROVIBRATION
 from ..stages.circuit import divider_stage
-from ..stages.scaling import MULTIPLY
+from ..stages.scaling import HIGHEST, MULTIPLY
 
 if TYPE_CHECKING:
     from tactometry.signal import Signal
@@ -95,7 +95,7 @@ class Electrovibration(Surface):
             Stage("layer_voltage", of_layer, "layer_voltage_v", MULTIPLY, size=once),
             Stage("attraction", drawn, "electrostatic_force_n", FORCE, size=per_sample(3.0)),
             Stage("spectrum", ("t_s", "friction_force_n"), "components", COMPONENTS, size=fine_spectrum),
-            Stage("peak", force, "peak_force_n", f"{__name__}:highest", size=once),
+            Stage("peak", force, "peak_force_n", HIGHEST, size=once),
         )
 
     def played(self) -> "PlayedElectrovibration":
@@ -195,8 +195,3 @@ def fine_spectrum(demand: "Demand") -> Size:
     from ..stages.spectrum import size
 
     return size(demand)
-
-
-def highest(course: "FloatArray") -> float:
-    """The largest value of a course."""
-    return float(course.max())

@@ -214,6 +214,7 @@ def pattern_drive(
     return Signal(voltage_v * total, foci.rate_hz, "V")
 
 
+@checked
 def reversed_waveforms(foci: Responses, rows: Sequence[int], reversal_s: float | None) -> dict[int, FloatArray]:
     """By the row of each place that a train has foci at: (n_channels, n_reversal), not quantised yet."""
     return {row: reversed_waveform(foci.at_point(row), reversal_s=reversal_s) for row in set(rows)}
