@@ -43,14 +43,14 @@ def drawn(n_sets: int, guess: float, rng: np.random.Generator) -> np.ndarray:
 
 
 def modes(k: np.ndarray) -> float:
-    counts = normalise(*count_arrays(LEVELS, k, N_TRIALS, positive=False))
+    counts = normalise(*count_arrays(LEVELS, k, N_TRIALS))
     zeros = np.zeros(len(k))
     return seconds(lambda: find_mode(LogPosterior(SHAPE, counts, Prior(counts.gap, None, 0.5, zeros, zeros))), 2)
 
 
 def scipy_one_at_a_time(k: np.ndarray) -> float:
     """Nelder-Mead on the same log posterior; seconds per set."""
-    counts = normalise(*count_arrays(LEVELS, k, N_TRIALS, positive=False))
+    counts = normalise(*count_arrays(LEVELS, k, N_TRIALS))
     start = process_time()
     for i in range(len(k)):
         prior = Prior(counts.gap[:1], None, 0.5, np.zeros(1), np.zeros(1))

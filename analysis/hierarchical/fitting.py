@@ -16,8 +16,7 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 
-from tactometry.arguments.require import between
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import between, expect
 from tactometry.psychometric import shape_named
 
 from ..arrays import Array
@@ -26,10 +25,11 @@ from ..threshold.counts import count_arrays
 from ..threshold.fitting import check_rates
 from ..threshold.likelihood import GUESS, LAPSE
 from ..threshold.prior import BETA_B
-from .layout import CONDITION_COLUMNS, Layout, ParameterPlace, cells, condition_table, means, participant_table, reaches
-from .model import CORRELATED_FROM, StudyCounts, mixed_model, rate_of, start
+from .model import CORRELATED_FROM, mixed_model, rate_of, start
 from .result import Contrast, FactorEffect, GroupStatus, HierarchicalFit
 from .starts import Alone, fits_alone
+from .study import StudyCounts
+from .tables import CONDITION_COLUMNS, ParameterPlace, cells, condition_table, means, participant_table, reaches
 
 ZERO_SD = 1e-3
 """A standard deviation below this part of the range of the levels (below this, for the log width) is none."""
@@ -108,80 +108,68 @@ def fit_hierarchical(
     curve = shape_named(shape)
     _check(conditions, width_by, interval, (guess_rate, lapse_rate))
     names = np.asarray([str(name) for name in participants])
-    x, k, n = (rows[0] for rows in count_arrays(levels, n_correct, n_trials, positive=curve.on_log_levels))
-    if curve.on_log_levels:
-        x = np.log(np.where(n > 0, x, 1.0))  # unused places hold level 0
+    x, k, n = (rows[0] for rows in count_arrays(levels, n_correct, n_trials, logarithms=curve.on_log_levels))
     used = n > 0
     factors = {name: np.asarray(values)[used] for name, values in conditions.items()}
     if not used.any():
         return _no_data(tuple(conditions), interval)
     answers = (x[used], k[used], n[used])
-    alarms, catch = (np.broadcast_to(np.asarray(v, dtype=np.float64), n.shape)[used] for v in (n_false_alarms, n_catch))
-    by_cell = (alarms, catch) if np.ndim(n_catch) else None
-    layout = Layout.of(names[used], factors, width_by, answers, on_log_levels=curve.on_log_levels, catch=by_cell)
-    all_catch = layout.catch.sum(axis=(1, 2)) if by_cell else np.array([alarms.max(), catch.max()])
-    study = layout.study(curve, (guess_rate, lapse_rate), (int(all_catch[0]), int(all_catch[1])))
-    study = replace(study, rate_beta=rate_beta, scale_free_width=scale_free_width)
+    catch = np.array([np.broadcast_to(count, n.shape)[used] for count in (n_false_alarms, n_catch)], dtype=np.float64)
+    known = {"shape": curve, "guess_rate": guess_rate, "lapse_rate": lapse_rate, "rate_beta": rate_beta}
+    known |= dict(zip(("n_false_alarms", "n_catch"), catch.max(axis=1), strict=True))
+    known["scale_free_width"] = scale_free_width
+    study = StudyCounts.of(names[used], factors, width_by, answers, catch if np.ndim(n_catch) else None, **known)
     # By now the levels are logarithms, over which a Weibull function is a Gumbel function.
     alone = fits_alone(study, "gumbel" if shape == "weibull" else shape)
-    return _fitted(layout, replace(study, width_varies=not alone.separated), alone, interval)
+    return _fit(alone, interval, width_varies=not alone.separated)
 
 
 def _check(
     conditions: Mapping[str, object], width_by: Sequence[str], interval: float, rates: tuple[float | None, float | None]
 ) -> None:
     for name in width_by:
-        if name not in conditions:
-            raise InvalidParameter(f"width_by: found {name!r}, expected factors of {', '.join(conditions)}")
-    if not conditions:
-        raise InvalidParameter("conditions: found no factor, expected at least one, with one value if nothing varied")
+        expect(name in conditions, "width_by", repr(name), f"factors of {', '.join(conditions)}")
+    expect(len(conditions) > 0, "conditions", "no factor", "at least one, with one value if nothing varied")
     between("fit_hierarchical", 0, 1, interval=interval)
     check_rates("fit_hierarchical", *rates)
 
 
 def _no_data(factors: tuple[str, ...], interval: float) -> HierarchicalFit:
     empty = pd.DataFrame({name: [] for name in (*factors, *CONDITION_COLUMNS)})
-    return HierarchicalFit(
-        conditions=empty,
-        participants=empty,
-        status=GroupStatus.NO_DATA,
-        note=GroupStatus.NO_DATA.note,
-        factors=factors,
-        n_participants=0,
-        interval=interval,
-    )
+    return HierarchicalFit(conditions=empty, participants=empty, factors=factors, interval=interval)
 
 
-def _fitted(layout: Layout, study: StudyCounts, alone: Alone, interval: float) -> HierarchicalFit:
-    kept = study.only(alone.told)
+def _fit(alone: Alone, interval: float, *, width_varies: bool) -> HierarchicalFit:
+    study = alone.study
+    kept = replace(study.only(alone.told), width_varies=width_varies)
     if not kept.n_conditions:
-        return _untold(layout, study, alone, GroupStatus.NO_THRESHOLD, interval)
+        return _untold(alone, GroupStatus.NO_THRESHOLD, interval)
     model = mixed_model(kept)
-    mixed_fit = _maximised(model, start(kept, model, *alone.start(kept)))
-    if study.width_varies and not _converged(mixed_fit):
-        return _fitted(layout, replace(study, width_varies=False), alone, interval)
+    mixed_fit = _maximised(model, start(kept, model, *alone.start()))
+    if width_varies and not _converged(mixed_fit):
+        return _fit(alone, interval, width_varies=False)
     status = _status(kept, model, mixed_fit)
     if status == GroupStatus.NOT_CONVERGED:
-        return _untold(layout, study, alone, status, interval)
+        return _untold(alone, status, interval)
     n, group_reach, own_reach = study.n_participants, *reaches(study.n_participants, interval)
     inflation = float(np.sqrt(n / (n - 1))) if n > 1 else 1.0
-    estimates = means(kept, mixed_fit, inflation), cells(model, mixed_fit)
-    of_group, of_cells = (ParameterPlace.of(columns, alone.told, study.n_conditions) for columns in estimates)
+    of_group = ParameterPlace.unknown(study.n_conditions).replaced(alone.told, means(kept, mixed_fit, inflation))
+    of_cells = ParameterPlace.unknown(study.n_conditions, n).replaced(alone.told, cells(model, mixed_fit))
     angles = zip(study.shared, model.parts(mixed_fit.parameters)[1], strict=True)
     rates = {where: float(rate_of(np.array(angle))[0]) for where, angle in angles}
-    components, correlation = _components(kept, model, mixed_fit, layout.spread)
-    all_means, covariance, width_group = _means_of_all(layout, study, kept, alone, mixed_fit, inflation)
+    components, correlation = _components(kept, model, mixed_fit)
+    all_means, covariance, width_group = _means_of_all(alone, kept, mixed_fit, inflation)
     return HierarchicalFit(
-        conditions=condition_table(layout, study, of_group, alone, group_reach),
-        participants=participant_table(layout, study, of_cells, alone, own_reach),
+        conditions=condition_table(alone, of_group, group_reach),
+        participants=participant_table(alone, of_cells, own_reach),
         components=components,
         correlation=correlation,
         lapse_rate=rates.get(LAPSE, study.lapse_rate),
         guess_rate=rates.get(GUESS, study.guess_rate),
         log_likelihood=mixed_fit.log_marginal,
         status=status,
-        note="; ".join(filter(None, (status.note, "" if study.width_varies else ONE_WIDTH))),
-        factors=tuple(layout.conditions.columns),
+        note="; ".join(filter(None, (status.note, "" if width_varies else ONE_WIDTH))),
+        factors=tuple(study.conditions.columns),
         n_participants=n,
         interval=interval,
         means=all_means,
@@ -205,33 +193,33 @@ def _converged(mixed_fit: MixedFit) -> bool:
 
 
 def _means_of_all(
-    layout: Layout, study: StudyCounts, told: StudyCounts, alone: Alone, mixed_fit: MixedFit, inflation: float
+    alone: Alone, told: StudyCounts, mixed_fit: MixedFit, inflation: float
 ) -> tuple[Array, Array, tuple[int, ...]]:
     """Means and covariance in the unit of the levels, with zeros for the conditions without a threshold."""
+    study = alone.study
     group = np.zeros(study.n_conditions, dtype=np.int64)
     group[alone.told] = told.width_group
     places = np.concatenate([alone.told, study.n_conditions + np.arange(told.n_groups)])
     n, free = study.n_conditions + told.n_groups, len(places)
     # Thresholds are stretched to the unit of the levels; logarithms of widths are shifted to it.
-    scale = np.where(np.arange(n) < study.n_conditions, layout.spread, 1.0)
-    offset = np.where(np.arange(n) < study.n_conditions, layout.centre, np.log(layout.spread))
+    scale = np.where(np.arange(n) < study.n_conditions, study.spread, 1.0)
+    offset = np.where(np.arange(n) < study.n_conditions, study.centre, np.log(study.spread))
     means, covariance = np.zeros(n), np.zeros((n, n))
     means[places] = mixed_fit.parameters[:free]
     covariance[np.ix_(places, places)] = inflation**2 * mixed_fit.covariance[:free, :free]
     return offset + scale * means, np.outer(scale, scale) * covariance, tuple(group.tolist())
 
 
-def _untold(layout: Layout, study: StudyCounts, alone: Alone, status: GroupStatus, interval: float) -> HierarchicalFit:
+def _untold(alone: Alone, status: GroupStatus, interval: float) -> HierarchicalFit:
     """Statuses and bounds without a model."""
-    nothing, n = np.zeros(0, dtype=np.int64), study.n_conditions
-    place, own = (ParameterPlace.of([np.zeros((0, *rest))] * 4, nothing, n) for rest in ((), (study.n_participants,)))
+    n_conditions, n_participants = alone.study.n_conditions, alone.study.n_participants
     return replace(
-        _no_data(tuple(layout.conditions.columns), interval),
-        conditions=condition_table(layout, study, place, alone, 0.0),
-        participants=participant_table(layout, study, own, alone, 0.0),
+        _no_data(tuple(alone.study.conditions.columns), interval),
+        conditions=condition_table(alone, ParameterPlace.unknown(n_conditions), 0.0),
+        participants=participant_table(alone, ParameterPlace.unknown(n_conditions, n_participants), 0.0),
         status=status,
         note=status.note,
-        n_participants=study.n_participants,
+        n_participants=n_participants,
     )
 
 
@@ -248,7 +236,7 @@ def _status(study: StudyCounts, model: ClusteredModel, mixed_fit: MixedFit) -> G
 
 
 def _components(
-    study: StudyCounts, model: ClusteredModel, mixed_fit: MixedFit, spread: float
+    study: StudyCounts, model: ClusteredModel, mixed_fit: MixedFit
 ) -> tuple[Mapping[str, float], float | None]:
     """Standard deviations in the unit of the levels (of logarithms for widths), and the correlation."""
     theta = model.parts(mixed_fit.parameters)[2]
@@ -257,7 +245,7 @@ def _components(
     covariance = model.scale(theta) @ model.scale(theta).T
     sd = np.sqrt(np.diagonal(covariance))
     kinds = [0, 1, *range(2, len(sd), study.n_conditions)]
-    units = (spread, 1.0, spread, 1.0)
+    units = (study.spread, 1.0, study.spread, 1.0)
     sd_or_0 = np.where(sd > ZERO_SD, sd, 0.0)
     # Not strict: one condition has no deviations of cells, and one group of widths none of their widths.
     named = {name: float(unit * sd_or_0[place]) for name, unit, place in zip(COMPONENTS, units, kinds, strict=False)}

@@ -2,86 +2,22 @@
 log width of its own, on the scale of the whole study's levels."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.psychometric import Shape
-
-from ..arrays import Array, Expansion, Indices
+from ..arrays import Array, Expansion
 from ..mixed_models.laplace import ClusteredModel
 from ..threshold.counts import Counts
 from ..threshold.likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD, chance_information, expansion
-from ..threshold.prior import BETA_B, LARGEST_RATE, log_rate, log_threshold, log_width
+from ..threshold.prior import LARGEST_RATE, log_rate, log_threshold, log_width
+from .study import StudyCounts
 
 START_SD = (0.1, 0.2, 0.05, 0.1)
 """Standard deviations at the start: threshold (in ranges of the levels), log width, and their cells' deviations."""
 CORRELATED_FROM = 5
 """Participants from which the correlation of threshold and width is estimated."""
 START_RATE = 0.03
-
-
-@dataclass(frozen=True)
-class StudyCounts:
-    """Counts of all cells, on levels u = (level - centre) / spread of the whole study.
-
-    `u`, `n_yes`, `n_trials` have the shape (n_participants, n_conditions, n_levels), 0 trials where there are none;
-    `own_catch` (2, n_participants, n_conditions) are false alarms and catch trials of each cell, `n_false_alarms` and
-    `n_catch` of all. `rate_beta` and `scale_free_width` are those of `threshold.fit`. `width_group` (n_conditions,)
-    says which conditions share a mean width; without `width_varies` all participants do.
-    """
-
-    shape: Shape
-    u: Array
-    n_yes: Array
-    n_trials: Array
-    width_group: Indices
-    guess_rate: float | None
-    lapse_rate: float | None
-    n_false_alarms: int
-    n_catch: int
-    own_catch: Array
-    rate_beta: float = BETA_B
-    scale_free_width: bool = True
-    width_varies: bool = True
-
-    @property
-    def n_participants(self) -> int:
-        return int(self.u.shape[0])
-
-    @property
-    def n_conditions(self) -> int:
-        return int(self.u.shape[1])
-
-    @property
-    def n_groups(self) -> int:
-        return int(self.width_group.max()) + 1
-
-    @property
-    def shared(self) -> list[int]:
-        """The rates that are estimated, as places of a parameter vector."""
-        rates = ((LAPSE, self.lapse_rate), (GUESS, self.guess_rate))
-        return [place for place, rate in rates if rate is None]
-
-    def only(self, conditions: Indices) -> "StudyCounts":
-        """Of some conditions."""
-        u, k, n = (counts[:, conditions] for counts in (self.u, self.n_yes, self.n_trials))
-        group = np.unique(self.width_group[conditions], return_inverse=True)[1]
-        return replace(self, u=u, n_yes=k, n_trials=n, width_group=group.astype(np.int64))
-
-    def ranges(self) -> tuple[Array, Array, Array]:
-        """Lowest and highest level and smallest spacing of each condition (n_conditions,)."""
-        used = self.n_trials > 0
-        low = np.where(used, self.u, np.inf).min(axis=(0, 2))
-        high = np.where(used, self.u, -np.inf).max(axis=(0, 2))
-        gaps = [_gap(self.u[:, c][used[:, c]], high[c] - low[c]) for c in range(self.n_conditions)]
-        return low, high, np.array(gaps)
-
-
-def _gap(levels: Array, reach: float) -> float:
-    gaps = [b - a for a, b in pairwise(np.unique(levels)) if b - a > 1e-9 * reach]
-    return float(min(gaps, default=reach or 1.0))
 
 
 def rate_of(angle: Array) -> tuple[Array, Array, Array]:

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from scipy.stats import chi2, f as f_distribution, t as t_distribution
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from ..anova.contrasts import epsilons
 from ..arrays import Array
@@ -87,10 +87,10 @@ class HierarchicalFit:
     lapse_rate: float | None = None
     guess_rate: float | None = None
     log_likelihood: float | None = None
-    status: GroupStatus
-    note: str
+    status: GroupStatus = GroupStatus.NO_DATA
+    note: str = GroupStatus.NO_DATA.note
     factors: tuple[str, ...]
-    n_participants: int
+    n_participants: int = 0
     interval: float
     means: Array = field(default_factory=lambda: np.zeros(0))
     covariance: Array = field(default_factory=lambda: np.zeros((0, 0)))
@@ -107,8 +107,7 @@ class HierarchicalFit:
         """
         keys = self._keys()
         for key in weights:
-            if key not in keys:
-                raise InvalidParameter(f"weights: found {key!r}, expected conditions, such as {keys[0]!r}")
+            expect(key in keys, "weights", repr(key), f"conditions, such as {keys[0]!r}")
         row = self._rows(np.array([[weights.get(key, 0.0) for key in keys]]), of)[0]
         estimate, df = float(row @ self.means), self.n_participants - 1
         error = float(np.sqrt(row @ self.covariance @ row))
@@ -133,10 +132,9 @@ class HierarchicalFit:
         """
         weights = self._effect_weights(factors)
         rows = self._rows(weights, of)
-        if np.linalg.matrix_rank(rows) < len(rows):
-            raise InvalidParameter(
-                f"of: found {of!r} over {', '.join(factors)}, expected conditions whose widths are their own (width_by)"
-            )
+        has_own_widths = np.linalg.matrix_rank(rows) == len(rows)
+        asked = f"{of!r} over {', '.join(factors)}"
+        expect(has_own_widths, "of", asked, "conditions whose widths are their own (width_by)")
         differences, df = rows @ self.means, len(rows)
         f = float(differences @ np.linalg.solve(rows @ self.covariance @ rows.T, differences)) / df
         if not self.components.get(f"{of}_cell"):
@@ -163,16 +161,14 @@ class HierarchicalFit:
 
     def _rows(self, weights: Array, of: str) -> Array:
         """Weights (n_rows, n_conditions) as rows over all means: of the thresholds, then of the log widths."""
-        if of not in ("threshold", "log_width"):
-            raise InvalidParameter(f"of: found {of!r}, expected 'threshold' or 'log_width'")
-        if self.n_participants < 2 or not len(self.means):
-            raise InvalidParameter(f"participants: found {self.n_participants}, expected two or more with a fit")
+        expect(of in ("threshold", "log_width"), "of", repr(of), "'threshold' or 'log_width'")
+        is_fitted = self.n_participants > 1 and len(self.means) > 0
+        expect(is_fitted, "participants", self.n_participants, "two or more with a fit")
         lost = self.conditions.loc[(weights != 0).any(axis=0) & self.conditions["threshold"].isna().to_numpy()]
-        if len(lost):
-            names = ", ".join(str(tuple(row)) for row in lost[[*self.factors, "status"]].itertuples(index=False))
-            raise InvalidParameter(f"conditions: found no mean threshold for {names}, expected conditions with one")
-        if of == "log_width" and self.conditions["width"].isna().all():
-            raise InvalidParameter("of: found 'log_width', expected 'threshold': the widths have an upper bound only")
+        names = ", ".join(str(tuple(row)) for row in lost[[*self.factors, "status"]].itertuples(index=False))
+        expect(not names, "conditions", f"no mean threshold for {names}", "conditions with one")
+        is_bounded = of == "log_width" and bool(self.conditions["width"].isna().all())
+        expect(not is_bounded, "of", repr(of), "'threshold': the widths have an upper bound only")
         n, rows = len(self.conditions), np.zeros((len(weights), len(self.means)))
         if of == "threshold":
             rows[:, :n] = weights
@@ -182,12 +178,10 @@ class HierarchicalFit:
 
     def _effect_weights(self, factors: Sequence[str]) -> Array:
         levels = [sorted(self.conditions[name].unique()) for name in self.factors]
-        unknown = [name for name in factors if name not in self.factors]
-        if unknown or not factors or len(self.conditions) != int(np.prod([len(values) for values in levels])):
-            raise InvalidParameter(
-                f"factors: found {', '.join(factors) or 'none'} over {len(self.conditions)} conditions, expected "
-                f"factors of {', '.join(self.factors)} with every combination of their levels"
-            )
+        is_complete = len(self.conditions) == int(np.prod([len(values) for values in levels]))
+        asked = f"{', '.join(factors) or 'none'} over {len(self.conditions)} conditions"
+        known = f"factors of {', '.join(self.factors)} with every combination of their levels"
+        expect(len(factors) > 0 and {*factors} <= {*self.factors} and is_complete, "factors", asked, known)
         # Differences of the levels of a factor that is asked about, the mean over those of any other.
         by_factor = [
             np.diff(np.eye(len(values)), axis=0) if name in factors else np.full((1, len(values)), 1 / len(values))

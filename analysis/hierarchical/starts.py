@@ -8,7 +8,7 @@ import numpy as np
 from ..arrays import Array, Indices
 from ..threshold.fitting import ThresholdFit, fit_many
 from ..threshold.status import Status
-from .model import StudyCounts
+from .study import StudyCounts
 
 TOLD = (Status.OK, Status.SEPARATED, Status.TOO_FEW_LEVELS)
 
@@ -17,6 +17,7 @@ TOLD = (Status.OK, Status.SEPARATED, Status.TOO_FEW_LEVELS)
 class Alone:
     """Fits of each cell (a list per condition), and of each condition's answers together, on the scale of the study."""
 
+    study: StudyCounts
     cells: tuple[tuple[ThresholdFit, ...], ...]
     together: tuple[ThresholdFit, ...]
 
@@ -52,9 +53,9 @@ class Alone:
         """The upper bound of each condition's width, from its answers together; NaN for none."""
         return np.array([np.nan if one.width_high is None else one.width_high for one in self.together])
 
-    def start(self, study: StudyCounts) -> tuple[Array, Array]:
-        """A threshold and a log width of each condition that is told; `study` has these alone."""
-        low, high, _ = study.ranges()
+    def start(self) -> tuple[Array, Array]:
+        """A threshold and a log width of each condition that is told."""
+        low, high, _ = self.study.only(self.told).ranges()
         middle, ends = (low + high) / 2, {Status.BELOW: low, Status.ABOVE: high}
         threshold, width = [], []
         for c, place in enumerate(self.told):
@@ -80,6 +81,7 @@ def fits_alone(study: StudyCounts, shape: str) -> Alone:
     of_conditions = [rows.reshape(c, -1) for rows in by_condition]
     cells = _fits(study, shape, of_cells, alarms.ravel(), catch.ravel())
     return Alone(
+        study,
         tuple(cells[i * n : (i + 1) * n] for i in range(c)),
         _fits(study, shape, of_conditions, alarms.sum(axis=1), catch.sum(axis=1)),
     )

@@ -116,7 +116,7 @@ def fit_glmm(
     shape = lookup("link", link, LINKS)
     _check_random(fixed, random, n_nodes)
     names = np.asarray([str(name) for name in participants])
-    x, k, n = count_arrays(np.zeros(len(names)), n_yes, n_trials, positive=False)
+    x, k, n = count_arrays(np.zeros(len(names)), n_yes, n_trials)
     used = n[0] > 0
     if not used.any():
         return _nothing(MixedStatus.NO_DATA)

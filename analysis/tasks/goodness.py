@@ -108,7 +108,7 @@ def _goodness_of(
     curve, known = shape_named(options["shape"]), {"lapse_rate": None} | dict(options)
     fitted_cells = [estimate.cell for estimate in estimates]
     levels, n_yes, n_trials = stacked_counts(fitted_cells)
-    counts = normalise(*count_arrays(levels, n_yes, n_trials, positive=curve.on_log_levels))
+    counts = normalise(*count_arrays(levels, n_yes, n_trials, logarithms=curve.on_log_levels))
     alarms, catch = np.array(catch_counts(fitted_cells), dtype=np.float64)
     del known["shape"]
     prior = Prior(counts.gap, n_false_alarms=alarms, n_catch=catch, **known)

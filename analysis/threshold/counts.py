@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ..arrays import Array, Bools, Indices, Rows
@@ -42,9 +43,10 @@ class Counts(Rows):
 
 
 def count_arrays(
-    levels: ArrayLike, n_correct: ArrayLike, n_trials: ArrayLike, *, positive: bool
+    levels: ArrayLike, n_correct: ArrayLike, n_trials: ArrayLike, *, logarithms: bool = False
 ) -> tuple[Array, Array, Array]:
-    """Levels and counts as arrays (n_sets, n_levels), with one clear refusal for what is neither.
+    """Levels (or their `logarithms`) and counts as arrays (n_sets, n_levels), 0 where there is no trial, with one clear
+    refusal for what is neither.
 
     Raises
     ------
@@ -58,15 +60,15 @@ def count_arrays(
         raise InvalidParameter(
             f"levels, n_correct, n_trials: found the shapes {x.shape}, {k.shape}, {n.shape}, expected equal ones"
         ) from None
-    if x.ndim != 2:
-        raise InvalidParameter(f"levels: found {x.ndim} dimensions, expected (data set, level)")
+    expect(x.ndim == 2, "levels", f"{x.ndim} dimensions", "(data set, level)")
     used = n != 0
     # Each test is the negation of what is expected, so that NaN, which fulfils nothing, is refused too.
     _refuse("n_trials", n, used & ~(np.isfinite(n) & (n > 0) & (n == np.floor(n))), "a whole number, 0 or more")
     _refuse("levels", x, used & ~np.isfinite(x), "a finite number")
     _refuse("levels", x, used & (np.abs(x) > LARGEST), f"at most {LARGEST:g} in size")
-    if positive:
+    if logarithms:
         _refuse("levels", x, used & ~(x > 0), "a level above 0 (it is a logarithm that is fitted)")
+        x = np.log(np.where(used, x, 1.0))
     _refuse("n_correct", k, used & ~((k >= 0) & (k == np.floor(k))), "a whole number, 0 or more")
     _refuse("n_correct", k, used & (k > n), "at most the number of trials of the row")
     return np.where(used, x, 0.0), np.where(used, k, 0.0), np.where(used, n, 0.0)

@@ -9,12 +9,11 @@ from typing import TypedDict, Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tactometry.arguments.require import below_1, between, one_of, positive
-from tactometry.errors import InvalidParameter
-from tactometry.psychometric import Shape, shape_named
+from tactometry.arguments.require import below_1, between, expect, one_of, positive
+from tactometry.psychometric import shape_named
 
 from ..arrays import Array
-from .counts import Counts, count_arrays, normalise
+from .counts import count_arrays, normalise
 from .log_posterior import LogPosterior
 from .methods import Fitting
 from .prior import BETA_B, LARGEST_RATE, Prior
@@ -122,19 +121,11 @@ def fit(
     >>> fit([1, 2, 3], [20, 20, 20], 20, shape="normal", guess_rate=0.5).threshold is None
     True
     """
-    x = np.asarray(levels)
-    if x.ndim > 1:
-        raise InvalidParameter(f"levels: found {x.ndim} dimensions, expected one; stacks of data sets go to fit_many")
-    return fit_many(
-        np.atleast_1d(x)[None],
-        np.atleast_1d(np.asarray(n_correct))[None],
-        np.atleast_1d(np.asarray(n_trials))[None],
-        shape=shape,
-        guess_rate=guess_rate,
-        n_false_alarms=[n_false_alarms],
-        n_catch=[n_catch],
-        **options,
-    )[0]
+    n_dimensions = np.ndim(levels)
+    expect(n_dimensions <= 1, "levels", f"{n_dimensions} dimensions", "one; stacks of data sets go to fit_many")
+    columns = (np.atleast_1d(np.asarray(values))[None] for values in (levels, n_correct, n_trials))
+    catch = {"n_false_alarms": [n_false_alarms], "n_catch": [n_catch]}
+    return fit_many(*columns, shape=shape, guess_rate=guess_rate, **catch, **options)[0]
 
 
 def fit_many(
@@ -172,7 +163,8 @@ def fit_many(
     between("fit", 0, 1, interval=interval)
     _check_method(method, estimate, rng, overdispersion=overdispersion)
     positive("fit", rate_beta=rate_beta, narrowest_spacings=narrowest_spacings)
-    counts = _on_their_axis(curve, levels, n_correct, n_trials, robust_range=robust_range)
+    arrays = count_arrays(levels, n_correct, n_trials, logarithms=curve.on_log_levels)
+    counts = normalise(*arrays, robust_range=robust_range)
     alarms, catch = _catch_trials(n_false_alarms, n_catch, len(counts))
     if equal_asymptotes:
         _check_one_rate(guess_rate, lapse_rate, catch)
@@ -187,24 +179,11 @@ def fit_many(
     return Fitting(posterior, shape, method, interval, estimate, overdispersion, n_resamples, rng).results()
 
 
-def _on_their_axis(
-    curve: Shape, levels: ArrayLike, n_correct: ArrayLike, n_trials: ArrayLike, *, robust_range: bool
-) -> Counts:
-    """The counts without units, on the axis of the function: of levels, or of their logarithms."""
-    x, k, n = count_arrays(levels, n_correct, n_trials, positive=curve.on_log_levels)
-    if curve.on_log_levels:
-        # Places without trials hold level 0.
-        x = np.log(np.where(n > 0, x, 1.0))
-    return normalise(x, k, n, robust_range=robust_range)
-
-
 def _check_one_rate(guess_rate: float | None, lapse_rate: float | None, n_catch: Array) -> None:
     """Refuse a rate of one asymptote where both are to be one rate."""
-    if not (guess_rate is None and lapse_rate is None and not n_catch.any()):
-        raise InvalidParameter(
-            f"equal_asymptotes: found guess_rate {guess_rate}, lapse_rate {lapse_rate} and {n_catch.sum():g} catch "
-            "trials, expected None, None and no trial: the one rate is estimated from the answers"
-        )
+    is_free = guess_rate is None and lapse_rate is None and not n_catch.any()
+    stated = f"guess_rate {guess_rate}, lapse_rate {lapse_rate} and {n_catch.sum():g} catch trials"
+    expect(is_free, "equal_asymptotes", stated, "None, None and no trial: the one rate is estimated from the answers")
 
 
 def check_rates(owner: str, guess_rate: float | None, lapse_rate: float | None) -> None:
@@ -213,32 +192,27 @@ def check_rates(owner: str, guess_rate: float | None, lapse_rate: float | None) 
     below_1(owner, **{name: rate for name, rate in rates.items() if rate is not None})
     # Two free rates sum to 1 at the very ends of their priors; known ones that do leave the function no room to rise.
     highest = [LARGEST_RATE if rate is None else rate for rate in rates.values()]
-    if sum(highest) > 1 or (guess_rate or 0) + (lapse_rate or 0) >= 1:
-        raise InvalidParameter(
-            f"guess_rate, lapse_rate: found {guess_rate} and {lapse_rate}, expected a sum below 1 "
-            f"(a free rate may reach {LARGEST_RATE:g})"
-        )
+    leaves_room = sum(highest) <= 1 and (guess_rate or 0) + (lapse_rate or 0) < 1
+    expected = f"a sum below 1 (a free rate may reach {LARGEST_RATE:g})"
+    expect(leaves_room, "guess_rate, lapse_rate", f"{guess_rate} and {lapse_rate}", expected)
 
 
 def _check_method(method: str, estimate: str, rng: np.random.Generator | None, *, overdispersion: bool) -> None:
     one_of("method", method, METHODS)
     one_of("estimate", estimate, ESTIMATES)
-    if method == "bootstrap" and rng is None:
-        raise InvalidParameter("rng: found None, expected a numpy.random.Generator for the method 'bootstrap'")
-    if overdispersion and method not in OVERDISPERSED:
-        raise InvalidParameter(
-            f"method: found {method!r} with overdispersion, expected one of {', '.join(OVERDISPERSED)}"
-        )
+    has_draws = method != "bootstrap" or rng is not None
+    expect(has_draws, "rng", rng, "a numpy.random.Generator for the method 'bootstrap'")
+    one_of_few = f"one of {', '.join(OVERDISPERSED)}"
+    expect(not overdispersion or method in OVERDISPERSED, "method", f"{method!r} with overdispersion", one_of_few)
 
 
 def _catch_trials(n_false_alarms: ArrayLike, n_catch: ArrayLike, n_sets: int) -> tuple[Array, Array]:
     """False alarms and catch trials (n_sets,)."""
     alarms, catch = (np.broadcast_to(np.asarray(n, dtype=np.float64), (n_sets,)) for n in (n_false_alarms, n_catch))
     for stated, counts in ((n_false_alarms, alarms), (n_catch, catch)):
-        if not ((counts >= 0) & (counts == np.floor(counts))).all():
-            raise InvalidParameter(f"n_false_alarms, n_catch: found {stated!r}, expected whole numbers, 0 or more")
-    if (alarms > catch).any():
-        raise InvalidParameter(f"n_false_alarms: found {n_false_alarms!r}, expected at most n_catch, {n_catch!r}")
+        is_whole = ((counts >= 0) & (counts == np.floor(counts))).all()
+        expect(is_whole, "n_false_alarms, n_catch", repr(stated), "whole numbers, 0 or more")
+    expect((alarms <= catch).all(), "n_false_alarms", repr(n_false_alarms), f"at most n_catch, {n_catch!r}")
     return alarms, catch
 
 

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 from scipy.stats import chi2
 
@@ -19,19 +18,8 @@ from .mode import Mode, climb, find_mode, find_overdispersed_mode
 from .posterior import Marginals
 from .result import ThresholdFit
 from .shared_grid import batched_marginals
-from .status import (
-    AFTER_A_TRACK,
-    TOO_NARROW,
-    Status,
-    StepFit,
-    best_step,
-    proportion_interval,
-    stand_as_after_a_track,
-    statuses,
-    verdict_shares,
-)
+from .status import Status, Statuses, StepFit, best_step, notes, statuses, verdict_shares
 
-Statuses = NDArray[np.object_]
 ON_LIKELIHOOD = ("ml", "profile")
 CENSORED = (Status.BELOW, Status.ABOVE)
 WITH_THRESHOLD = (Status.OK, Status.SEPARATED)
@@ -180,7 +168,7 @@ class Fitting:
             "status": [Status(word) for word in status],
             "n_trials": counts.n_trials.sum(axis=1).astype(int).tolist(),
             "n_levels": counts.n_levels.tolist(),
-            "note": self._notes(status),
+            "note": notes(counts, status, self.method, self.interval),
         }
         columns |= {name: _known(self._levels(u), has_threshold) for name, u in on_levels.items()}
         columns |= {name: _known(values, has_threshold) for name, values in further.items()}
@@ -194,19 +182,6 @@ class Fitting:
         levels = counts.centre + counts.spread * u
         with np.errstate(over="ignore"):
             return np.exp(levels) if self.posterior.shape.on_log_levels else levels
-
-    def _notes(self, status: Statuses) -> list[str]:
-        """What stands beside each status."""
-        counts = self.posterior.counts
-        notes = [Status(word).note for word in status]
-        for i in np.flatnonzero((status == Status.TOO_FEW_LEVELS) & (counts.n_levels == 1)):
-            k, n = counts.n_yes[i].sum(), counts.n_trials[i].sum()
-            low, high = proportion_interval(k, n, self.interval)
-            answers = f"{k:.0f} of {n:.0f} answers, a rate from {low:.3f} to {high:.3f}"
-            notes[i] = f"one level only: {answers}; no threshold"
-        for i in np.flatnonzero((status == Status.OK) & stand_as_after_a_track(counts)):
-            notes[i] = AFTER_A_TRACK if self.method in TOO_NARROW else notes[i]
-        return notes
 
 
 def _known(values: Array | None, where: Bools) -> list[float | None]:

@@ -5,11 +5,10 @@ lapse and guess rates often come to lie.
 """
 
 from dataclasses import dataclass, replace
-from typing import Self
 
 import numpy as np
 
-from ..arrays import Array, Bools, Expansion, Indices, Rows, Which
+from ..arrays import Array, Bools, Expansion, Rows
 from .likelihood import LOG_WIDTH, N_PARAMETERS, THRESHOLD
 from .log_posterior import LogPosterior
 from .prior import LARGEST_ETA, log_prior_of
@@ -96,42 +95,27 @@ def climb(posterior: LogPosterior, start: Array, *, small_decrement: float = SMA
     """To the summit that `start` (n_sets, 4) leads to, until a step gains `small_decrement` of log density at most."""
     low, high = posterior.prior.bounds()
     theta = posterior.prior.tied(np.clip(start, low, high))
-    sets, damping = np.arange(len(posterior)), np.full(len(posterior), 1e-3)
-    climbing, at = _Climbing(sets, posterior.by_level(), low, high, damping), theta.copy()
-    here = climbing.posterior.expansion(theta)
+    # The sets that still climb, and some that do not, as long as leaving them out costs more.
+    sets, climbing = np.arange(len(posterior)), posterior.by_level()
+    at, here, damping = theta.copy(), climbing.expansion(theta), np.full(len(posterior), 1e-3)
     for _ in range(MAX_STEPS):
-        held = _held(at, here.gradient, climbing.low, climbing.high)
-        step, decrement = _step(here, held, climbing.damping)
-        trial = posterior.prior.tied(np.clip(at + step, climbing.low, climbing.high))
-        there = climbing.posterior.expansion(trial)
+        step, decrement = _step(here, _held(at, here.gradient, low, high), damping)
+        trial = posterior.prior.tied(np.clip(at + step, low, high))
+        there = climbing.expansion(trial)
         better = there.value >= here.value - ROUNDING * np.abs(here.value)
         at, here = np.where(better[:, None], trial, at), there.where(better, here)
-        damping = climbing.damping
-        damping[:] = np.where(better, np.maximum(damping / 10, 1e-12), damping * 8)
+        damping = np.where(better, np.maximum(damping / 10, 1e-12), damping * 8)
         is_endless = (decrement < ENDLESS_GAIN) & (np.abs(step[:, LOG_WIDTH]) > ENDLESS_STEP)
         small = small_decrement * np.maximum(1.0, np.abs(here.value))
         going = (decrement > small) & ~is_endless & (damping < 1e15)  # damped beyond, a step is below rounding
-        theta[climbing.sets] = at
+        theta[sets] = at
         if not going.any():
             break
         if going.mean() < WORTH_LEAVING:
-            climbing, here, at = climbing[going], here[going], at[going]
+            sets, at, here, damping = sets[going], at[going], here[going], damping[going]
+            climbing = climbing[going].by_level()  # choosing rows may have laid them out anew
+            low, high = climbing.prior.bounds()
     return _described(posterior, theta)
-
-
-@dataclass(frozen=True)
-class _Climbing(Rows):
-    """The data sets that are still climbing (and some that are not, as long as leaving them out costs more)."""
-
-    sets: Indices
-    posterior: LogPosterior
-    low: Array
-    high: Array
-    damping: Array
-
-    def __getitem__(self, which: Which) -> Self:
-        climbing = super().__getitem__(which)
-        return replace(climbing, posterior=climbing.posterior.by_level())  # choosing rows may have laid them out anew
 
 
 def _held(theta: Array, gradient: Array, low: Array, high: Array) -> Bools:

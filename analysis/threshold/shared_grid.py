@@ -52,9 +52,6 @@ class Grid:
     def sizes(self) -> tuple[int, ...]:
         return tuple(len(axis) for axis in self.nodes)
 
-    def step(self, place: int) -> float:
-        return float(self.nodes[place][1] - self.nodes[place][0])
-
 
 def batched_marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals:
     """As `posterior.marginals`: data sets on the same levels share a grid, the others have their own."""
@@ -185,9 +182,9 @@ def marginal_masses(posterior: LogPosterior, grid: Grid) -> tuple[list[Array], A
 def _resolved(prior: Prior, grid: Grid, along: list[Array]) -> Bools:
     resolved = np.ones(len(along[0]), dtype=bool)
     for place in prior.free:
-        is_rate = place in (LAPSE, GUESS)
-        finest = RESOLVED_RATE * grid.nodes[place][-1] if is_rate else RESOLVED_STEPS * grid.step(place)
-        resolved &= _spread(along[place], grid.nodes[place]) > finest
+        nodes, is_rate = grid.nodes[place], place in (LAPSE, GUESS)
+        finest = RESOLVED_RATE * nodes[-1] if is_rate else RESOLVED_STEPS * (nodes[1] - nodes[0])
+        resolved &= _spread(along[place], nodes) > finest
     return resolved
 
 

@@ -19,6 +19,7 @@ made reach a Bayes factor of b for a curve in at most one of b cases, whatever t
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.optimize import isotonic_regression
 from scipy.special import betainc, betaincinv, betaln, logsumexp
 from scipy.stats import chi2
@@ -90,6 +91,22 @@ def stand_as_after_a_track(counts: Counts) -> Bools:
     square = np.where(counts.n_trials > 0, (counts.n_trials - even) ** 2 / even, 0.0).sum(axis=1)
     uneven = chi2.sf(square, np.maximum(n_levels - 1, 1)) < UNEVEN
     return np.asarray(uneven | ((n_levels > FEW) & (n < 2 * n_levels)))
+
+
+Statuses = NDArray[np.object_]
+
+
+def notes(counts: Counts, status: Statuses, method: str, interval: float) -> list[str]:
+    """What is said beside each status."""
+    said = [Status(word).note for word in status]
+    for i in np.flatnonzero((status == Status.TOO_FEW_LEVELS) & (counts.n_levels == 1)):
+        k, n = counts.n_yes[i].sum(), counts.n_trials[i].sum()
+        low, high = proportion_interval(k, n, interval)
+        said[i] = f"one level only: {k:.0f} of {n:.0f} answers, a rate from {low:.3f} to {high:.3f}; no threshold"
+    if method in TOO_NARROW:
+        for i in np.flatnonzero((status == Status.OK) & stand_as_after_a_track(counts)):
+            said[i] = AFTER_A_TRACK
+    return said
 
 
 def statuses(posterior: LogPosterior, shares: Array, step: StepFit) -> list[Status]:

@@ -4,8 +4,8 @@ from functools import partial
 
 import numpy as np
 
-from tactometry.analysis.hierarchical.layout import Layout
 from tactometry.analysis.hierarchical.model import mixed_model
+from tactometry.analysis.hierarchical.study import StudyCounts
 from tactometry.analysis.mixed_models.laplace import ClusteredModel, inner_mode, log_marginal_by_quadrature
 from tactometry.psychometric import shape_named
 
@@ -38,8 +38,8 @@ def _model() -> ClusteredModel:
     n, n_levels = N_YES.shape
     names = np.repeat([f"P{place}" for place in range(n)], n_levels)
     answers = np.tile(LEVELS, n), N_YES.ravel().astype(float), np.full(N_YES.size, float(N_TRIALS))
-    layout = Layout.of(names, {"condition": np.zeros(N_YES.size)}, (), answers, on_log_levels=False)
-    return mixed_model(layout.study(shape_named("logistic"), (0.0, LAPSE_RATE), (0, 0)))
+    known = {"shape": shape_named("logistic"), "guess_rate": 0.0, "lapse_rate": LAPSE_RATE}
+    return mixed_model(StudyCounts.of(names, {"condition": np.zeros(N_YES.size)}, (), answers, None, **known))
 
 
 def _log_likelihood(model: ClusteredModel, n_nodes: int) -> float:

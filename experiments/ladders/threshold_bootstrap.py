@@ -59,7 +59,7 @@ def _fitted_modes() -> tuple[Real, Real]:
     from tactometry.analysis.threshold.prior import Prior
     from tactometry.psychometric import shape_named
 
-    counts = normalise(*count_arrays(LEVELS, _answers(), N_TRIALS, positive=False))
+    counts = normalise(*count_arrays(LEVELS, _answers(), N_TRIALS))
     none = np.zeros(len(counts))
     prior = Prior(counts.gap, RATE, RATE, none, none)
     theta = find_mode(LogPosterior(shape_named("normal"), counts, prior)).theta

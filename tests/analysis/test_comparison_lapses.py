@@ -64,7 +64,7 @@ def test_five_percent_of_lapses_widen_a_difference_by_less_than_a_fifth(found) -
 @pytest.fixture(scope="module")
 def some() -> LogPosterior:
     n_more = answers(Person(2.5, 20, 0.05), 12, np.random.default_rng(7))[1]
-    counts = normalise(*count_arrays(LEVELS, n_more, 20, positive=False))
+    counts = normalise(*count_arrays(LEVELS, n_more, 20))
     nothing = np.zeros(len(counts))
     known = {name: value for name, value in FIT.items() if name != "shape"}
     return LogPosterior(NORMAL, counts, Prior(counts.gap, None, n_false_alarms=nothing, n_catch=nothing, **known))

@@ -14,8 +14,8 @@ from soak import SOAK
 
 from tactometry.analysis.anova.contrasts import epsilons
 from tactometry.analysis.hierarchical.fitting import GroupStatus, HierarchicalFit, fit_hierarchical
-from tactometry.analysis.hierarchical.layout import Layout
 from tactometry.analysis.hierarchical.model import mixed_model, start
+from tactometry.analysis.hierarchical.study import StudyCounts
 from tactometry.analysis.mixed_models.laplace import inner_mode, log_marginal
 from tactometry.analysis.threshold.fitting import fit
 from tactometry.errors import InvalidParameter
@@ -57,8 +57,8 @@ def test_the_gradient_of_the_marginal_likelihood_is_its_derivative(study, shape,
     rows = study[0]
     factors = {"force_n": rows["force_n"].to_numpy()}
     answers = tuple(rows[name].to_numpy(float) for name in ("level", "k", "n"))
-    layout = Layout.of(rows["participant"].to_numpy(str), factors, ("force_n",), answers, on_log_levels=False)
-    part = layout.study(SHAPES[shape], rates, (2, 40))
+    known = {"shape": SHAPES[shape], "guess_rate": rates[0], "lapse_rate": rates[1], "n_false_alarms": 2, "n_catch": 40}
+    part = StudyCounts.of(rows["participant"].to_numpy(str), factors, ("force_n",), answers, None, **known)
     model = mixed_model(part)
     at = start(part, model, np.zeros(2), np.full(2, -1.0)) + np.linspace(0.01, 0.08, model.n_parameters)
     gradient = log_marginal(model, at, inner_mode(model, at))[1]

@@ -30,7 +30,7 @@ STEEP_WITH_LAPSES = np.array(np.meshgrid(np.linspace(-0.5, 0.5, 41), [-1.3, -1.1
 )
 def test_the_mode_is_the_higher_of_a_shallow_and_a_steep_summit(k, guess_rate) -> None:
     """The best node of the coarse grid is shallow, by up to 16 in the logarithm, and leads to the lower summit."""
-    counts, none = normalise(*count_arrays(LEVELS, [k], 40, positive=False)), np.zeros(1)
+    counts, none = normalise(*count_arrays(LEVELS, [k], 40)), np.zeros(1)
     posterior = LogPosterior(SHAPES["normal"], counts, Prior(counts.gap, None, guess_rate, none, none))
     m, v, lapse = (part.ravel() for part in STEEP_WITH_LAPSES)
     nodes = np.stack([m, v, lapse, np.full_like(m, guess_rate or 0.0)], axis=1)
@@ -44,7 +44,7 @@ def test_the_mode_is_the_higher_of_a_shallow_and_a_steep_summit(k, guess_rate) -
 def test_each_of_a_stack_has_the_summit_that_it_has_alone() -> None:
     """Steep and shallow summits, in turn."""
     k = np.array([[0, 2, 18, 19, 19, 20, 16], [0, 3, 9, 21, 30, 37, 40], [0, 0, 2, 14, 18, 24, 18]])
-    counts, none = normalise(*count_arrays(LEVELS, k, 40, positive=False)), np.zeros(3)
+    counts, none = normalise(*count_arrays(LEVELS, k, 40)), np.zeros(3)
     posterior = LogPosterior(SHAPES["normal"], counts, Prior(counts.gap, None, 0.0, none, none))
     together = find_mode(posterior)
     for i in range(3):
@@ -92,7 +92,7 @@ def test_the_highest_summit_is_found_in_999_of_1000_unruly_sets() -> None:
     for kind, (levels, n_trials), guess_rate in UNRULY:
         shape = SHAPES[rng.choice(["normal", "logistic", "gumbel", "reversed_gumbel"])]
         k = rng.binomial(n_trials, unruly(kind, (n, len(levels)), rng))
-        counts, none = normalise(*count_arrays(levels, k, n_trials, positive=False)), np.zeros(n)
+        counts, none = normalise(*count_arrays(levels, k, n_trials)), np.zeros(n)
         posterior = LogPosterior(shape, counts, Prior(counts.gap, None, guess_rate, none, none))
         for part in (slice(start, start + 20) for start in range(0, n, 20)):
             highest = climbed_from_everywhere(posterior[part])

@@ -10,7 +10,7 @@ from examples import examples
 from hypothesis import given, strategies as st
 
 from tactometry.analysis.hierarchical import fitting
-from tactometry.analysis.hierarchical.layout import cells as shrunken
+from tactometry.analysis.hierarchical.tables import cells as shrunken
 from tactometry.analysis.outcomes.hierarchical_outcome import group_fit
 from tactometry.analysis.tasks.cells import Cell, estimates
 from tactometry.analysis.threshold.fitting import Status, fit, fit_many
@@ -68,9 +68,9 @@ def test_intervals_of_participants_hold_what_the_variances_leave_uncertain(monke
     (model, fitted), n = seen[-1], len(seen[-1][1].parameters) - len(seen[-1][0].basis)
     as_found = fitted.covariance.copy()
     as_found[n:], as_found[:, n:] = 0, 0
-    whole, known = (shrunken(model, replace(fitted, covariance=each))[1] for each in (fitted.covariance, as_found))
+    whole, known = (shrunken(model, replace(fitted, covariance=each)) for each in (fitted.covariance, as_found))
     assert found.fit is not None
-    assert (whole > known).all()
+    assert (whole.threshold_se > known.threshold_se).all()
 
 
 @st.composite
