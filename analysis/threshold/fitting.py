@@ -160,8 +160,7 @@ def fit_many(
     """
     curve = shape_named(shape)
     check_rates("fit", guess_rate, lapse_rate)
-    between("fit", 0, 1, interval=interval)
-    _check_method(method, estimate, rng, overdispersion=overdispersion)
+    _check_method(method, estimate, interval, rng, overdispersion=overdispersion)
     positive("fit", rate_beta=rate_beta, narrowest_spacings=narrowest_spacings)
     arrays = count_arrays(levels, n_correct, n_trials, logarithms=curve.on_log_levels)
     counts = normalise(*arrays, robust_range=robust_range)
@@ -197,7 +196,10 @@ def check_rates(owner: str, guess_rate: float | None, lapse_rate: float | None) 
     expect(leaves_room, "guess_rate, lapse_rate", f"{guess_rate} and {lapse_rate}", expected)
 
 
-def _check_method(method: str, estimate: str, rng: np.random.Generator | None, *, overdispersion: bool) -> None:
+def _check_method(
+    method: str, estimate: str, interval: float, rng: np.random.Generator | None, *, overdispersion: bool
+) -> None:
+    between("fit", 0, 1, interval=interval)
     one_of("method", method, METHODS)
     one_of("estimate", estimate, ESTIMATES)
     has_draws = method != "bootstrap" or rng is not None
