@@ -25,10 +25,9 @@ from .report.study_text import study_text
 from .result import Analysis
 from .tasks import cells
 from .tasks.applied_force import force_of_participants, force_table, has_force
-from .tasks.cells import counted_answers, judgements
+from .tasks.cells import counted_answers, detection_rates, judgements, mean_rates
 from .tasks.goodness import SEED, goodness_columns, goodness_table
 from .tasks.kinds import ANALYSES, CURVES, RESULTS
-from .tasks.rates import detection_rates, mean_rates
 from .tasks.rule_estimate import Replay, rule_columns, tracks
 
 

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from ..wording import in_words
-from .grid import grid
 from .kinds import KINDS
+from .section import grid
 
 if TYPE_CHECKING:
     import pandas as pd

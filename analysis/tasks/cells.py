@@ -1,5 +1,5 @@
-"""Each participant in each condition: counts per level, then a threshold, or an equality point and a
-difference."""
+"""Each participant in each condition: counts per level, then a threshold, or an equality point and a difference; and
+how often was felt what, against the level and over all levels."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,9 +7,11 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from statsmodels.stats.proportion import proportion_confint
 
 from tactometry.trials.tasks import tasks_with_level
 
+from ..arrays import Array
 from ..means import parts
 from ..reading.rows import bad_cell, correctness, delivered_level, is_catch, numbers_of
 from ..reading.trials import Trials
@@ -28,7 +30,6 @@ COLUMNS = (
     *("shape", "interval", "note"),
 )
 """Of the table of estimates, behind participant and condition."""
-Rows = np.ndarray[tuple[int, int], np.dtype[np.float64]]
 
 
 @dataclass(frozen=True)
@@ -161,7 +162,7 @@ def _fits(cells: Sequence[Cell], task: str, n_choices: int, unit: str, interval:
     )
 
 
-def stacked_counts(cells: Sequence[Cell]) -> tuple[Rows, Rows, Rows]:
+def stacked_counts(cells: Sequence[Cell]) -> tuple[Array, Array, Array]:
     """Levels, yes and trials of cells, (n_cells, most levels), filled up with places without trials."""
     return _stack([c.levels for c in cells]), _stack([c.n_yes for c in cells]), _stack([c.n_trials for c in cells])
 
@@ -172,7 +173,7 @@ def catch_counts(cells: Sequence[Cell]) -> tuple[list[int], list[int]]:
     return [n_false_alarms for n_false_alarms, _ in used], [n_catch for _, n_catch in used]
 
 
-def _stack(rows: Sequence[Sequence[float]]) -> Rows:
+def _stack(rows: Sequence[Sequence[float]]) -> Array:
     """Rows of different lengths, filled up with zeros: no trials there."""
     stacked = np.zeros((len(rows), max([1, *map(len, rows)])))  # a place at least: a cell may have catch trials alone
     for place, row in enumerate(rows):
@@ -202,3 +203,42 @@ def _difference(fit: ThresholdFit) -> dict[str, float | None]:
     names = {"jnd": fit.width, "jnd_low": fit.width_low, "jnd_high": fit.width_high}
     scaled = {name: None if width is None else width * DIFFERENCE_PER_WIDTH for name, width in names.items()}
     return {"pse": fit.threshold, **scaled}
+
+
+MAX_LEVELS = 16
+"""More levels than this are drawn together for the rates."""
+
+
+def detection_rates(counts: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Rate of "yes", correct or "more" against the level in each condition, all participants together, from the
+    table of counts.
+
+    With Wilson's interval, which treats the answers as independent. Levels are drawn together into
+    `MAX_LEVELS` classes of equal width, named by their mean, where there are more.
+    """
+    table = counts.drop(columns="participant")
+    table["level"] = _classes(table["level"].to_numpy(dtype=float), table["n_trials"].to_numpy(dtype=float))
+    rates = table.groupby([*factors, "task", "level"], sort=True, observed=True).sum().reset_index()
+    low, high = proportion_confint(rates["n_yes"], rates["n_trials"], method="wilson")
+    rate = rates["n_yes"] / rates["n_trials"]
+    # Wilson's ends may miss a rate of exactly 0 or 1 by rounding, and a bar of an error has no negative length.
+    return rates.assign(rate=rate, rate_low=np.minimum(low, rate), rate_high=np.maximum(high, rate))
+
+
+def _classes(levels: Array, weights: Array) -> Array:
+    if len(np.unique(levels)) <= MAX_LEVELS:
+        return levels
+    edges = np.linspace(levels.min(), levels.max(), MAX_LEVELS + 1)
+    place = np.clip(np.digitize(levels, edges) - 1, 0, MAX_LEVELS - 1)
+    total = np.bincount(place, weights, MAX_LEVELS)
+    mean = np.bincount(place, weights * levels, MAX_LEVELS) / np.maximum(total, 1e-300)
+    return np.asarray(mean[place])
+
+
+def mean_rates(counts: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Mean over participants of the rate over all levels, in each condition (the thesis's detection
+    rates)."""
+    keys = [*factors, "task"]
+    sums = counts.groupby(["participant", *keys], observed=True)[["n_yes", "n_trials"]].sum().reset_index()
+    rates = sums.assign(rate=sums["n_yes"] / sums["n_trials"])
+    return rates.groupby(keys, sort=True, observed=True)["rate"].agg(rate="mean", sd="std", n="size").reset_index()

@@ -9,7 +9,7 @@ import pandas as pd
 import pytest
 from places import RECORDED
 
-from tactometry.analysis.figures.group import threshold_figure
+from tactometry.analysis.figures.psychophysics import threshold_figure
 from tactometry.analysis.figures.style import COLOURS, look, shift
 from tactometry.analysis.outcomes.findings import Outcome
 from tactometry.analysis.pipeline import analyse_trials

@@ -7,7 +7,6 @@ from tactometry.analysis.figures.style import drawing_of, new_figure
 from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report import page, summary as json, terminal
-from tactometry.analysis.report.grid import grid
 from tactometry.analysis.report.kinds import KINDS
 from tactometry.analysis.report.section import (
     Details,
@@ -16,6 +15,7 @@ from tactometry.analysis.report.section import (
     ResultKind,
     Section,
     TextTable,
+    grid,
     rows_of,
 )
 from tactometry.analysis.result import Analysis

@@ -2,13 +2,12 @@
 
 from collections.abc import Iterator
 
-from ...figures.group import threshold_figure
+from ...figures.psychophysics import threshold_figure
 from ...outcomes.findings import FORCE as TARGET
 from ...result import Analysis
 from ...wording import cross_table
 from ..captions import figure_text
-from ..grid import grid
-from ..section import Figure, Lead, ResultKind, Section, TextTable, rows_of
+from ..section import Figure, Lead, ResultKind, Section, TextTable, grid, rows_of
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:

@@ -2,13 +2,12 @@
 
 from collections.abc import Iterator
 
-from ...figures import group
+from ...figures import psychophysics
 from ...outcomes.hierarchical_outcome import HierarchicalOutcome
 from ...result import Analysis
 from ...tasks.kinds import CURVES
 from ...wording import cross_table, dependent_name, dependent_title, with_unit
-from ..grid import grid, plain_rows
-from ..section import Content, Details, Figure, Lead, ResultKind, Section, Sentences, TextTable
+from ..section import Blocks, Details, Figure, Lead, ResultKind, Section, Sentences, TextTable, grid, plain_rows
 from ..sentences import hierarchical_sentences
 
 MEANS = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean_high"}
@@ -21,7 +20,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         yield Section(f"All participants at once{task}", tuple(_blocks(outcome, analysis)))
 
 
-def _blocks(outcome: HierarchicalOutcome, analysis: Analysis) -> Iterator[Content]:
+def _blocks(outcome: HierarchicalOutcome, analysis: Analysis) -> Blocks:
     sentences = Sentences(hierarchical_sentences(outcome, analysis.unit))
     if outcome.fit is None:
         yield sentences
@@ -45,7 +44,7 @@ def _figure(outcome: HierarchicalOutcome, analysis: Analysis) -> Figure:
     name = dependent_title(_dependent(outcome))
     means, factors = outcome.conditions.rename(columns=MEANS), [f for f in analysis.factors if f in outcome.conditions]
     label = with_unit(name, analysis.unit)
-    drawing = group.threshold_figure(means, outcome.participants, factors, "threshold", label)
+    drawing = psychophysics.threshold_figure(means, outcome.participants, factors, "threshold", label)
     bars = " with 95 % intervals" if outcome.conditions["interval_low"].notna().any() else ""
     text = f"{name}: the hierarchical model's means{bars}; faint dots are participants, drawn to the group."
     stem = f"hierarchical_{outcome.task}"

@@ -2,11 +2,10 @@
 
 from collections.abc import Iterator
 
-from ...figures.group import loss_figure
+from ...figures.psychophysics import loss_figure
 from ...result import Analysis
 from ...wording import cross_table
-from ..grid import grid
-from ..section import Figure, Lead, ResultKind, Section, TextTable, rows_of
+from ..section import Figure, Lead, ResultKind, Section, TextTable, grid, rows_of
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:

@@ -5,14 +5,13 @@ from collections.abc import Iterator, Sequence
 import pandas as pd
 
 from ...anova.group_means import HIGH, LOW, bounds_of
-from ...figures import group
+from ...figures import psychophysics
 from ...outcomes.findings import Outcome
 from ...result import Analysis
 from ...tasks.magnitude import DEPENDENT as EXPONENT, GROWTH
 from ...wording import cross_table, dependent_name, dependent_title, in_words, interval_text, p_text, with_unit
 from ..captions import figure_text, means_sentence, means_text
-from ..grid import TextGrid, grid, plain_rows
-from ..section import Content, Figure, FoldedSentences, Heading, Lead, ResultKind, Section, Sentences, TextTable
+from ..section import Blocks, Figure, Folded, Heading, Lead, ResultKind, Section, Sentences, TextTable, grid, plain_rows
 from ..sentences import outcome_sentences, primary_sentences
 
 EFFECT_COLUMNS = {
@@ -32,7 +31,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         yield Section(f"{title} ({unit})" if unit else title, tuple(_blocks(outcome, analysis)))
 
 
-def _blocks(outcome: Outcome, analysis: Analysis) -> Iterator[Content]:
+def _blocks(outcome: Outcome, analysis: Analysis) -> Blocks:
     factors = analysis.factors
     yield Lead(means_sentence(outcome.group))
     yield grid(outcome.cross, factors)
@@ -44,12 +43,12 @@ def _blocks(outcome: Outcome, analysis: Analysis) -> Iterator[Content]:
     if outcome.effects is not None:
         heading = outcome.heading()
         yield Heading(in_words(heading, factors))
-        yield _effects_grid(outcome.effects, factors)
+        yield grid(_shown_effects(outcome.effects, factors), ())
         yield Sentences(sentences.pop(heading, []))
-    yield FoldedSentences(sentences, n_open=2)
+    yield Folded(sentences, n_open=2)
 
 
-def _amplitudes(outcome: Outcome, analysis: Analysis) -> Iterator[Content]:
+def _amplitudes(outcome: Outcome, analysis: Analysis) -> Blocks:
     """The group table in the unit that decibels refer to, where there are decibels and a mean."""
     unit = outcome.unit(analysis.unit)
     if not unit.startswith(DECIBELS) or outcome.group["mean"].isna().all():
@@ -77,7 +76,7 @@ def as_amplitudes(group: pd.DataFrame) -> pd.DataFrame:
 def _figure(outcome: Outcome, analysis: Analysis) -> Figure:
     name, values = dependent_title(outcome.dependent), bounds_of(outcome.estimates, outcome.dependent)
     label = with_unit(name, outcome.unit(analysis.unit))
-    drawing = group.threshold_figure(outcome.group, values, analysis.factors, outcome.dependent, label)
+    drawing = psychophysics.threshold_figure(outcome.group, values, analysis.factors, outcome.dependent, label)
     triangles = ", open triangles bounds" if values[[LOW, HIGH]].notna().any(axis=None) else ""
     text = f"{name}: {figure_text(outcome.group, f'faint dots are participants{triangles}')}."
     stem = analysis.stem(outcome)
@@ -85,19 +84,19 @@ def _figure(outcome: Outcome, analysis: Analysis) -> Figure:
 
 
 def _growth_figure(analysis: Analysis) -> Figure:
-    drawing = group.growth_figure(analysis.tables[GROWTH], analysis.factors, unit=analysis.unit)
+    drawing = psychophysics.growth_figure(analysis.tables[GROWTH], analysis.factors, unit=analysis.unit)
     text = "Numbers given to each level: geometric means over participants after modulus equalisation."
     return Figure(GROWTH, drawing, text, GROWTH)
 
 
-def _effects_grid(table: pd.DataFrame, factors: Sequence[str]) -> TextGrid:
+def _shown_effects(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     effects = table[table["F"].notna()]
     shown = effects[[name for name in EFFECT_COLUMNS if name in effects.columns]].copy()
     for name in set(P_COLUMNS) & set(shown.columns):
         shown[name] = [p_text(p).removeprefix("p ").removeprefix("= ") for p in shown[name].astype(float)]
     for name in {"Source", "term"} & set(shown.columns):
         shown[name] = [in_words(source, factors) for source in shown[name]]
-    return grid(shown.rename(columns=EFFECT_COLUMNS), ())
+    return shown.rename(columns=EFFECT_COLUMNS)
 
 
 def _terminal(analysis: Analysis) -> Iterator[TextTable]:

@@ -4,12 +4,11 @@ from collections.abc import Iterator
 
 import pandas as pd
 
-from ...figures import participants
+from ...figures import psychophysics
 from ...result import Analysis
 from ...tasks.kinds import CURVES
 from ...wording import procedure_name
-from ..grid import grid
-from ..section import Details, Figure, ResultKind, Section, rows_of
+from ..section import Details, Figure, ResultKind, Section, grid, rows_of
 
 SHOWN = ("threshold", "interval_low", "interval_high", "jnd", "jnd_low", "jnd_high", "width", "guess_rate",
          "lapse_rate", "n_trials", "n_catch", "status", "misfit")  # fmt: skip
@@ -32,7 +31,7 @@ def _figures(analysis: Analysis) -> Iterator[tuple[str, Figure]]:
     shown = [estimate for estimate in analysis.estimates if estimate.cell.levels]
     for code in sorted({estimate.cell.participant for estimate in shown}):
         estimates = [estimate for estimate in shown if estimate.cell.participant == code]
-        drawing = participants.curve_figure(estimates, analysis.factors, unit=analysis.unit)
+        drawing = psychophysics.curve_figure(estimates, analysis.factors, unit=analysis.unit)
         text = (
             f"{code}: rate at each level (dot size: trials) with Wilson's 95 % interval, fitted curve, and below it "
             "the threshold with its 95 % interval."
@@ -46,7 +45,7 @@ def _tracks(analysis: Analysis, code: str) -> Iterator[tuple[str, Figure]]:
     rows = rows[rows["participant"] == code]
     if rows.empty:
         return
-    drawing = participants.track_figure(rows, analysis.factors, unit=analysis.unit)
+    drawing = psychophysics.track_figure(rows, analysis.factors, unit=analysis.unit)
     kinds = ", ".join(procedure_name(name) for name in sorted(set(rows["procedure"])))
     filled = " or ".join(CURVES[task].success for task in sorted(set(rows["task"])))
     text = f"{code}: tracks ({kinds}); filled: {filled}, open: not; catch trials are left out."

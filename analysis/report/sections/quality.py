@@ -3,8 +3,7 @@
 from collections.abc import Iterator
 
 from ...result import Analysis
-from ..grid import TextGrid, grid
-from ..section import Content, Heading, Lead, ResultKind, Section, rows_of
+from ..section import Blocks, Heading, Lead, ResultKind, Section, TextGrid, grid, rows_of
 
 COLUMNS = {
     "n_rows": "rows", "n_practice": "practice", "n_invalid": "invalid", "n_repeated": "asked again",
@@ -23,7 +22,7 @@ def _table(analysis: Analysis, name: str) -> TextGrid:
     return grid(analysis.tables[name].rename(columns=COLUMNS), analysis.factors)
 
 
-def _blocks(analysis: Analysis) -> Iterator[Content]:
+def _blocks(analysis: Analysis) -> Blocks:
     yield _table(analysis, "quality")
     if "goodness" in analysis.tables:
         yield from (Heading("Goodness of fit"), Lead(GOODNESS), _table(analysis, "goodness"))

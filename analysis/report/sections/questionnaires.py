@@ -10,8 +10,7 @@ from ...figures.style import Drawing
 from ...outcomes.ratings import REFERENCE, Ratings
 from ...result import Analysis
 from ..captions import figure_text, means_of, means_sentence, means_text
-from ..grid import TextGrid, plain_rows
-from ..section import Content, Figure, FoldedSentences, Lead, ResultKind, Section, TextTable
+from ..section import Blocks, Figure, Folded, Lead, ResultKind, Section, TextGrid, TextTable, plain_rows
 from ..sentences import form_sentences
 
 MOST_LINES = 7
@@ -23,12 +22,12 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         yield Section(form.form.title, tuple(_blocks(form)))
 
 
-def _blocks(form: Ratings) -> Iterator[Content]:
+def _blocks(form: Ratings) -> Blocks:
     low, high, cross = form.form.score_low, form.form.score_high, form.cross()
     yield Lead(f"Scores from {low:g} to {high:g}. {means_sentence(form.summary)}")
     yield TextGrid(tuple(cross.columns), tuple(cross.itertuples(index=False, name=None)))
     yield from _figures(form)
-    yield FoldedSentences(form_sentences(form), n_open=1)
+    yield Folded(form_sentences(form), n_open=1)
 
 
 def _figures(form: Ratings) -> Iterator[Figure]:

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator
 
-from ...figures.group import mean_rate_figure, rate_figure
+from ...figures.psychophysics import mean_rate_figure, rate_figure
 from ...result import Analysis
+from ...tasks.cells import MAX_LEVELS
 from ...tasks.kinds import CURVES
-from ...tasks.rates import MAX_LEVELS
 from ..section import Figure, ResultKind, Section
 
 

@@ -6,8 +6,7 @@ import pandas as pd
 
 from ...result import Analysis
 from ...tasks.kinds import RESULTS
-from ..grid import grid
-from ..section import Details, Lead, ResultKind, Section, TextTable, rows_of
+from ..section import Details, Lead, ResultKind, Section, TextTable, grid, rows_of
 
 TOLD = {task: results for task, results in RESULTS.items() if results.title or results.dependent}
 
