@@ -39,9 +39,8 @@ class DisplayTable:
     language: str = "en"
 
     def __post_init__(self) -> None:
-        for name in ("width_px", "height_px"):
-            n_pixels = getattr(self, name)
-            expect(n_pixels >= 320, f"DisplayTable.{name}", n_pixels, "at least 320 pixels")
+        expect(self.width_px >= 320, "DisplayTable.width_px", self.width_px, "at least 320 pixels")
+        expect(self.height_px >= 320, "DisplayTable.height_px", self.height_px, "at least 320 pixels")
         one_of("DisplayTable.language", self.language, languages())
         if self.height_m is not None:
             expect(0 < self.height_m < 10, "DisplayTable.height_m", f"{self.height_m:g}", "above 0 and below 10 m")

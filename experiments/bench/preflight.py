@@ -1,16 +1,41 @@
-"""Preflight: what a session needs, tried before a participant comes."""
+"""Preflight: what a session needs, tried before a participant comes; sensors, force and output."""
 
+import time
+from collections.abc import Iterator
+from contextlib import closing
+from datetime import date
 from pathlib import Path
+from typing import Final
 
+import numpy as np
+
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.output import with_ramps
+from tactometry.devices.sensors.reader import Reader, SampleBlock
+from tactometry.devices.sensors.streamed import StreamedSensor
 from tactometry.errors import TactometryError
+from tactometry.gates.force import ForceGate
+from tactometry.safety.limits import Limits
+from tactometry.signal import Signal
 
 from ..study.dry_run import felt_of
 from ..study.experiment import Experiment, wire
 from ..study.study_file import load
 from .bench_file import BenchFile
-from .finding import Finding, findings_of
+from .calibration import tone
+from .finding import Finding, duration, findings_of
 from .preflight_computer import computer, disk, display, existing
-from .preflight_devices import devices
+from .stimuli import bank_on
+
+LISTEN_S = 2.0
+RATE_TOLERANCE = 0.02
+"""Of a sensor's nominal rate (unverified default)."""
+MAX_GAP_S: Final = ForceGate(target_n=1.0, tolerance=0.1, hold_s=0.0).max_gap_s
+LATENCY_AT_MOST_S = 0.02
+"""Age of the newest sample when it is read (unverified default)."""
+TONE_PART = 0.1
+"""The test tone's part of the voltage limit (unverified default)."""
+TONE_S, TONE_RAMP_S = 0.5, 0.1
 
 
 def check(study: str | None, bench: BenchFile, folder: Path, *, hands_off: bool) -> list[Finding]:
@@ -44,3 +69,125 @@ def _study(study: str) -> tuple[list[Finding], Experiment | None]:
     words = f"{n} {'stimulus' if n == 1 else 'stimuli'}; the strongest levels are within the study's limits"
     felt = [Finding("scene", "felt", " ".join(map(str.strip, each.lines))) for each in felt_of(experiment)]
     return [Finding("study", study, words, fine=True), *felt], experiment
+
+
+def devices(
+    bench: BenchFile, limits: Limits | None, experiment: Experiment | None, *, hands_off: bool
+) -> Iterator[Finding]:
+    # Without limits anywhere a volt is the most that is tried; hands are off, so that no gate of force is asked for.
+    connected = bench.devices(limits or Limits(voltage_peak_v=1.0), date.today(), touched=False)
+    for name, reader in connected.readers.items():
+        yield from findings_of(f"sensor {name}", _sensor(name, reader))
+    if connected.force is not None:
+        yield from findings_of("force", _force(connected.force))
+    yield from findings_of("output", _gate(bench))
+    yield from findings_of("output", _tried(connected.output, bench, limits, experiment, hands_off=hands_off))
+
+
+def _sensor(name: str, reader: Reader) -> Iterator[Finding]:
+    part, listener = f"sensor {name}", reader.listen()
+    with closing(reader):
+        reader.open()
+        yield Finding(part, "opened", reader.source.name, fine=True)
+        ages_s, blocks = [], []
+        for block in listener.blocks(time.perf_counter() + LISTEN_S, pause_s=0.002):
+            ages_s.append(time.perf_counter() - block.times_s[-1])
+            blocks.append(block)
+    yield from _stream(part, reader, blocks, ages_s)
+
+
+def _stream(part: str, reader: Reader, blocks: list[SampleBlock], ages_s: list[float]) -> Iterator[Finding]:
+    times_s = np.concatenate([block.times_s for block in blocks]) if blocks else np.empty(0)
+    if times_s.size < 2:
+        yield Finding(part, "samples", f"{times_s.size} in {LISTEN_S:g} s", "a sensor that sends", False, device=True)
+        return
+    rate_hz, nominal_hz = (times_s.size - 1) / (times_s[-1] - times_s[0]), reader.source.rate_hz
+    fine = bool(abs(rate_hz / nominal_hz - 1) <= RATE_TOLERANCE)
+    yield Finding(part, "rate", f"{rate_hz:.1f} Hz", f"{nominal_hz:g} Hz", fine, device=True)
+    yield duration(part, "largest gap", float(np.diff(times_s).max()), MAX_GAP_S)
+    yield duration(part, "latency, median", float(np.median(ages_s)), LATENCY_AT_MOST_S)
+    counted = {key: value for key, value in reader.facts().items() if value not in {None, 0}}
+    yield Finding(part, "counts", ", ".join(f"{key} {_short(value)}" for key, value in counted.items()))
+
+
+def _short(value: str | float | None) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def _force(force: StreamedSensor) -> Iterator[Finding]:
+    with closing(force):
+        force.open()
+        time.sleep(LISTEN_S / 2)
+        _, forces_n = force.read()
+    if not forces_n.size:
+        yield Finding("force", "samples", f"0 in {LISTEN_S / 2:g} s", "a sensor that sends", False, device=True)
+        return
+    known_n = forces_n[np.isfinite(forces_n)]
+    fine = known_n.size == forces_n.size
+    words = f"{known_n.size} of {forces_n.size}"
+    yield Finding("force", "samples in the calibrated range", words, "all of them", fine, device=True)
+    if known_n.size:
+        yield Finding("force", "mean, at rest", f"{known_n.mean():.4g} N")
+        yield Finding("force", "noise, sd", f"{known_n.std():.3g} N")
+
+
+def _gate(bench: BenchFile) -> Iterator[Finding]:
+    """What stops the output when the finger leaves; a bench that has no such thing and does not say so is not fine."""
+    bench.check_gate()
+    for words in bench.cautions:
+        yield Finding("output", "caution", words)
+
+
+def _tried(
+    output: Guarded, bench: BenchFile, limits: Limits | None, experiment: Experiment | None, *, hands_off: bool
+) -> Iterator[Finding]:
+    """The tone and the strongest stimuli; limits that the load needs and nobody stated stop all of them, said once."""
+    if output.limits is not None and output.load is not None:
+        output.limits.check_stated(output.load)
+    yield from findings_of("output", _output(output, limits, hands_off=hands_off))
+    if experiment is not None:
+        yield from findings_of("output", _strongest(output, experiment, bench))
+
+
+def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Iterator[Finding]:
+    if limits is None and not output.driver.connected:
+        yield Finding("output", "limits", "none stated; give a study or a bench file with limits")
+        return
+    if output.driver.connected and not hands_off:
+        yield Finding("output", "test tone", "not played: nobody said that hands are off", "--hands-off", fine=False)
+        return
+    with closing(output):
+        output.open()
+        yield Finding("output", "opened", output.name, fine=True)
+        tested = tone_of(output)
+        begin_s = time.perf_counter()
+        onset_s = output.play(tested)
+        time.sleep(tested.duration_s)
+        output.stop()
+    yield Finding("output", "test tone", f"{tested.peak:.3g} V, {tested.duration_s:.3g} s", "within limits", fine=True)
+    yield Finding("output", "onset after the call", f"{1e3 * (onset_s - begin_s):.1f} ms")
+    n_underruns = output.facts().get("n_underruns")
+    if n_underruns is not None:
+        yield Finding("output", "underruns", f"{n_underruns}", "0", n_underruns == 0, device=True)
+
+
+def tone_of(output: Guarded) -> Signal:
+    """A tone with ramps at a part of the voltage limit; for one bit, a thousand samples at the supply's voltage."""
+    n_channels, rate_hz = output.driver.n_channels or 1, output.driver.rate_hz or 48_000.0
+    if output.driver.one_bit:
+        bits = np.where(np.arange(1000) // 10 % 2, -1.0, 1.0)
+        return Signal(np.tile(bits, (n_channels, 1)) * output.driver.full_scale_v, rate_hz, "V")
+    limit_v = output.limits.voltage_peak_v if output.limits is not None else 0.0
+    voltage_v = TONE_PART * min(limit_v, output.driver.full_scale_v)
+    return tone(voltage_v, n_channels, rate_hz, TONE_S, TONE_RAMP_S)
+
+
+def _strongest(output: Guarded, experiment: Experiment, bench: BenchFile) -> Iterator[Finding]:
+    """Each stimulus at its highest level against the output; none is played."""
+    for strongest in experiment.strongest(bank_on(experiment, bench)):
+        words, fine, device = f"level {strongest.level:g}", True, False
+        try:
+            output.check(with_ramps(strongest.signal, bench.output.ramp_s))
+        except TactometryError as error:
+            words, fine, device = f"{words} of {strongest.name}: {error}", False, error.exit_status == 3
+        yield Finding("output", f"strongest {strongest.name}", words, "within limits", fine, device)

@@ -127,9 +127,8 @@ def _try_keys(screen: Display, language: str, folder: Path) -> Finding:
         with recorder(folder) as record:
             delays_s = key_to_record_s(screen, message_page(words, "", screen.aspect), record, N_KEYS, KEYS_WITHIN_S)
     except OSError as error:
-        return Finding(
-            "display", "key to record", f"{folder}: {error.strerror}", "a folder that can be written", fine=False
-        )
+        place = f"{folder}: {error.strerror}"
+        return Finding("display", "key to record", place, "a folder that can be written", fine=False)
     if not delays_s:
         return Finding("display", "key to record", f"no key was pressed in {KEYS_WITHIN_S:g} s")
     median_s = float(np.median(delays_s))
@@ -158,7 +157,5 @@ def _period(facts: Facts) -> Finding:
     measured, expected = (f"{1e3 * float(facts[name] or 0):.2f} ms" for name in (f"{PERIOD}_measured_s", f"{PERIOD}_s"))
     if facts["frames_paced_in_software"]:
         return Finding("display", "frame period", f"{expected}, in software: there is no vertical blank")
-    known = facts[f"{PERIOD}_nominal_s"] is not None
-    return Finding(
-        "display", "frame period", measured, expected if known else "steady", bool(facts[f"{PERIOD}_trusted"])
-    )
+    nominal = "steady" if facts[f"{PERIOD}_nominal_s"] is None else expected
+    return Finding("display", "frame period", measured, nominal, bool(facts[f"{PERIOD}_trusted"]))

@@ -61,11 +61,9 @@ def _draw(axes: Axes, points: Iterable[Point], floor: float, colour: str, marker
         )
         place = (point.price, drawn_at(point, floor))
         text = f"{point.setting}{' (unstable)' if point.unstable else ''}"
-        if any(
-            text == said.get_text() and place[0] == said.xy[0] for said in axes.texts if isinstance(said, Annotation)
-        ):
-            continue
-        axes.annotate(text, place, LABEL[recorded], textcoords="offset points", fontsize="xx-small", color=colour)
+        said = {(label.get_text(), label.xy[0]) for label in axes.texts if isinstance(label, Annotation)}
+        if (text, point.price) not in said:
+            axes.annotate(text, place, LABEL[recorded], textcoords="offset points", fontsize="xx-small", color=colour)
 
 
 def _part(figure: Figure, labels: Sequence[Annotation]) -> None:

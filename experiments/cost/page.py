@@ -68,7 +68,9 @@ def page(climbs: Sequence[Climb], folder: str, today: date) -> str:
         f"| ladder | {heads} | one more digit |",
         "|---|---|---|---|---|---|",
     ]
-    lines += [f"| [`{c.problem.name}`](#{c.problem.name}) | {' | '.join(_prices(c))} | {digit(c)} |" for c in climbs]
+    for climb in climbs:
+        prices = " | ".join(_price(climb, goal) for goal in GOALS)
+        lines.append(f"| [`{climb.problem.name}`](#{climb.problem.name}) | {prices} | {digit(climb)} |")
     lines += [text for climb in climbs for text in _section(climb, folder)]
     return "\n".join(lines) + TAIL
 
@@ -80,11 +82,8 @@ def digit(climb: Climb) -> str:
     return f"x {(best[-1][0] / best[0][0]) ** (1 / digits):.2g}" if digits > 0 else "nothing"
 
 
-def _prices(climb: Climb) -> list[str]:
-    return [_price(climb, cheapest(climb, goal)) for goal in GOALS]
-
-
-def _price(climb: Climb, point: Point | None) -> str:
+def _price(climb: Climb, goal: float) -> str:
+    point = cheapest(climb, goal)
     if point is None:
         return "not reached"
     unit = climb.problem.price.partition("(")[2].partition(")")[0]

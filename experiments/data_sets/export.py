@@ -1,15 +1,93 @@
-"""Data sets for other programs: one function per form."""
+"""Data sets for other programs, one function per form: those of Psych-DS and PsychoPy here, BIDS and R beside.
 
+A recorded data set is Psych-DS already; here also a single table becomes one, without journals, and names use the
+official keywords only. PsychoPy's experiment handler writes a row per trial, a file per session: for scripts and people
+that read such files, and `columns.toml` beside them reads them back with `--columns`.
+"""
+
+import shlex
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 from tactometry.arguments.require import one_of
+from tactometry.files.safe_text import cell_text
+from tactometry.records.description import KEYWORD
 
 from .bids import bids_files
-from .psychds import psychds_files
-from .psychopy_csv import psychopy_files
 from .r_table import r_files
-from .source import ExportedDataSet, read_source, write_files
+from .source import ExportedDataSet, delimited_text, json_text, read_source, write_files
+
+SCHEMA_VERSION = "Psych-DS 1.5.0"
+RENAMED = {
+    "study": "expName",
+    "timestamp_utc": "date",
+    "response": "response.keys",
+    "correct": "response.corr",
+    "latency_s": "response.rt",
+    "onset_s": "stimulus.started",
+    "block": "blocks.thisN",
+    "trial": "trials.thisN",
+}
+FROM_ZERO = ("block", "trial")
+LAST = ("participant", "session", "study", "timestamp_utc")
+"""PsychoPy writes what it knows of the whole session into the last columns."""
+
+
+def psychds_files(source: ExportedDataSet) -> dict[str, bytes]:
+    """Every file, by its path; the same data give the same bytes."""
+    names = [column.name for column in source.columns]
+    study = (source.text("study") or "trials").replace("-", "")  # a hyphen parts key and value in names of files
+    files = {
+        "dataset_description.json": json_text(_description(source)),
+        "README.md": f"# {source.title}\n\n{source.description}\n\nWritten by tactometry export.\n".encode(),
+        "CHANGES.md": b"# Changes\n\n1.0.0: as exported.\n",
+    }
+    for participant, session, rows in source.sessions():
+        body = [[row.get(name, "") for name in names] for row in rows]
+        stem = f"subject-{participant}_session-{session}_study-{study}"
+        files[f"data/{stem}_data.csv"] = delimited_text(names, body, ",")
+    return files
+
+
+def _description(source: ExportedDataSet) -> Mapping[str, object]:
+    return {
+        "@context": "https://schema.org/",
+        "@type": "Dataset",
+        "name": source.title,
+        "description": source.description,
+        "schemaVersion": SCHEMA_VERSION,
+        **({"keywords": [KEYWORD]} if source.origin.is_simulated else {}),
+        "variableMeasured": [
+            {"@type": "PropertyValue", "name": cell_text(column.name), "description": column.description}
+            | ({"unitText": column.unit} if column.unit else {})
+            for column in source.columns
+        ],
+    }
+
+
+def psychopy_files(source: ExportedDataSet) -> dict[str, bytes]:
+    """Every file, by its path; the same data give the same bytes. Numbers of blocks and trials start at 0 there."""
+    names = [column.name for column in source.columns]
+    ordered = [*(name for name in names if name not in LAST), *(name for name in LAST if name in names)]
+    header = [RENAMED.get(name, name) for name in ordered]
+    files = {"columns.toml": _column_map(ordered, source.factors).encode()}
+    for participant, session, rows in source.sessions():
+        study = source.text("study") or "study"
+        body = [[_cell(name, row.get(name, "")) for name in ordered] for row in rows]
+        files[f"data/{participant}_{study}_session-{session}.csv"] = delimited_text(header, body, ",")
+    return files
+
+
+def _cell(name: str, text: str) -> str:
+    return str(int(float(text)) - 1) if name in FROM_ZERO and text else text
+
+
+def _column_map(names: Sequence[str], factors: Sequence[str]) -> str:
+    named = " ".join(",".join(map(cell_text, factors)).split())
+    within = f" --within {shlex.quote(named)}" if factors else ""
+    lines = [f'{name} = "{RENAMED[name]}"' for name in names if name in RENAMED and name not in FROM_ZERO]
+    return "\n".join([f"# tactometry analyse . --columns columns.toml{within}", "[columns]", *lines, ""])
+
 
 FORMS: Mapping[str, Callable[[ExportedDataSet], dict[str, bytes]]] = {
     "psych-ds": psychds_files,

@@ -25,9 +25,7 @@ def filter_bank() -> Problem:
     return Problem(
         "largest error of the amplitude that a channel (NP III, NP I, P) senses of taps at 2.5 Hz, by sampling rate",
         reference=Reference("the Fourier series of the taps through the channels", _series, 1e-12),
-        independent=Reference(
-            "its integrals by adaptive quadrature, thresholds written out", _channels_written_out, 1e-8
-        ),
+        independent=Reference("its integrals by adaptive quadrature, thresholds written out", _integrals, 1e-8),
         error=largest_relative,
         rungs=tuple(Rung(f"{rate_hz / 1e3:g} kHz", partial(_sampled_taps, rate_hz)) for rate_hz in RATES_HZ),
     )
@@ -57,7 +55,7 @@ def _series() -> Real:
     return _sensed_by_channel(Components(_harmonics_hz(), 2 * TAPS_HZ * np.abs(fall - rise)))
 
 
-def _channels_written_out() -> Real:
+def _integrals() -> Real:
     felt = [0.0, 0.0, 0.0]
     for f in _harmonics_hz():
         bowls_db = 48.0, 48 - 5 * math.log2(f / 3), 12 * abs(math.log2(250 / f))

@@ -88,6 +88,7 @@ def _problem(name: str, loads: Sequence[PlateLoad], uncertainty: float) -> Probl
     rate_hz = FINER * _surface(scene).rate_hz
     at_s = np.arange(-round(AROUND_S * rate_hz), 1) / rate_hz
     displacement = partial(_samples, scene, "focus_displacement_m")
+    in_time = "impulse responses and the drive in time, extrapolated to all modes"
 
     def before_the_focus(accuracy: float) -> Real:
         return np.asarray(np.interp(at_s, *displacement(accuracy)))
@@ -95,11 +96,7 @@ def _problem(name: str, loads: Sequence[PlateLoad], uncertainty: float) -> Probl
     return Problem(
         "largest error of the displacement in the 0.1 ms before the focus over its peak, for the accuracy asked for",
         reference=Reference(f"the scene at an accuracy of {FINEST:g}", lambda: before_the_focus(FINEST), FINEST),
-        independent=Reference(
-            "impulse responses and the drive in time, extrapolated to all modes",
-            lambda: _in_time(scene, loads, len(at_s)),
-            uncertainty,
-        ),
+        independent=Reference(in_time, lambda: _in_time(scene, loads, len(at_s)), uncertainty),
         error=over_largest,
         rungs=tuple(Rung(f"accuracy {accuracy:g}", partial(before_the_focus, accuracy)) for accuracy in ACCURACIES[:3]),
     )

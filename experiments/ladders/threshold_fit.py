@@ -92,15 +92,13 @@ def width_prior(width: Real, spacing: float, level_range: float) -> Real:
 
 def likelihood() -> Problem:
     """Wald and profile against the profile written out: the same answers, with the lapse rate known."""
+    wald, profile = (partial(_fitted, method, lapse_rate=LAPSE) for method in ("ml", "profile"))
     return Problem(
         "largest error of threshold and 95 % interval of likelihood over its width, 7 levels x 40 trials, 2AFC",
         reference=Reference("the profile written out, by Brent's methods", _by_brent, 1e-7),
         independent=Reference("its highest values on a grid", _on_a_grid, 1e-4),
         error=over_interval,
-        rungs=tuple(
-            Rung(setting, partial(_fitted, method, lapse_rate=LAPSE))
-            for setting, method in (("Wald (ml)", "ml"), ("profile", "profile"))
-        ),
+        rungs=(Rung("Wald (ml)", wald), Rung("profile", profile)),
     )
 
 

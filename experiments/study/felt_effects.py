@@ -96,14 +96,12 @@ def _explained(cell: WiredCell, scene: Scene, level: float) -> FeltEffects:
     contact, signal = Contact(touch.force_n, touch.speed_m_per_s), cell.stimulus.at(level)
     felt_db, felt = scene.sensation(signal, contact), scene.felt(contact)
     off = felt.off()
+    idle = (LeftOut(effect.kind, why="no output needs it") for effect in off)
     return FeltEffects(
         cell.condition.stimulus,
         f"{level:g} {cell.stimulus.level_unit}, {touch.force_n:g} N, {1e3 * touch.speed_m_per_s:g} mm/s",
         tuple(effect.kind for effect in scene.effects if effect not in off),
-        (
-            *(LeftOut(effect.kind, why="no output needs it") for effect in off),
-            *_left_out(scene, signal, contact, felt_db),
-        ),
+        (*idle, *_left_out(scene, signal, contact, felt_db)),
         felt.assumed(),
         error_in_words(felt.resolve()),
         felt_db,

@@ -57,7 +57,7 @@ _IN_LEVELS = (
 def study_tables() -> Iterator[tuple[str, KeyTable]]:
     """The tables of a study file but `[procedure]`, by a heading."""
     yield "The file itself", KeyTable(Study, _TOP)
-    yield from ((f"`[stimulus]`, `kind = {_kind_texts(kinds)}`", table) for kinds, table in _stimuli())
+    yield from _stimuli()
     yield "`[stimulus.setup]`", KeyTable(Setup)
     yield from ((f'`[touch]`, `kind = "{kind}"`', _touch(kind)) for kind in TOUCHES)
     yield "`[task]`, every kind", KeyTable(BlockOptions)
@@ -113,12 +113,13 @@ def pages() -> dict[Path, str]:
     }
 
 
-def _stimuli() -> Iterator[tuple[list[str], KeyTable]]:
+def _stimuli() -> Iterator[tuple[str, KeyTable]]:
     """Kinds that one class reads stand together."""
     examples = {"focus": _FOCUS, "hybrid": _BOTH, **{kind: wave.example for kind, wave in WAVEFORMS.items()}}
     for target in dict.fromkeys(kind.stimulus for kind in STIMULI.values()):
         kinds = [name for name, kind in STIMULI.items() if kind.stimulus == target]
-        yield kinds, KeyTable(resolve(target), examples[kinds[0]])
+        names = ", ".join(f'"{kind}"' for kind in kinds)
+        yield f"`[stimulus]`, `kind = {names}`", KeyTable(resolve(target), examples[kinds[0]])
 
 
 def _touch(kind: str) -> KeyTable:
@@ -140,10 +141,6 @@ def _observers() -> Iterator[tuple[str, KeyTable]]:
 
 def _sensation_table(kind: str) -> KeyTable:
     return KeyTable(resolve(STIMULI[kind].sensation), given={"setup": Setup(**_FOCUS["setup"])})  # type: ignore[arg-type]
-
-
-def _kind_texts(kinds: Iterable[str]) -> str:
-    return ", ".join(f'"{kind}"' for kind in kinds)
 
 
 def _rows(keys: Iterable[Key]) -> str:

@@ -14,7 +14,7 @@ import click
 
 from tactometry.experiments.bench import calibration
 from tactometry.experiments.bench.bench_file import BenchFile, Devices, load_bench
-from tactometry.experiments.bench.learning import Learning, Microphone, join, learn
+from tactometry.experiments.bench.calibration import Learning, Microphone, join, learn
 from tactometry.stimuli.time_reversal.responses.learning import as_displacement, sequence, sweep, write_learnt
 from tactometry.stimuli.time_reversal.responses.responses import Responses
 

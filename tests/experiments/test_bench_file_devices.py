@@ -27,7 +27,7 @@ from tactometry.experiments.bench.bench_file import (
     load_bench,
     parse_bench,
 )
-from tactometry.experiments.bench.preflight_devices import _strongest
+from tactometry.experiments.bench.preflight import _strongest
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import builtin, load
 from tactometry.safety.limits import Limits

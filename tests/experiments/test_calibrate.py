@@ -26,17 +26,20 @@ from tactometry.devices.sensors.reader import Reader, SampleBlock
 from tactometry.errors import DeviceFailed, InvalidParameter, Stopped
 from tactometry.experiments.bench.bench_file import parse_bench
 from tactometry.experiments.bench.calibration import (
+    Learning,
+    Microphone,
     display_height_m,
     display_toml,
     fit_force,
     fit_gain,
     force_toml,
     gain_toml,
+    join,
+    learn,
     show_bar,
     tone,
 )
 from tactometry.experiments.bench.figures import force_figure, responses_figure
-from tactometry.experiments.bench.learning import Learning, Microphone, join, learn
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
 from tactometry.stimuli.time_reversal.responses.learning import as_displacement, read_provenance, sequence, sweep

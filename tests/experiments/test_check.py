@@ -23,8 +23,8 @@ from tactometry.cli.check import _table
 from tactometry.cli.output import hands_are_off
 from tactometry.experiments.bench.bench_file import load_bench, parse_bench
 from tactometry.experiments.bench.finding import Finding, exit_status
+from tactometry.experiments.bench.preflight import devices, tone_of
 from tactometry.experiments.bench.preflight_computer import _try_keys, key_to_record_s
-from tactometry.experiments.bench.preflight_devices import devices, tone_of
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load as load_numbers
 from tactometry.rigs.pages.page import Page
@@ -213,7 +213,7 @@ def test_a_device_that_fails_is_status_3_and_plays_nothing(tmp_path, bench, part
 
 
 def test_a_sensor_that_sends_nothing_is_said_to(monkeypatch):
-    monkeypatch.setattr("tactometry.experiments.bench.preflight_devices.LISTEN_S", 0.1)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.1)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as silent:
         silent.bind(("127.0.0.1", 0))
         port = silent.getsockname()[1]
