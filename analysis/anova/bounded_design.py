@@ -7,14 +7,15 @@ from itertools import product
 import numpy as np
 import pandas as pd
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ..arrays import Array, size_of
 from .design import (
     DesignStatus,
-    UndefinedStatistic,
     codes_of,
     expect_columns,
+    expect_defined,
     expect_names,
     refuse_constant,
     refuse_few,
@@ -24,6 +25,7 @@ from .strata import BoundedValues
 
 MIN_KNOWN = 2
 """Known values that each condition needs (in each group)."""
+BOUND = "a value, or a bound below or above it, in this order; leave the row out"
 
 
 @dataclass(frozen=True)
@@ -107,12 +109,9 @@ def ends_of(table: pd.DataFrame, dependent: str, low: str, high: str) -> Array:
     bottom = np.where(known, y, np.where(np.isnan(bottom), -np.inf, bottom))
     top = np.where(known, y, np.where(np.isnan(top), np.inf, top))
     bad = ~(bottom <= top) | (known & np.isinf(y))
-    if bad.any():
-        row = int(np.flatnonzero(bad)[0])
-        raise InvalidParameter(
-            f"{dependent}, row {row}: found the bounds {bottom[row]:g} and {top[row]:g}, expected a value, or a bound "
-            "below or above it, in this order; leave the row out"
-        )
+    row = int(bad.argmax())
+    found = f"the bounds {bottom[row]:g} and {top[row]:g}"
+    expect(not bad.any(), f"{dependent}, row {row}", found, BOUND)
     return np.stack([bottom, top], axis=1)
 
 
@@ -126,9 +125,8 @@ def numbers(table: pd.DataFrame, name: str) -> Array:
     """
     values = pd.to_numeric(table[name], errors="coerce").to_numpy(dtype=np.float64, na_value=np.nan)
     bad = np.isnan(values) & table[name].notna().to_numpy()
-    if bad.any():
-        row = int(np.flatnonzero(bad)[0])
-        raise InvalidParameter(f"{name}, row {row}: found {table[name].iloc[row]}, expected a number or nothing")
+    row = int(bad.argmax())
+    expect(not bad.any(), f"{name}, row {row}", table[name].iloc[row], "a number or nothing")
     return values
 
 
@@ -156,13 +154,10 @@ def _laid(
 def _refuse_unknown(design: BoundedDesign) -> None:
     known = np.stack([design.data.known[design.data.group == g].sum(axis=0) for g in range(len(design.groups))])
     for names, n in zip(design.cells(), known.ravel(), strict=True):
-        if n < MIN_KNOWN:
-            cell = ", ".join(f"{name} = {level}" for name, level in names.items()) or "table"
-            raise UndefinedStatistic(
-                f"{cell}: found {n} known value{'s' if n != 1 else ''}, expected at least {MIN_KNOWN} beside the "
-                "bounds; leave the condition out",
-                DesignStatus.TOO_FEW_KNOWN,
-            )
+        cell = ", ".join(f"{name} = {level}" for name, level in names.items()) or "table"
+        found = f"{n} known value{'s' if n != 1 else ''}"
+        expected = f"at least {MIN_KNOWN} beside the bounds; leave the condition out"
+        expect_defined(n >= MIN_KNOWN, DesignStatus.TOO_FEW_KNOWN, cell, found, expected)
 
 
 def _scaled(design: BoundedDesign, dependent: str) -> BoundedDesign:

@@ -14,12 +14,12 @@ import pandas as pd
 from scipy.linalg import helmert
 from scipy.stats import t as student
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from ..arrays import Array
 from .bounded_design import BoundedDesign, bounded_design
 from .contrasts import Sphericity, Tested, epsilons
-from .design import MAX_FACTORS, DesignStatus, UndefinedStatistic, names_of
+from .design import MAX_FACTORS, DesignStatus, expect_defined, names_of
 from .group_means import within_variances
 from .strata import LEAST_VARIANCE, StrataFit, fit_strata
 from .within_subjects import INTERVAL, effect_table
@@ -101,8 +101,9 @@ def censored_anova(
     (1, [2.5, 4.0, 6.0])
     """
     factors = names_of(within)
-    if len(factors) > MAX_FACTORS or len({dependent, subject, *factors, between}) < len(factors) + 3:
-        raise InvalidParameter(f"within: found {', '.join(factors)}, expected up to {MAX_FACTORS} different factors")
+    are_different = len({dependent, subject, *factors, between}) == len(factors) + 3
+    holds = are_different and len(factors) <= MAX_FACTORS
+    expect(holds, "within", ", ".join(factors), f"up to {MAX_FACTORS} different factors")
     design = bounded_design(
         table,
         dependent=dependent,
@@ -132,12 +133,10 @@ def _fitted(design: BoundedDesign) -> StrataFit:
             errors = np.sqrt(np.diagonal(fit.covariance))
     except np.linalg.LinAlgError:
         errors = np.array([np.nan])
-    if not (np.isfinite(errors).all() and fit.converged and errors[: fit.means.size].max() < WIDEST_SE):
-        raise UndefinedStatistic(
-            "censored_anova: found no maximum of the likelihood, expected known values that hold each mean; leave the "
-            "conditions out in which most values are bounds",
-            DesignStatus.NO_MAXIMUM,
-        )
+    holds = np.isfinite(errors).all() and fit.converged and errors[: fit.means.size].max() < WIDEST_SE
+    found = "no maximum of the likelihood"
+    expected = "known values that hold each mean; leave the conditions out in which most values are bounds"
+    expect_defined(holds, DesignStatus.NO_MAXIMUM, "censored_anova", found, expected)
     return fit
 
 

@@ -175,11 +175,11 @@ def permutation_p(effect: ContrastEffect, *, rng: np.random.Generator | None = N
     """
     n = len(effect.scores)
     exact = n <= MOST_EXACT
-    if not exact and rng is None:
-        raise InvalidParameter(f"rng: found none for {n} participants, expected a Generator to draw signs with")
-    if exact or rng is None:
+    if exact:
         # The first sign stays: turning all signs changes no square, and half of the cases need no look.
         signs = np.array(list(product((1.0,), *[(1.0, -1.0)] * (n - 1))))
+    elif rng is None:
+        raise InvalidParameter(f"rng: found none for {n} participants, expected a Generator to draw signs with")
     else:
         signs = rng.choice([-1.0, 1.0], size=(n_resamples, n))
     sums = np.sum((signs @ effect.scores) ** 2, axis=1)

@@ -7,6 +7,7 @@ from enum import StrEnum
 import numpy as np
 import pandas as pd
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ..arrays import RELATIVE_ZERO, Array, Indices, size_of
@@ -40,6 +41,18 @@ class UndefinedStatistic(InvalidParameter):
     def __init__(self, message: str, status: DesignStatus) -> None:
         super().__init__(message)
         self.status = status
+
+
+def expect_defined(holds: bool | np.bool_, status: DesignStatus, where: str, found: object, expected: str) -> None:
+    """As `expect`, of what a statistic needs to have a meaning.
+
+    Raises
+    ------
+    UndefinedStatistic
+        Unless it `holds`, with its `status`.
+    """
+    if not holds:
+        raise UndefinedStatistic(f"{where}: found {found}, expected {expected}", status)
 
 
 @dataclass(frozen=True)
@@ -86,8 +99,9 @@ def within_design(
     """
     within = names_of(within)
     data = finite_rows(table, [dependent, subject, *within], dependent, where)
-    if not 1 <= len(within) <= MAX_FACTORS or len({dependent, subject, *within}) < len(within) + 2:
-        raise InvalidParameter(f"within: found {', '.join(within)}, expected one to three different factors")
+    are_different = len({dependent, subject, *within}) == len(within) + 2
+    holds = are_different and 1 <= len(within) <= MAX_FACTORS
+    expect(holds, "within", ", ".join(within), "one to three different factors")
     coded = [codes_of(data, name) for name in (subject, *within)]
     levels = tuple(tuple(different) for _, different in coded)
     refuse_few(levels, subject, within)
@@ -155,46 +169,37 @@ def expect_columns(table: pd.DataFrame, columns: Sequence[str], where: str) -> N
     for name in columns:
         if name not in known:
             raise InvalidParameter(f"{where}: {no_column(name, table)}")
-    if table.empty:
-        raise UndefinedStatistic("table: found no row, expected values to compare", DesignStatus.NO_DATA)
+    expect_defined(not table.empty, DesignStatus.NO_DATA, "table", "no row", "values to compare")
 
 
 def expect_names(data: pd.DataFrame, columns: Sequence[str]) -> None:
     """Refuse a row without a participant or a condition."""
+    expected = "the name of a participant or a condition; leave the row out"
     for name in columns:
-        nothing = np.flatnonzero(data[name].isna().to_numpy())
-        if len(nothing):
-            raise UndefinedStatistic(
-                f"{name}, row {nothing[0]}: found nothing, expected the name of a participant or a condition; leave "
-                "the row out",
-                DesignStatus.NO_NAME,
-            )
+        is_empty = data[name].isna().to_numpy()
+        expect_defined(
+            not is_empty.any(), DesignStatus.NO_NAME, f"{name}, row {is_empty.argmax()}", "nothing", expected
+        )
 
 
 def refuse_few(levels: Sequence[Sequence[object]], subject: str, within: Sequence[str]) -> None:
     """Refuse fewer than three participants, or two levels of a factor; `levels` has the participants first."""
     n = len(levels[0])
-    if n < MIN_PARTICIPANTS:
-        raise UndefinedStatistic(
-            f"{subject}: found {n} participant{'s' if n != 1 else ''}, expected at least {MIN_PARTICIPANTS} to compare",
-            DesignStatus.TOO_FEW_PARTICIPANTS,
-        )
+    found, expected = f"{n} participant{'s' if n != 1 else ''}", f"at least {MIN_PARTICIPANTS} to compare"
+    expect_defined(n >= MIN_PARTICIPANTS, DesignStatus.TOO_FEW_PARTICIPANTS, subject, found, expected)
     for name, values in zip(within, levels[1:], strict=True):
         refuse_one(name, len(values), "value")
 
 
 def refuse_one(name: str, n: int, what: str) -> None:
     """Refuse a factor of fewer than two values (or groups)."""
-    if n < 2:
-        raise UndefinedStatistic(f"{name}: found {n} {what}, expected at least 2 to compare", DesignStatus.ONE_LEVEL)
+    expect_defined(n >= 2, DesignStatus.ONE_LEVEL, name, f"{n} {what}", "at least 2 to compare")
 
 
 def refuse_constant(spread: float, size: float, dependent: str) -> None:
     """Refuse values of which the spread is rounding, beside the size of the largest."""
-    if spread <= RELATIVE_ZERO * size:
-        raise UndefinedStatistic(
-            f"{dependent}: found the same value everywhere, expected values that differ", DesignStatus.CONSTANT
-        )
+    has_spread = spread > RELATIVE_ZERO * size
+    expect_defined(has_spread, DesignStatus.CONSTANT, dependent, "the same value everywhere", "values that differ")
 
 
 def _refuse_holes(n_values: Indices, levels: Sequence[Sequence[object]], names: Sequence[str], dependent: str) -> None:
@@ -221,16 +226,15 @@ def spread(values: Array, dependent: str) -> float:
     size, sd = float(np.abs(values).max()), float(values.std())
     refuse_constant(sd, size, dependent)
     within = values - values.mean(axis=1, keepdims=True)
-    if np.abs(within).max() <= RELATIVE_ZERO * size:
-        raise UndefinedStatistic(
-            f"{dependent}: found no difference between the conditions of any participant, "
-            "expected some: F is undefined",
-            DesignStatus.NO_VARIANCE_WITHIN,
-        )
-    if np.abs(within - within.mean(axis=0)).max() <= RELATIVE_ZERO * size:
-        raise UndefinedStatistic(
-            f"{dependent}: found the same differences in all participants, expected some to differ: the error is 0 and "
-            "F is undefined",
-            DesignStatus.ZERO_ERROR,
-        )
+    has_differences = np.abs(within).max() > RELATIVE_ZERO * size
+    refuse_alike(has_differences, dependent, "F is undefined")
+    has_error = np.abs(within - within.mean(axis=0)).max() > RELATIVE_ZERO * size
+    found, expected = "the same differences in all participants", "some to differ: the error is 0 and F is undefined"
+    expect_defined(has_error, DesignStatus.ZERO_ERROR, dependent, found, expected)
     return sd * unit
+
+
+def refuse_alike(has_differences: bool | np.bool_, dependent: str, so: str) -> None:
+    """Refuse participants who have no difference between conditions; `so` says what follows from that."""
+    found = "no difference between the conditions of any participant"
+    expect_defined(has_differences, DesignStatus.NO_VARIANCE_WITHIN, dependent, found, f"some: {so}")

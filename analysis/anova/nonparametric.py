@@ -8,11 +8,12 @@ import numpy as np
 import pandas as pd
 from scipy.stats import rankdata
 
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.arguments.require import expect
+from tactometry.errors import nearest
 
 from ..arrays import Array
 from .contrasts import ContrastEffect, effects
-from .design import DesignStatus, UndefinedStatistic, WithinDesign, spread, within_design
+from .design import WithinDesign, refuse_alike, spread, within_design
 from .post_hoc import pairs
 
 DIGITS = 9
@@ -36,12 +37,7 @@ def friedman(table: pd.DataFrame, *, dependent: str, factor: str, subject: str) 
 
     design = within_design(table, dependent=dependent, within=factor, subject=subject, where="friedman")
     values = _rounded(design.values)
-    if (np.ptp(values, axis=1) == 0).all():
-        raise UndefinedStatistic(
-            f"{dependent}: found no difference between the conditions of any participant, "
-            "expected some: all ranks are tied",
-            DesignStatus.NO_VARIANCE_WITHIN,
-        )
+    refuse_alike((np.ptp(values, axis=1) > 0).any(), dependent, "all ranks are tied")
     wide = pd.DataFrame(values, columns=[str(place) for place in range(values.shape[1])])
     row = pingouin.friedman(wide).iloc[0]
     w, q, p = (float(row[name]) for name in ("W", "Q", "p_unc"))
@@ -86,10 +82,7 @@ def art_contrasts(
     [[0.5, 1.0, 3.0], [0.5, 2.0, 3.0], [1.0, 2.0, 3.0]]
     """
     for name in contrast:
-        if name not in within:
-            raise InvalidParameter(
-                f"contrast: found {name!r}, expected some of {', '.join(within)}{nearest(name, within)}"
-            )
+        expect(name in within, "contrast", repr(name), f"some of {', '.join(within)}{nearest(name, within)}")
     design = within_design(table, dependent=dependent, within=within, subject=subject, where="art_contrasts")
     axes = tuple(1 + place for place, name in enumerate(design.factors) if name not in contrast)
     cell_means = design.values.mean(axis=0, keepdims=True)

@@ -15,8 +15,7 @@ from scipy.optimize import brentq
 from scipy.special import logsumexp, nctdtr
 from scipy.stats import t as student, wilcoxon
 
-from tactometry.arguments.require import between, one_of
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import between, expect, one_of
 
 from ..arrays import RELATIVE_ZERO, Array, size_of
 from .design import WithinDesign, within_design
@@ -144,9 +143,8 @@ def compare(
 def _against(compared: Sequence[Pair], reference: object, factor: str) -> list[Pair]:
     """The pairs that hold the reference, which comes first."""
     levels = {name for pair in compared for name in pair.names}
-    if reference not in levels:
-        names = ", ".join(sorted(map(str, levels)))
-        raise InvalidParameter(f"reference: found {factor} = {reference}, expected one of {names}")
+    names = ", ".join(sorted(map(str, levels)))
+    expect(reference in levels, "reference", f"{factor} = {reference}", f"one of {names}")
     kept = [pair for pair in compared if reference in pair.names]
     return [pair if pair.names[0] == reference else pair.turned() for pair in kept]
 
@@ -295,8 +293,7 @@ def equivalence(
     >>> found[["difference", "p", "equivalent"]].round(4).values.tolist()
     [[0.025, 0.0013, True]]
     """
-    if not (np.isfinite(bound) and bound > 0):
-        raise InvalidParameter(f"bound: found {bound}, expected a difference above 0, in the unit of {dependent}")
+    expect(0 < bound < np.inf, "bound", bound, f"a difference above 0, in the unit of {dependent}")
     between("equivalence", 0, 0.5, alpha=alpha)
     compared, notes = compare(table, dependent, factor, subject, by, "equivalence")
     result = with_verdicts([_equivalence_row(pair, by, bound, alpha) for pair in compared], bound, alpha)

@@ -14,11 +14,11 @@ import numpy as np
 import pandas as pd
 from scipy.stats import ttest_ind
 
-from tactometry.errors import InvalidParameter
+from tactometry.arguments.require import expect
 
 from ..arrays import RELATIVE_ZERO, Array, size_of
 from .contrasts import Sphericity, Tested, effects, participant_scores, sphericity
-from .design import DesignStatus, UndefinedStatistic, finite_rows, names_of, refuse_one, within_design
+from .design import DesignStatus, expect_defined, finite_rows, names_of, refuse_one, within_design
 from .post_hoc import all_together, bayes_factor
 from .within_subjects import INTERVAL, effect_table, scaled_design, with_notes
 
@@ -81,11 +81,8 @@ class Groups:
 def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, between: str) -> Groups:
     """The group of each participant; refuses two groups of one, fewer than two groups, and a group of one."""
     n_groups = rows.groupby(subject, observed=True)[between].nunique(dropna=False)
-    if (n_groups > 1).any():
-        raise InvalidParameter(
-            f"{between}: found {n_groups.max()} groups of the participant {n_groups.idxmax()}, expected one; name "
-            "it as a factor within"
-        )
+    found = f"{n_groups.max()} groups of the participant {n_groups.idxmax()}"
+    expect((n_groups == 1).all(), between, found, "one; name it as a factor within")
     group_of = rows.drop_duplicates(subject).set_index(subject)[between].to_dict()
     of, names = pd.factorize(np.array([group_of[code] for code in participants]), sort=True)
     sizes = np.bincount(of)
@@ -96,12 +93,9 @@ def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, 
 def _refuse_small(between: str, sizes: Mapping[object, int]) -> None:
     """Refuse fewer than two groups, and a group of one."""
     refuse_one(between, len(sizes), "group")
-    smallest = min(sizes, key=lambda name: sizes[name])
-    if sizes[smallest] < MIN_GROUP:
-        raise UndefinedStatistic(
-            f"{between} = {smallest}: found one participant, expected at least {MIN_GROUP} a group",
-            DesignStatus.TOO_FEW_PARTICIPANTS,
-        )
+    smallest, expected = min(sizes, key=lambda name: sizes[name]), f"at least {MIN_GROUP} a group"
+    holds, where = sizes[smallest] >= MIN_GROUP, f"{between} = {smallest}"
+    expect_defined(holds, DesignStatus.TOO_FEW_PARTICIPANTS, where, "one participant", expected)
 
 
 def _errors(scores: Array, groups: Groups) -> tuple[Array, int]:

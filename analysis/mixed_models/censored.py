@@ -15,26 +15,16 @@ import pandas as pd
 from scipy.optimize import linprog
 from scipy.special import log_ndtr
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import log1mexp
 
-from ..anova.bounded_design import ends_of
+from ..anova.bounded_design import BOUND, ends_of
 from ..anova.design import expect_columns
 from ..arrays import Array, Bools, Expansion, Indices, size_of
 from .glmm import lay_out
 from .laplace import ClusteredModel as Clusters, MixedFit, maximise, maximise_by_quadrature
-from .linear import (
-    ALIKE,
-    Counts,
-    DesignMatrix,
-    MixedModel,
-    ModelStatus,
-    checked_rows,
-    coefficient_table,
-    degrees,
-    design_matrix,
-    term_table,
-)
+from .linear import InterceptFit, MixedModel, ModelDesign, described_model, model_design
 
 N_NODES = 31
 NARROW = 1e-6
@@ -92,28 +82,25 @@ def censored_model(
     """
     expect_columns(table, [dependent, low, high], "censored_model")
     ends = _expect_some(ends_of(table, dependent, low, high), dependent)
-    data = checked_rows(table.assign(**{dependent: _middle(ends)}), dependent, factors, covariates, subject)
-    matrix = design_matrix(data, factors, covariates, interactions=interactions, base={})
-    groups, names = pd.factorize(data[subject])
-    y = data[dependent].to_numpy(dtype=np.float64)
-    size = size_of(y)
-    centre, scale = float((y / size).mean()), float((y / size).std()) or 1.0
+    middles = table.assign(**{dependent: _middle(ends)})
+    design = model_design(middles, dependent, factors, covariates, subject, interactions=interactions, base={})
+    size = size_of(design.y)
+    y = design.y / size
+    centre, scale = float(y.mean()), float(y.std()) or 1.0
     units = (ends / size - centre) / scale
-    _refuse_unheld(units, matrix, groups)
-    model = _Censored.of(units, matrix.x, groups)
+    _refuse_unheld(units, design)
+    model = _Censored.of(units, design.x, design.groups)
     mixed_fit = model.fitted()
-    _refuse_endless(mixed_fit, matrix)
-    df = degrees(matrix, groups)
-    return _model_of(mixed_fit, matrix, len(names), model.n_censored, df, (centre * size, scale * size), interval)
+    _refuse_endless(mixed_fit, design)
+    n_known = len(y) - model.n_censored  # a density has the unit 1 / y, the chance of an interval has none
+    log_likelihood = mixed_fit.log_marginal - n_known * float(np.log(scale * size))
+    fit = _intercept_fit(mixed_fit, design, log_likelihood)
+    return described_model(design, fit, (centre * size, scale * size), interval, model.n_censored)
 
 
 def _expect_some(ends: Array, dependent: str) -> Array:
-    nothing = np.flatnonzero(np.isinf(ends).all(axis=1))
-    if len(nothing):
-        raise InvalidParameter(
-            f"{dependent}, row {nothing[0]}: found the bounds -inf and inf, expected a value, or a bound below or "
-            "above it, in this order; leave the row out"
-        )
+    is_empty = np.isinf(ends).all(axis=1)
+    expect(not is_empty.any(), f"{dependent}, row {is_empty.argmax()}", "the bounds -inf and inf", BOUND)
     return ends
 
 
@@ -219,18 +206,16 @@ def _log_density(z: Array) -> Array:
     return np.asarray(-0.5 * z * z - LOG_ROOT_TWO_PI)
 
 
-def _refuse_unheld(ends: Array, matrix: DesignMatrix, groups: Indices) -> None:
+def _refuse_unheld(ends: Array, matrix: ModelDesign) -> None:
     """Before a search that would go on for long."""
     if np.all(ends[:, 0] == ends[:, 1]):
         return
     endless = endless_direction(ends, matrix.x)
     if endless is not None:
         raise _endless(matrix.names[int(np.argmax(np.abs(endless)))])
-    if leaves_no_error(ends, matrix.x, groups):
-        raise InvalidParameter(
-            "censored_model: found known values that the terms and participants explain without error, expected more "
-            "known values, or fewer terms"
-        )
+    found = "known values that the terms and participants explain without error"
+    has_error = not leaves_no_error(ends, matrix.x, matrix.groups)
+    expect(has_error, "censored_model", found, "more known values, or fewer terms")
 
 
 def _endless(name: str) -> InvalidParameter:
@@ -240,46 +225,24 @@ def _endless(name: str) -> InvalidParameter:
     )
 
 
-def _refuse_endless(mixed_fit: MixedFit, matrix: DesignMatrix) -> None:
+def _refuse_endless(mixed_fit: MixedFit, matrix: ModelDesign) -> None:
     errors = np.sqrt(np.diagonal(mixed_fit.covariance)[: len(matrix.names)])
     worst = int(np.argmax(errors))
     if not (np.isfinite(mixed_fit.log_marginal) and errors[worst] <= WIDEST_SE):
         raise _endless(matrix.names[worst])
-    if mixed_fit.gradient * errors[worst] > LARGEST_STEP:
-        raise InvalidParameter(
-            f"censored_model: found that the likelihood still rises (by {mixed_fit.gradient:.2g} along a parameter), "
-            "expected a maximum; too few values are known for these terms"
-        )
+    found = f"that the likelihood still rises (by {mixed_fit.gradient:.2g} along a parameter)"
+    expected = "a maximum; too few values are known for these terms"
+    expect(mixed_fit.gradient * errors[worst] <= LARGEST_STEP, "censored_model", found, expected)
 
 
-def _model_of(
-    mixed_fit: MixedFit,
-    matrix: DesignMatrix,
-    n_participants: int,
-    n_censored: int,
-    df: Counts,
-    unit: tuple[float, float],
-    interval: float,
-) -> MixedModel:
-    n, p, scale = len(matrix.x), len(matrix.names), unit[1]
+def _intercept_fit(mixed_fit: MixedFit, design: ModelDesign, log_likelihood: float) -> InterceptFit:
+    p, n_participants = len(design.names), design.n_participants
     inflation = n_participants / (n_participants - 1)
-    estimates, covariance = mixed_fit.parameters[:p], mixed_fit.covariance[:p, :p] * inflation
     residual = float(np.exp(mixed_fit.parameters[p]))
     participant = abs(float(mixed_fit.parameters[p + 1]))  # a scale may end on either side of 0: u is as likely as -u
-    is_singular = participant < ZERO_SD * residual
-    n_known = n - n_censored  # a density has the unit 1 / y, the chance of an interval has none
-    return MixedModel(
-        coefficients=coefficient_table(matrix, estimates, covariance, df, interval, unit),
-        terms=term_table(matrix, estimates, covariance, df),
-        participant_sd=0.0 if is_singular else participant * scale * float(np.sqrt(inflation)),
-        residual_sd=residual * scale * float(np.sqrt(inflation)),
-        log_likelihood=mixed_fit.log_marginal - n_known * float(np.log(scale)),
-        n=n,
-        n_participants=n_participants,
-        status=ModelStatus.SINGULAR if is_singular else ModelStatus.OK,
-        notes=(ALIKE,) if is_singular else (),
-        n_censored=n_censored,
-    )
+    sds = 0.0 if participant < ZERO_SD * residual else participant, residual
+    covariance = mixed_fit.covariance[:p, :p] * inflation
+    return InterceptFit(mixed_fit.parameters[:p], covariance, *sds, log_likelihood, inflation)
 
 
 def endless_direction(ends: Array, x: Array) -> Array | None:

@@ -14,8 +14,8 @@ from types import MappingProxyType
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from tactometry.arguments.require import lookup
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.arguments.require import expect, lookup
+from tactometry.errors import nearest
 from tactometry.psychometric import SHAPES, Shape
 
 from ..arrays import Array, Expansion, Indices
@@ -127,15 +127,10 @@ def fit_glmm(
 
 def _check_random(fixed: Mapping[str, ArrayLike], random: Sequence[str], n_nodes: int) -> None:
     for name in random:
-        if name not in fixed:
-            raise InvalidParameter(
-                f"random: found {name!r}, expected names of fixed effects{nearest(name, list(fixed))}"
-            )
-    if n_nodes < 1 or (n_nodes > 1 and len(random) > 2):
-        raise InvalidParameter(
-            f"n_nodes: found {n_nodes} with {len(random)} random effects, expected 1 or more, "
-            "and above 1 at most two effects"
-        )
+        expect(name in fixed, "random", repr(name), f"names of fixed effects{nearest(name, list(fixed))}")
+    holds = n_nodes == 1 or (n_nodes > 1 and len(random) <= 2)
+    found = f"{n_nodes} with {len(random)} random effects"
+    expect(holds, "n_nodes", found, "1 or more, and above 1 at most two effects")
 
 
 def _nothing(status: MixedStatus, participants: Mapping[str, Array] = MappingProxyType({})) -> MixedEstimate:
@@ -165,11 +160,9 @@ class _Design:
         correlated: bool,
     ) -> _Design:
         matrix = np.stack(list(columns.values()), axis=1)
-        if np.linalg.matrix_rank(matrix) < matrix.shape[1]:
-            raise InvalidParameter(
-                f"fixed: found columns ({', '.join(columns)}) that depend on each other over the rows with trials, "
-                "expected independent ones; leave one out"
-            )
+        found = f"columns ({', '.join(columns)}) that depend on each other over the rows with trials"
+        holds = np.linalg.matrix_rank(matrix) == matrix.shape[1]
+        expect(holds, "fixed", found, "independent ones; leave one out")
         scale = np.sqrt(np.square(matrix).mean(axis=0))
         who, cluster = np.unique(participants, return_inverse=True)
         laid = lay_out(cluster, matrix / scale, *answers)

@@ -5,22 +5,21 @@ the maximum, and its parameter "Group Var" is divided by the residual variance (
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 import pandas as pd
 from scipy.optimize import minimize_scalar
 from scipy.stats import f as fisher, t as student
 
+from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
-from ..anova.design import DesignStatus, UndefinedStatistic, codes_of, finite_rows, refuse_constant, refuse_one
+from ..anova.design import DesignStatus, codes_of, expect_defined, finite_rows, refuse_constant, refuse_one
 from ..arrays import RELATIVE_ZERO, Array, Indices, size_of
 
-Counts = Indices
 RATIOS = (1e-8, 1e10)
 """Where the variance of participants over the residual one is looked for, besides 0."""
 N_GRID = 73
@@ -56,9 +55,15 @@ class MixedModel:
     log_likelihood: float
     n: int
     n_participants: int
-    status: ModelStatus
-    notes: tuple[str, ...]
     n_censored: int = 0
+
+    @property
+    def status(self) -> ModelStatus:
+        return ModelStatus.SINGULAR if self.participant_sd == 0 else ModelStatus.OK
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        return (ALIKE,) if self.status is ModelStatus.SINGULAR else ()
 
     @property
     def participant_variance(self) -> float:
@@ -114,85 +119,85 @@ def mixed_model(
     >>> round(found.participant_variance, 4), round(found.residual_variance, 4)
     (0.5556, 0.4444)
     """
-    data = checked_rows(table, dependent, factors, covariates, subject)
-    matrix = design_matrix(data, factors, covariates, interactions=interactions, base=base or {})
-    values = data[dependent].to_numpy(dtype=np.float64)
-    groups, names = pd.factorize(data[subject])
-    size = size_of(values)
-    y = values / size
+    design = model_design(table, dependent, factors, covariates, subject, interactions=interactions, base=base or {})
+    size = size_of(design.y)
+    y = design.y / size
     centre, scale = float(y.mean()), float(y.std())
-    _refuse_without_error(y, matrix.x, groups, dependent)
-    fit = _fit((y - centre) / scale, matrix.x, groups)
-    df = degrees(matrix, groups)
-    unit = scale * size
-    return MixedModel(
-        coefficients=coefficient_table(matrix, fit.estimates, fit.covariance, df, interval, (centre * size, unit)),
-        terms=term_table(matrix, fit.estimates, fit.covariance, df),
-        participant_sd=float(np.sqrt(fit.participant_variance)) * unit,
-        residual_sd=float(np.sqrt(fit.residual_variance)) * unit,
-        log_likelihood=fit.log_likelihood - (len(y) - len(fit.estimates)) * float(np.log(scale) + np.log(size)),
-        n=len(y),
-        n_participants=len(names),
-        status=fit.status,
-        notes=(ALIKE,) if fit.status is ModelStatus.SINGULAR else (),
-    )
+    refuse_constant(scale, float(np.abs(y).max()), dependent)
+    found, expected = "values that participants and terms explain exactly", "some error: F is undefined"
+    expect_defined(_has_error(y, design), DesignStatus.ZERO_ERROR, dependent, found, expected)
+    fit = _fit((y - centre) / scale, design)
+    log_unit = (len(y) - len(fit.estimates)) * float(np.log(scale) + np.log(size))
+    fit = replace(fit, log_likelihood=fit.log_likelihood - log_unit)
+    return described_model(design, fit, (centre * size, scale * size), interval)
 
 
-def _refuse_without_error(y: Array, x: Array, groups: Indices, dependent: str) -> None:
-    refuse_constant(float(y.std()), float(np.abs(y).max()), dependent)
-    if not _has_error(y, x, groups):
-        raise UndefinedStatistic(
-            f"{dependent}: found values that participants and terms explain exactly, expected some error: F is "
-            "undefined",
-            DesignStatus.ZERO_ERROR,
-        )
-
-
-def checked_rows(
+def _checked_rows(
     table: pd.DataFrame, dependent: str, factors: Sequence[str], covariates: Sequence[str], subject: str
 ) -> pd.DataFrame:
     """The rows with finite numbers where numbers are needed."""
     columns = [dependent, subject, *factors, *covariates]
-    if len(set(columns)) < len(columns):
-        raise InvalidParameter(f"mixed_model: found {', '.join(columns)}, expected each column once")
+    expect(len(set(columns)) == len(columns), "mixed_model", ", ".join(columns), "each column once")
     data = finite_rows(table, columns, dependent, "mixed_model")
     for name in covariates:
         data[name] = finite_rows(data, [name, *(c for c in columns if c != name)], name, "mixed_model")[name]
     n = data[subject].nunique()
-    if n < 2:
-        raise InvalidParameter(f"{subject}: found {n} participant, expected at least 2 for a mixed model")
+    expect(n >= 2, subject, f"{n} participant", "at least 2 for a mixed model")
     return data
 
 
 @dataclass(frozen=True)
-class DesignMatrix:
-    """`x` of shape (row, column) with `names`; `terms` maps the name of each term to its columns.
+class ModelDesign:
+    """Values `y` (row,) of participants, whose places are `groups` (row,), and `x` of shape (row, column) with `names`;
+    `terms` maps the name of each term to its columns.
 
     `averaged` has the same columns coded about the mean of each factor and covariate, so that those of a term are its
     effect averaged over the others.
     """
 
+    y: Array
+    groups: Indices
     x: Array
     names: tuple[str, ...]
     terms: Mapping[str, tuple[int, ...]]
     averaged: Array
 
+    @property
+    def n_participants(self) -> int:
+        return int(self.groups.max()) + 1
 
-def design_matrix(
-    data: pd.DataFrame,
+    @property
+    def df(self) -> Indices:
+        """Degrees of freedom of the error of each column: what varies between participants alone is tested against
+        them, all else (and the intercept, by custom) against the residuals (Pinheiro and Bates 2000, section 2.4.2)."""
+        x = self.averaged
+        away = x - _group_means(x, self.groups)[self.groups]
+        is_between = np.abs(away).max(axis=0) <= TOLERANCE * np.abs(x).max(axis=0)
+        n_between = int(is_between.sum())
+        residual = len(x) - self.n_participants - (x.shape[1] - n_between)
+        df = np.where(is_between, self.n_participants - n_between, residual)
+        df[0] = residual
+        return df
+
+
+def model_design(
+    table: pd.DataFrame,
+    dependent: str,
     factors: Sequence[str],
     covariates: Sequence[str],
+    subject: str,
     *,
     interactions: bool,
     base: Mapping[str, object],
-) -> DesignMatrix:
+) -> ModelDesign:
     """Treatment codes of the factors, the covariates, and their products.
 
     Raises
     ------
     InvalidParameter
-        If a base is no level, or columns depend on each other.
+        If a base is no level, or columns depend on each other; as `mixed_model`.
     """
+    data = _checked_rows(table, dependent, factors, covariates, subject)
     single = {name: _codes(data, name, base.get(name)) for name in factors}
     single |= {name: {name: data[name].to_numpy(dtype=np.float64)} for name in covariates}
     centred = {name: _centred(single[name]) for name in factors}
@@ -208,7 +213,8 @@ def design_matrix(
             averaged += _products([centred[name] for name in term]).values()
     x = np.stack(list(columns.values()), axis=1)
     _refuse_dependent(x, list(columns), terms)
-    return DesignMatrix(x, tuple(columns), terms, np.stack(averaged, axis=1))
+    y, groups = data[dependent].to_numpy(dtype=np.float64), pd.factorize(data[subject])[0]
+    return ModelDesign(y, groups, x, tuple(columns), terms, np.stack(averaged, axis=1))
 
 
 def _centred(codes: Mapping[str, Array]) -> dict[str, Array]:
@@ -221,8 +227,7 @@ def _codes(data: pd.DataFrame, name: str, base: object) -> dict[str, Array]:
     levels = codes_of(data, name)[1]
     refuse_one(name, len(levels), "value")
     first = levels[0] if base is None else base
-    if first not in levels:
-        raise InvalidParameter(f"base: found {name} = {base}, expected one of {', '.join(map(str, levels))}")
+    expect(first in levels, "base", f"{name} = {base}", f"one of {', '.join(map(str, levels))}")
     return {
         f"{name} = {level}": (data[name] == level).to_numpy().astype(np.float64) for level in levels if level != first
     }
@@ -247,39 +252,42 @@ def _refuse_dependent(x: Array, names: Sequence[str], terms: Mapping[str, Sequen
             )
 
 
-def _has_error(y: Array, x: Array, groups: Any) -> bool:
+def _has_error(y: Array, design: ModelDesign) -> bool:
     """Whether anything is left of the values when each participant has a mean of its own."""
-    both = np.column_stack([x, y])
-    within = both - _group_means(both, groups)[groups]
+    both = np.column_stack([design.x, y])
+    within = both - _group_means(both, design.groups)[design.groups]
     x_within, y_within = within[:, :-1], within[:, -1]
     residual = y_within - x_within @ np.linalg.lstsq(x_within, y_within, rcond=TOLERANCE)[0]
     return bool(np.abs(residual).max() > RELATIVE_ZERO * np.abs(y).max())
 
 
-def _group_means(columns: Array, groups: Any) -> Array:
+def _group_means(columns: Array, groups: Indices) -> Array:
     """Of each column (n_groups, n_columns)."""
     sums = np.stack([np.bincount(groups, column) for column in columns.T], axis=1)
     return np.asarray(sums / np.bincount(groups)[:, None])
 
 
 @dataclass(frozen=True)
-class _Fit:
+class InterceptFit:
+    """Estimates of values (y - centre) / scale; the standard deviations are yet to be multiplied by the root of
+    `inflation`."""
+
     estimates: Array
     covariance: Array
-    participant_variance: float
-    residual_variance: float
+    participant_sd: float
+    residual_sd: float
     log_likelihood: float
-    status: ModelStatus
+    inflation: float = 1.0
 
 
-def _fit(y: Array, x: Array, groups: Any) -> _Fit:
+def _fit(y: Array, design: ModelDesign) -> InterceptFit:
     """The maximum of the restricted likelihood over the ratio of the two variances, all else in closed form.
 
     statsmodels' search in all parameters at once can end beside it: F then differs in the first digit.
     """
 
     def log_likelihood(log_ratio: float) -> float:
-        return _at(float(np.exp(log_ratio)), y, x, groups).log_likelihood
+        return _at(float(np.exp(log_ratio)), y, design).log_likelihood
 
     # A grid first, as the bounded search ends on any summit.
     grid = np.linspace(float(np.log(RATIOS[0])), float(np.log(RATIOS[1])), N_GRID)
@@ -288,19 +296,19 @@ def _fit(y: Array, x: Array, groups: Any) -> _Fit:
     summit = minimize_scalar(
         lambda log_ratio: -log_likelihood(log_ratio), bounds=bounds, method="bounded", options={"xatol": 1e-10}
     )
-    inside = _at(float(np.exp(summit.x)), y, x, groups)
-    alone = _at(0.0, y, x, groups)  # a ratio of 0 has no logarithm
+    inside = _at(float(np.exp(summit.x)), y, design)
+    alone = _at(0.0, y, design)  # a ratio of 0 has no logarithm
     return inside if best > 0 and inside.log_likelihood > alone.log_likelihood else alone
 
 
-def _at(ratio: float, y: Array, x: Array, groups: Any) -> _Fit:
+def _at(ratio: float, y: Array, design: ModelDesign) -> InterceptFit:
     """The fit if the participants' variance is `ratio` of the residual one: a regression of what is left when a part of
     each participant's mean is taken off (Fuller and Battese 1973)."""
-    n, p = x.shape
-    sizes = np.bincount(groups)
+    n, p = design.x.shape
+    sizes = np.bincount(design.groups)
     share = 1 - (1 + sizes * ratio) ** -0.5
-    both = np.column_stack([x, y])
-    left = both - (share[:, None] * _group_means(both, groups))[groups]
+    both = np.column_stack([design.x, y])
+    left = both - (share[:, None] * _group_means(both, design.groups))[design.groups]
     x_left, y_left = left[:, :p], left[:, p]
     q, r = np.linalg.qr(x_left)
     estimates = np.linalg.solve(r, q.T @ y_left)
@@ -308,40 +316,37 @@ def _at(ratio: float, y: Array, x: Array, groups: Any) -> _Fit:
     inverse = np.linalg.inv(r)
     log_determinant = 2 * float(np.sum(np.log(np.abs(np.diagonal(r))))) + float(np.sum(np.log1p(sizes * ratio)))
     log_likelihood = -0.5 * ((n - p) * (np.log(2 * np.pi * residual) + 1) + log_determinant)
-    status = ModelStatus.SINGULAR if ratio == 0 else ModelStatus.OK
-    return _Fit(estimates, residual * inverse @ inverse.T, ratio * residual, residual, float(log_likelihood), status)
+    sds = float(np.sqrt(ratio * residual)), float(np.sqrt(residual))
+    return InterceptFit(estimates, residual * inverse @ inverse.T, *sds, float(log_likelihood))
 
 
-def degrees(matrix: DesignMatrix, groups: Any) -> Counts:
-    """Degrees of freedom of the error of each column: what varies between participants alone is tested against them,
-    all else (and the intercept, by custom) against the residuals (Pinheiro and Bates 2000, section 2.4.2)."""
-    x = matrix.averaged
-    means = _group_means(x, groups)
-    is_between = np.abs(x - means[groups]).max(axis=0) <= TOLERANCE * np.abs(x).max(axis=0)
-    n, n_groups, n_between = len(x), len(means), int(is_between.sum())
-    residual = n - n_groups - (x.shape[1] - n_between)
-    df = np.where(is_between, n_groups - n_between, residual)
-    df[0] = residual
-    return df
+def described_model(
+    design: ModelDesign, fit: InterceptFit, unit: tuple[float, float], interval: float, n_censored: int = 0
+) -> MixedModel:
+    """A fit in the unit of y, which is (centre, scale); its log-likelihood is in that unit already."""
+    inflation = float(np.sqrt(fit.inflation))
+    return MixedModel(
+        coefficients=_coefficients(design, fit, unit, interval),
+        terms=_terms(design, fit),
+        participant_sd=fit.participant_sd * unit[1] * inflation,
+        residual_sd=fit.residual_sd * unit[1] * inflation,
+        log_likelihood=fit.log_likelihood,
+        n=len(design.y),
+        n_participants=design.n_participants,
+        n_censored=n_censored,
+    )
 
 
-def coefficient_table(
-    matrix: DesignMatrix,
-    estimates: Array,
-    covariance: Array,
-    df: Counts,
-    interval: float,
-    unit: tuple[float, float],
-) -> pd.DataFrame:
-    """Of values (y - centre) / scale, in the unit of y; `unit` is (centre, scale)."""
-    centre, scale = unit
-    se = np.sqrt(np.diagonal(covariance))
-    shifted = estimates + np.where(np.arange(len(estimates)) == 0, centre / scale, 0.0)  # by the intercept alone
+def _coefficients(design: ModelDesign, fit: InterceptFit, unit: tuple[float, float], interval: float) -> pd.DataFrame:
+    (centre, scale), df = unit, design.df
+    se = np.sqrt(np.diagonal(fit.covariance))
+    is_intercept = np.arange(len(se)) == 0
+    shifted = fit.estimates + np.where(is_intercept, centre / scale, 0.0)
     t = shifted / se
     half = student.ppf((1 + interval) / 2, df) * se
     return pd.DataFrame(
         {
-            "term": list(matrix.names),
+            "term": list(design.names),
             "estimate": shifted * scale,
             "se": se * scale,
             "df": df,
@@ -353,15 +358,15 @@ def coefficient_table(
     )
 
 
-def term_table(matrix: DesignMatrix, estimates: Array, covariance: Array, df: Counts) -> pd.DataFrame:
+def _terms(design: ModelDesign, fit: InterceptFit) -> pd.DataFrame:
     """Wald's F of each term, averaged over the others (type III)."""
     # The same model in the averaged codes: with treatment codes a main effect is one at the base of the others.
-    turn = np.linalg.lstsq(matrix.averaged, matrix.x, rcond=None)[0]
-    estimates, covariance = turn @ estimates, turn @ covariance @ turn.T
+    turn = np.linalg.lstsq(design.averaged, design.x, rcond=None)[0]
+    estimates, covariance = turn @ fit.estimates, turn @ fit.covariance @ turn.T
     rows = []
-    for name, columns in matrix.terms.items():
+    for name, columns in design.terms.items():
         term = list(columns)
-        df1, df2 = len(term), int(df[term].min())
+        df1, df2 = len(term), int(design.df[term].min())
         f = float(estimates[term] @ np.linalg.solve(covariance[np.ix_(term, term)], estimates[term])) / df1
         rows.append({"term": name, "df1": df1, "df2": df2, "F": f, "p": float(fisher.sf(f, df1, df2))})
     return pd.DataFrame(rows)

@@ -20,7 +20,7 @@ from tactometry.analysis.mixed_models.censored import (
     endless_direction,
 )
 from tactometry.analysis.mixed_models.laplace import ClusteredModel as Clusters, inner_mode, log_marginal_by_quadrature
-from tactometry.analysis.mixed_models.linear import ModelStatus, design_matrix, mixed_model
+from tactometry.analysis.mixed_models.linear import ModelStatus, mixed_model, model_design
 from tactometry.errors import InvalidParameter
 
 GIVEN = {"dependent": "y", "low": "low", "high": "high", "subject": "who"}
@@ -142,9 +142,9 @@ def test_a_bound_that_is_broken_by_far_still_bends_downwards(end) -> None:
 
 def test_a_fit_that_still_rises_is_refused() -> None:
     table = study(np.random.default_rng())
-    matrix = design_matrix(table, ["force_n"], [], interactions=False, base={})
+    matrix = model_design(table, "y", ["force_n"], [], "who", interactions=False, base={})
     ends = np.repeat((table[["y"]] - table["y"].mean()).to_numpy() / table["y"].std(), 2, axis=1)
-    found = _Censored.of(ends, matrix.x, pd.factorize(table["who"])[0]).fitted()
+    found = _Censored.of(ends, matrix.x, matrix.groups).fitted()
     _refuse_endless(found, matrix)
     error = np.sqrt(np.diagonal(found.covariance)[: len(matrix.names)]).max()
     with pytest.raises(InvalidParameter, match="the likelihood still rises"):
