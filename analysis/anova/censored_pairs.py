@@ -3,7 +3,7 @@
 They equal `post_hoc.pairs` and `split_plot.group_pairs` where all values are known.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -21,12 +21,11 @@ LEAST_SD = 1e-7
 
 @dataclass(frozen=True)
 class CellContrast:
-    """The difference of two levels of a factor (second less first) at a level of another (None, without), with its
-    standard error and degrees of freedom, and the standard deviation of the participants' differences; all in the unit
-    of the values."""
+    """The difference of two levels of a factor (`b` less `a` of its `keys`, which name a level of another factor too if
+    there is one), with its standard error and degrees of freedom, and the standard deviation of the participants'
+    differences; all in the unit of the design."""
 
-    names: tuple[object, object]
-    by: object
+    keys: Mapping[str, object]
     estimate: float
     error: float
     df: float
@@ -53,7 +52,7 @@ def censored_pairs(
     >>> censored_pairs(found, "force_n")[["a", "b", "difference"]].round(1).values.tolist()
     [[0.5, 1.0, 1.5], [0.5, 2.0, 3.5], [1.0, 2.0, 2.0]]
     """
-    rows = [_row(contrast, by, model.design.scale, interval) for contrast in _contrasts(model, factor, by)]
+    rows = [_row(contrast, model.design.scale, interval) for contrast in _contrasts(model, factor, by)]
     return all_together(pd.DataFrame(rows), correction, interval)
 
 
@@ -61,10 +60,8 @@ def censored_equivalence(model: CensoredAnova, factor: str, *, bound: float, alp
     """Two one-sided tests of all pairs of levels against +-`bound`; columns as those of `equivalence`."""
     rows, scale = [], model.design.scale
     for contrast in _contrasts(model, factor, None):
-        tested = two_one_sided(contrast.estimate, contrast.error, contrast.df, bound / scale, alpha)
-        tested |= {name: tested[name] * scale for name in ("low", "high")}
-        names = {"a": contrast.names[0], "b": contrast.names[1], "difference": contrast.estimate * scale}
-        rows.append(names | tested | {"bound": bound, "n": len(model.fit.data.low)})
+        tested = two_one_sided(contrast.estimate, contrast.error, contrast.df, bound, alpha, scale)
+        rows.append({**contrast.keys, **tested, "bound": bound, "n": len(model.fit.data.low)})
     return with_verdicts(rows, bound, alpha)
 
 
@@ -73,25 +70,23 @@ def censored_group_pairs(
 ) -> pd.DataFrame:
     """All pairs of groups of participants, averaged over the conditions, or at each level of `by`; columns as those of
     `group_pairs`, without a Bayes factor."""
-    rows = []
-    for level, weights in _averages(model, by):
-        for a, b in combinations(range(len(model.design.groups)), 2):
-            rows.append(({by: level} if by else {}) | _group_row(model, weights, (a, b), interval))
+    rows = [
+        keys | _group_row(model, weights, places, interval)
+        for keys, weights, _ in _averages(model, by)
+        for places in combinations(range(len(model.design.groups)), 2)
+    ]
     return all_together(pd.DataFrame(rows), correction, interval)
 
 
 def _contrasts(model: CensoredAnova, factor: str, by: str | None) -> list[CellContrast]:
-    of_groups = [(name, g) for g, name in enumerate(model.design.groups)]
-    at = of_groups if by is not None and by == model.design.between else [(None, None)]
     return [
-        _contrast(model, cell, group, names, level if group is None else name)
-        for name, group in at
-        for level, average in _averages(model, by if group is None else None)
+        _contrast(model, cell, group, keys | names)
+        for keys, average, group in _averages(model, by)
         for names, cell in _differences(model, factor, average)
     ]
 
 
-def _differences(model: CensoredAnova, factor: str, average: Array) -> list[tuple[tuple[object, object], Array]]:
+def _differences(model: CensoredAnova, factor: str, average: Array) -> list[tuple[dict[str, object], Array]]:
     """Of all pairs of levels, the weights (cell,) of their difference in a mean of weights `average`."""
     place = model.design.factors.index(factor)
     levels, by_level = model.design.levels[place], np.moveaxis(average.reshape(model.fit.data.n_levels), place, 0)
@@ -100,28 +95,29 @@ def _differences(model: CensoredAnova, factor: str, average: Array) -> list[tupl
         weights = np.zeros_like(by_level)
         weights[j], weights[i] = by_level[j], -by_level[i]
         # The mean weighs every level 1 / n, a difference weighs two of them 1.
-        pairs.append(((levels[i], levels[j]), np.moveaxis(weights, 0, place).ravel() * len(levels)))
+        pairs.append(({"a": levels[i], "b": levels[j]}, np.moveaxis(weights, 0, place).ravel() * len(levels)))
     return pairs
 
 
-def _averages(model: CensoredAnova, by: str | None) -> list[tuple[object, Array]]:
-    """Weights (cell,) of the mean over all conditions, or over those at each level of a factor."""
-    n_levels = model.fit.data.n_levels
+def _averages(model: CensoredAnova, by: str | None) -> list[tuple[dict[str, object], Array, int | None]]:
+    """Weights (cell,) of the mean over all conditions (of each group, by its place), or over those at each level of a
+    factor; each with the name of its level."""
+    n_levels, groups = model.fit.data.n_levels, model.design.groups
     whole = np.full(n_levels, 1 / np.prod(n_levels))
     if by is None:
-        return [(None, whole.ravel())]
+        return [({}, whole.ravel(), None)]
+    if by == model.design.between:
+        return [({by: name}, whole.ravel(), g) for g, name in enumerate(groups)]
     place = model.design.factors.index(by)
     shape = [-1 if axis == place else 1 for axis in range(len(n_levels))]
     masks = np.eye(n_levels[place])
     return [
-        (level, (whole * mask.reshape(shape) * n_levels[place]).ravel())
+        ({by: level}, (whole * mask.reshape(shape) * n_levels[place]).ravel(), None)
         for level, mask in zip(model.design.levels[place], masks, strict=True)
     ]
 
 
-def _contrast(
-    anova: CensoredAnova, cell: Array, group: int | None, names: tuple[object, object], by: object
-) -> CellContrast:
+def _contrast(anova: CensoredAnova, cell: Array, group: int | None, keys: Mapping[str, object]) -> CellContrast:
     """Of conditions in one group, or in the plain mean of all groups."""
     fit, n_groups = anova.fit, len(anova.fit.means)
     of_groups = np.full(n_groups, 1 / n_groups) if group is None else np.eye(n_groups)[group]
@@ -133,20 +129,23 @@ def _contrast(
     # The model shares a variance within a stratum; the contrast has its own.
     error = float(np.sqrt(variance * own_variance / model))
     estimate, sd = float(weights @ fit.means.ravel()), float(np.sqrt(own_variance))
-    return CellContrast(names, by, estimate, error, float(df) * kept, sd)
+    return CellContrast(keys, estimate, error, float(df) * kept, sd)
 
 
-def _row(contrast: CellContrast, by: str | None, scale: float, interval: float) -> dict[str, object]:
-    estimate, error, df = contrast.estimate, contrast.error, contrast.df
-    row: dict[str, object] = {} if by is None else {by: contrast.by}
-    row |= {"a": contrast.names[0], "b": contrast.names[1], "difference": estimate * scale, "df": df}
-    names = ("difference_low", "difference_high", "t", "p_unc", "dz", "bf10")
+def _row(contrast: CellContrast, scale: float, interval: float) -> dict[str, object]:
+    estimate, df = contrast.estimate, contrast.df
+    row = {**contrast.keys, "difference": estimate * scale, "df": df}
     if not contrast.has_error:
+        names = ("difference_low", "difference_high", "t", "p_unc", "dz", "bf10")
         return row | dict.fromkeys(names) | {"status": "zero_error"}
+    tested = _t_test(estimate, contrast.error, df, scale, interval)
+    return row | tested | {"dz": estimate / contrast.sd, "bf10": None, "status": "ok"}
+
+
+def _t_test(estimate: float, error: float, df: float, scale: float, interval: float) -> dict[str, float]:
     t, half = estimate / error, float(student.isf((1 - interval) / 2, df)) * error
-    ends = ((estimate - half) * scale, (estimate + half) * scale)
-    tested = (*ends, t, 2 * float(student.sf(abs(t), df)), estimate / contrast.sd, None)
-    return row | dict(zip(names, tested, strict=True)) | {"status": "ok"}
+    ends = {"difference_low": (estimate - half) * scale, "difference_high": (estimate + half) * scale}
+    return ends | {"t": t, "df": df, "p_unc": 2 * float(student.sf(abs(t), df))}
 
 
 def _group_row(model: CensoredAnova, cell: Array, places: Sequence[int], interval: float) -> dict[str, object]:
@@ -158,12 +157,9 @@ def _group_row(model: CensoredAnova, cell: Array, places: Sequence[int], interva
     first, second = (float(cell @ fit.means[g]) for g in places)
     error = np.sqrt(variances.sum())
     df = variances.sum() ** 2 / float(np.sum(variances**2 / (n - 1)))  # Welch and Satterthwaite's
-    difference, t = second - first, (second - first) / error
-    half = float(student.isf((1 - interval) / 2, df)) * error
+    difference = second - first
     pooled_sd = np.sqrt(np.sum((n - 1) * own_variances) / (n.sum() - 2))
     size = difference / pooled_sd * (1 - 3 / (4 * n.sum() - 9))  # Hedges' correction of Cohen's d
     counts = {"a": model.design.groups[places[0]], "b": model.design.groups[places[1]]}
     counts |= {"difference": difference * scale, "n_a": int(n[0]), "n_b": int(n[1])}
-    ends = {"difference_low": (difference - half) * scale, "difference_high": (difference + half) * scale}
-    tested = {"t": t, "df": df, "p_unc": 2 * float(student.sf(abs(t), df)), "g": size, "bf10": None}
-    return counts | ends | tested | {"status": "ok"}
+    return counts | _t_test(difference, error, df, scale, interval) | {"g": size, "bf10": None, "status": "ok"}

@@ -177,9 +177,8 @@ def expect_names(data: pd.DataFrame, columns: Sequence[str]) -> None:
     expected = "the name of a participant or a condition; leave the row out"
     for name in columns:
         is_empty = data[name].isna().to_numpy()
-        expect_defined(
-            not is_empty.any(), DesignStatus.NO_NAME, f"{name}, row {is_empty.argmax()}", "nothing", expected
-        )
+        where = f"{name}, row {is_empty.argmax()}"
+        expect_defined(not is_empty.any(), DesignStatus.NO_NAME, where, "nothing", expected)
 
 
 def refuse_few(levels: Sequence[Sequence[object]], subject: str, within: Sequence[str]) -> None:

@@ -6,7 +6,7 @@ That a test finds no difference does not show that there is none; this does, up 
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -18,7 +18,7 @@ from scipy.stats import t as student, wilcoxon
 from tactometry.arguments.require import between, expect, one_of
 
 from ..arrays import RELATIVE_ZERO, Array, size_of
-from .design import WithinDesign, within_design
+from .design import within_design
 
 CORRECTIONS = ("holm", "bonferroni", "sidak", "fdr_bh", "none")
 SPREADS = 12.0
@@ -32,19 +32,23 @@ _TESTED = ("difference_low", "difference_high", "t", "p_unc", "dz", "dz_low", "d
 
 @dataclass(frozen=True)
 class Pair:
-    """Two conditions with the differences of all participants (second less first), in units of `size`."""
+    """Two conditions `a` and `b`, at a level of another factor if there is one (`keys`: the columns that say so), with
+    the values of all participants in units of `size`."""
 
-    names: tuple[object, object]
-    by: object
+    keys: dict[str, object]
     values: tuple[Array, Array]
-    size: float = 1.0
+    size: float
 
     @property
     def differences(self) -> Array:
+        """Second less first."""
         return self.values[1] - self.values[0]
 
-    def turned(self) -> "Pair":
-        return Pair(self.names[::-1], self.by, self.values[::-1], self.size)
+    @property
+    def has_error(self) -> bool:
+        """Whether participants differ in their differences by more than rounding."""
+        size = max(float(np.abs(values).max()) for values in self.values)
+        return float(np.ptp(self.differences)) > RELATIVE_ZERO * size
 
 
 def pairs(
@@ -86,7 +90,7 @@ def pairs(
     compared, notes = compare(table, dependent, factor, subject, by, "pairs")
     if reference is not None:
         compared = _against(compared, reference, factor)
-    result = all_together(pd.DataFrame([_row(pair, by, interval) for pair in compared]), correction, interval)
+    result = all_together(pd.DataFrame([_row(pair, interval) for pair in compared]), correction, interval)
     result.attrs["notes"] = notes
     return result
 
@@ -98,19 +102,20 @@ def all_together(result: pd.DataFrame, correction: str, interval: float) -> pd.D
     `interval` of studies. Holm's p has no intervals of its own that say where a difference lies; it steps further than
     they do, so that a simultaneous interval may hold 0 where Holm's p is below 5 %, and never the other way round.
     """
+    result = result.drop(columns=["simultaneous_low", "simultaneous_high", "p_corr"], errors="ignore")
     n_tested = 1 if correction == "none" else max(1, int(result["p_unc"].notna().sum()))
     df = result["df"].astype(float).to_numpy()
     wider = student.isf((1 - interval) / 2 / n_tested, df) / student.isf((1 - interval) / 2, df)
     low, high = (result[f"difference_{end}"].astype(float) for end in ("low", "high"))
     half, middle = (high / 2 - low / 2) * wider, low / 2 + high / 2  # halved first: a sum of large ends may overflow
-    added = {
-        "difference_high": {"simultaneous_low": middle - half, "simultaneous_high": middle + half},
-        "p_unc": {"p_corr": adjusted_p(result["p_unc"], correction)},
-    }
-    columns: dict[str, object] = {}
-    for name in result.columns:
-        columns |= {str(name): result[name]} | added.get(str(name), {})
-    return pd.DataFrame(columns)
+    _insert_behind(result, "difference_high", "simultaneous_high", middle + half)
+    _insert_behind(result, "difference_high", "simultaneous_low", middle - half)
+    _insert_behind(result, "p_unc", "p_corr", adjusted_p(result["p_unc"], correction))
+    return result
+
+
+def _insert_behind(table: pd.DataFrame, name: str, column: str, values: "pd.Series[float]") -> None:
+    table.insert(list(table.columns).index(name) + 1, column, values)
 
 
 def rank_pairs(
@@ -124,9 +129,9 @@ def rank_pairs(
     [[0.0, 0.125, 1.0]]
     """
     compared, notes = compare(table, dependent, factor, subject, by, "rank_pairs")
-    result = pd.DataFrame([_rank_row(pair, by) for pair in compared])
+    result = pd.DataFrame([_rank_row(pair) for pair in compared])
+    _insert_behind(result, "p_unc", "p_corr", adjusted_p(result["p_unc"], correction))
     result.attrs["notes"] = notes
-    result.insert(list(result.columns).index("p_unc") + 1, "p_corr", adjusted_p(result["p_unc"], correction))
     return result
 
 
@@ -136,44 +141,36 @@ def compare(
     """All pairs of levels, of a complete design, and what a reader must know of it."""
     factors = [factor] if by is None else [factor, by]
     design = within_design(table, dependent=dependent, within=factors, subject=subject, where=where)
-    places = range(1 if by is None else len(design.levels[1]))
-    return [pair for place in places for pair in _pairs_at(design, place)], list(design.notes)
+    size, levels = size_of(design.values), design.levels[0]
+    places: list[dict[str, object]] = [{}] if by is None else [{by: level} for level in design.levels[1]]
+    values = design.values.reshape(design.n, len(levels), -1) / size
+    compared = [
+        Pair(place | {"a": levels[i], "b": levels[j]}, (values[:, i, k], values[:, j, k]), size)
+        for k, place in enumerate(places)
+        for i, j in combinations(range(len(levels)), 2)
+    ]
+    return compared, list(design.notes)
 
 
 def _against(compared: Sequence[Pair], reference: object, factor: str) -> list[Pair]:
     """The pairs that hold the reference, which comes first."""
-    levels = {name for pair in compared for name in pair.names}
+    levels = {pair.keys[side] for pair in compared for side in ("a", "b")}
     names = ", ".join(sorted(map(str, levels)))
     expect(reference in levels, "reference", f"{factor} = {reference}", f"one of {names}")
-    kept = [pair for pair in compared if reference in pair.names]
-    return [pair if pair.names[0] == reference else pair.turned() for pair in kept]
-
-
-def _pairs_at(design: WithinDesign, place: int) -> list[Pair]:
-    by = design.levels[1][place] if len(design.factors) > 1 else None
-    size, levels = size_of(design.values), design.levels[0]
-    values = (design.values if by is None else design.values[..., place]) / size
-    return [
-        Pair((levels[i], levels[j]), by, (values[:, i], values[:, j]), size)
-        for i, j in combinations(range(len(levels)), 2)
+    turned = [
+        replace(pair, keys=pair.keys | {"a": reference, "b": pair.keys["a"]}, values=pair.values[::-1])
+        if pair.keys["b"] == reference
+        else pair
+        for pair in compared
     ]
+    return [pair for pair in turned if pair.keys["a"] == reference]
 
 
-def _start(pair: Pair, by: str | None) -> dict[str, object]:
-    return ({} if by is None else {by: pair.by}) | {"a": pair.names[0], "b": pair.names[1]}
-
-
-def has_error(pair: Pair) -> bool:
-    """Whether participants differ in their differences by more than rounding."""
-    size = max(float(np.abs(values).max()) for values in pair.values)
-    return float(np.ptp(pair.differences)) > RELATIVE_ZERO * size
-
-
-def _row(pair: Pair, by: str | None, interval: float) -> dict[str, object]:
+def _row(pair: Pair, interval: float) -> dict[str, object]:
     d = pair.differences
     n, mean = len(d), float(d.mean())
-    row = _start(pair, by) | {"difference": mean * pair.size, "n": n, "df": n - 1}
-    if not has_error(pair):
+    row = {**pair.keys, "difference": mean * pair.size, "n": n, "df": n - 1}
+    if not pair.has_error:
         return row | dict.fromkeys(_TESTED) | {"status": "zero_error"}
     sd = float(d.std(ddof=1))
     t = mean / sd * np.sqrt(n)
@@ -225,9 +222,9 @@ def bayes_factor(t: float, n_first: int, n_second: int | None = None) -> float:
         return float(np.exp(logsumexp(height) + np.log(LOG_STEP) - log_null))
 
 
-def _rank_row(pair: Pair, by: str | None) -> dict[str, object]:
+def _rank_row(pair: Pair) -> dict[str, object]:
     d = np.round(pair.differences, DIGITS)
-    row = _start(pair, by) | {"median_difference": float(np.median(d)) * pair.size, "n": len(d)}
+    row = {**pair.keys, "median_difference": float(np.median(d)) * pair.size, "n": len(d)}
     moved = d[d != 0]
     if not len(moved):
         return row | {"w": None, "p_unc": None, "r": None, "status": "zero_error"}
@@ -296,7 +293,7 @@ def equivalence(
     expect(0 < bound < np.inf, "bound", bound, f"a difference above 0, in the unit of {dependent}")
     between("equivalence", 0, 0.5, alpha=alpha)
     compared, notes = compare(table, dependent, factor, subject, by, "equivalence")
-    result = with_verdicts([_equivalence_row(pair, by, bound, alpha) for pair in compared], bound, alpha)
+    result = with_verdicts([_equivalence_row(pair, bound, alpha) for pair in compared], bound, alpha)
     result.attrs["notes"] = notes
     return result
 
@@ -309,22 +306,21 @@ def with_verdicts(rows: Sequence[Mapping[str, object]], bound: float, alpha: flo
     return result
 
 
-def _equivalence_row(pair: Pair, by: str | None, bound: float, alpha: float) -> dict[str, object]:
+def _equivalence_row(pair: Pair, bound: float, alpha: float) -> dict[str, object]:
     d = pair.differences
-    start: dict[str, object] = {} if by is None else {by: pair.by}
-    start |= {"a": pair.names[0], "b": pair.names[1], "difference": float(d.mean()) * pair.size}
-    error = float(d.std(ddof=1)) / np.sqrt(len(d)) if has_error(pair) else 0.0
-    tested = two_one_sided(float(d.mean()), error, len(d) - 1, bound / pair.size, alpha)
-    tested |= {name: tested[name] * pair.size for name in ("low", "high")}
-    return start | tested | {"bound": bound, "n": len(d)}
+    error = float(d.std(ddof=1)) / np.sqrt(len(d)) if pair.has_error else 0.0
+    tested = two_one_sided(float(d.mean()), error, len(d) - 1, bound, alpha, pair.size)
+    return {**pair.keys, **tested, "bound": bound, "n": len(d)}
 
 
-def two_one_sided(difference: float, error: float, df: float, bound: float, alpha: float) -> dict[str, float]:
-    """The tests of a difference with a standard error; without one it is what it is."""
-    if error == 0:
-        p = float(abs(difference) >= bound)
-        return {"low": difference, "high": difference, "t_low": np.inf, "t_high": -np.inf, "p": p}
-    t_low, t_high = (difference + bound) / error, (difference - bound) / error
-    half = float(student.isf(alpha, df)) * error
-    p = max(float(student.sf(t_low, df)), float(student.cdf(t_high, df)))
-    return {"low": difference - half, "high": difference + half, "t_low": t_low, "t_high": t_high, "p": p}
+def two_one_sided(
+    difference: float, error: float, df: float, bound: float, alpha: float, unit: float
+) -> dict[str, float]:
+    """The tests of a difference with a standard error, both in multiples of `unit`; without one it is what it is."""
+    half, t_low, t_high, p = 0.0, np.inf, -np.inf, float(abs(difference) >= bound / unit)
+    if error > 0:
+        half = float(student.isf(alpha, df)) * error
+        t_low, t_high = (difference + bound / unit) / error, (difference - bound / unit) / error
+        p = max(float(student.sf(t_low, df)), float(student.cdf(t_high, df)))
+    ends = {"low": (difference - half) * unit, "high": (difference + half) * unit}
+    return {"difference": difference * unit, **ends, "t_low": t_low, "t_high": t_high, "p": p}

@@ -43,15 +43,6 @@ SMALLEST = 1e-300
 
 
 @dataclass(frozen=True)
-class TruncatedNormal:
-    """`log_chance` of values between their ends, and `points` (n, d) there with `weights` (n,) that sum to 1."""
-
-    log_chance: float
-    points: Array
-    weights: Array
-
-
-@dataclass(frozen=True)
 class BoundedValues:
     """Values of shape (participant, cell), each between `low` and `high`: known where they are equal, missing where
     both are infinite. `group` (participant,) counts from 0; `n_levels` are those of the factors, the last one fastest.
@@ -86,11 +77,12 @@ class BoundedValues:
 
 @dataclass(frozen=True)
 class Points:
-    """What the values (n, cell) of one participant may be, with weights (n,) that sum to 1; one point if all are
-    known."""
+    """What the values (n, cell) of one participant may be, with weights (n,) that sum to 1, one point if all are known;
+    `log_chance` of what is known of them."""
 
     values: Array
     weights: Array
+    log_chance: float = 0.0
 
     def mean(self) -> Array:
         return np.asarray(self.weights @ self.values)
@@ -155,16 +147,16 @@ def fit_strata(data: BoundedValues) -> StrataFit:
     """
     means, variances = _start(data)
     for _ in range(MAX_STEPS):
-        points, _ = _points(data, means, variances)
-        step = _maximised(data, points)
+        step = _maximised(data, _points(data, means, variances))
         change = _change(step, (means, variances))
         means, variances = step
         if change < TOLERANCE:
             break
-    points, log_likelihood = _points(data, means, variances)
+    points = _points(data, means, variances)
     second = _second_moments(data, points, means)
     moments = second / np.maximum(data.sizes - 1, 1)[:, None, None]
     covariance = np.asarray(np.linalg.inv(_information(data, points, means, variances)), dtype=np.float64)
+    log_likelihood = float(sum(of_one.log_chance for of_one in points))
     return StrataFit(data, means, variances, covariance, moments, log_likelihood, change < TOLERANCE)
 
 
@@ -201,17 +193,14 @@ def _second_moments(data: BoundedValues, points: Sequence[Points], means: Array)
     return sums
 
 
-def _points(data: BoundedValues, means: Array, variances: Array) -> tuple[list[Points], float]:
-    """Of each participant, given what is known; and the log-likelihood."""
+def _points(data: BoundedValues, means: Array, variances: Array) -> list[Points]:
+    """Of each participant, given what is known."""
     covariance = data.matrix(variances)
-    by_participant = [
-        _of_one(low, high, means[place], covariance)
-        for low, high, place in zip(data.low, data.high, data.group, strict=True)
-    ]
-    return [points for points, _ in by_participant], float(sum(chance for _, chance in by_participant))
+    rows = zip(data.low, data.high, means[data.group], strict=True)
+    return [_points_of_one(low, high, mean, covariance) for low, high, mean in rows]
 
 
-def _of_one(low: Array, high: Array, mean: Array, covariance: Array) -> tuple[Points, float]:
+def _points_of_one(low: Array, high: Array, mean: Array, covariance: Array) -> Points:
     """The density of the known values, then the others given them."""
     known = low == high
     of_known, both = covariance[np.ix_(known, known)], covariance[np.ix_(known, ~known)]
@@ -219,12 +208,12 @@ def _of_one(low: Array, high: Array, mean: Array, covariance: Array) -> tuple[Po
     square = float(away @ np.linalg.solve(of_known, away))
     log_density = -0.5 * (float(np.linalg.slogdet(of_known)[1]) + square + len(of_known) * LOG_TWO_PI)
     if known.all():
-        return Points(low[None], np.ones(1)), log_density
+        return Points(low[None], np.ones(1), log_density)
     spread = np.asarray(covariance[np.ix_(~known, ~known)] - onto @ both, dtype=np.float64)
     others = truncated_normal(mean[~known] + onto @ away, spread, low[~known], high[~known])
     values = np.empty((len(others.weights), len(low)))
-    values[:, known], values[:, ~known] = low[known], others.points
-    return Points(values, others.weights), log_density + others.log_chance
+    values[:, known], values[:, ~known] = low[known], others.values
+    return Points(values, others.weights, log_density + others.log_chance)
 
 
 def _information(data: BoundedValues, points: Sequence[Points], means: Array, variances: Array) -> Array:
@@ -256,11 +245,11 @@ def _information_of_one(data: BoundedValues, away: Array, weights: Array, varian
     return np.asarray(information)
 
 
-def truncated_normal(mean: Array, covariance: Array, low: Array, high: Array) -> TruncatedNormal:
+def truncated_normal(mean: Array, covariance: Array, low: Array, high: Array) -> Points:
     """Of normal values of `mean` (d,) and `covariance` (d, d), between `low` and `high` (d,), which may be infinite.
 
     >>> found = truncated_normal(np.zeros(1), np.eye(1), np.array([-np.inf]), np.zeros(1))
-    >>> round(float(np.exp(found.log_chance)), 9), round(float(found.weights @ found.points[:, 0]), 2)
+    >>> round(float(np.exp(found.log_chance)), 9), round(float(found.mean()[0]), 2)
     (0.5, -0.8)
     """
     root, even = np.linalg.cholesky(covariance), _even(len(mean))
@@ -272,7 +261,7 @@ def truncated_normal(mean: Array, covariance: Array, low: Array, high: Array) ->
     largest = log_weights.max()
     weights = np.exp(log_weights - largest)  # a chance far out in a tail is below the floats
     log_mean = largest + np.log(weights.mean())
-    return TruncatedNormal(float(log_mean), mean + steps @ root.T, weights / weights.sum())
+    return Points(mean + steps @ root.T, weights / weights.sum(), float(log_mean))
 
 
 @cache

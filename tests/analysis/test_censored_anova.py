@@ -113,9 +113,9 @@ def test_points_between_ends_have_the_moments_of_the_truncated_normal(low, high)
     found = truncated_normal(np.zeros(1), np.eye(1), np.array([low]), np.array([high]))
     peer = truncnorm(low, high)
     assert found.log_chance == pytest.approx(float(peer.logcdf(high) + _log_mass(low, high)), abs=1e-9)
-    mean = float(found.weights @ found.points[:, 0])
+    mean = float(found.weights @ found.values[:, 0])
     assert mean == pytest.approx(float(peer.mean()), abs=5e-3 * float(peer.std()))
-    assert ((low <= found.points) & (found.points <= high)).all()
+    assert ((low <= found.values) & (found.values <= high)).all()
 
 
 def _log_mass(low: float, high: float) -> float:
@@ -130,7 +130,7 @@ def _log_mass(low: float, high: float) -> float:
 def test_values_between_ends_move_little_as_an_end_does() -> None:
     """They jumped as the end of the second value passed its mean: the search found no rest (8 of 60 studies of six)."""
     covariance, ends = np.array([[1.0, 0.5], [0.5, 1.0]]), (np.zeros(2), np.full(2, np.inf))
-    one, other = (truncated_normal(np.full(2, x), covariance, *ends).points for x in (-1e-6, 1e-6))
+    one, other = (truncated_normal(np.full(2, x), covariance, *ends).values for x in (-1e-6, 1e-6))
     assert np.abs(one - other).max() < 1e-4
 
 

@@ -166,6 +166,8 @@ def test_groups_that_interact_are_compared_at_each_condition(n_below) -> None:
     inside = found.simple_pairs["frequency_hz", "hand"]
     assert inside["hand"].tolist() == ["left"] * 3 + ["right"] * 3
     assert inside["df"].max() == pytest.approx(4)
+    assert inside["p_corr"].min() == pytest.approx(6 * inside["p_unc"].min())  # all pairs of both groups together
+    assert (inside["simultaneous_low"] < inside["difference_low"]).all()
     assert any("Welch's t(" in line for line in outcome_sentences(found, "dB")["Pairs of hand at each frequency_hz"])
 
 
