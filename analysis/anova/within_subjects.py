@@ -1,35 +1,29 @@
 """Repeated-measures analysis of variance of one to three factors, by exact contrasts, in pingouin's columns.
 
 Sizes of effects of an analysis of variance, with intervals from the noncentral F distribution.
+
+What an analysis of variance assumes, checked on its own data and printed with its result.
 """
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 from scipy.special import ncfdtr
+from scipy.stats import shapiro
 
 from ..arrays import Array, size_of
-from .contrasts import MOST_EXACT, Tested, effects, participant_scores, permutation_p as _permutation_p
+from ..wording import p_text, share_text
+from .contrasts import MOST_EXACT, ContrastEffect, Tested, effects, participant_scores, permutation_p as _permutation_p
 from .design import DesignStatus, WithinDesign, spread, within_design
 
 INTERVAL = 0.90
 """So wide an interval leaves out 0 exactly where the test is significant at 5 % (Steiger 2004)."""
 LARGEST = 1e7
-
-
-@dataclass(frozen=True)
-class EtaSquared:
-    """Partial and generalised eta squared, each with its interval, by the names of their columns."""
-
-    np2: float = np.nan
-    np2_low: float = np.nan
-    np2_high: float = np.nan
-    ng2: float = np.nan
-    ng2_low: float = np.nan
-    ng2_high: float = np.nan
+SIZES = ("np2", "np2_low", "np2_high", "ng2", "ng2_low", "ng2_high")
+"""Columns of partial and generalised eta squared, each with the ends of its interval."""
 
 
 def repeated_measures(
@@ -111,18 +105,13 @@ def permutation_test(
     [0.125]
     """
     design = within_design(table, dependent=dependent, within=within, subject=subject, where="repeated_measures")
-    scaled, _ = scaled_design(design, dependent)
-    return pd.DataFrame(
-        [
-            {
-                "Source": effect.name,
-                "F": effect.f,
-                "p_permutation": _permutation_p(effect, rng=rng, n_resamples=n_resamples),
-                "n_permutations": n_resamples if design.n > MOST_EXACT else 2 ** (design.n - 1),
-            }
-            for effect in effects(scaled)
-        ]
-    )
+    tested = effects(scaled_design(design, dependent)[0])
+    columns = {
+        "Source": [effect.name for effect in tested],
+        "F": [effect.f for effect in tested],
+        "p_permutation": [_permutation_p(effect, rng=rng, n_resamples=n_resamples) for effect in tested],
+    }
+    return pd.DataFrame(columns).assign(n_permutations=n_resamples if design.n > MOST_EXACT else 2 ** (design.n - 1))
 
 
 def scaled_design(design: WithinDesign, dependent: str) -> tuple[WithinDesign, float]:
@@ -137,7 +126,7 @@ def scaled_design(design: WithinDesign, dependent: str) -> tuple[WithinDesign, f
 def effect_table(tested: Sequence[Tested], residual: float, scale: float, interval: float) -> pd.DataFrame:
     """A row for each effect, in pingouin's columns and those added; `residual` are the sums of squares of participants
     and all errors, `scale` the unit of the values."""
-    rows = [effect_row(effect) | _added(effect, residual, interval) for effect in tested]
+    rows = [_effect_row(effect, residual, interval) for effect in tested]
     result = pd.DataFrame(_with_error(rows[0], tested[0]) if len(tested) == 1 else rows)
     with np.errstate(over="ignore"):  # squares of values near the largest float: infinite, and F is right
         return result.assign(SS=result["SS"] * scale * scale, MS=result["MS"] * scale * scale)
@@ -150,11 +139,16 @@ def _with_error(row: dict[str, object], effect: Tested) -> list[dict[str, object
     return [first | row, {"Source": "Error", "SS": effect.ss_error, "DF": df, "MS": effect.ss_error / df}]
 
 
-def effect_row(effect: Tested) -> dict[str, object]:
-    """Pingouin's columns of one effect."""
+def _effect_row(effect: Tested, residual: float, interval: float) -> dict[str, object]:
+    """Pingouin's columns of one effect, and behind them what it does not give: two more corrections, sizes of the
+    effect with intervals."""
     first, second = effect.df
     shape = effect.sphericity
     is_spherical = first == 1 or (None if shape.p is None else shape.p > 0.05)
+    size = dict.fromkeys(SIZES, np.nan)
+    if effect.has_error:
+        df = (first * shape.chi_muller, second * shape.chi_muller)
+        size = eta_squared(effect.ss, effect.ss_error, residual, df, interval)
     return {
         "Source": effect.name,
         "SS": effect.ss,
@@ -169,23 +163,11 @@ def effect_row(effect: Tested) -> dict[str, object]:
         "sphericity": is_spherical,
         "W_spher": np.nan if shape.w is None else shape.w,
         "p_spher": 1.0 if first == 1 else np.nan if shape.p is None else shape.p,
-    }
-
-
-def _added(effect: Tested, residual: float, interval: float) -> dict[str, float]:
-    """What pingouin does not give: two more corrections, sizes of the effect with intervals."""
-    shape = effect.sphericity
-    size = EtaSquared()
-    if effect.has_error:
-        df = (effect.df[0] * shape.chi_muller, effect.df[1] * shape.chi_muller)
-        size = eta_squared(effect.ss, effect.ss_error, residual, df, interval)
-    return {
         "eps_HF": shape.huynh_feldt,
         "p_HF_corr": effect.p(shape.huynh_feldt),
         "eps_CM": shape.chi_muller,
         "p_CM_corr": effect.p(shape.chi_muller),
-        **asdict(size),
-    }
+    } | size
 
 
 def with_notes(result: pd.DataFrame, design: WithinDesign, tested: Sequence[Tested]) -> pd.DataFrame:
@@ -219,8 +201,8 @@ def singular_note(effect: Tested, n: int) -> str:
 
 def eta_squared(
     ss: float, ss_error: float, ss_residual: float, df: tuple[float, float], interval: float = INTERVAL
-) -> EtaSquared:
-    """Partial eta squared SS / (SS + SS error) and generalised SS / (SS + residual) (Bakeman 2005).
+) -> dict[str, float]:
+    """The `SIZES`: partial eta squared SS / (SS + SS error) and generalised SS / (SS + residual) (Bakeman 2005).
 
     `ss_residual` is what the generalised one divides by besides the effect: participants and all errors. `df` are
     the degrees of freedom, corrected if the test is. The interval is that of the noncentrality l of F, as
@@ -228,17 +210,18 @@ def eta_squared(
     sums of squares of participants and errors as they were found.
 
     >>> found = eta_squared(10.0, 10.0, 40.0, (2.0, 18.0))
-    >>> [round(x, 3) for x in (found.np2, found.np2_low, found.np2_high, found.ng2)]
-    [0.5, 0.159, 0.64, 0.2]
+    >>> [round(x, 3) for x in found.values()]
+    [0.5, 0.159, 0.64, 0.2, 0.045, 0.308]
     """
     f = ss / df[0] / (ss_error / df[1])
     low, high = (x / (x + sum(df) + 1) for x in noncentrality(f, df, interval))
     share = ss_error / ss_residual
     partial, generalised = ss / (ss + ss_error), ss / (ss + ss_residual)
-    return EtaSquared(partial, low, high, generalised, _scaled(low, share), _scaled(high, share))
+    sizes = (partial, low, high, generalised, _generalised(low, share), _generalised(high, share))
+    return dict(zip(SIZES, sizes, strict=True))
 
 
-def _scaled(partial: float, share: float) -> float:
+def _generalised(partial: float, share: float) -> float:
     """The generalised eta squared that belongs to a partial one; `share`: of the error in the residual."""
     odds = share * partial / (1 - partial)
     return odds / (1 + odds)
@@ -260,3 +243,73 @@ def _under(f: float, df: tuple[float, float], chance: float) -> float:
     while above(top) > 0 and top < LARGEST:
         top *= 2
     return float(brentq(above, 0.0, top, xtol=1e-9, rtol=1e-12)) if above(top) < 0 else top
+
+
+ALPHA = 0.05
+
+MANY_SD = 3.0
+
+MAX_SHAPIRO = 5000
+"""Beyond, Shapiro and Wilk's p is not known to hold."""
+
+
+def checks(table: pd.DataFrame, *, dependent: str, within: Sequence[str] | str, subject: str) -> pd.DataFrame:
+    """Normality of the residuals (Shapiro and Wilk), sphericity of each effect (Mauchly), and outliers.
+
+    Returns
+    -------
+    DataFrame
+        `check, statistic, p, holds` (None: cannot be tested) and `text`, a sentence.
+
+    Raises
+    ------
+    InvalidParameter
+        As `repeated_measures`.
+
+    >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
+    >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
+    >>> print(*checks(table, dependent="y", within="force_n", subject="who")["text"], sep=chr(10))
+    normality of the residuals: Shapiro-Wilk W = .967, p = .881: not contradicted
+    sphericity of force_n: Mauchly W = .187, p = .187: not contradicted
+    outliers: no residual beyond 3 standard deviations
+    """
+    design = within_design(table, dependent=dependent, within=within, subject=subject, where="checks")
+    spread(design.cells, dependent)
+    residuals = _residuals(design.cells)
+    rows = [_normality(residuals), *(_sphericity(effect) for effect in effects(design)), _outliers(residuals)]
+    return pd.DataFrame(rows)
+
+
+def _residuals(cells: Array) -> Array:
+    """What participant and condition do not explain, shape (participant, cell)."""
+    residuals: Array = cells - cells.mean(axis=0) - cells.mean(axis=1, keepdims=True) + cells.mean()
+    return residuals
+
+
+def _normality(residuals: Array) -> dict[str, object]:
+    w, p = None, None
+    if residuals.size <= MAX_SHAPIRO:
+        w, p = map(float, shapiro(residuals.ravel() / residuals.std()))  # W has no unit, its sums of squares have
+    return _check("normality of the residuals", "Shapiro-Wilk W", w, p, "too many values")
+
+
+def _sphericity(effect: ContrastEffect) -> dict[str, object]:
+    shape = effect.sphericity
+    why_not = "the error matrix is singular" if shape.singular else "two levels are always spherical"
+    return _check(f"sphericity of {effect.name}", "Mauchly W", shape.w, shape.p, why_not)
+
+
+def _outliers(residuals: Array) -> dict[str, object]:
+    sd = float(residuals.std())
+    n = int(np.sum(np.abs(residuals) > MANY_SD * sd))
+    text = f"outliers: {n or 'no'} residual{'s' if n > 1 else ''} beyond {MANY_SD:g} standard deviations"
+    return {"check": "outliers", "statistic": float(n), "p": None, "holds": n == 0, "text": text}
+
+
+def _check(name: str, statistic: str, value: float | None, p: float | None, why_not: str) -> dict[str, object]:
+    """The verdict of a test; why there is none where it has no value."""
+    holds, text = None, f"not tested, {why_not}"
+    if value is not None and p is not None:
+        holds = p > ALPHA
+        text = f"{statistic} = {share_text(value)}, {p_text(p)}: {'not ' * holds}contradicted"
+    return {"check": name, "statistic": value, "p": p, "holds": holds, "text": f"{name}: {text}"}

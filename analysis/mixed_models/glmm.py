@@ -8,7 +8,7 @@ Software 67(1); there g = l = 0). In `hierarchical` the threshold and the width 
 from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from types import MappingProxyType
 
 import numpy as np
@@ -51,15 +51,18 @@ class MixedEstimate:
     random effects (conditional modes). `log_likelihood` is without the binomial coefficients.
     """
 
-    effects: Mapping[str, float] | None
-    standard_errors: Mapping[str, float] | None
-    covariance: Array | None
-    sd: Mapping[str, float] | None
-    correlation: Array | None
-    participants: Mapping[str, Array]
-    log_likelihood: float | None
     status: MixedStatus
-    note: str
+    effects: Mapping[str, float] | None = None
+    standard_errors: Mapping[str, float] | None = None
+    covariance: Array | None = None
+    sd: Mapping[str, float] | None = None
+    correlation: Array | None = None
+    participants: Mapping[str, Array] = field(default_factory=dict)
+    log_likelihood: float | None = None
+
+    @property
+    def note(self) -> str:
+        return self.status.note
 
 
 def fit_glmm(
@@ -119,7 +122,7 @@ def fit_glmm(
     x, k, n = count_arrays(np.zeros(len(names)), n_yes, n_trials)
     used = n[0] > 0
     if not used.any():
-        return _nothing(MixedStatus.NO_DATA)
+        return MixedEstimate(MixedStatus.NO_DATA)
     columns = {name: np.broadcast_to(np.asarray(column, float), x.shape[1:])[used] for name, column in fixed.items()}
     design = _Design.of(columns, random, names[used], (k[0, used], (n - k)[0, used]), correlated=correlated)
     return design.fitted(SHAPES[shape], (guess_rate, lapse_rate), n_nodes, expected=expected)
@@ -131,10 +134,6 @@ def _check_random(fixed: Mapping[str, ArrayLike], random: Sequence[str], n_nodes
     holds = n_nodes == 1 or (n_nodes > 1 and len(random) <= 2)
     found = f"{n_nodes} with {len(random)} random effects"
     expect(holds, "n_nodes", found, "1 or more, and above 1 at most two effects")
-
-
-def _nothing(status: MixedStatus, participants: Mapping[str, Array] = MappingProxyType({})) -> MixedEstimate:
-    return MixedEstimate(None, None, None, None, None, participants, None, status, status.note)
 
 
 @dataclass(frozen=True)
@@ -203,26 +202,25 @@ class _Design:
     def _estimate(self, model: ClusteredModel, mixed_fit: MixedFit) -> MixedEstimate:
         beta, _, theta = model.parts(mixed_fit.parameters)
         covariance, n = mixed_fit.covariance[: len(beta), : len(beta)], len(self.random)
-        modes = mixed_fit.inner.effects @ model.scale(theta).T / self._random_scale()
-        participants = MappingProxyType(dict(zip(self.participants, modes, strict=True)))
         status = self._status(model, mixed_fit, covariance)
         if status in (MixedStatus.SEPARATED, MixedStatus.NOT_CONVERGED):
-            return _nothing(status)
+            return MixedEstimate(status)
+        random_scale = self.scale[[self.names.index(name) for name in self.random]]
+        modes = mixed_fit.inner.effects @ model.scale(theta).T / random_scale
         sigma = model.scale(theta) @ model.scale(theta).T
         sd = np.sqrt(np.diagonal(sigma)) if len(theta) else np.full(n, np.nan)
         with np.errstate(divide="ignore", invalid="ignore"):
             correlation = sigma / np.outer(sd, sd)
         has_sd = len(theta) > 0
         return MixedEstimate(
+            status,
             self._named(beta / self.scale),
             self._named(np.sqrt(np.diagonal(covariance)) / self.scale),
             covariance / np.outer(self.scale, self.scale),
-            dict(zip(self.random, (sd / self._random_scale()).tolist(), strict=True)) if has_sd else None,
+            dict(zip(self.random, (sd / random_scale).tolist(), strict=True)) if has_sd else None,
             correlation if has_sd and (sd > ZERO_SD).all() else None,
-            participants,
+            MappingProxyType(dict(zip(self.participants, modes, strict=True))),
             mixed_fit.log_marginal,
-            status,
-            status.note,
         )
 
     def _status(self, model: ClusteredModel, mixed_fit: MixedFit, covariance: Array) -> MixedStatus:
@@ -235,9 +233,6 @@ class _Design:
             return MixedStatus.ONE_PARTICIPANT
         smallest = np.linalg.svd(model.scale(theta), compute_uv=False).min() if len(theta) else np.inf
         return MixedStatus.SINGULAR if smallest < ZERO_SD else MixedStatus.OK
-
-    def _random_scale(self) -> Array:
-        return self.scale[[self.names.index(name) for name in self.random]]
 
     def _named(self, values: Array) -> Mapping[str, float]:
         return MappingProxyType(dict(zip(self.names, values.tolist(), strict=True)))

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -9,19 +10,15 @@ import pandas as pd
 
 from tactometry.errors import InvalidParameter
 
-from ..anova.assumptions import checks
-from ..anova.bounded_design import MIN_KNOWN
-from ..anova.censored import CensoredAnova, censored_anova
-from ..anova.censored_pairs import censored_equivalence, censored_group_pairs, censored_pairs
-from ..anova.complete_design import SubDesign, largest_complete, largest_known
+from ..anova.bounded_design import MIN_KNOWN, SubDesign, largest_complete, largest_known
+from ..anova.censored import CensoredAnova, censored_anova, censored_equivalence, censored_group_pairs, censored_pairs
 from ..anova.design import MAX_FACTORS, DesignStatus, UndefinedStatistic
 from ..anova.group_means import HIGH, LOW, bounds_of, group_table
-from ..anova.post_hoc import all_together, equivalence, pairs
-from ..anova.simple_effects import Analysis, interaction_orders, simple_effects
+from ..anova.post_hoc import Analysis, all_together, equivalence, interaction_orders, pairs, simple_effects
 from ..anova.split_plot import group_pairs, mixed_anova
-from ..anova.within_subjects import permutation_test, repeated_measures
+from ..anova.within_subjects import checks, permutation_test, repeated_measures
 from ..mixed_models.censored import censored_model
-from ..mixed_models.linear import MixedModel, mixed_model
+from ..mixed_models.linear import mixed_model
 from ..wording import cross_table
 from .findings import FORCE, TITLES, Outcome, Primary, primary_analysis
 
@@ -131,7 +128,7 @@ def _with_anova(result: Outcome, given: Given, complete: SubDesign, *, permuted:
     within, arguments = list(complete.within), given.arguments
     result = replace(result, left_out=complete.left_out)
     try:
-        anova = _anova(given)(complete.table, within)
+        anova = _anova(given, complete.table, within)
     except UndefinedStatistic as refusal:
         return replace(result, notes=(*result.notes, f"no analysis of variance: {refusal}"), status=refusal.status)
     status = anova.attrs["status"]
@@ -145,28 +142,24 @@ def _with_anova(result: Outcome, given: Given, complete: SubDesign, *, permuted:
     return replace(result, permutation=permutation_test(complete.table, within=within, rng=rng, **arguments))
 
 
-def _anova(given: Given) -> Analysis:
-    """The analysis of a complete table by factors within participants."""
-
-    def analysis(table: pd.DataFrame, within: Sequence[str]) -> pd.DataFrame:
-        if not within:  # of known values it is the analysis of variance
-            return _censored(given, table, within).table
-        if given.between is None or table[given.between].nunique() < 2:
-            return repeated_measures(table, within=within, **given.arguments)
-        return mixed_anova(table, within=within, between=given.between, **given.arguments)
-
-    return analysis
+def _anova(given: Given, table: pd.DataFrame, within: Sequence[str]) -> pd.DataFrame:
+    """Of a complete table, by factors within participants."""
+    if not within:  # of known values it is the analysis of variance
+        return _censored(given, table, within).table
+    if given.between is None or table[given.between].nunique() < 2:
+        return repeated_measures(table, within=within, **given.arguments)
+    return mixed_anova(table, within=within, between=given.between, **given.arguments)
 
 
 def _with_censored(result: Outcome, given: Given, factors: Sequence[str]) -> Outcome:
     """The analysis of all that is known of all participants; the group's means are then those of its model."""
     if len(given.within) > MAX_FACTORS:
         return result
-    options: dict[str, Any] = {"between": given.between, "at_least": MIN_KNOWN}
-    kept = SubDesign(given.table, (), ())
+    kept: SubDesign | None = SubDesign(given.table, (), ())
     if given.within:
-        kept = largest_known(given.table, within=given.within, **given.arguments, **options) or kept
-    if given.within and not kept.within:
+        options: dict[str, Any] = {"between": given.between, "at_least": MIN_KNOWN}
+        kept = largest_known(given.table, within=given.within, **given.arguments, **options)
+    if kept is None:
         note = f"no analysis of bounds: no two conditions have {MIN_KNOWN} participants with a value"
         return replace(result, notes=(*result.notes, note))
     try:
@@ -218,19 +211,13 @@ def _with_model(result: Outcome, given: Given, forces: pd.DataFrame) -> Outcome:
     data = data[known | data[[LOW, HIGH]].notna().any(axis=1)]
     data = data.assign(**{MEASURED: np.log2(data["force_mean_n"].astype(float))})
     factors = [name for name in given.factors if name != FORCE]
-    arguments: Any = {"factors": factors, "covariates": [MEASURED], **given.arguments}
+    fit = mixed_model if known.all() else partial(censored_model, low=LOW, high=HIGH)
     try:
-        model = _model(data, arguments, is_known=bool(known.all()))
+        model = fit(data, factors=factors, covariates=[MEASURED], **given.arguments)
     except InvalidParameter as refusal:
         return replace(result, notes=(*result.notes, f"no mixed model: {refusal}"))
     title = " * ".join([*factors, MEASURED]) + ", participants at random"
     return replace(result, model=model, model_title=title)
-
-
-def _model(data: pd.DataFrame, arguments: Mapping[str, Any], *, is_known: bool) -> MixedModel:
-    if is_known:
-        return mixed_model(data, **arguments)
-    return censored_model(data, low=LOW, high=HIGH, **arguments)
 
 
 def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outcome:
@@ -247,29 +234,31 @@ def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outc
 
 @dataclass(frozen=True)
 class _Comparing:
-    """How an analysis with `effects` of a `table` compares conditions and groups: `pairs` of a factor at each level of
-    another (None: over all), `equivalence` of a factor's levels within a bound, simple effects by `analysis`."""
+    """How an analysis with `effects` of a part of a table compares conditions and groups: `pairs` of a factor at each
+    level of another (None: over all), `equivalence` of a factor's levels within a bound, simple effects by `analysis`.
+    """
 
     effects: pd.DataFrame
-    table: pd.DataFrame
-    within: Sequence[str]
+    part: SubDesign
     between: str | None
     analysis: Analysis
     pairs: Callable[[str, str | None], pd.DataFrame]
-    equivalence: Callable[[str, float], pd.DataFrame]
+    equivalence: Callable[..., pd.DataFrame]
 
 
 def _with_comparisons(result: Outcome, ways: _Comparing, bounds: Mapping[str, float]) -> Outcome:
     """Pairs, groups and simple effects."""
-    within, between = ways.within, ways.between
+    within, between = ways.part.within, ways.between
     orders = interaction_orders(ways.effects, [*([between] if between else []), *within])
     return replace(
         result,
         pairs={name: ways.pairs(name, None) for name in within},
         group_pairs={between: ways.pairs(between, None)} if between else {},
-        equivalence={name: ways.equivalence(name, bound) for name, bound in bounds.items() if name in within},
+        equivalence={
+            name: ways.equivalence(factor=name, bound=bound) for name, bound in bounds.items() if name in within
+        },
         simple={
-            (name, by): simple_effects(ways.analysis, ways.table, within, name, by)
+            (name, by): simple_effects(ways.analysis, ways.part.table, within, name, by)
             for name, by in orders
             if name != between
         },
@@ -294,15 +283,15 @@ def _comparing_complete(given: Given, effects: pd.DataFrame, complete: SubDesign
         ]
         return all_together(pd.concat(of_groups, ignore_index=True), "holm", INTERVAL)
 
-    def within_bound(factor: str, bound: float) -> pd.DataFrame:
-        return equivalence(table, factor=factor, bound=bound, **given.arguments)
-
-    return _Comparing(effects, table, complete.within, given.between, _anova(given), compare, within_bound)
+    within_bound = partial(equivalence, table, **given.arguments)
+    return _Comparing(effects, complete, given.between, partial(_anova, given), compare, within_bound)
 
 
 def _comparing_censored(given: Given, model: CensoredAnova) -> _Comparing:
     """Of the model of all that is known."""
-    within, between = model.design.factors, model.design.between
+    table, within, between = given.table, model.design.factors, model.design.between
+    for name, levels in zip(within, model.design.levels, strict=True):
+        table = table[table[name].isin(levels)]
 
     def analysis(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
         return _censored(given, rows, factors).table
@@ -310,14 +299,5 @@ def _comparing_censored(given: Given, model: CensoredAnova) -> _Comparing:
     def compare(factor: str, by: str | None) -> pd.DataFrame:
         return censored_group_pairs(model, by=by) if factor == between else censored_pairs(model, factor, by=by)
 
-    def within_bound(factor: str, bound: float) -> pd.DataFrame:
-        return censored_equivalence(model, factor, bound=bound)
-
-    return _Comparing(model.table, _rows_of(given.table, model), within, between, analysis, compare, within_bound)
-
-
-def _rows_of(table: pd.DataFrame, model: CensoredAnova) -> pd.DataFrame:
-    """Those of the conditions that the model has."""
-    for name, levels in zip(model.design.factors, model.design.levels, strict=True):
-        table = table[table[name].isin(levels)]
-    return table
+    within_bound = partial(censored_equivalence, model)
+    return _Comparing(model.table, SubDesign(table, within, ()), between, analysis, compare, within_bound)

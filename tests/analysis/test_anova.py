@@ -9,7 +9,7 @@ import pytest
 from hard_cases import exact_case, hard_case
 from published_design import PUBLISHED, WITHIN, long_table
 
-from tactometry.analysis.anova.complete_design import largest_complete
+from tactometry.analysis.anova.bounded_design import largest_complete
 from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.errors import InvalidParameter
 

@@ -5,9 +5,8 @@ import pytest
 from designs import drawn, long_table
 from scipy import stats
 
-from tactometry.analysis.anova.assumptions import checks
 from tactometry.analysis.anova.post_hoc import equivalence, pairs
-from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
+from tactometry.analysis.anova.within_subjects import checks, permutation_test, repeated_measures
 from tactometry.analysis.mixed_models.linear import mixed_model
 from tactometry.analysis.report.sentences import (
     anova_sentences,

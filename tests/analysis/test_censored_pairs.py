@@ -7,8 +7,13 @@ from designs import drawn, long_table
 from grouped_design import study as of_groups
 from open_ends import GIVEN, cut, open_ended
 
-from tactometry.analysis.anova.censored import CensoredAnova, censored_anova
-from tactometry.analysis.anova.censored_pairs import censored_equivalence, censored_group_pairs, censored_pairs
+from tactometry.analysis.anova.censored import (
+    CensoredAnova,
+    censored_anova,
+    censored_equivalence,
+    censored_group_pairs,
+    censored_pairs,
+)
 from tactometry.analysis.anova.post_hoc import equivalence, pairs
 from tactometry.analysis.anova.split_plot import group_pairs
 

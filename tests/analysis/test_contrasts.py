@@ -168,8 +168,8 @@ def test_the_ends_of_the_noncentrality_leave_out_a_twentieth_each(f, first, seco
 
 def test_the_interval_leaves_zero_out_exactly_where_the_test_is_significant() -> None:
     found = [eta_squared(ss, 18.0, 40.0, (1, 18)) for ss in (4.413, 4.415)]
-    assert [size.np2_low > 0 for size in found] == [False, True]
-    assert all(size.ng2_low <= size.ng2 <= size.ng2_high for size in found)
+    assert [size["np2_low"] > 0 for size in found] == [False, True]
+    assert all(size["ng2_low"] <= size["ng2"] <= size["ng2_high"] for size in found)
 
 
 def test_the_intervals_of_the_corrected_test_leave_out_a_twentieth_each(published_values) -> None:

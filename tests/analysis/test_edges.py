@@ -5,7 +5,7 @@ import pandas as pd
 import pytest
 from hard_cases import exact_case
 
-from tactometry.analysis.anova.complete_design import largest_complete
+from tactometry.analysis.anova.bounded_design import largest_complete
 from tactometry.analysis.reading.quality import quality
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.threshold.fitting import METHODS, fit

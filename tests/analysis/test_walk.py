@@ -12,10 +12,9 @@ from hard_cases import exact_case
 from scipy.special import ndtr
 from soak import SOAK
 
-from tactometry.analysis.anova.assumptions import checks
 from tactometry.analysis.anova.nonparametric import aligned_rank_transform, art_contrasts, friedman
 from tactometry.analysis.anova.post_hoc import equivalence, pairs, rank_pairs
-from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
+from tactometry.analysis.anova.within_subjects import checks, permutation_test, repeated_measures
 from tactometry.analysis.mixed_models.linear import mixed_model
 from tactometry.analysis.threshold.fitting import METHODS, fit, fit_many
 from tactometry.cli.analyse import command
