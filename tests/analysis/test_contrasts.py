@@ -16,7 +16,7 @@ from soak import SOAK
 from tactometry.analysis.anova.contrasts import ContrastEffect, Sphericity, effects, permutation_p
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic, WithinDesign
 from tactometry.analysis.anova.within_subjects import (
-    effect_row,
+    effect_table,
     eta_squared,
     noncentrality,
     permutation_test,
@@ -134,7 +134,8 @@ def test_chi_and_muller_shrink_huynh_and_feldt_by_what_the_participants_leave_op
 def test_sphericity_is_rejected_at_5_percent(p, holds) -> None:
     shape = Sphericity(0.5, p, 0.8, 0.9, 0.85, singular=False)
     (effect,) = effects(design_of(drawn((7, 3), np.random.default_rng())))
-    assert effect_row(replace(effect, sphericity=shape))["sphericity"] is holds
+    table = effect_table([replace(effect, sphericity=shape)], residual=40.0, scale=1.0, interval=0.9)
+    assert table["sphericity"][0] is holds
 
 
 def test_as_many_participants_as_contrasts_are_too_few_and_dependent_contrasts_are_told_from_that() -> None:
