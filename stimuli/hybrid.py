@@ -9,9 +9,8 @@ from math import inf
 
 import numpy as np
 
-from tactometry.arguments.require import positive
+from tactometry.arguments.require import expect, finite, positive
 from tactometry.contact import Contact
-from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from .electrovibration.sensation import ElectrovibrationSensation
@@ -19,7 +18,7 @@ from .electrovibration.waveforms.amplitude_modulated import AmplitudeModulated, 
 from .time_reversal.responses.responses import Responses
 from .time_reversal.stimulus import focus_train
 from .time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus
-from .time_reversal.stimulus.sensation import Keyed, TimeReversalSensation
+from .time_reversal.stimulus.sensation import TimeReversalSensation
 from .time_reversal.stimulus.setup import Setup
 
 
@@ -65,12 +64,8 @@ class Hybrid:
             "friction.duration_s": (self.friction.duration_s, self.focus.duration_s),
         }
         for name, (found, expected) in pairs.items():
-            if found != expected:
-                raise InvalidParameter(f"Hybrid.{name}: found {found}, expected {expected}, so that both play as one")
-        if not np.isfinite(self.electrode_offset_db):
-            raise InvalidParameter(
-                f"Hybrid.electrode_offset_db: found {self.electrode_offset_db}, expected a finite number"
-            )
+            expect(found == expected, f"Hybrid.{name}", found, f"{expected}, so that both play as one")
+        finite("Hybrid", electrode_offset_db=self.electrode_offset_db)
 
     @property
     def setup(self) -> Setup:
@@ -188,16 +183,15 @@ class HybridSensation:
         InvalidParameter
             If the signal is not in volt, or its rate or channels are not those of the setup and one electrode.
         """
-        foci, friction = _parts(Keyed(signal))
+        foci, friction = _parts(signal)
         felt = TimeReversalSensation(self.setup, self.reference_m).sensation_db(foci, contact)
         slid = self.friction.sensation_db(friction, contact) if friction.peak else -inf
         return max(felt, slid)
 
 
 @lru_cache(maxsize=32)
-def _parts(keyed: Keyed) -> tuple[Signal, Signal]:
+def _parts(signal: Signal) -> tuple[Signal, Signal]:
     """What the transducers play, until they are silent, and what the electrode does."""
-    signal = keyed.signal
     n_driven = int(np.flatnonzero(np.any(signal.samples[:-1], axis=0)).max(initial=0)) + 1
     foci, friction = signal.samples[:-1, :n_driven], signal.samples[-1:]
     return Signal(foci, signal.rate_hz, signal.unit), Signal(friction, signal.rate_hz, signal.unit)

@@ -74,6 +74,12 @@ class Signal:
         """The largest absolute sample in `unit`; 0 for an empty signal."""
         return float(np.max(np.abs(self.samples), initial=0.0))
 
+    def __eq__(self, other: object) -> bool:
+        return isinstance(other, Signal) and self._digest == other._digest
+
+    def __hash__(self) -> int:
+        return hash(self._digest)
+
     def digest(self) -> str:
         """The first 16 hexadecimal digits of the SHA-256 of the samples (little-endian), shape, rate and unit."""
         return self._digest

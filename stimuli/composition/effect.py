@@ -6,6 +6,7 @@ A stage is sized by what is asked of all, and an effect is asked for stages: the
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import partial
+from math import inf
 from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 from tactometry.arguments import require
@@ -118,15 +119,9 @@ class FingerContact:
     y_m: float | None = None
 
     def __post_init__(self) -> None:
-        if not 0 < self.force_n < float("inf"):
-            raise InvalidParameter(
-                f"FingerContact.force_n: found {self.force_n}, expected a finite number above 0; without a finger "
-                "leave the contact out"
-            )
-        if not 0 <= self.speed_m_per_s < float("inf"):
-            raise InvalidParameter(
-                f"FingerContact.speed_m_per_s: found {self.speed_m_per_s}, expected a finite number, at least 0"
-            )
+        pressed = "a finite number above 0; without a finger leave the contact out"
+        require.expect(0 < self.force_n < inf, "FingerContact.force_n", self.force_n, pressed)
+        require.not_negative("FingerContact", speed_m_per_s=self.speed_m_per_s)
 
     @property
     def slides(self) -> bool:

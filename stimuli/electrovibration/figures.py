@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.errors import InvalidParameter
 from tactometry.palette import COLOURS
 
 from .attraction.contact_area import UNVERIFIED_PRINTS, Print, power_law_of_prints
@@ -33,21 +33,16 @@ DASHES = ("-", "--", "-.", ":", (0, (5, 1, 1, 1, 1, 1)), (0, (1, 1)), (0, (8, 2)
 def input_against_position(
     textures: Mapping[str, Texture | Velvet],
     *,
-    length_m: float = 0.04,
-    speed_m_per_s: float = 0.05,
-    carrier_hz: float = 100.0,
-    voltage_v: float = 100.0,
+    length_m: Positive = 0.04,
+    speed_m_per_s: Positive = 0.05,
+    carrier_hz: Positive = 100.0,
+    voltage_v: Positive = 100.0,
 ) -> "Figure":
     """Voltage against finger position, a panel per texture: carrier (thin) and envelope (thick).
 
     The envelope is ``V0 sqrt(share)``. The default carrier is lower than a real one so that it can be seen.
     """
-    require.positive(
-        "input_against_position", length_m=length_m, speed_m_per_s=speed_m_per_s, carrier_hz=carrier_hz,
-        voltage_v=voltage_v,
-    )  # fmt: skip
-    if not textures:
-        raise InvalidParameter("input_against_position.textures: found none, expected at least one")
+    require.some("input_against_position.textures", textures)
     x_m = np.linspace(0, length_m, 8001)
     figure, axes = _panels(len(textures), 1, (7.0, 1.0 + 1.3 * len(textures)), sharex="all")
     for ax, (name, texture), colour in zip(axes, textures.items(), cycle(COLOURS), strict=False):
@@ -66,11 +61,10 @@ def input_against_position(
 
 @checked
 def force_against_area(
-    *, voltage_v: float = 100.0, skin: Skin | None = None, laws: Sequence[Law] = LAWS, largest_m2: float = 3e-4
+    *, voltage_v: Positive = 100.0, skin: Skin | None = None, laws: Sequence[Law] = LAWS, largest_m2: Positive = 3e-4
 ) -> "Figure":
     """Electrostatic force just after a step against contact area, a line per law, on logarithmic axes."""
-    require.positive("force_against_area", voltage_v=voltage_v, largest_m2=largest_m2)
-    _check_some("force_against_area.laws", laws)
+    require.some("force_against_area.laws", laws)
     areas_m2 = np.geomspace(largest_m2 / 100, largest_m2, 60)
     figure, (ax,) = _panels(1, 1, (6.0, 4.0))
     for law, colour, dash in zip(laws, cycle(COLOURS), cycle(DASHES), strict=False):
@@ -111,7 +105,7 @@ def force_for_inputs(
     inputs: Mapping[str, Pieces] | None = None,
 ) -> "Figure":
     """Voltage (above) and force (below) over time for a step, a trapezoid and a sine, a line per contact area."""
-    _check_some("force_for_inputs.areas_m2", areas_m2)
+    require.some("force_for_inputs.areas_m2", areas_m2)
     shown = inputs or {
         "step": Step(onset_s=1e-3, duration_s=6e-3).pieces(level),
         "trapezoid": Trapezoid(rise_s=1e-3, high_s=3e-3, fall_s=1e-3, low_s=3e-3, duration_s=16e-3).pieces(level),
@@ -140,10 +134,10 @@ def applied_forces(forces_n: Mapping[str, Sequence[float]]) -> "Figure":
     InvalidParameter
         If there is no condition, or a condition has no value.
     """
-    if any(value < 0 for values in forces_n.values() for value in values):
-        raise InvalidParameter("applied_forces.forces_n: found a negative force, expected forces of at least 0 N")
-    if not forces_n or not all(len(values) for values in forces_n.values()):
-        raise InvalidParameter("applied_forces: found a condition without forces, expected one per participant")
+    pressed = all(value >= 0 for values in forces_n.values() for value in values)
+    require.expect(pressed, "applied_forces.forces_n", "a negative force", "forces of at least 0 N")
+    some = bool(forces_n) and all(len(values) for values in forces_n.values())
+    require.expect(some, "applied_forces", "a condition without forces", "one per participant")
     figure, (ax,) = _panels(1, 1, (1.5 + 1.2 * len(forces_n), 4.0))
     for place, values in enumerate(forces_n.values()):
         spread = np.linspace(-0.12, 0.12, len(values)) if len(values) > 1 else np.zeros(1)
@@ -160,7 +154,7 @@ def contact_ellipse(prints: Sequence[Print] = UNVERIFIED_PRINTS) -> "Figure":
     """The contact ellipse at each force, and its area against force with the power law that fits it best."""
     from matplotlib.patches import Ellipse
 
-    _check_some("contact_ellipse.prints", prints)
+    require.some("contact_ellipse.prints", prints)
     figure, (left, right) = _panels(1, 2, (8.0, 3.8))
     ordered = sorted(prints, key=lambda one: one.force_n)
     for one, colour, dash in zip(ordered, cycle(COLOURS), cycle(DASHES), strict=False):
@@ -180,11 +174,6 @@ def contact_ellipse(prints: Sequence[Print] = UNVERIFIED_PRINTS) -> "Figure":
     if prints is UNVERIFIED_PRINTS:
         left.set_title("prints: unverified defaults", loc="left", fontsize=9)
     return figure
-
-
-def _check_some(where: str, items: Sequence[object]) -> None:
-    if not items:
-        raise InvalidParameter(f"{where}: found none, expected at least one")
 
 
 def _panels(

@@ -8,9 +8,9 @@ from typing import Literal
 import numpy as np
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
 from tactometry.contact import Contact
-from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from ..arrays import FloatArray
@@ -70,12 +70,9 @@ class ElectrovibrationSensation:
     area: ContactArea = field(default_factory=PowerLawArea)
     friction: CoulombFriction = field(default_factory=CoulombFriction)
     lag: FrictionLag | None = field(default_factory=FrictionLag)
-    reference_force_n: float = 6.7e-6
+    reference_force_n: Positive = 6.7e-6
     criterion: Criterion = "absolute"
     polarity: Polarity | None = None
-
-    def __post_init__(self) -> None:
-        require.positive("ElectrovibrationSensation", reference_force_n=self.reference_force_n)
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
         """Sensation level (dB) of a voltage under a finger; ``-inf`` in silence, at rest and without contact.
@@ -87,11 +84,13 @@ class ElectrovibrationSensation:
         InvalidParameter
             If the signal is not one channel in volt.
         """
-        _check_voltage(signal)
+        found = f"{len(signal.samples)} channels in {signal.unit!r}"
+        one_in_volt = signal.unit == "V" and len(signal.samples) == 1
+        require.expect(one_in_volt, "sensation_db.signal", found, "one channel in volt ('V')")
         if contact.speed_m_per_s == 0 or contact.force_n == 0:
             return -inf
         area_m2 = float(self.area.area_m2(contact.force_n))
-        parts = _force_components(_Keyed(signal), self.skin, area_m2, self.law, self.polarity)
+        parts = _force_components(signal, self.skin, area_m2, self.law, self.polarity)
         relative = contact.force_n if self.criterion == "fraction" else 1.0
         return sensation_level_db(self._friction(parts, contact), relative * self.reference_force_n)
 
@@ -103,31 +102,17 @@ class ElectrovibrationSensation:
         return Components(parts.frequencies_hz, modulation_n)
 
 
-class _Keyed:
-    """A signal that equals another one of the same digest, so that a stage is computed once per waveform."""
-
-    def __init__(self, signal: Signal) -> None:
-        self.signal = signal
-        self.digest = signal.digest()
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Keyed) and self.digest == other.digest
-
-    def __hash__(self) -> int:
-        return hash(self.digest)
-
-
-def _force_components(keyed: _Keyed, skin: Skin, area_m2: float, law: Law, polarity: Polarity | None) -> Components:
+def _force_components(signal: Signal, skin: Skin, area_m2: float, law: Law, polarity: Polarity | None) -> Components:
     """Components (N) of the electrostatic force; without body resistance the area is only a factor."""
     if skin.body_resistance_ohm > 0:
-        return _cached_components(keyed, skin, area_m2, law, polarity)
-    unit = _cached_components(keyed, skin, 1.0, law, polarity)
+        return _cached_components(signal, skin, area_m2, law, polarity)
+    unit = _cached_components(signal, skin, 1.0, law, polarity)
     return Components(unit.frequencies_hz, area_m2 * unit.amplitudes)
 
 
 @lru_cache(maxsize=N_CACHED)
-def _cached_components(keyed: _Keyed, skin: Skin, area_m2: float, law: Law, polarity: Polarity | None) -> Components:
-    voltage_v, rate_hz = _room_for_the_square(keyed.signal.samples[0], keyed.signal.rate_hz)
+def _cached_components(signal: Signal, skin: Skin, area_m2: float, law: Law, polarity: Polarity | None) -> Components:
+    voltage_v, rate_hz = _room_for_the_square(signal.samples[0], signal.rate_hz)
     force_n = electrostatic_force_n(voltage_v, rate_hz=rate_hz, skin=skin, area_m2=area_m2, law=law, polarity=polarity)
     return components(force_n, rate_hz)
 
@@ -143,11 +128,3 @@ def _room_for_the_square(voltage_v: FloatArray, rate_hz: float) -> tuple[FloatAr
         return voltage_v, rate_hz
     lines[n // 2 :] *= 1.0 if n % 2 else 0.5
     return FINER * np.fft.irfft(lines, n=FINER * n), FINER * rate_hz
-
-
-def _check_voltage(signal: Signal) -> None:
-    if signal.unit != "V" or signal.samples.shape[0] != 1:
-        raise InvalidParameter(
-            f"sensation_db.signal: found {signal.samples.shape[0]} channels in {signal.unit!r}, "
-            "expected one channel in volt ('V')"
-        )

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import NotNegativeArray, Positive
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
@@ -35,8 +36,8 @@ class PowerLawArea(Effect):
     exponent: float = 1 / 3
 
     @checked
-    def area_m2(self, force_n: ArrayLike) -> FloatArray:
-        force = _forces(force_n)
+    def area_m2(self, force_n: NotNegativeArray) -> FloatArray:
+        force = np.asarray(force_n, dtype=np.float64)
         with np.errstate(over="ignore"):
             # without force no contact, where an exponent of 0 would give 0 ** 0 = 1
             area_m2 = np.where(force > 0, self.area_at_1n_m2 * force**self.exponent, 0.0)
@@ -50,13 +51,6 @@ class PowerLawArea(Effect):
 def _area_under(force_n: float, **law: float) -> float:
     """The area under a force."""
     return float(PowerLawArea(**law).area_m2(force_n))
-
-
-def _forces(force_n: ArrayLike) -> FloatArray:
-    force = require.finite_array("force_n", force_n)
-    if (force < 0).any():
-        raise InvalidParameter(f"force_n: found {force.min()}, expected at least 0 N")
-    return force
 
 
 @runtime_checkable
@@ -87,19 +81,17 @@ class TableArea:
     areas_m2: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        if len(self.forces_n) != len(self.areas_m2) or len(self.forces_n) == 0:
-            raise InvalidParameter(
-                f"TableArea: found {len(self.forces_n)} forces and {len(self.areas_m2)} areas, "
-                "expected as many of each, at least one"
-            )
+        fit = len(self.forces_n) == len(self.areas_m2) > 0
+        found = f"{len(self.forces_n)} forces and {len(self.areas_m2)} areas"
+        require.expect(fit, "TableArea", found, "as many of each, at least one")
         for force_n, area_m2 in zip(self.forces_n, self.areas_m2, strict=True):
             require.positive("TableArea", force_n=force_n, area_m2=area_m2)
-        if (np.diff(self.forces_n) <= 0).any():
-            raise InvalidParameter(f"TableArea.forces_n: found {self.forces_n}, expected ascending forces")
+        rise = (np.diff(self.forces_n) > 0).all()
+        require.expect(rise, "TableArea.forces_n", self.forces_n, "ascending forces")
 
-    def area_m2(self, force_n: ArrayLike) -> FloatArray:
+    def area_m2(self, force_n: NotNegativeArray) -> FloatArray:
         """Area (m^2), of the shape of `force_n` (N, 0 to the last force of the table)."""
-        force = _forces(force_n)
+        force = np.asarray(force_n, dtype=np.float64)
         if force.size and force.max() > self.forces_n[-1]:
             raise InvalidParameter(
                 f"TableArea: found a force of {force.max()} N, expected at most the last of the table "
@@ -108,6 +100,7 @@ class TableArea:
         return np.asarray(np.interp(force, (0.0, *self.forces_n), (0.0, *self.areas_m2)))
 
 
+@checked
 @dataclass(frozen=True)
 class Print:
     """A fingerprint: an ellipse with full axes measured at a force.
@@ -116,12 +109,9 @@ class Print:
     1.2095
     """
 
-    force_n: float
-    length_m: float
-    width_m: float
-
-    def __post_init__(self) -> None:
-        require.positive("Print", force_n=self.force_n, length_m=self.length_m, width_m=self.width_m)
+    force_n: Positive
+    length_m: Positive
+    width_m: Positive
 
     @property
     def area_m2(self) -> float:
@@ -156,26 +146,18 @@ def power_law_of_prints(prints: Sequence[Print]) -> PowerLawArea:
     >>> round(law.exponent, 12)
     0.333333333333
     """
-    if len({one.force_n for one in prints}) < 2:
-        raise InvalidParameter(
-            f"power_law_of_prints: found {len(prints)} prints, expected prints at two forces at least"
-        )
+    n_forces = len({one.force_n for one in prints})
+    require.expect(n_forces >= 2, "power_law_of_prints", f"{len(prints)} prints", "prints at two forces at least")
     x, y = np.log([one.force_n for one in prints]), np.log([one.area_m2 for one in prints])
     exponent, constant = np.polyfit(x, y, 1)
     return PowerLawArea(float(np.exp(constant)), float(exponent))
 
 
 @checked
-def ellipse_area_m2(length_m: ArrayLike, width_m: ArrayLike) -> FloatArray:
+def ellipse_area_m2(length_m: NotNegativeArray, width_m: NotNegativeArray) -> FloatArray:
     """Area of an ellipse from its full axes: ``pi/4`` times their product.
 
     >>> float(ellipse_area_m2(0.02, 0.01).round(9))
     0.00015708
     """
-    axes_m = [
-        require.finite_array(f"ellipse_area_m2.{name}", axis_m)
-        for name, axis_m in (("length_m", length_m), ("width_m", width_m))
-    ]
-    if any((axis_m < 0).any() for axis_m in axes_m):
-        raise InvalidParameter(f"ellipse_area_m2: found axes {axes_m}, expected lengths of at least 0 m")
-    return np.asarray(pi / 4 * axes_m[0] * axes_m[1])
+    return np.asarray(pi / 4 * np.asarray(length_m, dtype=np.float64) * np.asarray(width_m, dtype=np.float64))

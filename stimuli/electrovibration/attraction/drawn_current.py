@@ -4,6 +4,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
 
 from ...arrays import FloatArray
@@ -13,7 +14,7 @@ from ..waveforms.pieces import Pieces
 
 
 @checked
-def charge_c(voltage_v: ArrayLike, *, rate_hz: float, skin: Skin, area_m2: float) -> FloatArray:
+def charge_c(voltage_v: ArrayLike, *, rate_hz: Positive, skin: Skin, area_m2: float) -> FloatArray:
     """Charge (C) on the electrode under the finger at the samples (..., n_samples) of a voltage, from rest.
 
     ``C_i V_i``: the insulator does not leak, so its charge is all that has flowed.
@@ -21,7 +22,6 @@ def charge_c(voltage_v: ArrayLike, *, rate_hz: float, skin: Skin, area_m2: float
     >>> round(float(charge_c([100.0], rate_hz=1e4, skin=Skin(), area_m2=1e-4)[0]) * 1e9, 3)
     193.996
     """
-    require.positive("charge_c", rate_hz=rate_hz)
     v = require.samples("charge_c.voltage_v", voltage_v)
     insulator_v = skin.stack.relaxations(INSULATOR, area_m2).sampled(v, rate_hz)
     return _insulator_capacitance_f(skin, area_m2) * insulator_v

@@ -8,6 +8,7 @@ from numpy import errstate, isfinite
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import NotNegative, Positive
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
@@ -31,10 +32,7 @@ class ForceForm:
     """``F = newton_per_v2 u^2``, u the output of `relaxations` for the applied voltage: any of the laws."""
 
     relaxations: Relaxations
-    newton_per_v2: float
-
-    def __post_init__(self) -> None:
-        require.not_negative("ForceForm", newton_per_v2=self.newton_per_v2)
+    newton_per_v2: NotNegative
 
     def force_n(self, layer_v: FloatArray, polarity: "Polarity | None" = None) -> FloatArray:
         """Force (N) of layer voltages u, of their shape."""
@@ -55,7 +53,7 @@ class ForceForm:
 
 
 @checked
-def force_form(law: str | None, skin: Skin, area_m2: float) -> ForceForm:
+def force_form(law: str | None, skin: Skin, area_m2: NotNegative) -> ForceForm:
     """A law on a skin and a contact area (m^2, at least 0).
 
     ================== ==================================================================================
@@ -74,7 +72,6 @@ def force_form(law: str | None, skin: Skin, area_m2: float) -> ForceForm:
         If no law is named, the area is negative, or the law lacks a term for the gap or the body.
     """
     check_law(law)
-    require.not_negative("force_form", area_m2=area_m2)
     return _FORMS[str(law)](skin, area_m2)
 
 
@@ -82,7 +79,7 @@ def force_form(law: str | None, skin: Skin, area_m2: float) -> ForceForm:
 def electrostatic_force_n(
     voltage_v: ArrayLike,
     *,
-    rate_hz: float,
+    rate_hz: Positive,
     skin: Skin,
     area_m2: float,
     law: Law | None = None,
@@ -119,7 +116,6 @@ def electrostatic_force_n(
     >>> (force_n * 1e3).round(4).tolist()
     [21.2524, 11.268, 5.9743]
     """
-    require.positive("electrostatic_force_n", rate_hz=rate_hz)
     form = force_form(law, skin, area_m2)
     v = require.samples("electrostatic_force_n.voltage_v", voltage_v)
     return form.force_n(form.relaxations.sampled(v, rate_hz), polarity)

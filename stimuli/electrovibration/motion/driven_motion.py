@@ -47,17 +47,12 @@ def stacked(stimuli: Sequence[Pieces]) -> Heights:
     InvalidParameter
         If there is no stimulus, or one has other starts, frequencies or an other end than the first.
     """
-    if not isinstance(stimuli, Sequence) or not stimuli:
-        raise InvalidParameter(f"stimuli: found {stimuli!r:.60}, expected a sequence of at least one voltage in pieces")
-    for place, pieces in enumerate(stimuli):
-        require.of_kind("stimuli", Pieces, **{f"[{place}]": pieces})
+    require.expect(len(stimuli) > 0, "stimuli", stimuli, "a sequence of at least one voltage in pieces")
     key = Timing(stimuli[0], np.zeros(0), has_slope=True)
     for place, pieces in enumerate(stimuli):
-        if Timing(pieces, key.t_s, has_slope=True) != key:
-            raise InvalidParameter(
-                f"stimuli[{place}]: found other starts, frequencies or an other end than the first stimulus has, "
-                "expected the same; solve it by itself"
-            )
+        found = "other starts, frequencies or an other end than the first stimulus has"
+        same = Timing(pieces, key.t_s, has_slope=True) == key
+        require.expect(same, f"stimuli[{place}]", found, "the same; solve it by itself")
     return Heights(*map(np.array, zip(*map(heights, stimuli), strict=True)))
 
 
@@ -65,10 +60,8 @@ def check_times(t: FloatArray, pieces: Pieces) -> None:
     """Refuse times (n_times,) that do not ascend from at least 0 to at most the end of the pieces."""
     require.finite_array("t_s", t)
     inside = t.ndim == 1 and t.size > 0 and t[0] >= 0 and t[-1] <= pieces.end_s and (np.diff(t) > 0).all()
-    if not inside:
-        raise InvalidParameter(
-            f"t_s: found {t.size} times in shape {t.shape}, expected ascending times from 0 to {pieces.end_s} s"
-        )
+    found = f"{t.size} times in shape {t.shape}"
+    require.expect(inside, "t_s", found, f"ascending times from 0 to {pieces.end_s} s")
 
 
 class Timing:

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import NotNegative
 from tactometry.arguments.checked import checked
-from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Quantity
 
@@ -37,13 +37,10 @@ class DryFriction(Quantity):
     gives = stage_name = "friction_law"
     assumes = ("the coefficients know neither load nor speed nor time of rest",)
 
-    static: float = 0.6
-    kinetic: float = 0.5
+    static: NotNegative = 0.6
+    kinetic: NotNegative = 0.5
     gated: bool = False
 
     def __post_init__(self) -> None:
-        require.not_negative("DryFriction", static=self.static, kinetic=self.kinetic)
-        if self.static < self.kinetic:
-            raise InvalidParameter(
-                f"DryFriction.static: found {self.static}, expected at least the kinetic coefficient ({self.kinetic})"
-            )
+        least = f"at least the kinetic coefficient ({self.kinetic})"
+        require.expect(self.static >= self.kinetic, "DryFriction.static", self.static, least)

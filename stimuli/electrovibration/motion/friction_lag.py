@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tactometry.arguments import require
+from tactometry.arguments.annotations import NotNegative
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
@@ -43,9 +43,8 @@ class FrictionLag(Effect):
     floor_hz: float = 100.0
 
     @checked
-    def cutoff_hz(self, speed_m_per_s: float) -> float:
+    def cutoff_hz(self, speed_m_per_s: NotNegative) -> float:
         """Corner frequency at a sliding speed (m/s, at least 0)."""
-        require.not_negative("FrictionLag", speed_m_per_s=speed_m_per_s)
         return max(self.floor_hz, self.intercept_hz + self.slope_hz_per_m_per_s * speed_m_per_s)
 
     @checked

@@ -5,7 +5,7 @@ from functools import cached_property
 from math import pi, sqrt
 from typing import Final
 
-from tactometry.arguments import require
+from tactometry.arguments.annotations import NotNegative, Positive
 from tactometry.arguments.checked import checked
 
 from .lift import LinearSystem
@@ -15,6 +15,7 @@ STIFFNESS_N_S_PER_M2: Final = 4_040.0
 CUTOFF_HZ_S_PER_M: Final = 13_800.0
 
 
+@checked
 @dataclass(frozen=True)
 class Finger:
     """``m x'' + c x' + k x = f``: x the skin's deflection (m) under a lateral force f.
@@ -25,17 +26,12 @@ class Finger:
     56.29
     """
 
-    mass_kg: float = 1.615e-3
-    stiffness_n_per_m: float = 202.0
-    damping_n_s_per_m: float = 0.0466
-
-    def __post_init__(self) -> None:
-        require.positive("Finger", mass_kg=self.mass_kg, stiffness_n_per_m=self.stiffness_n_per_m)
-        require.not_negative("Finger", damping_n_s_per_m=self.damping_n_s_per_m)
+    mass_kg: Positive = 1.615e-3
+    stiffness_n_per_m: Positive = 202.0
+    damping_n_s_per_m: NotNegative = 0.0466
 
     @classmethod
-    @checked
-    def at_speed(cls, speed_m_per_s: float) -> "Finger":
+    def at_speed(cls, speed_m_per_s: Positive) -> "Finger":
         """The moving mass and stiffness that are published per sliding speed, 20 to 100 mm/s.
 
         Mass 3.23e-5 kg and stiffness 4.04 N/m per mm/s. The damping is an unverified choice: it puts
@@ -45,7 +41,6 @@ class Finger:
         >>> round((fast.mass_kg - slow.mass_kg) * 1e3, 3), round(fast.stiffness_n_per_m - slow.stiffness_n_per_m, 1)
         (2.584, 323.2)
         """
-        require.positive("Finger.at_speed", speed_m_per_s=speed_m_per_s)
         stiffness = STIFFNESS_N_S_PER_M2 * speed_m_per_s
         damping = STIFFNESS_N_S_PER_M2 / (2 * pi * CUTOFF_HZ_S_PER_M)
         return cls(MASS_KG_PER_M_PER_S * speed_m_per_s, stiffness, damping)

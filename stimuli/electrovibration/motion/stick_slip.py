@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import NotNegative
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
@@ -68,7 +69,7 @@ def stick_slip(
     *,
     finger: Finger,
     friction: DryFriction,
-    force_n: float,
+    force_n: NotNegative,
     travel: Travel,
     n_events_max: int = 100_000,
 ) -> StickSlip:
@@ -93,7 +94,6 @@ def stick_slip(
     from . import power_series
 
     t = np.asarray(t_s, dtype=np.float64)
-    require.not_negative("stick_slip", force_n=force_n)
     require.whole("stick_slip", lowest=1, n_events_max=n_events_max)
     wanted, shared, layers, steps = _plan(Timing(pieces, t), form, finger)
     pad = finger.mass_kg, finger.damping_n_s_per_m, finger.stiffness_n_per_m

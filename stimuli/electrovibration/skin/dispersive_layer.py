@@ -7,8 +7,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import NotNegative, NotNegativeArray, Positive
 from tactometry.arguments.checked import checked
-from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray
 from .stack import VACUUM_PERMITTIVITY_F_PER_M, Layer
@@ -29,24 +29,19 @@ class DispersiveLayer:
     [1000.0, 10000.0]
     """
 
-    thickness_m: float
+    thickness_m: Positive
     frequencies_hz: tuple[float, ...]
     permittivities: tuple[float, ...]
     resistivities_ohm_m: tuple[float, ...]
 
     def __post_init__(self) -> None:
-        require.positive("DispersiveLayer", thickness_m=self.thickness_m)
         for name in ("frequencies_hz", "permittivities", "resistivities_ohm_m"):
             column = np.asarray(getattr(self, name), dtype=np.float64)
-            if column.shape != (len(self.frequencies_hz),) or not column.size or (column <= 0).any():
-                raise InvalidParameter(
-                    f"DispersiveLayer.{name}: found {column.tolist()}, expected {len(self.frequencies_hz)} "
-                    "numbers above 0"
-                )
-        if (np.diff(self.frequencies_hz) <= 0).any():
-            raise InvalidParameter(
-                f"DispersiveLayer.frequencies_hz: found {self.frequencies_hz}, expected ascending numbers"
-            )
+            fits = column.shape == (len(self.frequencies_hz),) and column.size > 0 and (column > 0).all()
+            expected = f"{len(self.frequencies_hz)} numbers above 0"
+            require.expect(fits, f"DispersiveLayer.{name}", column.tolist(), expected)
+        rises = (np.diff(self.frequencies_hz) > 0).all()
+        require.expect(rises, "DispersiveLayer.frequencies_hz", self.frequencies_hz, "ascending numbers")
 
     def properties(self, frequency_hz: ArrayLike) -> tuple[FloatArray, FloatArray]:
         """Relative permittivity and resistivity (ohm m), of the shape of `frequency_hz` (0: the first
@@ -72,11 +67,11 @@ DEEPER_TISSUE = DispersiveLayer(
 
 @checked
 def shares(
-    frequency_hz: ArrayLike,
+    frequency_hz: NotNegativeArray,
     layers: Sequence[Layer | DispersiveLayer],
     *,
-    resistance_ohm: float = 0.0,
-    area_m2: float = 1e-4,
+    resistance_ohm: NotNegative = 0.0,
+    area_m2: NotNegative = 1e-4,
 ) -> ComplexArray:
     """(n_layers, n_frequencies) complex ratios of the voltage across each layer to the applied one.
 
@@ -89,14 +84,9 @@ def shares(
         If no layer can hold a voltage, or a frequency, resistance or area is negative.
     """
     f_hz = np.atleast_1d(np.asarray(frequency_hz, dtype=np.float64))
-    require.not_negative(
-        "shares", resistance_ohm=resistance_ohm, area_m2=area_m2, lowest_hz=float(f_hz.min(initial=0.0))
-    )
     holds = np.array([isinstance(layer, DispersiveLayer) or layer.elastance_m2_per_f > 0 for layer in layers])
-    if not holds.any():
-        raise InvalidParameter(
-            "shares.layers: found none that can hold a voltage, expected one of thickness and resistivity above 0"
-        )
+    expected = "one of thickness and resistivity above 0"
+    require.expect(holds.any(), "shares.layers", "none that can hold a voltage", expected)
     ratios = np.zeros((len(layers), f_hz.size), dtype=np.complex128)
     ratios[holds] = _ratios([layers[i] for i in np.flatnonzero(holds)], f_hz, resistance_ohm * area_m2)
     return ratios
@@ -116,7 +106,7 @@ def _ratios(layers: Sequence[Layer | DispersiveLayer], f_hz: FloatArray, body_oh
 @checked
 def periodic_voltages_v(
     voltage_v: ArrayLike,
-    rate_hz: float,
+    rate_hz: Positive,
     layers: Sequence[Layer | DispersiveLayer],
     *,
     resistance_ohm: float = 0.0,
@@ -131,12 +121,8 @@ def periodic_voltages_v(
     >>> periodic_voltages_v([0.0, 4.0, 0.0, -4.0], 100.0, plates).round(9).tolist()
     [[0.0, 1.0, 0.0, -1.0], [0.0, 3.0, 0.0, -3.0]]
     """
-    require.positive("periodic_voltages_v", rate_hz=rate_hz)
     v = require.samples("periodic_voltages_v.voltage_v", voltage_v)
-    if v.ndim != 1:
-        raise InvalidParameter(
-            f"periodic_voltages_v.voltage_v: found shape {v.shape}, expected one period (n_samples,)"
-        )
+    require.expect(v.ndim == 1, "periodic_voltages_v.voltage_v", f"shape {v.shape}", "one period (n_samples,)")
     f_hz = np.fft.rfftfreq(v.size, 1 / rate_hz)
     ratios = shares(f_hz, layers, resistance_ohm=resistance_ohm, area_m2=area_m2)
     return np.asarray(np.fft.irfft(ratios * np.fft.rfft(v), n=v.size))

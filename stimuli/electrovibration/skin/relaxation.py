@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray
 
@@ -32,11 +32,9 @@ class Relaxations:
         require.finite("Relaxations", dc_gain=self.dc_gain)
         gains = require.finite_array("Relaxations.gains", self.gains)
         rates = require.array("Relaxations.rates_per_s", self.rates_per_s)
-        if gains.ndim != 1 or gains.shape != rates.shape or not (rates >= 0).all():
-            raise InvalidParameter(
-                f"Relaxations: found the gains {self.gains!s:.60} and the rates {self.rates_per_s!s:.60}, expected as "
-                "many of each, rates of at least 0"
-            )
+        fit = gains.ndim == 1 and gains.shape == rates.shape and (rates >= 0).all()
+        found = f"the gains {self.gains!s:.60} and the rates {self.rates_per_s!s:.60}"
+        require.expect(fit, "Relaxations", found, "as many of each, rates of at least 0")
 
     @checked
     def response(self, frequency_hz: ArrayLike) -> ComplexArray:
@@ -47,12 +45,11 @@ class Relaxations:
         return np.asarray(sum(terms, start=self.dc_gain + np.zeros_like(s)))
 
     @checked
-    def sampled(self, voltage_v: FloatArray, rate_hz: float) -> FloatArray:
+    def sampled(self, voltage_v: FloatArray, rate_hz: Positive) -> FloatArray:
         """The output at the samples, of the shape (..., n_samples) of the input, from rest.
 
         The input is linear between its samples and jumps from 0 to its first value at time 0.
         """
-        require.positive("Relaxations.sampled", rate_hz=rate_hz)
         steps_v = np.diff(voltage_v, prepend=0.0, axis=-1)
         terms = (
             gain * high_passed(steps_v, rate / rate_hz) for gain, rate in zip(self.gains, self.rates_per_s, strict=True)

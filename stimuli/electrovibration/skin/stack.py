@@ -8,9 +8,9 @@ from struct import pack, unpack
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import NotNegative
 from tactometry.arguments.checked import checked
 from tactometry.arguments.magnitudes import DOMAINS
-from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray
 from .relaxation import Relaxations
@@ -25,11 +25,8 @@ SMALLEST_OHM_M, LARGEST_OHM_M = DOMAINS["_ohm_m"]
 def check_resistivity(where: str, found: object) -> None:
     """Refuse what is neither 0, nor infinite, nor a number from `SMALLEST_OHM_M` to `LARGEST_OHM_M`."""
     number = found if isinstance(found, int | float) and not isinstance(found, bool) else -1
-    if not (number in (0, inf) or SMALLEST_OHM_M <= number <= LARGEST_OHM_M):
-        raise InvalidParameter(
-            f"{where}: found {found!r}, expected 0 (a conductor) or a number from {SMALLEST_OHM_M:g} "
-            f"to {LARGEST_OHM_M:g} (inf: lossless)"
-        )
+    expected = f"0 (a conductor) or a number from {SMALLEST_OHM_M:g} to {LARGEST_OHM_M:g} (inf: lossless)"
+    require.expect(number in (0, inf) or SMALLEST_OHM_M <= number <= LARGEST_OHM_M, where, repr(found), expected)
 
 
 @dataclass(frozen=True)
@@ -86,52 +83,29 @@ class Stack:
     """
 
     layers: tuple[Layer, ...]
-    resistance_ohm: float = 0.0
+    resistance_ohm: NotNegative = 0.0
 
     def __post_init__(self) -> None:
-        require.not_negative("Stack", resistance_ohm=self.resistance_ohm)
-        if not any(layer.elastance_m2_per_f > 0 for layer in self.layers):
-            raise InvalidParameter(
-                "Stack.layers: found none that can hold a voltage, expected a layer of thickness "
-                "and resistivity above 0"
-            )
+        holds = any(layer.elastance_m2_per_f > 0 for layer in self.layers)
+        expected = "a layer of thickness and resistivity above 0"
+        require.expect(holds, "Stack.layers", "none that can hold a voltage", expected)
 
     def relaxations(self, index: int, area_m2: float) -> Relaxations:
         """Voltage across layer `index` over the applied voltage, exactly, for a contact area (m^2)."""
         require.not_negative("Stack", area_m2=area_m2)
         require.one_of("Stack.index", index, range(len(self.layers)))
-        layer = self.layers[index]
-        elastances, rates = _groups(self.layers)
+        layer, series = self.layers[index], _series(self.layers, self.resistance_ohm * area_m2)
         if layer.elastance_m2_per_f == 0:
             return Relaxations((), ())
-        group = rates.index(layer.rate_per_s)
-        share = layer.elastance_m2_per_f / elastances[group]
-        whole = _group_relaxations(elastances, rates, group, self.resistance_ohm * area_m2)
-        return Relaxations(tuple(share * gain for gain in whole.gains), whole.rates_per_s, share * whole.dc_gain)
+        group = series.rates.index(layer.rate_per_s)
+        share, poles = layer.elastance_m2_per_f / series.elastances[group], series.poles()
+        gains = tuple(share * series.gain(pole, group) for pole in poles)
+        return Relaxations(gains, tuple(pole.rate_per_s for pole in poles), share * series.dc_gain(group))
 
     def response(self, frequency_hz: ArrayLike, index: int, area_m2: float) -> ComplexArray:
         """Complex ratio of the voltage across layer `index` to the applied one, of the shape of
         `frequency_hz`."""
         return self.relaxations(index, area_m2).response(frequency_hz)
-
-
-def _groups(layers: Sequence[Layer]) -> tuple[list[float], list[float]]:
-    """Elastances summed over layers of one rate, and these rates, ascending."""
-    rates = sorted({layer.rate_per_s for layer in layers if layer.elastance_m2_per_f > 0})
-    sums = [sum(layer.elastance_m2_per_f for layer in layers if layer.rate_per_s == rate) for rate in rates]
-    return sums, rates
-
-
-def _group_relaxations(
-    elastances: Sequence[float], rates: Sequence[float], group: int, resistance_ohm_m2: float
-) -> Relaxations:
-    poles = _poles(elastances, rates, resistance_ohm_m2)
-    gains = [_gain(elastances, pole, group) for pole in poles]
-    return Relaxations(
-        tuple(gains),
-        tuple(pole.rate_per_s for pole in poles),
-        _dc_gain(elastances, rates, group, resistance_ohm_m2),
-    )
 
 
 @dataclass(frozen=True)
@@ -143,57 +117,61 @@ class _Pole:
     distances_per_s: tuple[float, ...]
 
 
-def _dc_gain(elastances: Sequence[float], rates: Sequence[float], group: int, resistance_ohm_m2: float) -> float:
-    if rates[0] == 0:  # what does not leak holds all of a constant voltage
-        return 1.0 if group == 0 else 0.0
-    resistances = [s / r for s, r in zip(elastances, rates, strict=True)]
-    return resistances[group] / (resistance_ohm_m2 + sum(resistances))
+@dataclass(frozen=True)
+class _Series:
+    """Layers in series: their rates, ascending, the elastance of all layers of each, and a resistance."""
+
+    rates: tuple[float, ...]
+    elastances: tuple[float, ...]
+    resistance_ohm_m2: float
+
+    def dc_gain(self, group: int) -> float:
+        if self.rates[0] == 0:  # what does not leak holds all of a constant voltage
+            return 1.0 if group == 0 else 0.0
+        resistances = [s / r for s, r in zip(self.elastances, self.rates, strict=True)]
+        return resistances[group] / (self.resistance_ohm_m2 + sum(resistances))
+
+    def gain(self, pole: _Pole, group: int) -> float:
+        """``a`` of ``a p/(p + rate)``: the residue of ``[s_g/(p + r_g)]/[R + sum s_h/(p + r_h)]`` over
+        ``-rate``."""
+        scaled = [s * pole.rate_per_s / d for s, d in zip(self.elastances, pole.distances_per_s, strict=True)]
+        total = sum(x * (pole.rate_per_s / d) for x, d in zip(scaled, pole.distances_per_s, strict=True))
+        return scaled[group] / total
+
+    def poles(self) -> list[_Pole]:
+        """Zeros of ``R + sum_h s_h/(r_h - rate)``: one between each two rates, one above them if R > 0."""
+        poles = [self._between(low) for low in range(len(self.rates) - 1)]
+        # below, the resistance is none: its pole would lie beyond the largest numbers
+        if self.resistance_ohm_m2 > 2 * sum(self.elastances) / LARGEST:
+            poles.append(self._from(len(self.rates) - 1, 2 * sum(self.elastances) / self.resistance_ohm_m2))
+        return poles
+
+    def _between(self, low: int) -> _Pole:
+        """The zero between two rates, measured from the nearer one."""
+        # a pole may lie so near to a rate that only its distance from there still holds digits
+        half = (self.rates[low + 1] - self.rates[low]) / 2
+        offsets = [rate - self.rates[low] for rate in self.rates]
+        at_half = self.resistance_ohm_m2 + sum(s / (o - half) for s, o in zip(self.elastances, offsets, strict=True))
+        return self._from(low, half) if at_half >= 0 else self._from(low + 1, -half)
+
+    def _from(self, origin: int, reach: float) -> _Pole:
+        """The zero between ``rates[origin]`` and ``rates[origin] + reach``."""
+        offsets = [rate - self.rates[origin] for rate in self.rates]
+        others = [(s, o) for i, (s, o) in enumerate(zip(self.elastances, offsets, strict=True)) if i != origin]
+
+        # the secular function times the shift: without the pole at the origin, where the search begins
+        def regular(shift: float) -> float:
+            return -self.elastances[origin] + shift * (self.resistance_ohm_m2 + sum(s / (o - shift) for s, o in others))
+
+        # The zero lies at the reach, where rounding puts it behind.
+        root = reach if regular(reach) <= 0 else _zero(regular, reach)
+        return _Pole(self.rates[origin] + root, tuple(offset - root for offset in offsets))
 
 
-def _gain(elastances: Sequence[float], pole: _Pole, group: int) -> float:
-    """``a`` of ``a p/(p + rate)``: the residue of ``[s_g/(p + r_g)]/[R + sum s_h/(p + r_h)]`` over
-    ``-rate``."""
-    scaled = [s * pole.rate_per_s / d for s, d in zip(elastances, pole.distances_per_s, strict=True)]
-    total = sum(x * (pole.rate_per_s / d) for x, d in zip(scaled, pole.distances_per_s, strict=True))
-    return scaled[group] / total
-
-
-def _poles(elastances: Sequence[float], rates: Sequence[float], resistance_ohm_m2: float) -> list[_Pole]:
-    """Zeros of ``R + sum_h s_h/(r_h - rate)``: one between each two rates, one above them if R > 0."""
-    poles = [_between(elastances, rates, resistance_ohm_m2, low) for low in range(len(rates) - 1)]
-    # below, the resistance is none: its pole would lie beyond the largest numbers
-    if resistance_ohm_m2 > 2 * sum(elastances) / LARGEST:
-        reach = 2 * sum(elastances) / resistance_ohm_m2
-        poles.append(_from(elastances, rates, resistance_ohm_m2, len(rates) - 1, reach))
-    return poles
-
-
-def _between(elastances: Sequence[float], rates: Sequence[float], resistance_ohm_m2: float, low: int) -> _Pole:
-    """The zero between two rates, measured from the nearer one."""
-    # a pole may lie so near to a rate that only its distance from there still holds digits
-    half = (rates[low + 1] - rates[low]) / 2
-    at_half = _secular(elastances, [r - rates[low] for r in rates], resistance_ohm_m2, half)
-    if at_half >= 0:
-        return _from(elastances, rates, resistance_ohm_m2, low, half)
-    return _from(elastances, rates, resistance_ohm_m2, low + 1, -half)
-
-
-def _from(
-    elastances: Sequence[float], rates: Sequence[float], resistance_ohm_m2: float, origin: int, reach: float
-) -> _Pole:
-    """The zero between ``rates[origin]`` and ``rates[origin] + reach``."""
-    offsets = [rate - rates[origin] for rate in rates]
-
-    others = [(s, o) for i, (s, o) in enumerate(zip(elastances, offsets, strict=True)) if i != origin]
-
-    # the secular function times the shift: without the pole at the origin, where the search begins
-    def regular(shift: float) -> float:
-        return -elastances[origin] + shift * (resistance_ohm_m2 + sum(s / (o - shift) for s, o in others))
-
-    if regular(reach) <= 0:  # The zero lies at the reach, and rounding puts it behind.
-        return _Pole(rates[origin] + reach, tuple(offset - reach for offset in offsets))
-    root = _zero(regular, reach)
-    return _Pole(rates[origin] + root, tuple(offset - root for offset in offsets))
+def _series(layers: Sequence[Layer], resistance_ohm_m2: float) -> _Series:
+    rates = sorted({layer.rate_per_s for layer in layers if layer.elastance_m2_per_f > 0})
+    sums = [sum(layer.elastance_m2_per_f for layer in layers if layer.rate_per_s == rate) for rate in rates]
+    return _Series(tuple(rates), tuple(sums), resistance_ohm_m2)
 
 
 def _zero(function: Callable[[float], float], reach: float) -> float:
@@ -224,7 +202,3 @@ def _place(number: float) -> int:
 def _number(place: int) -> float:
     number: float = unpack("<d", pack("<q", place))[0]
     return number
-
-
-def _secular(elastances: Sequence[float], offsets: Sequence[float], resistance_ohm_m2: float, shift: float) -> float:
-    return resistance_ohm_m2 + sum(s / (o - shift) for s, o in zip(elastances, offsets, strict=True))

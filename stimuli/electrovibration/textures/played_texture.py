@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 
 from tactometry.arguments import require
-from tactometry.arguments.annotations import Vector
+from tactometry.arguments.annotations import NotNegative, Positive, Vector
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
@@ -17,6 +17,7 @@ from ..waveforms.waveform import LevelUnit, check_nyquist, check_timing, peak_vo
 from .texture import Bump, Grating, Image, Noise, Region, Texture, Velvet
 
 
+@checked
 @dataclass(frozen=True)
 class SensorModel:
     """What the screen knows of the finger: samples at a rate, in steps of a resolution, late, held until the next.
@@ -31,30 +32,23 @@ class SensorModel:
         From the position to the voltage that answers it.
     """
 
-    rate_hz: float = 1000.0
-    resolution_m: float = 0.0
-    latency_s: float = 0.0
+    rate_hz: Positive = 1000.0
+    resolution_m: NotNegative = 0.0
+    latency_s: NotNegative = 0.0
 
-    def __post_init__(self) -> None:
-        require.positive("SensorModel", rate_hz=self.rate_hz)
-        require.not_negative("SensorModel", resolution_m=self.resolution_m, latency_s=self.latency_s)
-
-    @checked
-    def reported_m(self, x_m: Vector, rate_hz: float) -> FloatArray:
+    def reported_m(self, x_m: Vector, rate_hz: Positive) -> FloatArray:
         """Positions (n_samples,) that are known at the samples of a path at `rate_hz`; the first before any report.
 
         >>> SensorModel(rate_hz=2.0).reported_m(np.arange(6.0), rate_hz=4.0).tolist()
         [0.0, 0.0, 2.0, 2.0, 4.0, 4.0]
         """
-        require.positive("SensorModel.reported_m", rate_hz=rate_hz)
         t_s = np.arange(x_m.size) / rate_hz - self.latency_s
         report_s = np.floor(t_s * self.rate_hz + 1e-9) / self.rate_hz
         known = np.interp(report_s, np.arange(x_m.size) / rate_hz, x_m)
         steps = known if self.resolution_m == 0 else np.round(known / self.resolution_m) * self.resolution_m
         return np.asarray(steps, dtype=np.float64)
 
-    @checked
-    def check(self, period_m: float, speed_m_per_s: float) -> None:
+    def check(self, period_m: Positive, speed_m_per_s: NotNegative) -> None:
         """Refuse a texture whose period is not longer than two reports and two steps of resolution.
 
         >>> SensorModel(rate_hz=100.0).check(period_m=1e-3, speed_m_per_s=0.1)
@@ -62,20 +56,17 @@ class SensorModel:
         tactometry.errors.InvalidParameter: SensorModel.rate_hz: found 100.0 reports per second, expected \
 more than 200 for a period of 0.001 m at 0.1 m/s; else the texture aliases: widen it, slow down or report faster
         """
-        require.positive("SensorModel.check", period_m=period_m)
-        require.not_negative("SensorModel.check", speed_m_per_s=speed_m_per_s)
         needed_hz = 2 * speed_m_per_s / period_m
-        if self.rate_hz <= needed_hz * (1 + 1e-9):
-            raise InvalidParameter(
-                f"SensorModel.rate_hz: found {self.rate_hz} reports per second, expected more than {needed_hz:.6g} "
-                f"for a period of {period_m:.6g} m at {speed_m_per_s:.6g} m/s; else the texture aliases: widen it, "
-                "slow down or report faster"
-            )
-        if self.resolution_m >= period_m / 2 * (1 - 1e-9):
-            raise InvalidParameter(
-                f"SensorModel.resolution_m: found {self.resolution_m} m, expected less than half of the period "
-                f"({period_m / 2:.6g} m); else the texture aliases: widen it"
-            )
+        require.expect(
+            self.rate_hz > needed_hz * (1 + 1e-9),
+            "SensorModel.rate_hz",
+            f"{self.rate_hz} reports per second",
+            f"more than {needed_hz:.6g} for a period of {period_m:.6g} m at {speed_m_per_s:.6g} m/s; else the texture "
+            "aliases: widen it, slow down or report faster",
+        )
+        fine = self.resolution_m < period_m / 2 * (1 - 1e-9)
+        less = f"less than half of the period ({period_m / 2:.6g} m); else the texture aliases: widen it"
+        require.expect(fine, "SensorModel.resolution_m", f"{self.resolution_m} m", less)
 
 
 @checked
@@ -114,19 +105,17 @@ class PlayedTexture:
 
     texture: Texture | Velvet
     path_m: tuple[float, ...]
-    rate_hz: float = 20_000.0
-    carrier_hz: float = 2_000.0
+    rate_hz: Positive = 20_000.0
+    carrier_hz: Positive = 2_000.0
     sensor: SensorModel | None = None
     aliasing: Literal["refuse", "allow"] = "refuse"
     ramp_s: float = 0.0
     level_unit: LevelUnit = "dB re 1 V"
 
     def __post_init__(self) -> None:
-        require.positive("PlayedTexture", rate_hz=self.rate_hz, carrier_hz=self.carrier_hz)
         check_nyquist("PlayedTexture", "carrier_hz", self.carrier_hz, self.rate_hz)
         path = np.asarray(self.path_m, dtype=np.float64)
-        if path.size == 0:
-            raise InvalidParameter(f"PlayedTexture.path_m: found shape {path.shape}, expected positions (n_samples,)")
+        require.expect(path.size > 0, "PlayedTexture.path_m", f"shape {path.shape}", "positions (n_samples,)")
         check_timing("PlayedTexture", self.duration_s, self.ramp_s, self.rate_hz)
         period_m = finest_period_m(self.texture)
         if period_m is not None and self.aliasing == "refuse":
@@ -215,12 +204,13 @@ def finest_period_m(texture: Texture | Velvet) -> float | None:
 
 
 @checked
-def straight_path_m(speed_m_per_s: float, duration_s: float, rate_hz: float, start_m: float = 0.0) -> tuple[float, ...]:
+def straight_path_m(
+    speed_m_per_s: float, duration_s: Positive, rate_hz: Positive, start_m: float = 0.0
+) -> tuple[float, ...]:
     """Positions of a finger at constant speed.
 
     >>> straight_path_m(0.1, 0.2, 10.0)
     (0.0, 0.01)
     """
-    require.positive("straight_path_m", duration_s=duration_s, rate_hz=rate_hz)
     check_timing("straight_path_m", duration_s, 0.0, rate_hz)
     return tuple((start_m + speed_m_per_s * np.arange(round(duration_s * rate_hz)) / rate_hz).tolist())

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import NotNegative, Positive
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
@@ -29,6 +30,7 @@ class Texture(Protocol):
         """Share (0..1) of the full electrostatic force, of the shape of `x_m` (m)."""
 
 
+@checked
 @dataclass(frozen=True)
 class Grating:
     """A periodic texture: square (on for `duty` of the period), sinusoidal or sawtooth.
@@ -44,21 +46,17 @@ class Grating:
     [0.0, 0.25, 0.25]
     """
 
-    period_m: float
+    period_m: Positive
     shape: Shape = "square"
     duty: float = 0.5
 
     def __post_init__(self) -> None:
-        require.positive("Grating", period_m=self.period_m)
-        require.one_of("Grating.shape", self.shape, SHAPES)
         require.within("Grating", 0, 1, duty=self.duty)
 
-    @checked
     def force_share(self, x_m: ArrayLike) -> FloatArray:
         phase = np.mod(np.asarray(x_m, dtype=np.float64) / self.period_m, 1.0)
         return np.asarray(SHAPES[self.shape](phase, self.duty), dtype=np.float64)
 
-    @checked
     def temporal_frequency_hz(self, speed_m_per_s: float) -> float:
         """Periods per second under a finger: ``v/L``."""
         return abs(speed_m_per_s) / self.period_m
@@ -71,6 +69,7 @@ SHAPES: Mapping[str, Callable[[FloatArray, float], NDArray[np.generic]]] = {
 }
 
 
+@checked
 @dataclass(frozen=True)
 class Region:
     """1 between two edges, 0 outside; each edge may be a line of `edge_m`, centred on it.
@@ -81,18 +80,13 @@ class Region:
 
     left_m: float
     right_m: float
-    edge_m: float = 0.0
+    edge_m: NotNegative = 0.0
 
     def __post_init__(self) -> None:
-        require.finite("Region", left_m=self.left_m, right_m=self.right_m)
-        require.not_negative("Region", edge_m=self.edge_m)
-        if self.right_m - self.left_m < self.edge_m or self.right_m <= self.left_m:
-            raise InvalidParameter(
-                f"Region: found {self.left_m} to {self.right_m} m with edges of {self.edge_m} m, expected a right "
-                "edge behind the left one by at least edge_m"
-            )
+        apart = self.right_m - self.left_m >= self.edge_m and self.right_m > self.left_m
+        found = f"{self.left_m} to {self.right_m} m with edges of {self.edge_m} m"
+        require.expect(apart, "Region", found, "a right edge behind the left one by at least edge_m")
 
-    @checked
     def force_share(self, x_m: ArrayLike) -> FloatArray:
         x = np.asarray(x_m, dtype=np.float64)
         if self.edge_m == 0:
@@ -101,6 +95,7 @@ class Region:
         return np.clip(inside_m / self.edge_m + 0.5, 0.0, 1.0)
 
 
+@checked
 @dataclass(frozen=True)
 class Bump:
     """A bump (or, with a negative height, a hole) by slope: ``1/2 + h'(x)/(2 max |h'|)`` where it lies, 1/2 outside.
@@ -114,17 +109,14 @@ class Bump:
     """
 
     centre_m: float
-    width_m: float
+    width_m: Positive
     height_sign: int = 1
     direction: int = 1
 
     def __post_init__(self) -> None:
-        require.finite("Bump", centre_m=self.centre_m)
-        require.positive("Bump", width_m=self.width_m)
         require.one_of("Bump.height_sign", self.height_sign, SIGNS)
         require.one_of("Bump.direction", self.direction, SIGNS)
 
-    @checked
     def force_share(self, x_m: ArrayLike) -> FloatArray:
         u = (np.asarray(x_m, dtype=np.float64) - self.centre_m) / self.width_m
         steepest = np.exp(-0.5)
@@ -160,10 +152,9 @@ class Noise:
     length_m: float
     phases_rad: tuple[float, ...]
     exponent: float = 0.0
-    n_rms: float = 3.0
+    n_rms: Positive = 3.0
 
     def __post_init__(self) -> None:
-        require.positive("Noise", n_rms=self.n_rms)
         if len(self.phases_rad) != len(self.lines_per_m) or not self.phases_rad:
             raise InvalidParameter(
                 f"Noise.phases_rad: found {len(self.phases_rad)}, expected one for each of the "
@@ -206,10 +197,8 @@ class Noise:
 
 def _lines(low_per_m: float, high_per_m: float, length_m: float) -> FloatArray:
     require.positive("Noise", low_per_m=low_per_m, high_per_m=high_per_m, length_m=length_m)
-    if high_per_m * length_m > MOST_LINES:
-        raise InvalidParameter(
-            f"Noise.high_per_m: found {high_per_m} per m over {length_m} m, expected at most {MOST_LINES} lines"
-        )
+    found = f"{high_per_m} per m over {length_m} m"
+    require.expect(high_per_m * length_m <= MOST_LINES, "Noise.high_per_m", found, f"at most {MOST_LINES} lines")
     first, last = int(np.ceil(low_per_m * length_m - 1e-9)), int(np.floor(high_per_m * length_m + 1e-9))
     return np.arange(max(first, 1), last + 1) / length_m
 
@@ -245,8 +234,8 @@ class Image:
                 "colour channels; convert it to grey first"
             )
         whole = isinstance(self.row, int | np.integer) and not isinstance(self.row, bool)
-        if not whole or not 0 <= self.row < (shape[0] if len(shape) == 2 else 1):
-            raise InvalidParameter(f"Image.row: found {self.row!r}, expected a row of the image (shape {shape})")
+        inside = whole and 0 <= self.row < (shape[0] if len(shape) == 2 else 1)
+        require.expect(inside, "Image.row", repr(self.row), f"a row of the image (shape {shape})")
         object.__setattr__(self, "grey", _grey(self.grey))
 
     @checked
@@ -274,6 +263,7 @@ def _grey(values: NDArray[np.generic]) -> FloatArray:
     return np.asarray(scaled)
 
 
+@checked
 @dataclass(frozen=True)
 class Velvet:
     """Four features of a pile fabric as shares of the electrostatic force; all values are unverified defaults.
@@ -298,17 +288,15 @@ class Velvet:
 
     with_pile: float = 0.3
     against_pile: float = 0.9
-    reversal_m: float = 2e-3
-    tuft_period_m: float = 1e-3
+    reversal_m: Positive = 2e-3
+    tuft_period_m: Positive = 1e-3
     tuft_depth: float = 0.3
 
     def __post_init__(self) -> None:
         require.within(
             "Velvet", 0, 1, with_pile=self.with_pile, against_pile=self.against_pile, tuft_depth=self.tuft_depth
         )
-        require.positive("Velvet", reversal_m=self.reversal_m, tuft_period_m=self.tuft_period_m)
 
-    @checked
     def force_share_along(self, x_m: ArrayLike) -> FloatArray:
         """Shares (n_times,) along a path of positions (n_times,): the pile remembers where the finger came from.
 

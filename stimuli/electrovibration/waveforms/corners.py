@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
@@ -30,11 +31,9 @@ class Corners:
 
     def __post_init__(self) -> None:
         ends = (self.phases[:1], self.phases[-1:]) == ((0.0,), (1.0,))
-        if not ends or len(self.phases) != len(self.values) or (np.diff(self.phases) < 0).any():
-            raise InvalidParameter(
-                f"Corners.phases: found {self.phases!s:.60} with {len(self.values)} values, expected a tuple that "
-                "ascends from 0 to 1, and as many values"
-            )
+        fit = ends and len(self.phases) == len(self.values) and (np.diff(self.phases) >= 0).all()
+        found = f"{self.phases!s:.60} with {len(self.values)} values"
+        require.expect(fit, "Corners.phases", found, "a tuple that ascends from 0 to 1, and as many values")
 
     def at(self, phase: ArrayLike) -> FloatArray:
         """Values at phases in periods, of any size; from the right at a jump."""
@@ -45,13 +44,10 @@ class Corners:
         width = np.where(x[left + 1] > x[left], x[left + 1] - x[left], 1.0)
         return np.asarray(y[left] + (y[left + 1] - y[left]) * (p - x[left]) / width)
 
-    def pieces(self, frequency_hz: float, duration_s: float) -> Pieces:
+    def pieces(self, frequency_hz: Positive, duration_s: Positive) -> Pieces:
         """The periodic voltage (1 V) over a duration, exactly."""
-        require.positive("Corners.pieces", frequency_hz=frequency_hz, duration_s=duration_s)
-        if duration_s * frequency_hz > MOST_SAMPLES:
-            raise InvalidParameter(
-                f"Corners.pieces.duration_s: found {duration_s} s, expected at most {MOST_SAMPLES} periods"
-            )
+        few = duration_s * frequency_hz <= MOST_SAMPLES
+        require.expect(few, "Corners.pieces.duration_s", f"{duration_s} s", f"at most {MOST_SAMPLES} periods")
         n_periods = int(np.ceil(duration_s * frequency_hz * (1 - 1e-12)))
         periods = np.repeat(np.arange(n_periods), len(self.phases))
         t_s = (periods + np.tile(self.phases, n_periods)) / frequency_hz

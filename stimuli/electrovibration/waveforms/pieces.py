@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
@@ -43,14 +44,13 @@ class Pieces:
     """
 
     starts_s: FloatArray
-    end_s: float
+    end_s: Positive
     offsets_v: FloatArray
     slopes_v_per_s: FloatArray
     frequencies_hz: FloatArray = field(default_factory=lambda: np.zeros(0))
     amplitudes_v: ComplexArray | None = None
 
     def __post_init__(self) -> None:
-        require.positive("Pieces", end_s=self.end_s)
         n_pieces, n_harmonics = np.size(self.starts_s), np.size(self.frequencies_hz)
         amplitudes = np.zeros((n_pieces, 0)) if self.amplitudes_v is None else self.amplitudes_v
         object.__setattr__(self, "amplitudes_v", np.asarray(amplitudes, dtype=np.complex128))
@@ -58,8 +58,8 @@ class Pieces:
             self._check_shape(name, (n_pieces,))
         self._check_shape("frequencies_hz", (n_harmonics,))
         self._check_shape("amplitudes_v", (n_pieces, n_harmonics))
-        if not (self.frequencies_hz > 0).all():
-            raise InvalidParameter(f"Pieces.frequencies_hz: found {self.frequencies_hz}, expected numbers above 0")
+        above = (self.frequencies_hz > 0).all()
+        require.expect(above, "Pieces.frequencies_hz", self.frequencies_hz, "numbers above 0")
         ascend = n_pieces > 0 and (np.diff(self.starts_s) > 0).all() and self.starts_s[-1] < self.end_s
         if not ascend or self.starts_s[0] != 0:
             raise InvalidParameter(
@@ -68,8 +68,7 @@ class Pieces:
 
     def _check_shape(self, name: str, shape: tuple[int, ...]) -> None:
         found = getattr(self, name).shape
-        if found != shape:
-            raise InvalidParameter(f"Pieces.{name}: found shape {found}, expected {shape}")
+        require.expect(found == shape, f"Pieces.{name}", f"shape {found}", f"{shape}")
 
     @property
     def harmonics_v(self) -> ComplexArray:
@@ -93,11 +92,9 @@ class Pieces:
 
     def sinusoids(self, t_s: FloatArray, amplitudes: ComplexArray) -> FloatArray:
         """``Re sum_k amplitudes_k exp(2 pi i f_k t)`` for amplitudes (..., n_harmonics)."""
-        if amplitudes.shape[-1:] != self.frequencies_hz.shape:
-            raise InvalidParameter(
-                f"Pieces.sinusoids.amplitudes: found shape {amplitudes.shape}, expected (..., "
-                f"{len(self.frequencies_hz)}), one for each frequency"
-            )
+        fit = amplitudes.shape[-1:] == self.frequencies_hz.shape
+        expected = f"(..., {len(self.frequencies_hz)}), one for each frequency"
+        require.expect(fit, "Pieces.sinusoids.amplitudes", f"shape {amplitudes.shape}", expected)
         phases = np.exp(2j * np.pi * np.multiply.outer(t_s, self.frequencies_hz))
         return np.asarray((phases * amplitudes).sum(axis=-1).real, dtype=np.float64)
 
@@ -141,13 +138,11 @@ def straight(times_s: ArrayLike, values_v: ArrayLike) -> Pieces:
     """
     t = np.asarray(times_s, dtype=np.float64)
     v = np.asarray(values_v, dtype=np.float64)
-    if t.ndim != 1 or t.shape != v.shape or t.size < 2:
-        raise InvalidParameter(f"straight: found shapes {t.shape} and {v.shape}, expected two of one length")
-    if (np.diff(t) < 0).any():
-        back = int(np.argmax(np.diff(t) < 0))
-        raise InvalidParameter(
-            f"straight.times_s: found {t[back + 1]} after {t[back]}, expected times that do not go back"
-        )
+    row = t.ndim == 1 and t.shape == v.shape and t.size >= 2
+    require.expect(row, "straight", f"shapes {t.shape} and {v.shape}", "two of one length")
+    back = int(np.argmax(np.diff(t) < 0))
+    found = f"{t[back + 1]} after {t[back]}"
+    require.expect(t[back + 1] >= t[back], "straight.times_s", found, "times that do not go back")
     long = np.diff(t) > 0
     return Pieces(t[:-1][long], float(t[-1]), v[:-1][long], (np.diff(v)[long] / np.diff(t)[long]))
 

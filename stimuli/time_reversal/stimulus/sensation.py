@@ -103,7 +103,7 @@ class TimeReversalSensation:
 
     def displacement_m(self, signal: Signal, contact: Contact) -> FloatArray:
         """(n_samples,): what the plate does under the finger, as far as it counts."""
-        free = _free_displacement(Keyed(signal), self.setup, self._place)
+        free = _free_displacement(signal, self.setup, self._place)
         if self.criterion == "unloaded":
             return free
         return loaded_displacement(free, self.setup, self._finger(contact.force_n))
@@ -203,7 +203,7 @@ def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[PlateLoad 
     """
     n = signal.samples.shape[1]
     places = tuple((load.x_m, load.y_m) for load in loads)
-    free_m, at_contacts = _free(setup, Keyed(signal), (setup.focus_m,)), _free(setup, Keyed(signal), places)
+    free_m, at_contacts = _free(setup, signal, (setup.focus_m,)), _free(setup, signal, places)
     if not loads:
         return np.asarray(free_m[0])
     s, growth, n_fft = contour(n, setup.rate_hz)
@@ -240,22 +240,9 @@ def felt_amplitude_m(times_s: Vector, peaks_m: Vector) -> float:
     return summed_amplitude(times, peaks)
 
 
-class Keyed:
-    """A signal that equals another one of the same digest, so that a trace is computed once per waveform."""
-
-    def __init__(self, signal: Signal) -> None:
-        self.signal = signal
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, Keyed) and self.signal.digest() == other.signal.digest()
-
-    def __hash__(self) -> int:
-        return hash(self.signal.digest())
-
-
 @lru_cache(maxsize=N_CACHED)
-def _free_displacement(keyed: Keyed, setup: Setup, at_m: Point) -> FloatArray:
-    return np.asarray(emitted(keyed.signal, setup.responses_at(*at_m))[0])
+def _free_displacement(signal: Signal, setup: Setup, at_m: Point) -> FloatArray:
+    return np.asarray(emitted(signal, setup.responses_at(*at_m))[0])
 
 
 @lru_cache(maxsize=N_CACHED)
@@ -265,15 +252,15 @@ def _receptance(setup: Setup, at_m: Point, n_samples: int) -> ComplexArray:
 
 
 @lru_cache(maxsize=N_CACHED)
-def _free(setup: Setup, keyed: Keyed, places: Places) -> FloatArray:
+def _free(setup: Setup, signal: Signal, places: Places) -> FloatArray:
     """(n_places, n_samples): the free plate while the drive lasts."""
-    n = keyed.signal.samples.shape[1]
+    n = signal.samples.shape[1]
     if not places:
         return np.zeros((0, n))
     heard = impulse_responses(
         setup.screen, list(places), rate_hz=setup.rate_hz, duration_s=n / setup.rate_hz, f_max_hz=setup.modes_to_hz
     )
-    return emitted(keyed.signal, heard)[:, :n]
+    return emitted(signal, heard)[:, :n]
 
 
 @lru_cache(maxsize=N_CACHED)
