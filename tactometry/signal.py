@@ -75,6 +75,12 @@ class Signal:
         return float(np.max(np.abs(self.samples), initial=0.0))
 
     def __eq__(self, other: object) -> bool:
+        """By what is played, so that a cache computes once for each waveform.
+
+        >>> volts, metres = (Signal(np.ones((1, 2)), 1000.0, unit) for unit in ("V", "m"))
+        >>> volts == Signal(np.ones((1, 2)), 1000.0, "V"), volts == metres
+        (True, False)
+        """
         return isinstance(other, Signal) and self._digest == other._digest
 
     def __hash__(self) -> int:

@@ -2,6 +2,8 @@
 
 import ast
 import shutil
+import subprocess
+import sys
 from functools import cache
 from pathlib import Path
 
@@ -35,3 +37,10 @@ def copy_tree(place: Path, *files: str) -> Path:
         ignored = shutil.ignore_patterns("__pycache__")
         shutil.copytree(ROOT / folder, place / folder, symlinks=True, ignore=ignored)
     return place
+
+
+def contracts(tree: Path) -> "subprocess.CompletedProcess[str]":
+    """What import-linter says of a tree."""
+    script = "import sys; sys.path.insert(0, '.'); from importlinter.cli import lint_imports_command; "
+    command = [sys.executable, "-c", script + "lint_imports_command()", "--no-cache", "--no-logo"]
+    return subprocess.run(command, cwd=tree, capture_output=True, text=True, check=False)

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 from places import ROOT
-from source_tree import WINGS, copy_tree, parsed, sources
+from source_tree import WINGS, contracts, copy_tree, parsed, sources
 
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 PROJECT = PYPROJECT["project"]
@@ -114,12 +114,6 @@ def test_an_import_of_the_right_form_is_taken(path: str, line: str) -> None:
 def copy(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A copy of the tree that a test may spoil."""
     return copy_tree(tmp_path_factory.mktemp("tree"), "pyproject.toml")
-
-
-def contracts(tree: Path) -> "subprocess.CompletedProcess[str]":
-    script = "import sys; sys.path.insert(0, '.'); from importlinter.cli import lint_imports_command; "
-    command = [sys.executable, "-c", script + "lint_imports_command()", "--no-cache", "--no-logo"]
-    return subprocess.run(command, cwd=tree, capture_output=True, text=True, check=False)
 
 
 BAD = (

@@ -97,7 +97,7 @@ class Stack:
         layer, series = self.layers[index], _series(self.layers, self.resistance_ohm * area_m2)
         if layer.elastance_m2_per_f == 0:
             return Relaxations((), ())
-        group = series.rates.index(layer.rate_per_s)
+        group = series.rates_per_s.index(layer.rate_per_s)
         share, poles = layer.elastance_m2_per_f / series.elastances[group], series.poles()
         gains = tuple(share * series.gain(pole, group) for pole in poles)
         return Relaxations(gains, tuple(pole.rate_per_s for pole in poles), share * series.dc_gain(group))
@@ -121,14 +121,14 @@ class _Pole:
 class _Series:
     """Layers in series: their rates, ascending, the elastance of all layers of each, and a resistance."""
 
-    rates: tuple[float, ...]
+    rates_per_s: tuple[float, ...]
     elastances: tuple[float, ...]
     resistance_ohm_m2: float
 
     def dc_gain(self, group: int) -> float:
-        if self.rates[0] == 0:  # what does not leak holds all of a constant voltage
+        if self.rates_per_s[0] == 0:  # what does not leak holds all of a constant voltage
             return 1.0 if group == 0 else 0.0
-        resistances = [s / r for s, r in zip(self.elastances, self.rates, strict=True)]
+        resistances = [s / r for s, r in zip(self.elastances, self.rates_per_s, strict=True)]
         return resistances[group] / (self.resistance_ohm_m2 + sum(resistances))
 
     def gain(self, pole: _Pole, group: int) -> float:
@@ -140,23 +140,23 @@ class _Series:
 
     def poles(self) -> list[_Pole]:
         """Zeros of ``R + sum_h s_h/(r_h - rate)``: one between each two rates, one above them if R > 0."""
-        poles = [self._between(low) for low in range(len(self.rates) - 1)]
+        poles = [self._between(low) for low in range(len(self.rates_per_s) - 1)]
         # below, the resistance is none: its pole would lie beyond the largest numbers
         if self.resistance_ohm_m2 > 2 * sum(self.elastances) / LARGEST:
-            poles.append(self._from(len(self.rates) - 1, 2 * sum(self.elastances) / self.resistance_ohm_m2))
+            poles.append(self._from(len(self.rates_per_s) - 1, 2 * sum(self.elastances) / self.resistance_ohm_m2))
         return poles
 
     def _between(self, low: int) -> _Pole:
         """The zero between two rates, measured from the nearer one."""
         # a pole may lie so near to a rate that only its distance from there still holds digits
-        half = (self.rates[low + 1] - self.rates[low]) / 2
-        offsets = [rate - self.rates[low] for rate in self.rates]
+        half = (self.rates_per_s[low + 1] - self.rates_per_s[low]) / 2
+        offsets = [rate - self.rates_per_s[low] for rate in self.rates_per_s]
         at_half = self.resistance_ohm_m2 + sum(s / (o - half) for s, o in zip(self.elastances, offsets, strict=True))
         return self._from(low, half) if at_half >= 0 else self._from(low + 1, -half)
 
     def _from(self, origin: int, reach: float) -> _Pole:
         """The zero between ``rates[origin]`` and ``rates[origin] + reach``."""
-        offsets = [rate - self.rates[origin] for rate in self.rates]
+        offsets = [rate - self.rates_per_s[origin] for rate in self.rates_per_s]
         others = [(s, o) for i, (s, o) in enumerate(zip(self.elastances, offsets, strict=True)) if i != origin]
 
         # the secular function times the shift: without the pole at the origin, where the search begins
@@ -165,7 +165,7 @@ class _Series:
 
         # The zero lies at the reach, where rounding puts it behind.
         root = reach if regular(reach) <= 0 else _zero(regular, reach)
-        return _Pole(self.rates[origin] + root, tuple(offset - root for offset in offsets))
+        return _Pole(self.rates_per_s[origin] + root, tuple(offset - root for offset in offsets))
 
 
 def _series(layers: Sequence[Layer], resistance_ohm_m2: float) -> _Series:

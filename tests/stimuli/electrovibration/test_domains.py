@@ -95,7 +95,7 @@ def force_n(voltage_v, **changes):
         (lambda: Stack((Layer(1e-6),)).relaxations(-1, AREA_M2), "Stack.index: found -1, expected one of 0"),
         (
             lambda: shares([-1.0], (Layer(1e-6),)),
-            "shares.lowest_hz: found -1.0, expected a finite number, at least 0",
+            "shares.frequency_hz[0]: found -1.0, expected a finite number, at least 0",
         ),
         (
             lambda: shares([1.0], (Layer(0.0),)),
@@ -157,7 +157,9 @@ def test_a_texture_refuses_a_position_that_is_not_finite(texture) -> None:
 
 
 def test_an_area_of_two_negative_axes_is_refused() -> None:
-    with pytest.raises(InvalidParameter, match="expected lengths of at least 0 m"):
+    with pytest.raises(
+        InvalidParameter, match=r"ellipse_area_m2.length_m: found -1.0, expected a finite number, at least 0"
+    ):
         ellipse_area_m2(-1.0, -1.0)
 
 

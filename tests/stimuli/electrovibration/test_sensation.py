@@ -232,7 +232,10 @@ def test_corner_rises_by_1104_hz_from_20_to_100_mm_per_s() -> None:
             "Skin.corneum_resistivity_ohm_m: found nan, expected 0 (a conductor) or a number from 1e-30 to 1e+30 "
             "(inf: lossless)",
         ),
-        (lambda: PowerLawArea().area_m2(-1.0), "force_n: found -1.0, expected at least 0 N"),
+        (
+            lambda: PowerLawArea().area_m2(-1.0),
+            "PowerLawArea.area_m2.force_n: found -1.0, expected a finite number, at least 0",
+        ),
     ],
 )
 def test_bad_input_is_one_clear_sentence(call, message: str) -> None:
