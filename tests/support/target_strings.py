@@ -4,7 +4,7 @@ import ast
 import re
 from collections.abc import Mapping
 
-TARGET = re.compile(r"(tactometry(?:\.[\w*]+)+):(\w+)")
+TARGET = re.compile(r"(tactometry(?:\.[\w*]+)+):(\w+)(?:\.\w+)*")
 
 
 def targets(tree: ast.Module, module: str, package: str) -> set[tuple[str, str]]:
