@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal, TypeVar, get_args
+from typing import Literal, get_args
 
 import numpy as np
 
@@ -12,7 +12,6 @@ from .procedures.procedure import FixedOrder, after_answer
 from .tasks.task import TrialOutcome
 from .track import Track
 
-T = TypeVar("T")
 Interleaving = Literal["random", "balanced"]
 LEAST_RATE = 1e-6
 """Of catch trials: one in more than all trials of a session."""
@@ -160,8 +159,8 @@ def _answer_in_order(procedure: FixedOrder, slot: Slot, outcome: TrialOutcome) -
     return then if outcome.success is None else then.take(outcome.success)
 
 
-def _with(values: tuple[T, ...], index: int, value: T) -> tuple[T, ...]:
-    return (*values[:index], value, *values[index + 1 :])
+def _with(tracks: tuple[Track, ...], index: int, track: Track) -> tuple[Track, ...]:
+    return (*tracks[:index], track, *tracks[index + 1 :])
 
 
 def catch_schedule(catch_rate: float, rng: np.random.Generator) -> Iterator[bool]:

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import special
 
-from .arguments.require import lookup, positive, within
+from .arguments.require import expect, lookup, positive, within
 from .errors import InvalidParameter
 
 Array = NDArray[np.float64]
@@ -81,14 +81,6 @@ def _gumbel_log_cdf(z: Array) -> Array:
     return np.where(z < -37.0, z, log1mexp(-_gumbel_log_sf(np.maximum(z, -40.0))))
 
 
-def _gumbel_log_pdf(z: Array) -> Array:
-    return z + _gumbel_log_sf(z)
-
-
-def _gumbel_score(z: Array) -> Array:
-    return 1.0 + _gumbel_log_sf(z)
-
-
 def _log_of_minus(log_probability: Array) -> Array:
     """log(-log p) for log p <= 0."""
     with np.errstate(divide="ignore"):
@@ -103,8 +95,8 @@ def _normal_at(log_cdf: Array, log_sf: Array) -> Array:
 _GUMBEL = Shape(
     log_cdf=_gumbel_log_cdf,
     log_sf=_gumbel_log_sf,
-    log_pdf=_gumbel_log_pdf,
-    score=_gumbel_score,
+    log_pdf=lambda z: z + _gumbel_log_sf(z),
+    score=lambda z: 1.0 + _gumbel_log_sf(z),
     at=lambda log_cdf, log_sf: _log_of_minus(log_sf),
 )
 
@@ -128,8 +120,8 @@ SHAPES: Mapping[str, Shape] = MappingProxyType(
         "reversed_gumbel": Shape(
             log_cdf=lambda z: _gumbel_log_sf(-z),
             log_sf=lambda z: _gumbel_log_cdf(-z),
-            log_pdf=lambda z: _gumbel_log_pdf(-z),
-            score=lambda z: -_gumbel_score(-z),
+            log_pdf=lambda z: _GUMBEL.log_pdf(-z),
+            score=lambda z: -_GUMBEL.score(-z),
             at=lambda log_cdf, log_sf: -_log_of_minus(log_cdf),
         ),
         "weibull": replace(_GUMBEL, on_log_levels=True),
@@ -187,17 +179,13 @@ class PsychometricFunction:
 
     def __post_init__(self) -> None:
         standard = shape_named(self.shape)
-        if not isfinite(self.threshold) or (standard.on_log_levels and self.threshold <= 0):
-            raise InvalidParameter(
-                f"threshold: found {self.threshold}, expected a finite level"
-                + (f" above 0 for the shape {self.shape!r}" if standard.on_log_levels else "")
-            )
+        is_level = isfinite(self.threshold) and (self.threshold > 0 or not standard.on_log_levels)
+        above = f" above 0 for the shape {self.shape!r}" if standard.on_log_levels else ""
+        expect(is_level, "threshold", self.threshold, f"a finite level{above}")
         positive("PsychometricFunction", width=self.width)
         within("PsychometricFunction", 0, 1, guess_rate=self.guess_rate, lapse_rate=self.lapse_rate)
-        if self.guess_rate + self.lapse_rate >= 1:
-            raise InvalidParameter(
-                f"guess_rate, lapse_rate: found {self.guess_rate} and {self.lapse_rate}, expected a sum below 1"
-            )
+        rates = f"{self.guess_rate} and {self.lapse_rate}"
+        expect(self.guess_rate + self.lapse_rate < 1, "guess_rate, lapse_rate", rates, "a sum below 1")
 
     def probability(self, level: ArrayLike) -> Any:
         """psi(level), of the shape of `level`.
@@ -220,7 +208,8 @@ class PsychometricFunction:
         answer = np.asarray(response)
         if answer.dtype.kind not in "biuf" or not np.isin(answer, (0, 1)).all():
             raise InvalidParameter(f"response: found {response!r}, expected 1 or 0")
-        yes, no = self._log_chances(self._z(level))
+        shape, z = SHAPES[self.shape], self._z(level)
+        yes, no = log_mixture(shape.log_cdf(z), shape.log_sf(z), self.guess_rate, self.lapse_rate)
         return np.where(answer == 1, yes, no)[()]  # a number for a number, where numpy keeps an array of no axes
 
     def level(self, probability: ArrayLike) -> Any:
@@ -233,10 +222,8 @@ class PsychometricFunction:
         """
         p = np.asarray(probability, dtype=np.float64)
         low, high = self.guess_rate, 1 - self.lapse_rate
-        if not ((p > low) & (p < high)).all():
-            raise InvalidParameter(
-                f"probability: found {probability!r}, expected values between the asymptotes, {low} and {high}"
-            )
+        among = f"values between the asymptotes, {low} and {high}"
+        expect(((p > low) & (p < high)).all(), "probability", repr(probability), among)
         shape, span = SHAPES[self.shape], 1 - self.guess_rate - self.lapse_rate
         z = shape.at(np.log((p - low) / span), np.log((high - p) / span))
         return self._from_z(z)[()]
@@ -255,10 +242,6 @@ class PsychometricFunction:
         shape = SHAPES[self.shape]
         distance = (z - shape.z50) / shape.z_width * self.width
         return np.asarray(self.threshold * np.exp(distance) if shape.on_log_levels else self.threshold + distance)
-
-    def _log_chances(self, z: Array) -> tuple[Array, Array]:
-        shape = SHAPES[self.shape]
-        return log_mixture(shape.log_cdf(z), shape.log_sf(z), self.guess_rate, self.lapse_rate)
 
 
 def log_mixture(log_cdf: Array, log_sf: Array, guess_rate: ArrayLike, lapse_rate: ArrayLike) -> tuple[Array, Array]:

@@ -19,23 +19,18 @@ class Likelihoods(Protocol):
 
     def total(self, weights: Array) -> Array:
         """Sum over cells of probability times weight, (n_outcomes, n_levels)."""
-        ...
 
     def joint(self, weights: Array) -> Array:
         """Sum of probability times weight over all parameters but the first, (n_outcomes, n_levels, n_first)."""
-        ...
 
     def certainty(self, weights: Array) -> Array:
         """Sum over cells of weight times the sum over outcomes of p log p, (n_levels,)."""
-        ...
 
     def log_likelihood(self, index: int, outcome: int) -> Array | None:
         """log P(outcome) at the candidate of this index, (n_cells,), where a table holds it."""
-        ...
 
     def prepare(self) -> None:
         """Compute now what `certainty` and `log_likelihood` need, so that no trial waits for it."""
-        ...
 
 
 @runtime_checkable
@@ -53,7 +48,6 @@ class OutcomeModel(Protocol):
 
     def log_likelihood(self, level: float, outcome: int) -> Array:
         """log P(outcome) at a level, (n_cells,)."""
-        ...
 
     def likelihoods(self, levels: Sequence[float]) -> Likelihoods: ...
 
@@ -80,13 +74,11 @@ class DenseLikelihoods:
     table: Array
 
     def total(self, weights: Array) -> Array:
-        product: Array = self.table.reshape(*self.table.shape[:2], -1) @ weights
-        return product
+        return np.asarray(self.table.reshape(*self.table.shape[:2], -1) @ weights)
 
     def joint(self, weights: Array) -> Array:
         by_first = weights.reshape(self.table.shape[2:])[:, :, None]
-        product: Array = np.matmul(self.table.transpose(0, 2, 1, 3), by_first)[..., 0]
-        return product.transpose(0, 2, 1)
+        return np.asarray(np.matmul(self.table.transpose(0, 2, 1, 3), by_first)[..., 0].transpose(0, 2, 1))
 
     @cached_property
     def cost(self) -> Array:
@@ -104,8 +96,7 @@ class DenseLikelihoods:
         _ = self.cost
 
     def certainty(self, weights: Array) -> Array:
-        product: Array = self.cost @ weights
-        return product
+        return np.asarray(self.cost @ weights)
 
 
 @dataclass(frozen=True, eq=False)

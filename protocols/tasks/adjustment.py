@@ -7,9 +7,8 @@ import numpy as np
 from tactometry.arguments.require import below, expect, finite
 from tactometry.session.answer import Adjusted
 from tactometry.session.request import Adjust, Play, Slide
-from tactometry.session.run import Course
 
-from .task import Presentation, Reply, Task, TaskKind, TrialOutcome
+from .task import Presentation, Reply, Task, TaskKind, TrialCourse, TrialOutcome
 
 
 @dataclass(frozen=True)
@@ -50,7 +49,7 @@ class AdjustmentTask(Task):
         bounds = f"them within the bounds of the task ({self.low:g} to {self.high:g})"
         expect(self.low <= low <= high <= self.high, "procedure", starts, bounds)
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
         del rng
         assert shown.level is not None
         touch = shown.touch.request(shown.stimulus, shown.level, None)

@@ -8,9 +8,8 @@ from tactometry.arguments.require import finite
 from tactometry.observers.decisions import Decision, strongest
 from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
-from tactometry.session.run import Course
 
-from .task import Presentation, Reply, Task, TaskKind, TrialOutcome
+from .task import Presentation, Reply, Task, TaskKind, TrialCourse, TrialOutcome
 from .touch import feel_in_turn, nth
 
 
@@ -35,7 +34,7 @@ class Comparison(Task):
     def __post_init__(self) -> None:
         finite("Comparison", standard_level=self.standard_level)
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
         target = int(rng.integers(1, 3))
         levels = [shown.level if interval == target else self.standard_level for interval in (1, 2)]
         touches = yield from feel_in_turn(shown.touch, [shown.stimulus] * 2, levels)

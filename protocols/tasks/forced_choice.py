@@ -8,9 +8,8 @@ from tactometry.arguments.require import expect, shown
 from tactometry.observers.decisions import Decision, strongest
 from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
-from tactometry.session.run import Course
 
-from .task import Presentation, Task, TaskKind, TrialOutcome
+from .task import Presentation, Task, TaskKind, TrialCourse, TrialOutcome
 from .touch import feel_in_turn, nth
 
 
@@ -33,7 +32,7 @@ class ForcedChoice(Task):
     def __post_init__(self) -> None:
         expect(self.n_intervals in (2, 3, 4), "ForcedChoice.n_intervals", shown(self.n_intervals), "2, 3 or 4")
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
         intervals = tuple(range(1, self.n_intervals + 1))
         target = int(rng.integers(1, self.n_intervals + 1))
         levels = [shown.level if interval == target else None for interval in intervals]

@@ -7,9 +7,8 @@ import numpy as np
 from tactometry.observers.decisions import Decision, locate
 from tactometry.session.answer import Chosen, Touched
 from tactometry.session.request import Choose
-from tactometry.session.run import Course
 
-from .task import Over, Presentation, Task, TaskKind, TrialOutcome
+from .task import Over, Presentation, Task, TaskKind, TrialCourse, TrialOutcome
 
 
 @dataclass(frozen=True)
@@ -21,7 +20,7 @@ class Localisation(Task):
 
     name = "localisation"
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
         target = int(rng.integers(1, len(shown.alternatives) + 1))
         chosen = shown.alternatives[target - 1]
         touch: Touched = yield shown.touch.request(chosen.stimulus, shown.level, None)

@@ -7,9 +7,8 @@ import numpy as np
 from tactometry.arguments.require import positive
 from tactometry.session.answer import Rated, Touched
 from tactometry.session.request import Enter
-from tactometry.session.run import Course
 
-from .task import Presentation, Reply, Task, TaskKind, TrialOutcome
+from .task import Presentation, Reply, Task, TaskKind, TrialCourse, TrialOutcome
 
 
 @dataclass(frozen=True)
@@ -33,7 +32,7 @@ class Magnitude(Task):
         if self.high is not None:
             positive("Magnitude", high=self.high)
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
         del rng
         touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
         if not touch.valid:

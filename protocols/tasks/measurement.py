@@ -9,9 +9,8 @@ import numpy as np
 from tactometry.arguments.require import one_of
 from tactometry.session.answer import Rated, Touched
 from tactometry.session.request import Enter
-from tactometry.session.run import Course
 
-from .task import Presentation, Reply, Task, TaskKind, TrialOutcome
+from .task import Presentation, Reply, Task, TaskKind, TrialCourse, TrialOutcome
 
 QUESTION: Final = "vibrometer_nm"
 LevelUnit = Literal["dB re 1 um", "m"]
@@ -42,7 +41,7 @@ class Measurement(Task):
     def __post_init__(self) -> None:
         one_of("Measurement.level_unit", self.level_unit, get_args(LevelUnit))
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
         del rng
         touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
         if not touch.valid:

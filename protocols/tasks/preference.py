@@ -7,9 +7,8 @@ import numpy as np
 from tactometry.observers.decisions import Decision, most_liked
 from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
-from tactometry.session.run import Course
 
-from .task import Over, Presentation, Reply, Task, TaskKind, TrialOutcome
+from .task import Over, Presentation, Reply, Task, TaskKind, TrialCourse, TrialOutcome
 from .touch import feel_in_turn
 
 
@@ -23,7 +22,7 @@ class Preference(Task):
 
     name = "preference"
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
         first, second = (shown.alternatives[int(n)] for n in rng.permutation(2))
         touches = yield from feel_in_turn(shown.touch, [first.stimulus, second.stimulus], [shown.level, shown.level])
         if not touches[-1].valid:

@@ -11,7 +11,7 @@ from tactometry.session.answer import Filled, Touched
 from tactometry.session.request import Fill, Question
 from tactometry.session.run import Course
 
-from .task import Presentation, Reply, Task, TaskKind, TrialOutcome
+from .task import Presentation, Reply, Task, TaskKind, TrialCourse, TrialOutcome
 
 N_PER_PAGE, N_STATEMENTS_PER_PAGE = 7, 5
 MOST_TOUCHES = 1000
@@ -24,11 +24,10 @@ def pages(form: Questionnaire, items: Sequence[Item]) -> list[Fill]:
     n_pages = -(-len(items) // most)
     n_each = -(-len(items) // n_pages)
     parts = [items[start : start + n_each] for start in range(0, len(items), n_each)]
-    return [Fill(form.name, tuple(_question(form, item) for item in part), *_scale(form)) for part in parts]
-
-
-def _scale(form: Questionnaire) -> tuple[float, float, int | None]:
-    return form.low, form.high, form.steps
+    return [
+        Fill(form.name, tuple(_question(form, item) for item in part), form.low, form.high, form.steps)
+        for part in parts
+    ]
 
 
 def _question(form: Questionnaire, item: Item) -> Question:
@@ -67,7 +66,7 @@ class Rating(Task):
         of_kind("Rating", Questionnaire, form=self.form)
         whole("Rating", lowest=1, n_touches=self.n_touches)
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
         touches: list[Touched] = []
         while len(touches) < self.n_touches and all(touch.valid for touch in touches):
             touches.append((yield shown.touch.request(shown.stimulus, shown.level, None)))

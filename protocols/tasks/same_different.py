@@ -8,9 +8,8 @@ from tactometry.arguments.require import finite
 from tactometry.observers.decisions import Decision, differ
 from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
-from tactometry.session.run import Course
 
-from .task import Presentation, Task, TaskKind, TrialOutcome
+from .task import Presentation, Task, TaskKind, TrialCourse, TrialOutcome
 from .touch import feel_in_turn, nth
 
 
@@ -34,7 +33,7 @@ class SameDifferent(Task):
     def __post_init__(self) -> None:
         finite("SameDifferent", standard_level=self.standard_level)
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
         target = int(rng.integers(1, 3))
         compared = self.standard_level if shown.level is None else shown.level
         levels = [compared if interval == target else self.standard_level for interval in (1, 2)]

@@ -103,6 +103,9 @@ class TrialOutcome:
         return self._parts[0].onset_s
 
 
+TrialCourse = Course[TrialOutcome]
+
+
 @runtime_checkable
 class Task(Protocol):
     """The course of one trial."""
@@ -112,7 +115,7 @@ class Task(Protocol):
 
     takes_catch_trials: bool = False
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]: ...
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse: ...
 
 
 @runtime_checkable

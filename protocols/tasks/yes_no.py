@@ -7,9 +7,8 @@ import numpy as np
 from tactometry.observers.decisions import Decision, detect
 from tactometry.session.answer import Chosen, Touched
 from tactometry.session.request import Choose
-from tactometry.session.run import Course
 
-from .task import Presentation, Task, TaskKind, TrialOutcome
+from .task import Presentation, Task, TaskKind, TrialCourse, TrialOutcome
 
 
 @dataclass(frozen=True)
@@ -19,7 +18,7 @@ class YesNo(Task):
     name = "yes_no"
     takes_catch_trials = True
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
         del rng
         touch: Touched = yield shown.touch.request(shown.stimulus, shown.level, None)
         outcome = TrialOutcome((touch,), touch)

@@ -220,16 +220,12 @@ def write_first(path: Path, content: bytes) -> None:
 
 def _copied_first(path: Path, content: bytes) -> None:
     """As `write_first` where the disk has no links."""
-    try:
+    with attempt(path, "cannot write", "room and permission"), suppress(FileExistsError):
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, PRIVATE_FILE)
-    except FileExistsError:
-        return
-    except OSError as error:
-        raise DeviceFailed(f"{path}: cannot write ({error.strerror}), expected room and permission") from None
-    try:
-        write_whole(file, content, path, durable=True)
-    finally:
-        os.close(file)
+        try:
+            write_whole(file, content, path, durable=True)
+        finally:
+            os.close(file)
 
 
 def sync_folder(path: Path) -> None:

@@ -6,15 +6,13 @@ from typing import Any
 
 from ..errors import Diverged
 from ..trials.trial import Trial
-from .request import A, Facts, Record, Request
+from .request import A, Record, Request
 
-
-def _as_asked(request: Request[Any]) -> Request[Any]:
-    return request
+OF_RECORDING = "use the study, the seed and the version of the recording"
 
 
 class Replay:
-    """A rig that answers from `entries`, pairs of (request, answer) in their order.
+    """What answers from `entries`, pairs of (request, answer) in their order.
 
     `where` names the recording in errors, `lines` the lines of its entries, where they are not 1, 2, 3, ..., and
     `as_kept` is what the recording keeps of a request. The session lasted `lasted_s` at least, s.
@@ -25,7 +23,7 @@ class Replay:
         entries: Sequence[tuple[Request[Any], Any]],
         where: str = "recording",
         lines: Sequence[int] = (),
-        as_kept: Callable[[Request[Any]], Request[Any]] = _as_asked,
+        as_kept: Callable[[Request[Any]], Request[Any]] = lambda request: request,
         lasted_s: float = 0.0,
     ) -> None:
         self._entries = entries
@@ -52,15 +50,12 @@ class Replay:
     def refuse_rest(self) -> None:
         """Raise if the recording holds more than was asked."""
         if self.n_left:
-            raise Diverged(
-                f"{self._where}, line {self._line}: the recording goes on with "
-                f"{_name(self._entries[self._next][0])}, the protocol has ended; use the study, the seed and the "
-                "version of the recording"
-            )
+            name = _name(self._entries[self._next][0])
+            raise self._divergence(f"the recording goes on with {name}, the protocol has ended; {OF_RECORDING}")
 
-    @property
-    def _line(self) -> int:
-        return self._lines[self._next] if self.n_left else max(self._lines, default=0) + 1
+    def _divergence(self, what: str) -> Diverged:
+        line = self._lines[self._next] if self.n_left else max(self._lines, default=0) + 1
+        return Diverged(f"{self._where}, line {line}: {what}")
 
     def answer(self, request: Request[A]) -> A:
         """What was answered then.
@@ -71,29 +66,15 @@ class Replay:
             If the request is not the recorded one, with its line and what differs.
         """
         if not self.n_left:
-            raise Diverged(
-                f"{self._where}, line {self._line}: the recording has ended, the protocol asks for {_name(request)}; "
-                "the session is not complete: go on with --resume"
-            )
+            ended = f"the recording has ended, the protocol asks for {_name(request)}"
+            raise self._divergence(f"{ended}; the session is not complete: go on with --resume")
         recorded, answer = self._entries[self._next]
         asked = self._as_kept(request)  # an older journal kept less of a request
         if asked != recorded:
-            raise Diverged(
-                f"{self._where}, line {self._line}: {difference(recorded, asked)}; use the study, the seed and the "
-                "version of the recording"
-            )
+            raise self._divergence(f"{difference(recorded, asked)}; {OF_RECORDING}")
         self._next += 1
         recorded_answer: A = answer  # the entries are pairs: this answer is of the recorded request's type
         return recorded_answer
-
-    def facts(self) -> Facts:
-        return {"rig": "replay"}
-
-    def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None:
-        del trials, elapsed_s
-
-    def close(self) -> None:
-        pass
 
 
 def _name(request: object) -> str:

@@ -31,7 +31,8 @@ class Request(Generic[A]):
     answer_type: ClassVar[type]
 
     def __init_subclass__(cls) -> None:
-        (cls.answer_type,) = get_args(vars(cls)["__orig_bases__"][0])
+        for base in vars(cls).get("__orig_bases__", ()):
+            (cls.answer_type,) = get_args(base)
 
 
 class Rig(Protocol):
@@ -63,7 +64,7 @@ class Play(Request[Played]):
 
 
 @dataclass(frozen=True)
-class Press(Request[Touched]):
+class Feel(Request[Touched]):
     """Hold `target_n` within `tolerance` (relative) for `hold_s`, then feel `level` while the force is held.
 
     `level` None is a blank: the same course with nothing emitted. `timeout_s` bounds the wait for the held force.
@@ -76,24 +77,23 @@ class Press(Request[Touched]):
     tolerance: float
     hold_s: float
     timeout_s: float
+
+
+@dataclass(frozen=True)
+class Press(Feel):
+    """`Feel` with a finger that rests."""
+
     interval: int | None = None
 
 
 @dataclass(frozen=True)
-class Slide(Request[Touched]):
-    """As `Press`, with a finger that follows a cursor out and back over `length_m` at `speed_m_per_s`.
+class Slide(Feel):
+    """`Feel` with a finger that follows a cursor out and back over `length_m` at `speed_m_per_s`.
 
     The stimulus plays in motion only: while the speed is within `speed_tolerance` (relative) of its target. None
     leaves the speed to the finger.
     """
 
-    stimulus: str
-    level: float | None
-    duration_s: float
-    target_n: float
-    tolerance: float
-    hold_s: float
-    timeout_s: float
     speed_m_per_s: float
     interval: int | None = None
     length_m: float = TRAJECTORY_M

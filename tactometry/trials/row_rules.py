@@ -137,13 +137,10 @@ def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Def
             yield Defect(
                 file, number, f"column {name!r}: found {text!r}, expected {rule.words}", f"{name} {rule.words}"
             )
-    if row.get("catch") == "1" and row.get("level"):
-        text = f"column 'level': found {row['level']!r} in a catch trial, expected nothing"
-        yield Defect(file, number, text, "catch")
-    if row.get("valid") == "1" and row.get("invalid_reason"):
-        reason = row["invalid_reason"]
-        text = f"column 'invalid_reason': found {reason!r} in a valid trial, expected nothing"
-        yield Defect(file, number, text, "reason")
+    for name, mark, kind in (("level", "catch", "catch"), ("invalid_reason", "valid", "reason")):
+        if row.get(mark) == "1" and row.get(name):
+            text = f"column {name!r}: found {row[name]!r} in a {mark} trial, expected nothing"
+            yield Defect(file, number, text, kind)
 
 
 def _response_rule(row: Mapping[str, str]) -> CellRule | None:

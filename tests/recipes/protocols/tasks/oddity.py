@@ -9,9 +9,8 @@ from tactometry.observers.decisions import Decision, Felt
 from tactometry.observers.observer import Observer
 from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
-from tactometry.session.run import Course
 
-from .task import Presentation, Task, TaskKind, TrialOutcome
+from .task import Presentation, Task, TaskKind, TrialCourse, TrialOutcome
 from .touch import feel_in_turn, nth
 
 
@@ -23,7 +22,7 @@ class Oddity(Task):
 
     name = "oddity"
 
-    def trial(self, shown: Presentation, rng: np.random.Generator) -> Course[TrialOutcome]:
+    def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
         target = int(rng.integers(1, 4))
         levels = [shown.level if interval == target else self.standard_level for interval in (1, 2, 3)]
         touches = yield from feel_in_turn(shown.touch, [shown.stimulus] * 3, levels)
