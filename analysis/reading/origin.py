@@ -10,8 +10,7 @@ import pandas as pd
 
 from tactometry.errors import InvalidFile, counted
 from tactometry.records.description import SIMULATED
-from tactometry.records.head import Head
-from tactometry.records.sittings import changes, heads
+from tactometry.records.head import Head, changes, heads
 
 from ..arrays import Bools
 from ..wording import NAMED

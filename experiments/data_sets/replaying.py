@@ -7,10 +7,9 @@ from tactometry.errors import Diverged, InvalidFile
 from tactometry.files.durable import read_file
 from tactometry.provenance import sha256
 from tactometry.records.data_set import sessions
-from tactometry.records.head import Head
+from tactometry.records.head import Head, changes
 from tactometry.records.journal import read
 from tactometry.records.open_session import OpenSession
-from tactometry.records.sittings import changes
 from tactometry.session.run import replay
 
 from ..study.experiment import Experiment, wire

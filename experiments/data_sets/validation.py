@@ -17,9 +17,8 @@ from tactometry.provenance import sha256
 from tactometry.records.agreement import REBUILD
 from tactometry.records.data_set import keys_of, participants, sessions
 from tactometry.records.description import NAME, SIMULATED
-from tactometry.records.head import ADDED, columns_in
+from tactometry.records.head import ADDED, changes, columns_in, heads
 from tactometry.records.journal import Recording, read
-from tactometry.records.sittings import changes, heads
 from tactometry.session.event import COLUMNS, events_tsv
 from tactometry.trials.row_rules import Defect, defects, merge_alike
 from tactometry.trials.trial import tally

@@ -12,9 +12,8 @@ from tactometry.protocols.track import Track
 from tactometry.provenance import sha256, versions
 from tactometry.records.data_set import LARGEST_NUMBER, Session
 from tactometry.records.description import StudyDescription
-from tactometry.records.head import Head
+from tactometry.records.head import Head, differences
 from tactometry.records.open_session import OpenSession
-from tactometry.records.sittings import differences
 from tactometry.session.event import EventLog
 from tactometry.session.request import Fact, Rig
 from tactometry.session.run import run

@@ -9,8 +9,8 @@ from operator import itemgetter
 from tactometry.arguments.require import at_most, expect
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import rewording
+from tactometry.observers.decisions import Observer
 from tactometry.observers.kinds import Population, population_of
-from tactometry.observers.observer import Observer
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
 from tactometry.protocols.session import session
 from tactometry.protocols.tasks.task import AsksForm, Task

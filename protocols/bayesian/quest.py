@@ -12,8 +12,7 @@ from tactometry.psychometric import shape_named
 
 from .outcome_model import Array
 from .parameter_grid import NARROWEST, ParameterGrid
-from .posterior import Posterior
-from .weighing import WeighingRule, WeighingRun
+from .weighing import Posterior, WeighingRule, WeighingRun
 
 Placing = Literal["quantile", "mean", "mode"]
 N_STEPS = 1_000_000

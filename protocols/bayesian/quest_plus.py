@@ -14,8 +14,7 @@ from tactometry.errors import InvalidParameter
 
 from ..procedures.procedure import Ending, Procedure, RuleThreshold
 from .outcome_model import Array, Likelihoods, OutcomeModel, p_log_p, size
-from .posterior import Posterior, log_prior
-from .weighing import WeighingRule, WeighingRun
+from .weighing import Posterior, WeighingRule, WeighingRun, log_prior
 
 Aim = Literal["parameters", "threshold"]
 Criterion = Literal["entropy", "variance"]

@@ -6,7 +6,7 @@ from typing import Any, Final, Protocol
 import numpy as np
 
 from ..config.strict import build_kind
-from .observer import Observer
+from .decisions import Observer
 
 USUAL: Final = "signal_detection"
 """What a table that names no kind means."""

@@ -2,16 +2,23 @@
 
 A session goes on in the format that it began with. Format 1 has one head, no reason why a track ends or a trial is not
 valid, and questionnaires after a block without its condition; its tables lack the columns `ADDED`.
+
+From sitting to sitting devices, screen, limits, versions and authors may change: `changes` says what did.
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import isfinite
+from itertools import pairwise
+from math import isclose, isfinite
+from pathlib import Path
 from typing import Any, Final
 
 import msgspec
 
+from ..errors import InvalidFile
+from ..files.durable import read_file
+from ..safety.limits import ROUNDING
 from ..session.request import Fact, Record, Request
 from ..trials.cell_rules import PARTICIPANT, STUDY, is_time
 from ..trials.columns import RIGS, Column
@@ -22,6 +29,11 @@ ADDED: Final = frozenset(("rig", "speed_in_band", "invalid_reason", "n_gaps"))
 ADDED_FACTS: Final = frozenset(("charge_c",))
 """Columns of trials, and of events, that came with format 2."""
 LARGEST_SEED = 2**63 - 1
+VARYING: Final = re.compile(r"(^|_)n_|(_offset_s|_minus_clock_s|_latency_s|_measured_s|_failure)$")
+"""Names of counts, clocks and what is measured anew each time: they differ in every sitting and say nothing of it."""
+SAME_PERIOD: Final = 0.02
+"""Two frame periods that differ by less, relatively, are of one screen."""
+_SITTING: Final = b'{"sitting":'
 _SHA256 = re.compile(r"[0-9a-f]{64}")
 
 
@@ -101,3 +113,59 @@ def as_kept(request: Request[Any], journal_format: int) -> Request[Any]:
 def columns_in(columns: Sequence[Column], journal_format: int) -> tuple[Column, ...]:
     """Those of the columns of a table that sessions of this format have."""
     return tuple(column for column in columns if journal_format > 1 or column.name not in ADDED | ADDED_FACTS)
+
+
+def heads(path: Path) -> tuple[Head, ...]:
+    """The heads of all sittings of a journal, by a quick look: damage elsewhere is not found; none without a line.
+
+    Raises
+    ------
+    InvalidFile
+        If one is damaged.
+    """
+    first, *rest = read_file(path, "a journal").split(b"\n")[:-1] or [b""]  # without a last line that was torn
+    lines = [first, *(line for line in rest if line.startswith(_SITTING))] if first else []
+    try:
+        values = [msgspec.json.decode(line) for line in lines]
+        return tuple(head_of(value.get("sitting", value)) for value in values)
+    except (msgspec.DecodeError, UnicodeDecodeError, AttributeError, RecursionError) as error:
+        raise InvalidFile(f"{path}: found a damaged head ({error}), expected those that the journal wrote") from None
+
+
+def differences(before: Head, after: Head) -> list[str]:
+    """What is not the same in two sittings, a phrase each.
+
+    Examples
+    --------
+    >>> first = Head("s", "0", "P01", 1, 1, 1, "bench", {"numpy": "2.1"}, {"output_volts_per_unit": 200.0})
+    >>> second = Head("s", "0", "P01", 1, 1, 1, "bench", {"numpy": "2.1"}, {"output_volts_per_unit": 400.0})
+    >>> differences(first, second)
+    ['output_volts_per_unit was 200.0, is 400.0']
+    """
+    parts = (("version of ", before.versions, after.versions), ("", before.facts, after.facts))
+    return [
+        f"{label}{name} was {_words(old.get(name))}, is {_words(new.get(name))}"
+        for label, old, new in parts
+        for name in dict.fromkeys([*old, *new])
+        if not VARYING.search(name) and not _alike(name, old, new)
+    ]
+
+
+def _alike(name: str, old: Mapping[str, Fact], new: Mapping[str, Fact]) -> bool:
+    before, after = old.get(name), new.get(name)
+    if isinstance(before, float) and isinstance(after, float):
+        tolerance = SAME_PERIOD if name == "frame_period_s" else ROUNDING
+        return isclose(before, after, rel_tol=tolerance)
+    return before == after
+
+
+def _words(fact: Fact) -> str:
+    return "not stated" if fact is None else str(fact)
+
+
+def changes(heads: Sequence[Head]) -> Iterator[str]:
+    """A sentence for each sitting that differs from the one before it."""
+    for number, (before, after) in enumerate(pairwise(heads), 2):
+        phrases = differences(before, after)
+        if phrases:
+            yield f"sitting {number} differs from the one before: {'; '.join(phrases)}"

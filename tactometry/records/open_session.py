@@ -23,10 +23,9 @@ from ..trials.trial import tally
 from .agreement import is_beginning
 from .data_set import Session, keys_of, participants, prepare, row, sessions, trials_csv
 from .description import NAME, SIMULATED, StudyDescription, describe, describe_columns, read_description, says_simulated
-from .head import FORMAT, as_kept, columns_in
+from .head import FORMAT, as_kept, columns_in, heads
 from .journal import Entry, abortion
 from .open_journal import Journal
-from .sittings import heads
 
 _STIMULUS: Final = b'{"event":"stimulus"'
 

@@ -11,9 +11,8 @@ from ..arguments.require import expect, lookup
 from ..contact import Contact
 from ..gates.force import compliance
 from ..gates.speed import SpeedCompliance, motion
-from ..observers.decisions import Decision, Felt
+from ..observers.decisions import Decision, Felt, Observer
 from ..observers.finger import Grip, SimulatedFinger
-from ..observers.observer import Observer
 from ..safety.limits import Limits
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.answer_rules import value_at

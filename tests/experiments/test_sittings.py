@@ -17,8 +17,8 @@ from tactometry.experiments.sessions.recording import Who, record, simulated
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load
 from tactometry.records.data_set import Session
+from tactometry.records.head import differences, heads
 from tactometry.records.journal import read
-from tactometry.records.sittings import differences, heads
 from tactometry.session.request import Record
 
 

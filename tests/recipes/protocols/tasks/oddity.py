@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.observers.decisions import Decision, Felt
-from tactometry.observers.observer import Observer
+from tactometry.observers.decisions import Decision, Felt, Observer
 from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 
