@@ -15,8 +15,7 @@ from .order import williams_square as williams_square
 from .procedures.constant_stimuli import ConstantStimuli as ConstantStimuli
 from .procedures.method_of_limits import MethodOfLimits as MethodOfLimits
 from .procedures.procedure import Ending as Ending, Procedure as Procedure, after_answer as after_answer
-from .procedures.staircase import Staircase as Staircase
-from .procedures.weighted_staircase import WeightedStaircase as WeightedStaircase
+from .procedures.staircase import Staircase as Staircase, WeightedStaircase as WeightedStaircase
 from .session import Inquiry as Inquiry, session as session
 from .tasks.adjustment import AdjustmentTask as AdjustmentTask
 from .tasks.comparison import Comparison as Comparison

@@ -12,7 +12,7 @@ from functools import cache
 from importlib.resources import files
 from typing import Any, Self
 
-from .arguments.require import first_repeat, lookup, one_of, some, whole
+from .arguments.require import expect, first_repeat, lookup, one_of, some, whole
 from .config.strict import build
 from .config.toml import errors_in, table_of
 from .errors import InvalidParameter
@@ -102,8 +102,7 @@ class Questionnaire:
         for index, item in enumerate(self.items):
             _check_item(self, item, f"items[{index}]")
         _check_order(self)
-        if not self.languages:
-            raise InvalidParameter("items: found no language that has words for all of them, expected at least one")
+        expect(len(self.languages) > 0, "items", "no language that has words for all of them", "at least one")
         for name, dimension in self.dimensions.items():
             _check_dimension(self, name, dimension)
         object.__setattr__(self, "items", tuple(sorted(self.items, key=lambda item: item.order)))
@@ -163,11 +162,8 @@ class Questionnaire:
             If the item is unknown, or `raw` is no answer that the scale takes.
         """
         item = self.item(name)
-        if not self.takes(raw):
-            steps = "" if self.steps is None else f" in {self.steps} steps"
-            raise InvalidParameter(
-                f"{self.name}, item {name}: found the answer {raw:g}, expected {self.low:g} to {self.high:g}{steps}"
-            )
+        scale = f"{self.low:g} to {self.high:g}{'' if self.steps is None else f' in {self.steps} steps'}"
+        expect(self.takes(raw), f"{self.name}, item {name}", f"the answer {raw:g}", scale)
         part = self.high - raw if item.reversed else raw - self.low
         return self.score_low + (self.score_high - self.score_low) * part / (self.high - self.low)
 
@@ -195,16 +191,13 @@ class Questionnaire:
 
 
 def _check_scale(form: Questionnaire) -> None:
-    if not (math.isfinite(form.low) and math.isfinite(form.high) and form.low < form.high):
-        raise InvalidParameter(f"low: found {form.low:g}, expected a number below high ({form.high:g})")
+    is_scale = math.isfinite(form.low) and math.isfinite(form.high) and form.low < form.high
+    expect(is_scale, "low", f"{form.low:g}", f"a number below high ({form.high:g})")
     scored = form.score_low, form.score_high
-    if not all(map(math.isfinite, scored)) or form.score_low == form.score_high:
-        raise InvalidParameter(
-            f"score_low: found {form.score_low:g} with score_high {form.score_high:g}, expected two different finite "
-            "numbers"
-        )
-    if form.steps is not None and form.steps < 2:
-        raise InvalidParameter(f"steps: found {form.steps}, expected at least 2; leave it out for a continuous line")
+    are_scores = all(map(math.isfinite, scored)) and form.score_low != form.score_high
+    expect(are_scores, "score_low", f"{scored[0]:g} with score_high {scored[1]:g}", "two different finite numbers")
+    enough = "at least 2; leave it out for a continuous line"
+    expect(form.steps is None or form.steps >= 2, "steps", form.steps, enough)
     some("items", form.items)
     for language, ends in form.ends.items():
         _check_pair(ends, f"ends.{language}", "the left and the right end")
@@ -214,13 +207,12 @@ def _check_item(form: Questionnaire, item: Item, path: str) -> None:
     one_of(f"{path}.dimension", item.dimension, form.dimensions)
     for language, poles in item.poles.items():
         _check_pair(poles, f"{path}.poles.{language}", "the negative and the positive pole")
-    if not (item.poles or form.ends):
-        raise InvalidParameter(f"{path}.poles: found none for {item.id!r}, expected two poles, or ends for all items")
+    expect(bool(item.poles or form.ends), f"{path}.poles", f"none for {item.id!r}", "two poles, or ends for all items")
 
 
 def _check_pair(words: Sequence[str], path: str, what: str) -> None:
-    if len(words) != 2 or not all(word.strip() for word in words):
-        raise InvalidParameter(f"{path}: found {list(words)}, expected two words, {what}")
+    are_two = len(words) == 2 and all(word.strip() for word in words)
+    expect(are_two, path, list(words), f"two words, {what}")
 
 
 def _check_order(form: Questionnaire) -> None:
@@ -233,14 +225,11 @@ def _check_order(form: Questionnaire) -> None:
 
 def _check_dimension(form: Questionnaire, name: str, dimension: Dimension) -> None:
     for part in dimension.parts:
-        if part not in form.dimensions or part == name:
-            raise InvalidParameter(f"dimensions.{name}.parts: found {part!r}, expected the name of another dimension")
-    n_items = len(form.items_of(name))
-    if not 1 <= dimension.min_answered <= n_items:
-        raise InvalidParameter(
-            f"dimensions.{name}.min_answered: found {dimension.min_answered}, expected from 1 to the number of its "
-            f"items ({n_items})"
-        )
+        is_other = part in form.dimensions and part != name
+        expect(is_other, f"dimensions.{name}.parts", repr(part), "the name of another dimension")
+    n_items, least = len(form.items_of(name)), dimension.min_answered
+    to_all = f"from 1 to the number of its items ({n_items})"
+    expect(1 <= least <= n_items, f"dimensions.{name}.min_answered", least, to_all)
 
 
 def questionnaire_of(table: Mapping[str, Any], path: str) -> Questionnaire:

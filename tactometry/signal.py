@@ -8,7 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from .arguments.require import positive
+from .arguments.require import expect, positive
 from .errors import InvalidParameter, counted
 
 FloatArray = NDArray[np.float64]
@@ -39,10 +39,8 @@ class Signal:
 
     def __post_init__(self) -> None:
         samples = np.array(self.samples, dtype=np.float64)
-        if samples.ndim != 2 or samples.shape[0] == 0:
-            raise InvalidParameter(
-                f"Signal.samples: found shape {samples.shape}, expected (n_channels, n_samples) with a channel"
-            )
+        is_signal = samples.ndim == 2 and samples.shape[0] > 0
+        expect(is_signal, "Signal.samples", f"shape {samples.shape}", "(n_channels, n_samples) with a channel")
         if not np.isfinite(samples).all():
             channel, sample = np.argwhere(~np.isfinite(samples))[0]
             raise InvalidParameter(

@@ -141,13 +141,7 @@ class FunctionModel:
         return np.broadcast_to(log_p, shape).ravel()
 
     def likelihoods(self, levels: Sequence[float]) -> DenseLikelihoods:
-        first, rest = size(self)
-        table = np.empty((self.n_outcomes, len(levels), first, rest))
-        for n, level in enumerate(levels):
-            for outcome in range(self.n_outcomes):
-                table[outcome, n] = np.exp(self.log_likelihood(level, outcome)).reshape(first, rest)
-            _check_sum(table[:, n].sum(axis=0), level)
-        return DenseLikelihoods(table)
+        return _tabulate(self, levels)
 
 
 @dataclass(frozen=True, eq=False)
@@ -209,8 +203,16 @@ class TableModel:
             return np.asarray(np.log(probabilities).ravel(), dtype=np.float64)
 
     def likelihoods(self, levels: Sequence[float]) -> DenseLikelihoods:
-        rows = [[np.exp(self.log_likelihood(level, r)) for level in levels] for r in range(self.n_outcomes)]
-        return DenseLikelihoods(np.array(rows).reshape(self.n_outcomes, len(levels), *size(self)))
+        return _tabulate(self, levels)
+
+
+def _tabulate(model: OutcomeModel, levels: Sequence[float]) -> DenseLikelihoods:
+    """The probabilities of a model at some levels; over outcomes they must add up to 1."""
+    rows = [[np.exp(model.log_likelihood(level, outcome)) for level in levels] for outcome in range(model.n_outcomes)]
+    table = np.array(rows).reshape(model.n_outcomes, len(levels), *size(model))
+    for n, level in enumerate(levels):
+        _check_sum(table[:, n].sum(axis=0), level)
+    return DenseLikelihoods(table)
 
 
 def _check_parameters(owner: str, parameters: Mapping[str, tuple[float, ...]]) -> None:

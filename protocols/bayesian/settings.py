@@ -109,8 +109,7 @@ class QuestPlusSettings:
         return tuple(math.exp(-0.5 * (math.log(width / middle) / math.log(factor)) ** 2) for width in widths)
 
     def _levels(self) -> tuple[float, ...]:
-        bounds = {"low": self.low, "high": self.high, "n_levels": self.n_levels}
-        return grid_values("QuestPlusSettings", self.spacing, **bounds)
+        return grid_values("QuestPlusSettings", self.spacing, low=self.low, high=self.high, n_levels=self.n_levels)
 
     def _grid(self) -> ParameterGrid:
         thresholds = grid_values(

@@ -14,19 +14,21 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InvalidParameter, nearest
+from ..errors import InvalidParameter, TactometryError, nearest
 from .magnitudes import LARGEST_COUNT, TINY, domain, is_number
 
 V = TypeVar("V")
 
 
-def expect(holds: bool | np.bool_, where: str, found: object, expected: str) -> None:
+def expect(
+    holds: bool | np.bool_, where: object, found: object, expected: str, error: type[TactometryError] = InvalidParameter
+) -> None:
     """What a value must be where no other word says it; `found` stands in the sentence as it is to be read.
 
     Raises
     ------
     InvalidParameter
-        Unless it `holds`.
+        Unless it `holds`; of a file an `InvalidFile`, where `error` says so.
 
     >>> expect(0 < 0.5 <= 1, "Scene.accuracy", 0.5, "above 0 and at most 1")
     >>> expect(0 < 2.0 <= 1, "Scene.accuracy", 2.0, "above 0 and at most 1")
@@ -34,7 +36,7 @@ def expect(holds: bool | np.bool_, where: str, found: object, expected: str) -> 
     tactometry.errors.InvalidParameter: Scene.accuracy: found 2.0, expected above 0 and at most 1
     """
     if not holds:
-        raise InvalidParameter(f"{where}: found {found}, expected {expected}")
+        raise error(f"{where}: found {found}, expected {expected}")
 
 
 def finite(owner: str, /, **values: object) -> None:
@@ -275,10 +277,8 @@ def finite_array(where: str, values: ArrayLike) -> NDArray[np.float64]:
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: straight.values_v[1]: found 1e+200, expected a number of at most 1e+12
     """
-    found, high = array(where, values), domain(where)[1]
-    if not np.abs(found).max(initial=0.0) <= high:
-        raise _first_wrong(where, found, np.abs(found) <= high, "a finite number", _size_words(0.0, high))
-    return found
+    high = domain(where)[1]
+    return _in_bounds(where, values, (-high, high), "a finite number", _size_words(0.0, high))
 
 
 def positive_array(where: str, values: ArrayLike, *, infinite: bool = False) -> NDArray[np.float64]:

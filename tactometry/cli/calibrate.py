@@ -229,11 +229,8 @@ def _devices(bench: BenchFile) -> Devices:
 def _learning(asked: Mapping[str, Any], n_channels: int, rate_hz: float) -> Learning:
     """What is played, on which channels: a sweep a fifth beyond the band, or a sequence of maximum length."""
     low_hz, high_hz = asked["band_hz"]
-    if high_hz > rate_hz / 2:
-        raise InvalidParameter(
-            f"--band-hz: found up to {high_hz:g} Hz, expected at most {rate_hz / 2:g} Hz, half the rate of "
-            f"{asked['sensor']!r}"
-        )
+    half = f"at most {rate_hz / 2:g} Hz, half the rate of {asked['sensor']!r}"
+    expect(high_hz <= rate_hz / 2, "--band-hz", f"up to {high_hz:g} Hz", half)
     if asked["sequence_order"] is None:
         highest_hz = min(1.2 * high_hz, rate_hz / 2)
         excitation = sweep(0.8 * low_hz, highest_hz, rate_hz=rate_hz, duration_s=asked["sweep_s"])

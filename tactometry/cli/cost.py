@@ -31,7 +31,9 @@ def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int) ->
     if out is not None:
         _write(climbs, out)
     if page is not None:
-        _write_page(climbs, page)
+        from tactometry.experiments.cost.page import write_page
+
+        write_page(climbs, page, datetime.now(UTC).date())
     say("\n\n".join([*map(table, climbs), machine()]), _record(climbs))
 
 
@@ -43,12 +45,6 @@ def _write(climbs: list[Climb], out: Path) -> None:
     for rungs in climbs:
         figure = error_against_price(rungs, peers_of(rungs))
         figure.savefig(out / f"{rungs.problem.name}.png", dpi=150)
-
-
-def _write_page(climbs: list[Climb], path: Path) -> None:
-    from tactometry.experiments.cost.page import write_page
-
-    write_page(climbs, path, datetime.now(UTC).date())
 
 
 def _record(climbs: list[Climb]) -> dict[str, object]:

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 
 import click
@@ -78,10 +79,7 @@ def _check_duration(experiment: Experiment, who: Who, *, begun: bool) -> None:
         _tell(caution)
 
 
-def _tell(sentence: str) -> None:
-    click.echo(sentence, err=True)
-
-
+_tell = partial(click.echo, err=True)
 UNFINISHED = {"aborted", "not begun"}
 ENDINGS = {
     "trials": "came to their last trial",

@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
 
-from ..errors import InvalidFile, InvalidParameter
+from ..arguments.require import expect
+from ..errors import InvalidFile
 from ..files.durable import files_in, make_folder, read_file, write_first
 from ..trials.cell_rules import PARTICIPANT
 from ..trials.cells import cell, csv_bytes
@@ -38,15 +39,10 @@ class Session:
     study: str
 
     def __post_init__(self) -> None:
-        if not PARTICIPANT.fullmatch(self.participant):
-            raise InvalidParameter(
-                f"participant: found {self.participant!r}, expected a code of 1 to 32 letters and digits (A-Z, a-z, "
-                "0-9), such as P01: no names, no paths"
-            )
-        if self.session < 1:
-            raise InvalidParameter(f"session: found {self.session}, expected a number from 1")
-        if self.session > LARGEST_NUMBER:
-            raise InvalidParameter(f"session: found {self.session}, expected a number up to {LARGEST_NUMBER}")
+        code = "a code of 1 to 32 letters and digits (A-Z, a-z, 0-9), such as P01: no names, no paths"
+        expect(PARTICIPANT.fullmatch(self.participant) is not None, "participant", repr(self.participant), code)
+        expect(self.session >= 1, "session", self.session, "a number from 1")
+        expect(self.session <= LARGEST_NUMBER, "session", self.session, f"a number up to {LARGEST_NUMBER}")
 
     @property
     def stem(self) -> str:
@@ -97,17 +93,14 @@ def prepare(root: Path, design: StudyDescription) -> None:
     for folder in (root, root / "data", root / "journals"):
         make_folder(folder)
     path = root / "study.toml"
-    if (root / NAME).exists() and not path.exists():
-        raise InvalidFile(
-            f"{root / NAME}: found the description of a data set without its study.toml, expected both or none; give "
-            "another --out folder"
-        )
+    alone = "the description of a data set without its study.toml"
+    is_whole = path.exists() or not (root / NAME).exists()
+    expect(is_whole, root / NAME, alone, "both or none; give another --out folder", InvalidFile)
     write_first(path, design.study_toml)
-    if read_file(path, "the study that ran") != design.study_toml:
-        raise InvalidFile(
-            f"{path}: found another study or other numbers than those that are to run, expected the same bytes; give "
-            "another --out folder, or run the study.toml of this one"
-        )
+    is_same = read_file(path, "the study that ran") == design.study_toml
+    other = "another study or other numbers than those that are to run"
+    same = "the same bytes; give another --out folder, or run the study.toml of this one"
+    expect(is_same, path, other, same, InvalidFile)
 
 
 def keys_of(stem: str) -> dict[str, str]:

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 import msgspec
 
+from ..arguments.require import expect
 from ..errors import InvalidFile
 from ..files.durable import read_file, write_atomically
 from ..trials.columns import Column
@@ -72,12 +73,10 @@ def read_description(path: Path) -> dict[str, object]:
         raise InvalidFile(
             f"{path}: found no description ({error}), expected that of Psych-DS; remove it, and it is made anew"
         ) from None
-    if not isinstance(described, dict) or not isinstance(described.get("variableMeasured"), list):
-        raise InvalidFile(
-            f"{path}: found no list 'variableMeasured', expected the description of Psych-DS; remove it, and it is "
-            "made anew"
-        )
-    return described
+    has_columns = isinstance(described, dict) and isinstance(described.get("variableMeasured"), list)
+    anew = "the description of Psych-DS; remove it, and it is made anew"
+    expect(has_columns, path, "no list 'variableMeasured'", anew, InvalidFile)
+    return dict(described)
 
 
 def with_columns(described: Mapping[str, Any], columns: Sequence[Column]) -> dict[str, object]:

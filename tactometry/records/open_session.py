@@ -11,7 +11,8 @@ from typing import Any, Final
 
 import msgspec
 
-from ..errors import InvalidFile, InvalidParameter, counted
+from ..arguments.require import expect
+from ..errors import InvalidFile, counted
 from ..files.durable import drafts, read_file, replace_file, write_whole
 from ..provenance import sha256
 from ..safety.limits import Exposure
@@ -19,7 +20,7 @@ from ..session.event import COLUMNS, Event, decode_event, events_tsv
 from ..session.replay import Replay
 from ..session.request import Record, Request
 from ..trials.cells import csv_bytes
-from ..trials.trial import tally
+from ..trials.trial import Trial, tally
 from .agreement import is_beginning
 from .data_set import Session, keys_of, participants, prepare, row, sessions, trials_csv
 from .description import NAME, SIMULATED, StudyDescription, describe, describe_columns, read_description, says_simulated
@@ -44,12 +45,10 @@ def refuse_mixing(root: Path, rig: str) -> None:
     else:
         held = {head.rig for journal in sessions(root) for head in heads(journal)[:1]}
     for other in sorted(held):
-        if (other == SIMULATED) != (rig == SIMULATED):
-            whom = "simulated participants" if other == SIMULATED else "people"
-            raise InvalidFile(
-                f"{root}: found sessions of {whom}, expected none beside those of the rig {rig!r}, as real and "
-                "simulated data never share a folder; give another --out"
-            )
+        whom = "simulated participants" if other == SIMULATED else "people"
+        none = f"none beside those of the rig {rig!r}, as real and simulated data never share a folder"
+        is_alike = (other == SIMULATED) == (rig == SIMULATED)
+        expect(is_alike, root, f"sessions of {whom}", f"{none}; give another --out", InvalidFile)
 
 
 def stimuli(journal: Path) -> Iterator[Event]:
@@ -165,18 +164,17 @@ class OpenSession:
     def append(self, request: Request[Any], answer: object) -> None:
         request = as_kept(request, self.format)
         with self._writing:
-            self._append(request, answer)
+            self.journal.append(request, answer)  # the truth first: a crash from here on leaves a table to rebuild
+            if isinstance(request, Record):
+                self._append_row(request.trial, abortion(Entry(request, answer)))
 
-    def _append(self, request: Request[Any], answer: object) -> None:
-        self.journal.append(request, answer)  # the truth first: a crash from here on leaves a table to rebuild
-        if isinstance(request, Record):
-            self.recorded_s = time.perf_counter()
-            line = csv_bytes([row(request.trial, self._session, self._rig, self._columns)])
-            write_whole(self._file, line, self.trials, durable=False)
-            self.tally = self.tally.after(request.trial)
-            aborted = abortion(Entry(request, answer))
-            if aborted is not None:
-                self._tell(aborted)
+    def _append_row(self, trial: Trial, aborted: Event | None) -> None:
+        self.recorded_s = time.perf_counter()
+        line = csv_bytes([row(trial, self._session, self._rig, self._columns)])
+        write_whole(self._file, line, self.trials, durable=False)
+        self.tally = self.tally.after(trial)
+        if aborted is not None:
+            self._tell(aborted)
 
     def finish(self) -> None:
         self.journal.finish()
@@ -243,24 +241,19 @@ class OpenSession:
 
 def _refuse_alike(root: Path, session: Session) -> None:
     for code in participants(root):
-        if code != session.participant and code.casefold() == session.participant.casefold():
-            raise InvalidParameter(
-                f"participant: found {session.participant!r} beside {code!r}, expected codes that differ in more than "
-                f"capitals, as not every disk tells those apart; give {code!r}, or another code"
-            )
+        is_other = code.casefold() != session.participant.casefold()
+        beside = f"{session.participant!r} beside {code!r}"
+        apart = f"codes that differ in more than capitals, as not every disk tells those apart; give {code!r}"
+        expect(is_other or code == session.participant, "participant", beside, f"{apart}, or another code")
 
 
 def _refuse_other(journal: Journal, session: Session, design: StudyDescription) -> None:
     head = journal.head
     if head is None:
         return
-    if Session(head.participant, head.session, head.study) != session:
-        raise InvalidFile(
-            f"{journal.path}, line 1: found session {head.session} of {head.participant} ({head.study}), expected "
-            "that of the file's name; restore the right file, or remove the copy"
-        )
-    if head.study_sha256 != sha256(design.study_toml):
-        raise InvalidFile(
-            f"{journal.path}, line 1: found the digest of another study.toml, expected that of this data set; restore "
-            "the right file"
-        )
+    where, of_head = f"{journal.path}, line 1", Session(head.participant, head.session, head.study)
+    whose = f"session {head.session} of {head.participant} ({head.study})"
+    right = "that of the file's name; restore the right file, or remove the copy"
+    expect(of_head == session, where, whose, right, InvalidFile)
+    is_same, other = head.study_sha256 == sha256(design.study_toml), "the digest of another study.toml"
+    expect(is_same, where, other, "that of this data set; restore the right file", InvalidFile)
