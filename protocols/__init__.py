@@ -10,7 +10,7 @@ from .bayesian.quest import Quest as Quest
 from .bayesian.quest_plus import QuestPlus as QuestPlus, SharedQuestPlus as SharedQuestPlus, SharedTrack as SharedTrack
 from .bayesian.settings import PsiSettings as PsiSettings, QuestPlusSettings as QuestPlusSettings, psi as psi
 from .block import Block as Block
-from .block_state import BlockOptions as BlockOptions
+from .block_state import BlockOptions as BlockOptions, Condition as Condition, Track as Track
 from .order import williams_square as williams_square
 from .procedures.constant_stimuli import ConstantStimuli as ConstantStimuli
 from .procedures.method_of_limits import MethodOfLimits as MethodOfLimits
@@ -28,4 +28,3 @@ from .tasks.rating import Rating as Rating
 from .tasks.same_different import SameDifferent as SameDifferent
 from .tasks.touch import Pressing as Pressing, Sliding as Sliding
 from .tasks.yes_no import YesNo as YesNo
-from .track import Condition as Condition, Track as Track

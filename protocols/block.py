@@ -12,9 +12,8 @@ from tactometry.session.request import Record, Show
 from tactometry.session.run import Course
 from tactometry.trials.trial import Trial
 
-from .block_state import BlockOptions, BlockState, Slot, catch_schedule, turns
+from .block_state import BlockOptions, BlockState, PartCourse, Slot, Track, catch_schedule, turns
 from .tasks.task import Presentation, Reply, Task, TrialOutcome
-from .track import PartCourse, Track
 
 FEEDBACK_S = 0.7
 """How long a page says right or wrong (unverified default)."""

@@ -7,14 +7,51 @@ from typing import Literal, get_args
 import numpy as np
 
 from tactometry.arguments.require import expect, given, one_of, positive, whole, within
+from tactometry.session.run import Course
 
-from .procedures.procedure import FixedOrder, after_answer
-from .tasks.task import TrialOutcome
-from .track import Track
+from .procedures.procedure import FixedOrder, Procedure, after_answer
+from .tasks.task import Alternative, TrialOutcome
+from .tasks.touch import Touch
 
 Interleaving = Literal["random", "balanced"]
 LEAST_RATE = 1e-6
 """Of catch trials: one in more than all trials of a session."""
+
+
+@dataclass(frozen=True)
+class Condition:
+    """What stays the same in a track: its factors, the stimulus (by name) and how it is touched."""
+
+    factors: Mapping[str, float | str]
+    stimulus: str
+    level_unit: str
+    touch: Touch
+    speed_m_per_s: float | None = None
+    alternatives: tuple[Alternative, ...] = ()
+
+
+@dataclass(frozen=True)
+class Track:
+    """A procedure on a condition, at the beginning of a block or at its end; `name` tells interleaved ones apart.
+
+    One whose block the session had no time for is not `begun`.
+    """
+
+    condition: Condition
+    procedure: Procedure
+    name: str | None = None
+    aborted: bool = False
+    begun: bool = True
+
+    @property
+    def ending(self) -> str | None:
+        if not self.begun:
+            return "not begun"
+        return "aborted" if self.aborted else self.procedure.ending
+
+
+PartCourse = Course[tuple[tuple[Track, ...], int]]
+"""The course of a part of a session: how its tracks end, and the number of the next trial."""
 
 
 @dataclass(frozen=True)

@@ -95,12 +95,9 @@ class Crossing(Generic[T]):
             one_of("plan.orders", rule, ORDERS)
             sizes = self._sizes(name)
             unequal = f"a {rule} order over an unequal design ({' or '.join(map(str, sizes))} levels)"
-            expect(
-                rule not in ("williams", "complete") or len(sizes) == 1,
-                f"plan.orders, {name}",
-                unequal,
-                "as many levels everywhere; make them equal, or take random or fixed",
-            )
+            is_possible = rule not in ("williams", "complete") or len(sizes) == 1
+            equal = "as many levels everywhere; make them equal, or take random or fixed"
+            expect(is_possible, f"plan.orders, {name}", unequal, equal)
 
     def _sizes(self, name: str) -> list[int]:
         inner = [by_factor for by_level in self.nested.values() for by_factor in by_level.values()]

@@ -14,9 +14,9 @@ from tactometry.session.run import Course
 from tactometry.trials.tasks import FORM_TASK
 from tactometry.trials.trial import Trial
 
+from .block_state import PartCourse, Track
 from .tasks.rating import fill_in
 from .tasks.task import Reply
-from .track import PartCourse, Track
 
 
 class Part(Protocol):

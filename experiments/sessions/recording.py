@@ -8,7 +8,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols.track import Track
+from tactometry.protocols.block_state import Track
 from tactometry.provenance import sha256, versions
 from tactometry.records.data_set import LARGEST_NUMBER, Session
 from tactometry.records.description import StudyDescription

@@ -8,8 +8,8 @@ from tactometry.arguments.require import expect
 from tactometry.config.strict import build, kind_of
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.loading import resolve
+from tactometry.protocols.block_state import Condition
 from tactometry.protocols.tasks.touch import Pressing, Sliding, Touch
-from tactometry.protocols.track import Condition
 from tactometry.rigs.simulated import Sensation
 from tactometry.signal import Stimulus
 from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS

@@ -11,10 +11,10 @@ from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import rewording
 from tactometry.observers.decisions import Observer
 from tactometry.observers.kinds import Population, population_of
+from tactometry.protocols.block_state import Condition, Track
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
 from tactometry.protocols.session import session
 from tactometry.protocols.tasks.task import AsksForm, Task
-from tactometry.protocols.track import Condition, Track
 from tactometry.questionnaire import Questionnaire, questionnaires_of
 from tactometry.records.description import StudyDescription
 from tactometry.rigs.simulated import Sensation, SimulatedRig

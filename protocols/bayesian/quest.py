@@ -79,12 +79,10 @@ class Quest(WeighingRule):
         expect(is_wide, "Quest.start_sd", f"{self.start_sd:g}", "more; the prior is a point")
         self._check_stop()
         n_steps = (self.high - self.low) / self.step
-        expect(
-            self.low <= self.start <= self.high and 1 <= n_steps <= N_STEPS,
-            "Quest.start",
-            f"{self.start:g}, low {self.low:g}, high {self.high:g} and step {self.step:g}",
-            f"a start between low and high, which are 1 to {N_STEPS} steps apart",
-        )
+        is_grid = self.low <= self.start <= self.high and 1 <= n_steps <= N_STEPS
+        numbers = f"{self.start:g}, low {self.low:g}, high {self.high:g} and step {self.step:g}"
+        between = f"a start between low and high, which are 1 to {N_STEPS} steps apart"
+        expect(is_grid, "Quest.start", numbers, between)
         self._check_rates()
 
     def _check_rates(self) -> None:

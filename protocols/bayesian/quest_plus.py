@@ -12,7 +12,7 @@ from scipy.special import logsumexp
 from tactometry.arguments.require import at_most, expect, lookup, numbers, of_kind, one_of
 from tactometry.errors import InvalidParameter
 
-from ..procedures.procedure import Ending, Procedure, RuleThreshold
+from ..procedures.procedure import DelegatingProcedure, Procedure
 from .outcome_model import Array, Likelihoods, OutcomeModel, p_log_p, size
 from .weighing import Posterior, WeighingRule, WeighingRun, log_prior
 
@@ -304,7 +304,7 @@ class SharedQuestPlus:
 
 
 @dataclass(frozen=True, eq=False)
-class SharedTrack(Procedure):
+class SharedTrack(DelegatingProcedure):
     """One track of a `SharedQuestPlus` as a procedure.
 
     >>> from tactometry.protocols import ParameterGrid
@@ -324,26 +324,6 @@ class SharedTrack(Procedure):
     def view(self) -> QuestPlusRun:
         """The track's run with what all tracks say: threshold, spread, marginals, `remark`."""
         return self.pool.procedure(self.track)
-
-    @property
-    def level(self) -> float:
-        return self.view.level
-
-    @property
-    def bounds(self) -> tuple[float, float]:
-        return self.pool.rule.bounds
-
-    @property
-    def n_trials_at_most(self) -> int:
-        return self.pool.rule.n_trials_at_most
-
-    @property
-    def ending(self) -> Ending | None:
-        return self.view.ending
-
-    @property
-    def estimate(self) -> RuleThreshold:
-        return self.view.estimate
 
     def after(self, response: int | bool, delivered: float | None = None) -> Self:
         """The track after an answer of its own."""

@@ -89,11 +89,8 @@ def edge(values: Array, marginal: Array) -> Ending | None:
     """
     if len(values) < 2:
         return None
-    ends: tuple[tuple[Ending, int], ...] = (
-        ("censored_above", int(values.argmax())),
-        ("censored_below", int(values.argmin())),
-    )
-    for ending, at in ends:
+    ends: dict[Ending, int] = {"censored_above": int(values.argmax()), "censored_below": int(values.argmin())}
+    for ending, at in ends.items():
         if marginal[at] > HIGHEST * float(np.delete(marginal, at).max()):
             return ending
     return None

@@ -58,10 +58,10 @@ class ConstantStimuli(Rule["ConstantStimuliRun"], FixedOrder):
         return ConstantStimuliRun(self, order=tuple(float(level) for block in blocks for level in block))
 
     def skip(self) -> "ConstantStimuliRun":
-        return self._begun.skip()
+        return self.view.skip()
 
     def take(self, response: int | bool) -> "ConstantStimuliRun":
-        return self._begun.take(response)
+        return self.view.take(response)
 
 
 @dataclass(frozen=True)

@@ -64,19 +64,14 @@ class MethodOfLimits(Rule["MethodOfLimitsRun"]):
         finite("MethodOfLimits", low=self.low, high=self.high, step=self.step)
         whole("MethodOfLimits", lowest=0, highest=MOST_TRIALS, n_series=self.n_series)
         whole("MethodOfLimits", lowest=0, n_start_steps=self.n_start_steps)
-        expect(
-            self.step > 0 and self.low < self.high <= self.low + N_STEPS * self.step,
-            "MethodOfLimits.step",
-            f"{self.step:g} from low {self.low:g} to high {self.high:g}",
-            f"above 0, low below high, and at most {N_STEPS} steps between them",
-        )
+        are_steps = self.step > 0 and self.low < self.high <= self.low + N_STEPS * self.step
+        range_ = f"{self.step:g} from low {self.low:g} to high {self.high:g}"
+        few = f"above 0, low below high, and at most {N_STEPS} steps between them"
+        expect(are_steps, "MethodOfLimits.step", range_, few)
+        are_series = self.n_series >= 1 and self.n_steps > self.n_start_steps
         starts = f"with starts up to {self.n_start_steps} steps inwards"
-        expect(
-            self.n_series >= 1 and self.n_steps > self.n_start_steps,
-            "MethodOfLimits.n_series",
-            f"{self.n_series} series over {self.n_steps} steps {starts}",
-            "at least one series of at least two levels",
-        )
+        series = f"{self.n_series} series over {self.n_steps} steps {starts}"
+        expect(are_series, "MethodOfLimits.n_series", series, "at least one series of at least two levels")
 
     @property
     def n_steps(self) -> int:

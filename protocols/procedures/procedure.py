@@ -103,11 +103,39 @@ class FixedOrder(Procedure):
         """The answer counts, the presentation stays."""
 
 
+class DelegatingProcedure(Procedure):
+    """A procedure that stands where another one does: its `view`."""
+
+    @property
+    @abstractmethod
+    def view(self) -> Procedure: ...
+
+    @property
+    def bounds(self) -> tuple[float, float]:
+        return self.view.bounds
+
+    @property
+    def n_trials_at_most(self) -> int:
+        return self.view.n_trials_at_most
+
+    @property
+    def level(self) -> float:
+        return self.view.level
+
+    @property
+    def ending(self) -> Ending | None:
+        return self.view.ending
+
+    @property
+    def estimate(self) -> RuleThreshold:
+        return self.view.estimate
+
+
 RunT = TypeVar("RunT", bound="Run[Any]")
 RuleT = TypeVar("RuleT", bound="Rule[Any]")
 
 
-class Rule(Procedure, Generic[RunT]):
+class Rule(DelegatingProcedure, Generic[RunT]):
     """The numbers of a procedure, frozen and checked: what a study file holds.
 
     It is a procedure too, that which stands before its first answer.
@@ -143,23 +171,12 @@ class Rule(Procedure, Generic[RunT]):
         return 2
 
     @cached_property
-    def _begun(self) -> RunT:
+    def view(self) -> RunT:
+        """The run that has just begun."""
         return self.begin()
 
-    @property
-    def level(self) -> float:
-        return self._begun.level
-
-    @property
-    def ending(self) -> Ending | None:
-        return self._begun.ending
-
-    @property
-    def estimate(self) -> RuleThreshold:
-        return self._begun.estimate
-
     def after(self, response: int | bool, delivered: float | None = None) -> RunT:
-        return self._begun.after(response, delivered)
+        return self.view.after(response, delivered)
 
 
 @dataclass(frozen=True)
