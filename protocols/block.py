@@ -119,12 +119,12 @@ def _record_rows(
     *replies, last = outcome.replies or (Reply(),)
     for reply in replies:
         yield Record(trial_row(block, number, slot, track, outcome, reply))
-    yield Record(trial_row(block, number, slot, track, outcome, last), _aborted(number, before, after))
+    yield Record(trial_row(block, number, slot, track, outcome, last), _abortion(number, before, after))
     if block.options.feedback and outcome.correct is not None:
         yield Show("right" if outcome.correct else "wrong", duration_s=FEEDBACK_S)
 
 
-def _aborted(number: int, before: BlockState, after: BlockState) -> str | None:
+def _abortion(number: int, before: BlockState, after: BlockState) -> str | None:
     """What ends unfinished, and why; None where nothing does."""
     pairs = zip(before.tracks, after.tracks, strict=True)
     lost = [then.name for was, then in pairs if then.aborted and not was.aborted]

@@ -164,8 +164,8 @@ class Questionnaire:
         item = self.item(name)
         scale = f"{self.low:g} to {self.high:g}{'' if self.steps is None else f' in {self.steps} steps'}"
         expect(self.takes(raw), f"{self.name}, item {name}", f"the answer {raw:g}", scale)
-        part = self.high - raw if item.reversed else raw - self.low
-        return self.score_low + (self.score_high - self.score_low) * part / (self.high - self.low)
+        from_worst = self.high - raw if item.reversed else raw - self.low
+        return self.score_low + (self.score_high - self.score_low) * from_worst / (self.high - self.low)
 
     def scores(self, answers: Mapping[str, float | None]) -> dict[str, float | None]:
         """The score of each dimension from raw answers by item; None where too few of its items are answered.

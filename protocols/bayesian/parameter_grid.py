@@ -146,18 +146,18 @@ class MixtureLikelihoods:
         guess, lapse = self.grid.rates
         return np.array([1 - guess - lapse, guess, np.ones_like(guess)])
 
-    def mixed(self, weights: Array) -> Array:
+    def moments(self, weights: Array) -> Array:
         """Sums of weight times `mixture` over guess and lapse rates, (3, n_thresholds, n_widths)."""
         sums: Array = self.mixture @ weights.reshape(-1, self.mixture.shape[1]).T
         return sums.reshape(3, len(self.grid.thresholds), -1)
 
     def total(self, weights: Array) -> Array:
-        slopes, floors, masses = self.mixed(weights)
+        slopes, floors, masses = self.moments(weights)
         yes = self.sigmoid.reshape(len(self.levels), -1) @ slopes.ravel() + floors.sum()
         return np.array([masses.sum() - yes, yes])  # weights need not sum to 1: they may be moments
 
     def joint(self, weights: Array) -> Array:
-        slopes, floors, masses = self.mixed(weights)
+        slopes, floors, masses = self.moments(weights)
         yes = np.matmul(self.sigmoid.transpose(1, 0, 2), slopes[..., None])[..., 0].T + floors.sum(axis=1)
         return np.array([masses.sum(axis=1) - yes, yes])
 

@@ -261,16 +261,16 @@ class SharedQuestPlus:
 
     @cached_property
     def _views(self) -> Mapping[str, QuestPlusRun]:
-        evidence = {track: logsumexp(self._own(track), axis=0) for track in self.tracks}
+        evidence = {track: logsumexp(self._log_joint(track), axis=0) for track in self.tracks}
         return {track: self._view(track, evidence) for track in self.tracks}
 
     def _view(self, track: str, evidence: Mapping[str, Array]) -> QuestPlusRun:
         of_others = sum((table for name, table in evidence.items() if name != track), start=self._log_priors[1])
-        state = Posterior.of((self._own(track) + of_others).ravel())
+        state = Posterior.of((self._log_joint(track) + of_others).ravel())
         assert state is not None  # answers that nothing allows are not taken in
         return replace(self.runs.get(track, self.rule.begin()), state=state)
 
-    def _own(self, track: str) -> Array:
+    def _log_joint(self, track: str) -> Array:
         """log p(t) L(t, s), (n_first, n_rest)."""
         return np.asarray(self._log_priors[0][:, None] + self.log_likelihoods.get(track, 0.0) + np.zeros(self._size))
 

@@ -23,11 +23,9 @@ def pages(form: Questionnaire, items: Sequence[Item]) -> list[Fill]:
     most = N_STATEMENTS_PER_PAGE if any(item.statement for item in items) else N_PER_PAGE
     n_pages = -(-len(items) // most)
     n_each = -(-len(items) // n_pages)
-    parts = [items[start : start + n_each] for start in range(0, len(items), n_each)]
-    return [
-        Fill(form.name, tuple(_question(form, item) for item in part), form.low, form.high, form.steps)
-        for part in parts
-    ]
+    by_page = [items[start : start + n_each] for start in range(0, len(items), n_each)]
+    questions = [tuple(_question(form, item) for item in of_page) for of_page in by_page]
+    return [Fill(form.name, of_page, form.low, form.high, form.steps) for of_page in questions]
 
 
 def _question(form: Questionnaire, item: Item) -> Question:

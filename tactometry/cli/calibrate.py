@@ -23,6 +23,7 @@ from ..devices.outputs.gain import Gain, measured_anew, required_gain
 from ..devices.outputs.guarded import Guarded
 from ..devices.sensors.reader import Reader
 from ..errors import InvalidParameter
+from ..loading import resolve
 from .output import figure_option, hands_are_off, hands_off_option, path_option, progress, say, subcommand, writing
 
 bench_option = path_option("--bench", "bench_path", required=True, help="Bench file (TOML).")
@@ -69,8 +70,8 @@ def gain(bench_path: Path, by: str, parts: list[float], measured_v: list[float],
     bench = load_bench(bench_path)
     before = required_gain(bench.output.gain, "output.gain")
     new = measured_anew(before, bench.output.settings.chain(), TODAY(), by)
-    for part in parts:
-        expect(0 < part <= 1, "--parts", f"{part:g}", "parts of full scale, above 0 and at most 1")
+    for share in parts:
+        expect(0 < share <= 1, "--parts", f"{share:g}", "parts of full scale, above 0 and at most 1")
     fit = calibration.fit_gain(parts, measured_v or list(_play_and_ask_v(bench, new, parts, tone_s)))
     table = calibration.gain_toml(replace(new, volts_per_unit=fit.volts_per_unit / new.amplifier_gain))
     was = before.load_volts_per_unit
@@ -78,15 +79,15 @@ def gain(bench_path: Path, by: str, parts: list[float], measured_v: list[float],
     say(text, {"volts_per_unit": fit.volts_per_unit, "residual_rms_v": fit.residual_rms_v})
 
 
-def _play_and_ask_v(bench: BenchFile, gain: Gain, units: list[float], tone_s: float) -> Iterator[float]:
+def _play_and_ask_v(bench: BenchFile, gain: Gain, shares: list[float], tone_s: float) -> Iterator[float]:
     output = _devices(replace(bench, force=None, output=replace(bench.output, gain=gain))).output
     driver = output.driver
     expect(math.isfinite(driver.full_scale_v), "output", f"{output.name!r}, which has no full scale", "audio or ni")
     with closing(output):
         output.open()
-        for part in units:
-            click.confirm(f"Play {part:g} of full scale; hands off the surface. Ready?", abort=True, err=True)
-            peak_v, n_channels = part * driver.full_scale_v, driver.n_channels or 1
+        for share in shares:
+            click.confirm(f"Play {share:g} of full scale; hands off the surface. Ready?", abort=True, err=True)
+            peak_v, n_channels = share * driver.full_scale_v, driver.n_channels or 1
             played = calibration.tone(peak_v, n_channels, driver.rate_hz or 48e3, tone_s, 0.1 * tone_s)
             output.play(played)
             time.sleep(played.duration_s)
@@ -129,11 +130,7 @@ def force(
     table = calibration.force_toml(fit, name, channel, TODAY(), by)
     text = "\n".join([table, *rows, f"# residual rms {1e3 * fit.residual_rms_n:.3g} mN"])
     say(text, {"polynomial": fit.polynomial, "residuals_n": fit.residuals_n.tolist(), "counts": fit.counts.tolist()})
-    if figure is not None:
-        from tactometry.experiments.bench.figures import force_figure
-
-        with writing(figure):
-            force_figure(fit, figure)
+    _draw("force_figure", fit, figure)
 
 
 def _count_weights(reader: Reader, channel: int, masses_kg: list[float]) -> list[float]:
@@ -213,7 +210,9 @@ def responses(**asked: Any) -> None:
     responses = as_displacement(learnt, *asked["band_hz"])
     provenance = _provenance(asked, learning, devices.output.name, reader.source.name)
     provenance["recorded_quantity"] = learnt.quantity
-    _write(responses, provenance, out, asked["figure"])
+    with writing(out):
+        write_learnt(responses, out, provenance)
+    _draw("responses_figure", responses, asked["figure"])
     kept = f"{responses.n_channels} responses of {responses.duration_s:g} s at {responses.rate_hz:g} Hz"
     record = {"file": str(out), "n_channels": responses.n_channels, **provenance}
     say(f"{out}: {kept}", record)
@@ -266,11 +265,8 @@ def _provenance(asked: Mapping[str, Any], learning: Learning, output: str, senso
     }
 
 
-def _write(responses: Responses, provenance: Mapping[str, Any], path: Path, figure: Path | None) -> None:
-    with writing(path):
-        write_learnt(responses, path, provenance)
-    if figure is not None:
-        from tactometry.experiments.bench.figures import responses_figure
-
-        with writing(figure):
-            responses_figure(responses, figure)
+def _draw(figure: str, measured: object, path: Path | None) -> None:
+    """Write one of the figures of `bench.figures`, where a file is asked for; nothing else loads them."""
+    if path is not None:
+        with writing(path):
+            resolve(f"tactometry.experiments.bench.figures:{figure}")(measured, path)

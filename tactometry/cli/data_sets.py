@@ -52,8 +52,8 @@ def rebuild(path: Path) -> None:
     from tactometry.experiments.data_sets.replaying import rebuild_data_set
 
     rebuilt = rebuild_data_set(path)
-    lines = [f"{each.trials}: {counted(each.n_trials, 'trial')}{', mended' * each.changed}" for each in rebuilt]
-    say("\n".join(lines) or f"{path}: no session has begun", [asdict(each) for each in rebuilt])
+    lines = [f"{file.trials}: {counted(file.n_trials, 'trial')}{', mended' * file.changed}" for file in rebuilt]
+    say("\n".join(lines) or f"{path}: no session has begun", [asdict(file) for file in rebuilt])
 
 
 @subcommand("export demo --to bids --out demo_bids --author 'Ada Lovelace' --author 'Alan Turing'")

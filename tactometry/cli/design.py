@@ -59,8 +59,8 @@ def command(
     best = recommended(among, plate.thickness_m)
     if figure is not None:
         _write_figures(best, among, figure)
-    told = {"thicknesses": [_record(sheet) for sheet in among], "simulation_over_law": {**OFF}}
-    say(_text(best, among), _record(best) | told)
+    all_sheets = {"thicknesses": [_record(sheet) for sheet in among], "simulation_over_law": {**OFF}}
+    say(_text(best, among), _record(best) | all_sheets)
     return 1 if best.unreachable else 0
 
 
@@ -79,8 +79,8 @@ def _text(best: Sheet, among: Sequence[Sheet]) -> str:
     if not best.bends_linearly:
         del numbers["deflection_m"]
     lines = [f"{name:<16}{value:.6g}" for name, value in numbers.items()]
-    told = [f"note: {note}" for note in best.guide.notes] + [f"not reached: {why}" for why in best.unreachable]
-    return "\n".join([*lines, *told, "", *_trade_off(best, among), "", *_how_far_off(among)])
+    notes = [f"note: {note}" for note in best.guide.notes] + [f"not reached: {why}" for why in best.unreachable]
+    return "\n".join([*lines, *notes, "", *_trade_off(best, among), "", *_how_far_off(among)])
 
 
 def _trade_off(best: Sheet, among: Sequence[Sheet]) -> Iterator[str]:

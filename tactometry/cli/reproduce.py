@@ -25,47 +25,47 @@ def command(*, name: str, out: Path | None, page: Path | None) -> None:
     Derived comes out of the physics, calibrated had a constant set to it, assumed is said by the input.
     """
     one_of("NAME", name, ("all", *REPRODUCTIONS))
-    items = [reproduction_of(each) for each in (REPRODUCTIONS if name == "all" else (name,))]
+    items = [reproduction_of(item) for item in (REPRODUCTIONS if name == "all" else (name,))]
     made = [reproduce(item) for item in progress(items, len(items), "reproducing")]
     if out is not None:
-        for each in progress(made, len(made), "writing"):
-            _write(each, out)
+        for reproduced in progress(made, len(made), "writing"):
+            _write(reproduced, out)
     if page is not None:
         with writing(page):
             page.write_text(page_of(made), encoding="utf-8")
     say(_text(made), _record(made))
 
 
-def _write(each: Reproduced, out: Path) -> None:
-    if each.numbers:
-        write_numbers(each, out / f"{each.item.name}.csv")
-    if each.item.drawing is not None:
+def _write(reproduced: Reproduced, out: Path) -> None:
+    if reproduced.numbers:
+        write_numbers(reproduced, out / f"{reproduced.item.name}.csv")
+    if reproduced.item.drawing is not None:
         from tactometry.experiments.thesis.figures.writing import write_drawing
 
-        write_drawing(each.item.drawing(), out, each.item.name)
+        write_drawing(reproduced.item.drawing(), out, reproduced.item.name)
 
 
 def _text(made: list[Reproduced]) -> str:
     """What is stated beside what comes out; one item alone with all of its numbers."""
     lines = []
-    for each in made:
-        shown = each.numbers if len(made) == 1 else each.compared
-        lines += [f"{each.item.name}: {each.item.title}"] if shown else []
-        for number in shown:
+    for reproduced in made:
+        numbers = reproduced.numbers if len(made) == 1 else reproduced.compared
+        lines += [f"{reproduced.item.name}: {reproduced.item.title}"] if numbers else []
+        for number in numbers:
             said = f"; stated: {number.stated}: {verdict(number).strip('*')}" if number.stated else ""
-            found = f"{show(number.value)} {number.unit}".strip()
-            lines.append(f"  {number.quantity}, {number.condition}: {found} ({number.origin}{said})")
+            value = f"{show(number.value)} {number.unit}".strip()
+            lines.append(f"  {number.quantity}, {number.condition}: {value} ({number.origin}{said})")
     counts = ", ".join(f"{words.strip('*')}: {n}" for words, n in sorted(count_verdicts(made).items()))
     return "\n".join([*lines, counts or "the thesis's numbers are not in our sources: nothing to compare with"])
 
 
 def _record(made: list[Reproduced]) -> dict[str, object]:
     return {
-        each.item.name: {
-            "title": each.item.title,
-            "stated": each.item.stated,
-            "assumes": each.item.assumes,
-            "numbers": [asdict(number) for number in each.numbers],
+        reproduced.item.name: {
+            "title": reproduced.item.title,
+            "stated": reproduced.item.stated,
+            "assumes": reproduced.item.assumes,
+            "numbers": [asdict(number) for number in reproduced.numbers],
         }
-        for each in made
+        for reproduced in made
     }

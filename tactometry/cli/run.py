@@ -101,9 +101,9 @@ def _print_plan(experiment: Experiment, who: Who) -> None:
     notes = ["the order is drawn: this is that of --seed 0"] if drawn else []
     longest = f"at most {counted(math.ceil(minutes), 'minute')}, trials that are asked again not counted"
     felt = felt_of(experiment)
-    text = "\n".join(["block", *rows, *notes, longest, *(line for each in felt for line in each.lines)])
+    text = "\n".join(["block", *rows, *notes, longest, *(line for effects in felt for line in effects.lines)])
     plan_record = {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes}
-    say(text, {**plan_record, "felt": [asdict(each) for each in felt]} if felt else plan_record)
+    say(text, {**plan_record, "felt": [asdict(effects) for effects in felt]} if felt else plan_record)
 
 
 def _report(root: Path, recorded: Recorded) -> int:
@@ -132,5 +132,5 @@ def _ending_words(counts: dict[str, int]) -> str:
     """
     if not counts:
         return ""
-    told = [f"{n} {ENDINGS.get(ending, ending)}" for ending, n in counts.items()]
-    return f"; {counted(sum(counts.values()), 'procedure')}: {', '.join(told)}"
+    endings = [f"{n} {ENDINGS.get(ending, ending)}" for ending, n in counts.items()]
+    return f"; {counted(sum(counts.values()), 'procedure')}: {', '.join(endings)}"

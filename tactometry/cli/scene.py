@@ -100,13 +100,13 @@ def _film(scene_file: SceneFile, path: Path) -> None:
 def _record(result: Result) -> dict[str, Any]:
     """Numbers as they are, of a course its extremes and its length."""
 
-    def shown(value: Any) -> Any:
+    def summary(value: Any) -> Any:
         if np.ndim(value) == 0:
             return float(value)
         course = np.asarray(value)
         return {"n": int(course.size), "min": float(course.min()), "max": float(course.max())} if course.size else []
 
-    outputs = {name: shown(value) for name, value in result.values.items()}
+    outputs = {name: summary(value) for name, value in result.values.items()}
     return {
         "outputs": outputs,
         "units": {name: result.unit(name) for name in outputs},

@@ -54,17 +54,18 @@ def simulate(
     result = {"data_set": str(out), "participants": n_participants, "trials": n_trials, "seed": seed}
     aborted = f", {counted(n_aborted, 'procedure')} aborted" if n_aborted else ""
     text = f"{out}: {counted(n_participants, 'simulated participant')}, {counted(n_trials, 'trial')}{aborted}"
-    felt_lines, felt = _felt(content, study) if explain else ([], {})
+    felt_lines, felt = _sensations(content, study) if explain else ([], {})
     say("\n".join([text, *felt_lines]), {**result, "aborted": n_aborted, **felt})
 
 
-def _felt(content: bytes, study: str) -> tuple[list[str], dict[str, Any]]:
+def _sensations(content: bytes, study: str) -> tuple[list[str], dict[str, Any]]:
     """What the participants of a study feel, in words and as a record."""
     experiment = wire(parse(content, study), study)
     felt = felt_of(experiment)
     formulas = {type(cell.sensation).__name__ for cell in experiment.cells.values()}
     by_formula = [f"felt by the formula {', '.join(sorted(formulas))}: the study states no [scene]"]
-    return [line for each in felt for line in each.lines] or by_formula, {"felt": [asdict(each) for each in felt]}
+    lines = [line for effects in felt for line in effects.lines]
+    return lines or by_formula, {"felt": [asdict(effects) for effects in felt]}
 
 
 @subcommand("demo --out demo --seed 1")

@@ -73,8 +73,8 @@ def kind_of(table: Mapping[str, Any], path: str, known: Mapping[str, K]) -> K:
     kind = table.get("kind")
     if isinstance(kind, str) and kind in known:
         return known[kind]
-    found = "no such key" if kind is None else repr(kind)
-    raise InvalidParameter(f"{path}.kind: found {found}, expected one of {', '.join(known)}{nearest(str(kind), known)}")
+    stated, names = "no such key" if kind is None else repr(kind), ", ".join(known)
+    raise InvalidParameter(f"{path}.kind: found {stated}, expected one of {names}{nearest(str(kind), known)}")
 
 
 def as_table(value: object, path: str) -> Mapping[str, Any]:
@@ -126,7 +126,7 @@ def convert(kind: Any, value: object, path: str) -> Any:
     InvalidParameter
         If it is of another type; the sentence opens with the key path.
     """
-    of_optional = [part for part in typing.get_args(kind) if dataclasses.is_dataclass(part)]
+    of_optional = [choice for choice in typing.get_args(kind) if dataclasses.is_dataclass(choice)]
     table_class = of_optional[0] if typing.get_origin(kind) is types.UnionType and of_optional else kind
     if dataclasses.is_dataclass(table_class) and isinstance(table_class, type):
         return build(table_class, value, path)
@@ -142,16 +142,15 @@ def convert(kind: Any, value: object, path: str) -> Any:
     except msgspec.ValidationError as error:
         match = _AT.match(str(error))
         inner = (match[2] or "") if match else ""
-        found = _at(value, inner)
-        raise InvalidParameter(
-            f"{path}{inner}: found {_in_toml(found)}, expected {words_of(kind) if not inner else _expected(str(error))}"
-        ) from None
+        wrong = _at(value, inner)
+        expected = words_of(kind) if not inner else _words_of_error(str(error))
+        raise InvalidParameter(f"{path}{inner}: found {_in_toml(wrong)}, expected {expected}") from None
 
 
 def fields_of(kind: type) -> dict[str, dataclasses.Field[Any]]:
     """The fields of a class that a table of a file may set, by name."""
-    found = dataclasses.fields(kind)
-    return {field.name: field for field in found if field.init and field.name[0] != "_"}
+    fields = dataclasses.fields(kind)
+    return {field.name: field for field in fields if field.init and field.name[0] != "_"}
 
 
 def is_required(field: dataclasses.Field[Any]) -> bool:
@@ -169,7 +168,7 @@ def _at(value: object, inner: str) -> object:
     return value
 
 
-def _expected(error: str) -> str:
+def _words_of_error(error: str) -> str:
     match = re.match(r"Expected `([^`]*)`", error)
     words = {kind.__name__: name for kind, name in _WORDS.items()}
     return " or ".join(words.get(name, name) for name in match[1].split(" | ")) if match else error
@@ -191,7 +190,7 @@ def words_of(kind: Any) -> str:
     if origin is typing.Literal:
         return "one of " + ", ".join(map(str, inner))
     if origin in (typing.Union, types.UnionType):
-        return " or ".join(words_of(part) for part in inner if part is not type(None))
+        return " or ".join(words_of(choice) for choice in inner if choice is not type(None))
     if origin is tuple:
         return f"a list of {' or '.join(word.removeprefix('a ') + 's' for word in words_of(inner[0]).split(' or '))}"
     return "a table"

@@ -213,12 +213,12 @@ def write_first(path: Path, content: bytes) -> None:
         except FileExistsError:
             pass
         except OSError:
-            _copied_first(path, content)
+            _copy_first(path, content)
         sync_folder(path.parent)
     os.close(file)
 
 
-def _copied_first(path: Path, content: bytes) -> None:
+def _copy_first(path: Path, content: bytes) -> None:
     """As `write_first` where the disk has no links."""
     with attempt(path, "cannot write", "room and permission"), suppress(FileExistsError):
         file = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, PRIVATE_FILE)

@@ -60,7 +60,7 @@ def _own_dataset(file: Any, name: str, largest_bytes: int) -> Any:
     return dataset
 
 
-def _written(path: str, largest_bytes: int) -> bytes:
+def _npz_bytes(path: str, largest_bytes: int) -> bytes:
     import h5py  # type: ignore[import-untyped, unused-ignore]
 
     with h5py.File(path, "r") as file:
@@ -74,7 +74,7 @@ def _written(path: str, largest_bytes: int) -> bytes:
 
 def _main(path: str, largest_bytes: str) -> int:
     try:
-        sys.stdout.buffer.write(_written(path, int(largest_bytes)))
+        sys.stdout.buffer.write(_npz_bytes(path, int(largest_bytes)))
     except Exception as error:  # whatever h5py raises of damaged bytes
         print(" ".join(f"{error or type(error).__name__}".split()), file=sys.stderr)
         return 1
