@@ -214,9 +214,9 @@ class BenchFile:
     def _position(self, readers: Mapping[str, Reader]) -> StreamedSensor | None:
         if self.position is None:
             return None
-        part, reader = self.position, readers[self.position.sensor]
-        reader.check_channels("position.channels", *part.channels)
-        return streamed_position(reader, part.channels, part.metres_per_count, part.zero_counts)
+        table, reader = self.position, readers[self.position.sensor]
+        reader.check_channels("position.channels", *table.channels)
+        return streamed_position(reader, table.channels, table.metres_per_count, table.zero_counts)
 
 
 def device_facts(bench: BenchFile, devices: Devices) -> dict[str, str | int | float | bool | None]:
@@ -224,14 +224,14 @@ def device_facts(bench: BenchFile, devices: Devices) -> dict[str, str | int | fl
     gain, load = bench.output.gain, bench.output.load
     facts: dict[str, str | int | float | bool | None] = {
         "output_volts_per_unit": None if gain is None else gain.load_volts_per_unit,
-        "output_gain_measured": None if gain is None else _when(gain.measured),
+        "output_gain_measured": None if gain is None else _provenance(gain.measured),
         "output_system_volume": None if gain is None else gain.system_volume,
         "output_ungated": bench.output.ungated,
         "output_load": None if load is None else load.kind,
         "output_capacitance_f": None if load is None else load.capacitance_f,
         "ramp_s": bench.output.ramp_s,
         "force_release": bench.release,
-        "force_measured": None if bench.force is None else _when(bench.force.calibration.measured),
+        "force_measured": None if bench.force is None else _provenance(bench.force.calibration.measured),
     }
     facts |= {f"output_{name.removeprefix('output_')}": value for name, value in devices.output.facts().items()}
     for sensor, reader in devices.readers.items():
@@ -240,7 +240,7 @@ def device_facts(bench: BenchFile, devices: Devices) -> dict[str, str | int | fl
     return facts
 
 
-def _when(measured: Measured) -> str | None:
+def _provenance(measured: Measured) -> str | None:
     said = [str(part) for part in (measured.on, measured.by) if part is not None]
     return " ".join(said) or None
 

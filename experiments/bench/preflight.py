@@ -67,7 +67,7 @@ def _study(study: str) -> tuple[list[Finding], Experiment | None]:
         return [Finding("study", study, str(error), "a study that can run", fine=False)], None
     n = len(experiment.bank)
     words = f"{n} {'stimulus' if n == 1 else 'stimuli'}; the strongest levels are within the study's limits"
-    felt = [Finding("scene", "felt", " ".join(map(str.strip, each.lines))) for each in felt_of(experiment)]
+    felt = [Finding("scene", "felt", " ".join(map(str.strip, effects.lines))) for effects in felt_of(experiment)]
     return [Finding("study", study, words, fine=True), *felt], experiment
 
 
@@ -81,7 +81,7 @@ def devices(
     if connected.force is not None:
         yield from findings_of("force", _force(connected.force))
     yield from findings_of("output", _gate(bench))
-    yield from findings_of("output", _tried(connected.output, bench, limits, experiment, hands_off=hands_off))
+    yield from findings_of("output", _output_findings(connected.output, bench, limits, experiment, hands_off=hands_off))
 
 
 def _sensor(name: str, reader: Reader) -> Iterator[Finding]:
@@ -138,7 +138,7 @@ def _gate(bench: BenchFile) -> Iterator[Finding]:
         yield Finding("output", "caution", words)
 
 
-def _tried(
+def _output_findings(
     output: Guarded, bench: BenchFile, limits: Limits | None, experiment: Experiment | None, *, hands_off: bool
 ) -> Iterator[Finding]:
     """The tone and the strongest stimuli; limits that the load needs and nobody stated stop all of them, said once."""

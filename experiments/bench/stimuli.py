@@ -95,7 +95,7 @@ def bank_on(experiment: Experiment, bench: BenchFile) -> Mapping[str, Stimulus]:
     bank, board = bank_of(experiment, bench.time_reversal), board_of(bench.output)
     if board is None:
         return bank
-    return {name: _switched(name, stimulus, _lowest(experiment, name), board) for name, stimulus in bank.items()}
+    return {name: _switch(name, stimulus, _lowest(experiment, name), board) for name, stimulus in bank.items()}
 
 
 def _lowest(experiment: Experiment, name: str) -> float:
@@ -104,7 +104,7 @@ def _lowest(experiment: Experiment, name: str) -> float:
     return min(cell.procedure.rule.bounds[0] for cell in cells)
 
 
-def _switched(name: str, stimulus: Stimulus, lowest: float, board: Board) -> Stimulus:
+def _switch(name: str, stimulus: Stimulus, lowest: float, board: Board) -> Stimulus:
     """As the board makes it, down to the lowest level; the highest is for the output to refuse, as of any other."""
     with rewording(lambda words: f"output, {name}: {words}; nothing was played"):
         switched = board.switched(stimulus)
@@ -131,7 +131,7 @@ def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimu
 
     heard = read([Path(learnt.responses)])
 
-    def suited(stimulus: Stimulus) -> Stimulus:
+    def adapt(stimulus: Stimulus) -> Stimulus:
         match stimulus:
             case focus_train.FocusTrain():
                 return focus_train.measured(stimulus, heard)
@@ -143,7 +143,7 @@ def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimu
     for strongest in experiment.strongest():
         place = f"time_reversal.responses, {learnt.responses}, {strongest.name}"
         with rewording(partial("{}: {}".format, place)):
-            bank[strongest.name] = suited(strongest.stimulus)
+            bank[strongest.name] = adapt(strongest.stimulus)
             render(bank, strongest.name, strongest.level, limits=None)
     return bank
 

@@ -177,7 +177,7 @@ def settings(
     places: Sequence[str] = PLACES,
 ) -> list[tuple[str, SimulatedTask, str]]:
     """Each procedure with each task and place."""
-    return [each for each in product(procedures, tasks, places) if (each[0], each[1].name) != AT_CHANCE]
+    return [setting for setting in product(procedures, tasks, places) if (setting[0], setting[1].name) != AT_CHANCE]
 
 
 def census(

@@ -42,11 +42,11 @@ def _field(modes: Modes, amplitude: Real, per_m: int) -> tuple[Real, Real, Real]
 
 
 def _error(found: tuple[Real, Real, Real] | Real, reference: Real) -> float:
-    at_points = _between(found) if isinstance(found, tuple) else found
+    at_points = _interpolation(found) if isinstance(found, tuple) else found
     return float(np.abs(at_points - reference).max() / np.abs(reference).max())
 
 
-def _between(found: tuple[Real, Real, Real]) -> Real:
+def _interpolation(found: tuple[Real, Real, Real]) -> Real:
     from scipy.interpolate import RectBivariateSpline
 
     return np.asarray(RectBivariateSpline(*found).ev(*_points()))

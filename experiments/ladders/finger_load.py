@@ -24,13 +24,13 @@ def problem() -> Problem:
     return Problem(
         "largest error of the responses under a finger of 2 N over the largest, modes below 4 kHz, 4 ms",
         reference=Reference("the exponential of all modes at once", lambda: _exponentials(load), 1e-9),
-        independent=Reference("correction sampled at 4.1 MHz", lambda: _corrected(load, FINEST), 2e-5),
+        independent=Reference("correction sampled at 4.1 MHz", lambda: _loaded_response(load, FINEST), 2e-5),
         error=over_largest,
-        rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_corrected, load, k)) for k in FACTORS),
+        rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_loaded_response, load, k)) for k in FACTORS),
     )
 
 
-def _corrected(load: PlateLoad, factor: int) -> Real:
+def _loaded_response(load: PlateLoad, factor: int) -> Real:
     rate_hz = COARSEST_HZ * factor
     found = loaded_responses(SCREEN, [HEARD_M], [load], rate_hz=rate_hz, duration_s=DURATION_S, f_max_hz=F_MAX_HZ)
     return np.asarray(found.samples[0][:, ::factor] * rate_hz)

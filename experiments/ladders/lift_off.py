@@ -29,9 +29,9 @@ def problem() -> Problem:
         reference=Reference(
             "Runge-Kutta of order 8 from event to event", lambda: by_events(Fingertip(), FORCE_N, COARSEST_HZ)[0], 1e-8
         ),
-        independent=Reference("contact looked at 3.2 million times a second", lambda: _stepped(FINEST), 3e-6),
+        independent=Reference("contact looked at 3.2 million times a second", lambda: _displacement_m(FINEST), 3e-6),
         error=over_largest,
-        rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_stepped, k)) for k in FACTORS),
+        rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_displacement_m, k)) for k in FACTORS),
     )
 
 
@@ -41,7 +41,7 @@ def free_m(rate_hz: float, impulse_n_s: float = IMPULSE_N_S) -> Real:
     return np.asarray(heard.samples[0, 0] * rate_hz * impulse_n_s)
 
 
-def _stepped(factor: int) -> Real:
+def _displacement_m(factor: int) -> Real:
     rate_hz = COARSEST_HZ * factor
     found = one_sided_contact(SMALL, AT, free_m(rate_hz), rate_hz, TO_HZ, FORCE_N)
     return np.asarray(found.displacement_m[::factor])
@@ -86,9 +86,9 @@ def _equations(finger: Fingertip, force_n: float) -> tuple[Callable[..., Real], 
 
     def slope(t_s: float, state: Real, *, together: bool) -> Real:
         answer_n = pressed_n(t_s, state) - force_n if together else -force_n
-        own = -2 * modes.decay_per_s * state[n:-1] - modes.omega_rad_per_s**2 * state[:n]
+        restoring = -2 * modes.decay_per_s * state[n:-1] - modes.omega_rad_per_s**2 * state[:n]
         sinking = here @ state[n:-1] if together else -(force_n + stiffness * state[-1]) / resistance
-        return np.concatenate([state[n:-1], own - here * answer_n / mass_kg, [sinking]])
+        return np.concatenate([state[n:-1], restoring - here * answer_n / mass_kg, [sinking]])
 
     for event in (pressed_n, apart_m):
         event.terminal, event.direction = True, -1  # type: ignore[attr-defined] # as solve_ivp reads them

@@ -37,10 +37,10 @@ def _tap(time_s: Any) -> Any:
 
 def _sampled_taps(rate_hz: int) -> Real:
     tap: Real = _tap(np.arange(round(rate_hz / TAPS_HZ)) / rate_hz)
-    return _sensed_by_channel(components(np.tile(tap, N_TAPS), rate_hz))
+    return _channel_amplitudes(components(np.tile(tap, N_TAPS), rate_hz))
 
 
-def _sensed_by_channel(parts: Components) -> Real:
+def _channel_amplitudes(parts: Components) -> Real:
     return np.asarray(10 ** (channel_levels_db(parts, 1.0) / 20), dtype=np.float64)
 
 
@@ -52,7 +52,7 @@ def _series() -> Real:
     """Amplitudes of the harmonics, as channels sense them."""
     turn = 2j * np.pi * _harmonics_hz()
     fall, rise = (-np.expm1(-1 / TAPS_HZ / tau_s) / (1 / tau_s + turn) for tau_s in (FALL_S, RISE_S))
-    return _sensed_by_channel(Components(_harmonics_hz(), 2 * TAPS_HZ * np.abs(fall - rise)))
+    return _channel_amplitudes(Components(_harmonics_hz(), 2 * TAPS_HZ * np.abs(fall - rise)))
 
 
 def _integrals() -> Real:
@@ -60,12 +60,12 @@ def _integrals() -> Real:
     for f in _harmonics_hz():
         bowls_db = 48.0, 48 - 5 * math.log2(f / 3), 12 * abs(math.log2(250 / f))
         heard = 0.4 <= f <= 3, 3 <= f <= 100, 35 <= f <= 800
-        amplitude = _integrated(float(f))
+        amplitude = _amplitude_by_quadrature(float(f))
         felt = [max(a, h * amplitude * 10 ** (-b / 20)) for a, h, b in zip(felt, heard, bowls_db, strict=True)]
     return np.array(felt)
 
 
-def _integrated(frequency_hz: float) -> float:
+def _amplitude_by_quadrature(frequency_hz: float) -> float:
     return 2 * TAPS_HZ * math.hypot(*(_against(weight, 2 * math.pi * frequency_hz) for weight in ("cos", "sin")))
 
 
@@ -91,18 +91,18 @@ def sensitivity() -> Problem:
     )
 
 
-def _sensed(records: Iterable[Components]) -> Real:
+def _sensed_amplitudes(records: Iterable[Components]) -> Real:
     return np.array([10 ** (sensation_level_db(parts, 1.0) / 20) for parts in records])
 
 
 def _at_tones() -> Real:
-    return _sensed(Components(np.array([f]), np.ones(1)) for f in FREQUENCIES_HZ)
+    return _sensed_amplitudes(Components(np.array([f]), np.ones(1)) for f in FREQUENCIES_HZ)
 
 
 def _from_record(padding: int) -> Real:
     time_s = np.arange(round(DURATION_S * RATE_HZ)) / RATE_HZ
     tones = [OFFSET + np.sin(2 * np.pi * f * time_s) for f in FREQUENCIES_HZ]
-    return _sensed(components(tone, RATE_HZ, padding) for tone in tones)
+    return _sensed_amplitudes(components(tone, RATE_HZ, padding) for tone in tones)
 
 
 def _written_out() -> Real:

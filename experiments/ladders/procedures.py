@@ -101,7 +101,7 @@ def _constant(n_trials: int) -> ConstantStimuli:
     return ConstantStimuli(CONSTANT_DB, n_trials // len(CONSTANT_DB))
 
 
-def _fitted(runs: Sequence[Run]) -> list[float | None]:
+def _fit_thresholds(runs: Sequence[Run]) -> list[float | None]:
     answers = np.array([answered for _, answered in runs], dtype=np.float64)
     rates: Any = {"guess_rate": GUESS_RATE, "lapse_rate": LAPSE_RATE}
     fits = fit_many(answers[..., 0], answers[..., 1], 1, shape="gumbel", method="map", **rates)
@@ -115,7 +115,7 @@ def _by_rule(runs: Sequence[Run]) -> list[float | None]:
 
 HALF = GUESS_RATE + (1 - GUESS_RATE - LAPSE_RATE) / 2
 METHODS = {
-    "constant stimuli": Method(_constant, _fitted, HALF),
+    "constant stimuli": Method(_constant, _fit_thresholds, HALF),
     "staircase": Method(_staircase, _by_rule, math.sqrt(0.5)),
     "QUEST": Method(_quest, _by_rule, 0.82),
     "QUEST+": Method(_quest_plus, _by_rule, HALF),

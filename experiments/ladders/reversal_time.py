@@ -20,7 +20,7 @@ SIDES_M, N_POINTS = (A4_PROTOTYPE.plate.length_m, A4_PROTOTYPE.plate.width_m), (
 
 def amplitude() -> Problem:
     """One bit on the A4 prototype, relative to twelve time constants."""
-    heard = _heard()
+    heard = _responses()
     return _against_time(
         "amplitude of the focus that a shorter reversal time T loses (one bit, tau = 3.5 ms)",
         partial(_amplitude_m, heard),
@@ -30,7 +30,7 @@ def amplitude() -> Problem:
 
 def contrast() -> Problem:
     """The focus over the rms of the plate."""
-    heard = _heard()
+    heard = _responses()
     return _against_time(
         "contrast of the focus (over the rms of the plate) that a shorter T loses (one bit, tau = 3.5 ms)",
         partial(_contrast, heard),
@@ -50,7 +50,7 @@ def _against_time(what: str, after: Callable[[float], float], independent: Refer
     )
 
 
-def _heard() -> Responses:
+def _responses() -> Responses:
     return impulse_responses(A4_PROTOTYPE, [FOCUS_M], rate_hz=RATE_HZ, duration_s=LONGEST * TAU_S, f_max_hz=F_MAX_HZ)
 
 

@@ -40,7 +40,7 @@ def panel() -> Problem:
     return Problem(
         "largest error of the electrostatic force over its peak, for the accuracy asked for",
         reference=Reference("the exact solution in pieces", lambda: _exact(scene), 1e-12),
-        independent=Reference("recurrence on fine samples", lambda: _stepped(scene), 1e-4),
+        independent=Reference("recurrence on fine samples", lambda: _recurrence(scene), 1e-4),
         error=lambda answer, reference: over_largest(np.interp(reference[0], *answer), reference[1]),
         rungs=tuple(Rung(f"accuracy {accuracy:g}", partial(force, accuracy)) for accuracy in ACCURACIES),
     )
@@ -52,7 +52,7 @@ def _exact(scene: SceneFile) -> Samples:
     return t_s, electrostatic_force_n_at(t_s, pieces, skin=Skin(), area_m2=_area_m2(), law="sc_layer")
 
 
-def _stepped(scene: SceneFile) -> Samples:
+def _recurrence(scene: SceneFile) -> Samples:
     """Fine samples of the voltage, and the recurrence of the circuit."""
     rate_hz = (N_PANEL - 1) / PANEL_S * STEPS_BETWEEN
     voltage_v = _tone(rate_hz).at(scene.given["level_db_re_1v"]).samples[0]

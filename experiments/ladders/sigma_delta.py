@@ -28,7 +28,7 @@ def _problem(order: int) -> Problem:
         reference=Reference("the line of the tone", _line, 1e-12),
         independent=Reference("transform of the tone", lambda: _spectrum(_tone(RATES_HZ[0])), 1e-12),
         error=over_rms,
-        rungs=tuple(Rung(f"{rate_hz / 1e6:g} MHz", partial(_modulated, order, rate_hz)) for rate_hz in RATES_HZ),
+        rungs=tuple(Rung(f"{rate_hz / 1e6:g} MHz", partial(_modulation, order, rate_hz)) for rate_hz in RATES_HZ),
     )
 
 
@@ -37,7 +37,7 @@ def _tone(rate_hz: float) -> Real:
     return AMPLITUDE * np.sin(2 * np.pi * TONE_HZ * times_s)
 
 
-def _modulated(order: int, rate_hz: float) -> Complex:
+def _modulation(order: int, rate_hz: float) -> Complex:
     return _spectrum(modulate(_tone(rate_hz)[None, :], order).bits[0])
 
 

@@ -23,11 +23,11 @@ def problem() -> Problem:
         reference=Reference("the exact solution in pieces", lambda: _exact(times_s), 1e-12),
         independent=Reference("closed form of a sine", lambda: _closed_form(times_s), 1e-12),
         error=over_largest,
-        rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_sampled, k)) for k in FACTORS),
+        rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_sampled_force, k)) for k in FACTORS),
     )
 
 
-def _sampled(factor: int) -> Real:
+def _sampled_force(factor: int) -> Real:
     rate_hz = COARSEST_HZ * factor
     times_s = np.arange(round(DURATION_S * rate_hz)) / rate_hz
     voltage_v = 100 * np.sin(2 * np.pi * FREQUENCY_HZ * times_s)

@@ -27,16 +27,16 @@ def problem() -> Problem:
             "the same with modes on a grid of the posterior, written out", lambda: _interval(_grid_modes()), 1e-2
         ),
         error=lambda found, reference: float(np.sqrt(np.mean((found - reference) ** 2)) / np.ptp(reference)),
-        rungs=tuple(Rung(f"{n} resamples", partial(_bootstrapped, n)) for n in N_RESAMPLES),
+        rungs=tuple(Rung(f"{n} resamples", partial(_bootstrap_intervals, n)) for n in N_RESAMPLES),
     )
 
 
-def _bootstrapped(n_resamples: int) -> Real:
+def _bootstrap_intervals(n_resamples: int) -> Real:
     """(n_intervals, 2): of the same answers."""
     rates: Any = {"guess_rate": RATE, "lapse_rate": RATE, "rng": np.random.default_rng(0), "n_resamples": n_resamples}
     same = np.tile(N_YES, (N_INTERVALS, 1))
-    found = fit_many(LEVELS, same, N_TRIALS, shape="normal", method="bootstrap", interval=INTERVAL, **rates)
-    return np.array([[each.interval_low, each.interval_high] for each in found], dtype=np.float64)
+    fits = fit_many(LEVELS, same, N_TRIALS, shape="normal", method="bootstrap", interval=INTERVAL, **rates)
+    return np.array([[fit.interval_low, fit.interval_high] for fit in fits], dtype=np.float64)
 
 
 def _answers() -> NDArray[np.int64]:

@@ -30,18 +30,18 @@ def problem() -> Problem:
         independent=Reference("the same with fewer nodes", lambda: posterior(*N_COARSER), 1e-4),
         error=over_interval,
         rungs=(
-            Rung("Laplace (map)", partial(_fitted, "map")),
-            Rung(f"shared grid, {N_SETS} sets", _shared),
-            Rung("own grid", partial(_fitted, "posterior", estimate="mean")),
+            Rung("Laplace (map)", partial(_interval, "map")),
+            Rung(f"shared grid, {N_SETS} sets", _shared_interval),
+            Rung("own grid", partial(_interval, "posterior", estimate="mean")),
         ),
     )
 
 
-def _fitted(method: str, **options: Any) -> Real:
+def _interval(method: str, **options: Any) -> Real:
     return estimate_and_ends(fit(LEVELS, N_CORRECT, N_TRIALS, method=method, **SHAPE, **options))
 
 
-def _shared() -> Real:
+def _shared_interval() -> Real:
     """Of many sets on the same levels."""
     moved = np.minimum(N_CORRECT + np.arange(N_SETS)[:, None] % 2, N_TRIALS)
     return estimate_and_ends(fit_many(LEVELS, moved, N_TRIALS, estimate="mean", **SHAPE)[0])
@@ -92,7 +92,7 @@ def width_prior(width: Real, spacing: float, level_range: float) -> Real:
 
 def likelihood() -> Problem:
     """Wald and profile against the profile written out: the same answers, with the lapse rate known."""
-    wald, profile = (partial(_fitted, method, lapse_rate=LAPSE) for method in ("ml", "profile"))
+    wald, profile = (partial(_interval, method, lapse_rate=LAPSE) for method in ("ml", "profile"))
     return Problem(
         "largest error of threshold and 95 % interval of likelihood over its width, 7 levels x 40 trials, 2AFC",
         reference=Reference("the profile written out, by Brent's methods", _by_brent, 1e-7),

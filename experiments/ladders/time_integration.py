@@ -23,7 +23,7 @@ def problem() -> Problem:
         reference=Reference("the response of a mode in closed form", lambda: closed_form(modes), 1e-11),
         independent=Reference("powers of the exponential of mode and tone", lambda: _exponentials(modes), 1e-10),
         error=over_largest,
-        rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_stepped, modes, k)) for k in FACTORS),
+        rungs=tuple(Rung(f"{COARSEST_HZ * k / 1e3:g} kHz", partial(_propagation, modes, k)) for k in FACTORS),
     )
 
 
@@ -31,7 +31,7 @@ def times_s(factor: int) -> Real:
     return np.arange(round(DURATION_S * COARSEST_HZ) * factor + 1) / (COARSEST_HZ * factor)
 
 
-def _stepped(modes: Oscillators, factor: int) -> Real:
+def _propagation(modes: Oscillators, factor: int) -> Real:
     forces = np.broadcast_to(np.sin(OMEGA_RAD_PER_S * times_s(factor)), (modes.n, len(times_s(factor))))
     return run_linear(modes, forces, COARSEST_HZ * factor)[:, ::factor]
 

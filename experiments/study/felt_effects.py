@@ -74,7 +74,7 @@ class FeltEffects:
         paragraphs = (
             f"felt of {self.stimulus} at {self.level}: {self.sensation_db:.1f} dB above threshold, through "
             f"{', '.join(self.felt)} (predicted error {self.predicted_error})",
-            f"left out, and what it would change: {'; '.join(each.words for each in self.left_out) or 'nothing'}",
+            f"left out, and what it would change: {'; '.join(effect.words for effect in self.left_out) or 'nothing'}",
             f"taken for granted: {'; '.join(self.assumed) or 'nothing'}",
         )
         return [line for text in paragraphs for line in textwrap.wrap(text, WIDTH, subsequent_indent="    ")]
@@ -87,11 +87,11 @@ def felt_effects(experiment: Experiment) -> list[FeltEffects]:
         if isinstance(cell.sensation, FeltScene):
             scene = cell.sensation.scene
             firsts.setdefault(repr((scene.effects, scene.accuracy)), (cell, scene))
-    strongest = {each.name: each for each in experiment.strongest()} if firsts else {}
-    return [_explained(cell, scene, strongest[cell.condition.stimulus].level) for cell, scene in firsts.values()]
+    strongest = {one.name: one for one in experiment.strongest()} if firsts else {}
+    return [_explanation(cell, scene, strongest[cell.condition.stimulus].level) for cell, scene in firsts.values()]
 
 
-def _explained(cell: WiredCell, scene: Scene, level: float) -> FeltEffects:
+def _explanation(cell: WiredCell, scene: Scene, level: float) -> FeltEffects:
     (touch,) = scene.contacts
     contact, signal = Contact(touch.force_n, touch.speed_m_per_s), cell.stimulus.at(level)
     felt_db, felt = scene.sensation(signal, contact), scene.felt(contact)

@@ -107,7 +107,7 @@ def _in_python_only(hint: Any) -> bool:
 def _expectations(table: KeyTable, name: str, hint: Any) -> Iterator[str]:
     """What the class expects of a key, as it says itself when it is given something else; each said once."""
     said: list[str] = []
-    for probe in (probe for part in _parts(hint) for probe in _probes(part)):
+    for probe in (probe for kind in _parts(hint) for probe in _probes(kind)):
         expected = _expectation(table, name, probe)
         if expected and not any(expected in other or other in expected for other in said):
             said.append(expected)

@@ -79,7 +79,7 @@ def felt_scene(table: Mapping[str, Any], kind: str, stimulus: Any, touch: Touch)
     expected = f"a stimulus of {' or '.join(CARRIERS)}; remove [scene]: what is felt then stands in [sensation]"
     expect(kind in CARRIERS, "scene", f"a table with the stimulus {kind!r}", expected)
     read = build(SceneTable, table, "scene")
-    surface, effects = _named(read.name) if read.name else _stated(read)
+    surface, effects = _parts_of_scene(read.name) if read.name else _parts_of_table(read)
     tone = {name: getattr(stimulus, name) for name in TONE}
     carrier = {name: getattr(stimulus, name) for name in CARRIERS[kind]}
     played = (build_kind({"kind": "carrier", **carrier}, "stimulus", EFFECTS),) if carrier else ()
@@ -95,7 +95,7 @@ def felt_scene(table: Mapping[str, Any], kind: str, stimulus: Any, touch: Touch)
         return FeltScene(scene)
 
 
-def _stated(read: SceneTable) -> tuple[dict[str, Any], tuple[Effect, ...]]:
+def _parts_of_table(read: SceneTable) -> tuple[dict[str, Any], tuple[Effect, ...]]:
     """Surface and effects of the table itself."""
     kind = read.surface.get("kind", KIND)
     expect(kind == KIND, "scene.surface.kind", repr(kind), f"{KIND!r}, which the stimulus is played on")
@@ -103,12 +103,12 @@ def _stated(read: SceneTable) -> tuple[dict[str, Any], tuple[Effect, ...]]:
         expect(name not in read.surface, f"scene.surface.{name}", "what [stimulus] states", "it there alone; remove it")
     effects = tuple(build_kind(table, f"scene.effects[{n}]", EFFECTS) for n, table in enumerate(read.effects))
     for n, effect in enumerate(effects):
-        found = f"{effect.kind!r}, which changes what is played"
-        expect(not _plays(effect), f"scene.effects[{n}]", found, "what [stimulus] plays alone; remove it")
+        changes = f"{effect.kind!r}, which changes what is played"
+        expect(not _plays(effect), f"scene.effects[{n}]", changes, "what [stimulus] plays alone; remove it")
     return {"kind": KIND, **read.surface}, effects
 
 
-def _named(name: str) -> tuple[dict[str, Any], tuple[Effect, ...]]:
+def _parts_of_scene(name: str) -> tuple[dict[str, Any], tuple[Effect, ...]]:
     """Surface and effects of a built-in scene, but for what a stimulus plays."""
     scene = load_scene(path_of(name)).scene
     kind = scene.surface.kind

@@ -62,20 +62,21 @@ def _score(made: Sequence[Reproduced]) -> Iterator[str]:
     yield "## What is stated, and what comes out\n"
     yield f"{', '.join(f'{words}: {n}' for words, n in sorted(counts.items()))}.\n"
     yield from SCORE_HEAD
-    for each in made:
-        for number in each.compared:
-            found = f"{show(number.value)} {number.unit}".strip()
-            cells = (f"[{each.item.name}](#{_anchor(each)})", number.quantity, number.condition, found, number.origin)
+    for reproduced in made:
+        name = reproduced.item.name
+        for number in reproduced.compared:
+            value = f"{show(number.value)} {number.unit}".strip()
+            cells = (f"[{name}](#{_anchor(name)})", number.quantity, number.condition, value, number.origin)
             yield f"| {' | '.join((*cells, number.stated, verdict(number)))} |"
     yield ""
 
 
-def _anchor(each: Reproduced) -> str:
-    return each.item.name.replace(".", "")
+def _anchor(name: str) -> str:
+    return name.replace(".", "")
 
 
-def _section(each: Reproduced) -> Iterator[str]:
-    item = each.item
+def _section(reproduced: Reproduced) -> Iterator[str]:
+    item = reproduced.item
     yield f"## {item.name}\n"
     yield f"{item.title}.\n"
     yield f"*Stated:* {item.stated}\n"
@@ -84,8 +85,8 @@ def _section(each: Reproduced) -> Iterator[str]:
         yield f"*Outcome:* {item.outcome}\n"
     if item.drawing is not None:
         yield f"*Figure:* {item.name}.png, its curves in {item.name}.csv; {item.origin}.\n"
-    if each.numbers:
-        yield from _table(each.numbers)
+    if reproduced.numbers:
+        yield from _table(reproduced.numbers)
         yield ""
 
 

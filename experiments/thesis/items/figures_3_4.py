@@ -12,7 +12,7 @@ ASSUMES = "Plate, edges, layout, tau, band and drive of the gallery (unverified 
 CALIBRATED = f"{ASSUMES} Amplitudes go with the moment per volt of a patch, which was set once."
 
 
-def _drawn(number: str, title: str, drawing: Callable[[], Any], origin: Origin, stated: str = "") -> Reproduction:
+def _figure(number: str, title: str, drawing: Callable[[], Any], origin: Origin, stated: str = "") -> Reproduction:
     """A figure of which our sources have the caption, and what `stated` says."""
     said = f"The caption of Figure {number} (pages 11 to 13){f', and {stated}' if stated else ''}; not the curve."
     return Reproduction(
@@ -25,10 +25,10 @@ def _drawn(number: str, title: str, drawing: Callable[[], Any], origin: Origin, 
 
 
 def _of_gallery(number: str, name: str, title: str, origin: Origin = "derived", stated: str = "") -> Reproduction:
-    return _drawn(number, title, GALLERY[name], origin, stated)
+    return _figure(number, title, GALLERY[name], origin, stated)
 
 
-FIGURE_3_4 = _drawn("3.4", "Characteristic time and density of modes", focusing.modal_density, "derived")
+FIGURE_3_4 = _figure("3.4", "Characteristic time and density of modes", focusing.modal_density, "derived")
 FIGURE_3_8 = _of_gallery("3.8", "3.8-focus-map", "Focus at 0-25 kHz and a cut through it", "calibrated")
 FIGURE_3_9 = _of_gallery("3.9 and 3.10", "3.9-resolution-over-bandwidth", "Resolution against bandwidth, 2 and 3 mm")
 FIGURE_3_11 = _of_gallery(
@@ -39,8 +39,8 @@ FIGURE_3_14 = _of_gallery("3.14", "3.14-frequency-response", "Response at the fo
 FIGURE_3_15 = _of_gallery("3.15", "3.15-stress-and-deflection", "Bending stress and deflection under 2 N")
 FIGURE_3_16 = _of_gallery("3.16 and 4.23", "3.16-resolution-over-mean-frequency", "Resolution against mean frequency")
 FIGURE_3_18 = _of_gallery("3.18 and 4.12", "3.18-amplitude-over-reversal", "Amplitude against reversal time")
-FIGURE_3_19 = _drawn("3.19", "A focus repeated", focusing.repeated_focus, "calibrated")
-FIGURE_3_20 = _drawn("3.20", "Amplitude against repetition time", focusing.train_over_repetition, "derived")
+FIGURE_3_19 = _figure("3.19", "A focus repeated", focusing.repeated_focus, "calibrated")
+FIGURE_3_20 = _figure("3.20", "Amplitude against repetition time", focusing.train_over_repetition, "derived")
 FIGURE_3_21 = _of_gallery("3.21 and 4.14", "3.21-contrast", "Contrast by transducers and reversal time")
 FIGURE_4_9 = _of_gallery("4.9", "4.9-modulator-noise", "Quantisation noise of the modulators")
 FIGURE_4_11 = _of_gallery("4.11", "4.11-decay-fit", "Exponential fitted to an impulse response")
@@ -53,11 +53,11 @@ FIGURE_4_28 = _of_gallery("4.28", "4.28-layout", "Positions of transducers and f
 FIGURE_4_29 = _of_gallery("4.29", "4.29-amplitude-per-transducer", "Amplitude of each transducer alone", "calibrated")
 FIGURE_4_30 = _of_gallery("4.30", "4.30-amplitude-over-count", "Amplitude against number of transducers", "calibrated")
 FIGURE_4_31 = _of_gallery("4.31", "4.31-amplitude-by-subset", "Amplitude by subset of transducers", "calibrated")
-FIGURE_4_33 = _drawn(
+FIGURE_4_33 = _figure(
     "4.32 and 4.33",
     "32 square transducers on one side of the plate",
     focusing.one_sided_layout,
     "assumed",
     "that 32 square transducers lie on one side",
 )
-FIGURE_4_34 = _drawn("4.34", "Resolution of each focus, patches on one side", focusing.one_sided_resolution, "derived")
+FIGURE_4_34 = _figure("4.34", "Resolution of each focus, patches on one side", focusing.one_sided_resolution, "derived")

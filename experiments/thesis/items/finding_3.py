@@ -57,10 +57,10 @@ def variants() -> dict[str, Effects]:
 
 
 def numbers() -> list[Number]:
-    return [number for name, effects in variants().items() for number in _compared(name, effects)]
+    return [number for name, effects in variants().items() for number in _comparison(name, effects)]
 
 
-def _compared(name: str, effects: Effects) -> Iterator[Number]:
+def _comparison(name: str, effects: Effects) -> Iterator[Number]:
     levels_db = {f_hz: threshold_db(_key(effects), f_hz, FORCES_N[0]) for f_hz in FREQUENCIES_HZ}
     below_db, above_db = (
         round(threshold_db(_key(effects), f_hz, FORCES_N[1]) - levels_db[f_hz], 6) for f_hz in (BELOW_HZ, ABOVE_HZ)

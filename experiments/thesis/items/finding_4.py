@@ -27,7 +27,7 @@ def numbers() -> Iterator[Number]:
         yield Number("sensation level", words(name), level_db, "dB", "calibrated")
         yield Number("over the single focus", words(name), level_db - felt_db[LEAST], "dB", "derived")
         yield Number("pleasantness", words(name), liked[name], "of 1", "assumed")
-        yield Number("place", words(name), order.index(name) + 1.0, "", "assumed", *_stated(name, order, spread_db))
+        yield Number("place", words(name), order.index(name) + 1.0, "", "assumed", *_statement(name, order, spread_db))
 
 
 def levels_db() -> dict[str, float]:
@@ -46,7 +46,7 @@ def liking(level_db: float) -> float:
     return float(1 - 2 * np.clip(abs(level_db - COMFORT_DB) / COMFORT_RANGE_DB, 0, 1)) if level_db > -inf else -1.0
 
 
-def _stated(name: str, order: list[str], spread_db: float) -> tuple[str, bool | None]:
+def _statement(name: str, order: list[str], spread_db: float) -> tuple[str, bool | None]:
     """Of patterns that are felt alike no place counts."""
     places = {BEST: ("first: pleases most", 0), LEAST: ("last: pleases least", len(order) - 1)}
     if name not in places:

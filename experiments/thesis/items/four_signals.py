@@ -45,7 +45,7 @@ class DrivenFocus:
 
 
 @lru_cache(maxsize=1)
-def measured() -> Mapping[str, DrivenFocus]:
+def measurements() -> Mapping[str, DrivenFocus]:
     """By the name of the signal."""
     return {name: _measure(emission) for name, emission in FOUR.items()}
 
@@ -67,8 +67,8 @@ def _measure(emission: Emission) -> DrivenFocus:
 
 
 def _performance() -> Iterator[Number]:
-    largest_m = max(signal.amplitude_m for signal in measured().values())
-    for name, signal in measured().items():
+    largest_m = max(signal.amplitude_m for signal in measurements().values())
+    for name, signal in measurements().items():
         yield Number("amplitude", name, 1e6 * signal.amplitude_m, "um", "calibrated")
         yield Number("of the largest", name, 100 * signal.amplitude_m / largest_m, "%", "derived")
         yield Number("temporal resolution", name, 1e6 * signal.temporal_width_s, "us", "derived")
@@ -77,7 +77,7 @@ def _performance() -> Iterator[Number]:
 
 
 def _power() -> Iterator[Number]:
-    for name, signal in measured().items():
+    for name, signal in measurements().items():
         energy_j = signal.power_w * signal.emission.reversal_s
         yield Number("power while emitting", name, signal.power_w, "W", "derived")
         yield Number("energy of a focus", name, 1e3 * energy_j, "mJ", "derived")
@@ -94,7 +94,7 @@ def _analytical_w(signal: DrivenFocus) -> float:
 
 
 def _sound() -> Iterator[Number]:
-    levels_db = {name: signal.sound_dba for name, signal in measured().items()}
+    levels_db = {name: signal.sound_dba for name, signal in measurements().items()}
     first_db = next(iter(levels_db.values()))
     for name, level_db in levels_db.items():
         yield Number("A-weighted level", name, level_db, "dBA", "calibrated")
@@ -104,7 +104,7 @@ def _sound() -> Iterator[Number]:
 
 
 def _comparison() -> Iterator[Number]:
-    signals = measured()
+    signals = measurements()
     loudest_db = max(signal.sound_dba for signal in signals.values())
     largest_m = max(signal.amplitude_m for signal in signals.values())
     strong = {name: signal for name, signal in signals.items() if signal.amplitude_m >= largest_m / 2}
