@@ -24,15 +24,13 @@ def problem() -> Problem:
     return Problem(
         "rms error of the focus that a channel makes over the rms focus, one bit, modes below 10 kHz, 4 ms",
         reference=Reference("closed integrals between the zeros", lambda: _at_crossings(screen), 1e-8),
-        independent=Reference("samples at 12.8 MHz", lambda: _sampled_emission(screen, FINE_HZ), 2e-5),
+        independent=Reference("samples at 12.8 MHz", lambda: _emission(screen, FINE_HZ), 2e-5),
         error=over_rms,
-        rungs=tuple(
-            Rung(f"{rate_hz / 1e3:g} kHz", partial(_sampled_emission, screen, rate_hz)) for rate_hz in RATES_HZ
-        ),
+        rungs=tuple(Rung(f"{rate_hz / 1e3:g} kHz", partial(_emission, screen, rate_hz)) for rate_hz in RATES_HZ),
     )
 
 
-def _sampled_emission(screen: Screen, rate_hz: float) -> Real:
+def _emission(screen: Screen, rate_hz: float) -> Real:
     """(n_foci, n_channels): what each channel's sign, sampled and emitted, does at the focus."""
     heard = impulse_responses(screen, FOCI_M, rate_hz=rate_hz, duration_s=DURATION_S, f_max_hz=F_MAX_HZ)
     drives = [drive(heard.at_point(n), 1.0).samples[:, ::-1] for n in range(heard.n_points)]
