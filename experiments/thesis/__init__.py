@@ -1,1 +1,1 @@
-"""What of the thesis comes out of the house; `items` has a file for each table and finding."""
+"""What of the thesis comes out of the house; `items` has a file for what one computation or chapter gives."""
