@@ -7,7 +7,8 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.arguments.require import expect
+from tactometry.errors import InvalidFile
 
 from .outcomes.findings import Outcome
 from .outcomes.hierarchical_outcome import HierarchicalOutcome, group_fit
@@ -15,12 +16,12 @@ from .outcomes.outcome import outcome
 from .outcomes.ratings import ratings
 from .plan import AnalysisPlan, plan_of
 from .reading.column_map import ColumnMap
-from .reading.exclusion import exclude
 from .reading.origin import of_one_kind
-from .reading.quality import frames, quality, with_frames
+from .reading.quality import exclude, frames, quality, with_frames
 from .reading.trials import Trials, read_trials, used_rows
 from .report.data_warnings import warnings_of
 from .report.methods import methods
+from .report.page import check_report, write_figures, write_report
 from .report.study_text import study_text
 from .result import Analysis
 from .tasks import cells
@@ -78,11 +79,8 @@ def analyse(
     DeviceFailed
         If the report cannot be written, or nothing prints it.
     """
-    if report is None and pdf:
-        raise InvalidParameter("--pdf: found no --report, expected one: the PDF is printed from it")
+    expect(report is not None or not pdf, "--pdf", "no --report", "one: the PDF is printed from it")
     if report is not None:
-        from .report.page import check_report
-
         check_report(report)
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
     analysis = analyse_trials(
@@ -92,8 +90,6 @@ def analyse(
     )
     if report is None and figures is None:
         return analysis
-    from .report.page import write_figures, write_report
-
     if figures is not None:
         analysis = write_figures(analysis, figures)
     return analysis if report is None else write_report(analysis, report, pdf=pdf)

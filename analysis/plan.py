@@ -12,7 +12,7 @@ from tactometry.config.quantity import as_si
 from tactometry.config.strict import build, read_toml
 from tactometry.errors import nearest
 
-from .reading.exclusion import Exclusion
+from .reading.quality import Exclusion
 from .reading.study_file import study_table
 
 

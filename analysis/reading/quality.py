@@ -1,12 +1,16 @@
-"""Per participant: what was recorded and used, how catch trials were answered, what became of the frames."""
+"""Quality of the data, per participant: what was recorded and used, how catch trials were answered, what became of the
+frames; and what rules of exclusion, stated before the data are seen, leave out (without any rule nothing)."""
 
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
-from tactometry.errors import InvalidFile
+from tactometry.arguments.require import expect
+from tactometry.errors import InvalidFile, InvalidParameter
 
-from .rows import holds, is_catch
+from .rows import holds, is_catch, no_column
 from .trials import Trials
 
 COUNTS = ("n_frames", "n_dropped_frames")
@@ -73,3 +77,98 @@ def _is_repeated(rows: pd.DataFrame) -> "pd.Series[bool]":
     keys = ["participant", *(name for name in ("source", "session", "block", "trial", "attempt") if name in rows)]
     first = rows["item"].eq("") | ~rows.duplicated(keys) if "item" in rows.columns else True
     return (rows["attempt"] > 1) & first
+
+
+TARGET = "force_n"
+
+
+@dataclass(frozen=True)
+class Exclusion:
+    """Which trials and participants are left out; None: no such rule.
+
+    Parameters
+    ----------
+    force_in_band_share_min : float, optional
+        A trial with a smaller share of its stimulus in the target band is left out.
+    force_deviation_ratio_max : float, optional
+        A trial whose mean force deviates from the target (the factor `force_n`) by more than this part of it.
+    latency_min_s, latency_max_s : float, optional
+        A trial that was answered faster or slower.
+    false_alarm_share_max : float, optional
+        A participant with a larger rate of "yes" in catch trials.
+    invalid_share_max : float, optional
+        A participant with a larger part of invalid trials.
+
+    Raises
+    ------
+    InvalidParameter
+        If a bound is not a number from 0 (shares: to 1), or the bounds of the latency are crossed.
+    """
+
+    force_in_band_share_min: float | None = None
+    force_deviation_ratio_max: float | None = None
+    latency_min_s: float | None = None
+    latency_max_s: float | None = None
+    false_alarm_share_max: float | None = None
+    invalid_share_max: float | None = None
+
+    def __post_init__(self) -> None:
+        shares = ("force_in_band_share_min", "false_alarm_share_max", "invalid_share_max")
+        for name, value in self.stated().items():
+            top, to = (1.0, " to 1") if name in shares else (np.inf, "")
+            expect(0 <= value <= top and np.isfinite(value), name, value, f"a number from 0{to}")
+        is_ordered = (self.latency_min_s or 0.0) < (self.latency_max_s or np.inf)
+        expect(is_ordered, "latency_max_s", self.latency_max_s, f"more than latency_min_s, {self.latency_min_s}")
+
+    def stated(self) -> dict[str, float]:
+        """The rules that there are.
+
+        >>> Exclusion(force_in_band_share_min=0.8).stated()
+        {'force_in_band_share_min': 0.8}
+        """
+        values = {rule.name: getattr(self, rule.name) for rule in fields(self)}
+        return {name: value for name, value in values.items() if value is not None}
+
+
+def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Trials, pd.DataFrame]:
+    """The trials that the rules leave, under their index, and a table of what they left out: `participant, rule, bound,
+    n_trials`.
+
+    `quality` is that of the trials (`reading.quality`), whose shares the rules on participants ask for.
+
+    Raises
+    ------
+    InvalidParameter
+        If a rule needs a column that the table does not have.
+    """
+    rows = trials.rows
+    lost: list[tuple[object, ...]] = []
+    out = pd.Series(False, index=rows.index)
+    for name, bound in rules.stated().items():
+        against_rule = _against_rule(rows, name, bound, quality)
+        numbers = against_rule.groupby(rows["participant"], sort=True).sum()
+        lost += [(code, name, bound, n) for code, n in numbers.items() if n]
+        out |= against_rule
+    return replace(trials, rows=rows[~out]), pd.DataFrame(lost, columns=["participant", "rule", "bound", "n_trials"])
+
+
+def _against_rule(rows: pd.DataFrame, name: str, bound: float, quality: pd.DataFrame) -> "pd.Series[bool]":
+    """Rows that break a rule; what was not measured breaks none: NaN compares as false."""
+    if name == "force_in_band_share_min":
+        return _column(rows, "force_in_band", name) < bound
+    if name == "force_deviation_ratio_max":
+        target = pd.to_numeric(_column(rows, TARGET, name), errors="coerce")
+        return (_column(rows, "force_mean_n", name) - target).abs() > bound * target
+    if name == "latency_min_s":
+        return _column(rows, "latency_s", name) < bound
+    if name == "latency_max_s":
+        return _column(rows, "latency_s", name) > bound
+    of = quality.set_index("participant")
+    share = of["false_alarm_rate"] if name == "false_alarm_share_max" else of["n_invalid"] / of["n_rows"]
+    return rows["participant"].map(share > bound).astype(bool)
+
+
+def _column(rows: pd.DataFrame, name: str, rule: str) -> "pd.Series[float]":
+    if name not in rows.columns:
+        raise InvalidParameter(f"{rule}: {no_column(name, rows)}, which this rule needs")
+    return rows[name]

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from tactometry.errors import InvalidFile, InvalidParameter, nearest
+from tactometry.arguments.require import expect
+from tactometry.errors import InvalidFile, counted, nearest
 from tactometry.files.durable import files_in
 from tactometry.records.data_set import keys_of
 from tactometry.records.head import ADDED
@@ -124,13 +125,9 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
     alike = int(numbered.duplicated([name for name in rows.columns if name not in OWN]).sum())
     first = again.iloc[0]
     place = f"{Path(str(first['source'])).name}, row {first['row']}"
-    said = (
-        "1 row repeats a trial that stands before it"
-        if len(again) == 1
-        else f"{len(again)} rows repeat trials that stand before them"
-    )
+    repeat = "repeats a trial that stands before it" if len(again) == 1 else "repeat trials that stand before them"
     return [
-        f"{said} (the first: {place}; {alike} of {len(again)} alike in every cell): "
+        f"{counted(len(again), 'row')} {repeat} (the first: {place}; {alike} of {len(again)} alike in every cell): "
         "each counts as a trial of its own; take copies out, or number trials through the session"
     ]
 
@@ -320,10 +317,9 @@ def _fits(rule: CellRule, text: str) -> bool:
 def _factors(header: Sequence[str], within: Sequence[str] | None, path: Path) -> tuple[str, ...]:
     theirs = [name for name in header if name not in OWN]
     for name in within or ():
-        if name not in theirs:
-            raise InvalidParameter(f"--within: found {name!r}, expected columns of {path}{nearest(name, theirs)}")
-        if name in RESERVED - MAY_BE_FACTORS:
-            raise InvalidParameter(f"--within: found {name!r}, a name that is no factor's, expected factors of {path}")
+        expect(name in theirs, "--within", repr(name), f"columns of {path}{nearest(name, theirs)}")
+        is_kept = name in RESERVED - MAY_BE_FACTORS
+        expect(not is_kept, "--within", f"{name!r}, a name that is no factor's", f"factors of {path}")
     if within is not None:
         return tuple(dict.fromkeys(within))
     if "procedure" not in header or "trial" not in header:

@@ -9,10 +9,8 @@ NAMES = (
     "hierarchical",
     "questionnaires",
     "task_tables",
-    "loss",
-    "force",
+    "measured",
     "quality",
-    "rates",
-    "participants",
+    "curves",
 )
 KINDS: tuple[ResultKind, ...] = tuple(resolve(f"{__package__}.sections.{name}:KIND") for name in NAMES)

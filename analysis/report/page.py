@@ -8,7 +8,8 @@ from pathlib import Path
 
 import pandas as pd
 
-from tactometry.errors import InvalidParameter, attempt, counted
+from tactometry.arguments.require import expect
+from tactometry.errors import attempt, counted
 from tactometry.files.safe_text import cell_text, file_text
 
 from ..result import Analysis
@@ -49,8 +50,7 @@ def check_report(path: Path) -> None:
     InvalidParameter
         If it does not end in ``.html``.
     """
-    if path.suffix.lower() not in (".html", ".htm"):
-        raise InvalidParameter(f"--report: found {path.name!r}, expected a file name that ends in .html")
+    expect(path.suffix.lower() in (".html", ".htm"), "--report", repr(path.name), "a file name that ends in .html")
 
 
 def write_figures(analysis: Analysis, folder: Path) -> Analysis:

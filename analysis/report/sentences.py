@@ -2,7 +2,6 @@
 American Psychological Association."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -198,18 +197,10 @@ def permutation_sentences(tested: pd.DataFrame) -> list[str]:
     ]
 
 
-@dataclass(frozen=True)
-class PairTest:
-    """How a comparison of two conditions is told: its statistic, the column of its size, and of which values it is
-    said that they do not vary."""
-
-    statistic: str
-    size: str
-    without_error: str
-
-
-PAIRED = PairTest("t", "dz", " in every participant")
-WELCH = PairTest("Welch's t", "g", ", alike in all participants of a group")
+PAIRED = "t", "dz", " in every participant"
+WELCH = "Welch's t", "g", ", alike in all participants of a group"
+"""How a comparison of two conditions is told: its statistic, the column of its size, and of which values it is said
+that they do not vary."""
 
 
 def pair_sentences(compared: pd.DataFrame, unit: str = "", by: str = "", factor: str = "") -> list[str]:
@@ -227,7 +218,7 @@ def pair_sentences(compared: pd.DataFrame, unit: str = "", by: str = "", factor:
     right less left: 3.00 dB, 95 % CI [0.73, 5.27], Welch's t(4) = 3.67, p = .021, g = 2.40, BF10 = 3.6,
     moderate evidence for a difference
     """
-    test = PAIRED if PAIRED.size in compared.columns else WELCH
+    test = PAIRED if PAIRED[1] in compared.columns else WELCH
     n_tested = int(compared["p_unc"].notna().sum())
     return [
         f"{f'{value_of(by, row[by])}: ' if by else ''}{level_of(factor, row['b'])} less {level_of(factor, row['a'])}: "
@@ -236,17 +227,18 @@ def pair_sentences(compared: pd.DataFrame, unit: str = "", by: str = "", factor:
     ]
 
 
-def _comparison(row: "pd.Series[Any]", test: PairTest, unit: str, n_tested: int) -> str:
+def _comparison(row: "pd.Series[Any]", test: tuple[str, str, str], unit: str, n_tested: int) -> str:
     """Difference, interval, t, p, size and Bayes factor; of several comparisons the interval and the p of all
     together."""
+    statistic, size, without_error = test
     if row["status"] != "ok":
         difference = in_unit(number_text(row["difference"]), unit)
-        return f"{difference}{test.without_error}: no test, as there is no error"
+        return f"{difference}{without_error}: no test, as there is no error"
     level, correction = ("95 % simultaneous", " (Holm)") if n_tested > 1 else ("95 %", "")
     difference = _with_interval(row["difference"], row["simultaneous_low"], row["simultaneous_high"], unit, level)
-    t = f"{test.statistic}({_df(row['df'])}) = {row['t']:.2f}, {p_text(row['p_corr'])}{correction}"
+    t = f"{statistic}({_df(row['df'])}) = {row['t']:.2f}, {p_text(row['p_corr'])}{correction}"
     bayes = f", {bayes_text(row['bf10'])}, {evidence(row['bf10'])}" if pd.notna(row["bf10"]) else ""
-    return f"{difference}, {t}, {test.size} = {row[test.size]:.2f}{bayes}"
+    return f"{difference}, {t}, {size} = {row[size]:.2f}{bayes}"
 
 
 def _df(df: float) -> str:

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 
 from ..means import by_condition, mean_row
-from ..reading.exclusion import TARGET
+from ..reading.quality import TARGET
 from ..wording import decimals_of, percent_text
 
 MEASURED = ("force_mean_n", "force_sd_n", "force_in_band")

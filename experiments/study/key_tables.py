@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from tactometry.analysis.plan import AnalysisPlan
-from tactometry.analysis.reading.exclusion import Exclusion
+from tactometry.analysis.reading.quality import Exclusion
 from tactometry.loading import resolve
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.kinds import OBSERVERS, USUAL

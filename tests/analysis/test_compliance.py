@@ -8,8 +8,7 @@ import pytest
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan, plan_of, read_plan
-from tactometry.analysis.reading.exclusion import Exclusion, exclude
-from tactometry.analysis.reading.quality import quality
+from tactometry.analysis.reading.quality import Exclusion, exclude, quality
 from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.analysis.tasks.applied_force import force_of_participants, force_table, has_force
 from tactometry.errors import InvalidFile, InvalidParameter

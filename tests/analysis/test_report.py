@@ -17,7 +17,7 @@ from places import SHARED
 from tactometry.analysis.anova.group_means import group_table
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
-from tactometry.analysis.reading.exclusion import Exclusion
+from tactometry.analysis.reading.quality import Exclusion
 from tactometry.analysis.report.page import figures_of, write_report
 from tactometry.analysis.report.pdf import BROWSERS, WEASYPRINT, print_pdf
 from tactometry.analysis.report.sentences import primary_sentences

@@ -89,7 +89,7 @@ LINES = (
         '    "spring": "tactometry.devices.sensors.spring:SpringSettings",\n',
         '    "recorded": ',
     ),
-    ("analysis/report/kinds.py", '    "latency",\n', '    "loss",\n'),
+    ("analysis/report/kinds.py", '    "latency",\n', '    "measured",\n'),
     (
         "stimuli/scenes/effects/__init__.py",
         '    "strips": "tactometry.stimuli.scenes.effects.strips:Strips",\n',

@@ -1,4 +1,5 @@
-"""Each participant: psychometric curves, tracks, and the table of all estimates."""
+"""Rates of answers against the level; of each participant psychometric curves, tracks, and the table of all
+estimates."""
 
 from collections.abc import Iterator
 
@@ -6,6 +7,7 @@ import pandas as pd
 
 from ...figures import psychophysics
 from ...result import Analysis
+from ...tasks.cells import MAX_LEVELS
 from ...tasks.kinds import CURVES
 from ...wording import procedure_name
 from ..section import Details, Figure, ResultKind, Section, grid, rows_of
@@ -17,7 +19,34 @@ OF_RULES = ("rule_estimate", "rule_sd", "rule_n")
 N_OPEN = 2
 
 
+def _rates(analysis: Analysis) -> Iterator[Section]:
+    # cells without a level hold catch trials alone
+    tasks = sorted({estimate.cell.task for estimate in analysis.estimates if estimate.cell.levels} & set(CURVES))
+    if tasks:
+        yield Section("Rates", tuple(figure for task in tasks for figure in _rate_figures(analysis, task)))
+
+
+def _rate_figures(analysis: Analysis, task: str) -> Iterator[Figure]:
+    factors, kind, of = analysis.factors, CURVES[task].rate_label, ("task", task)
+    rates, means, counts = (
+        table[table["task"] == task] for table in map(analysis.tables.__getitem__, ("rates", "mean_rates", "counts"))
+    )
+    is_one = counts["participant"].nunique() == 1
+    classes = f"; levels in {MAX_LEVELS} classes, each at its mean" if counts["level"].nunique() > MAX_LEVELS else ""
+    text = f"{kind} against level, {'one participant' if is_one else 'all participants together'}{classes}."
+    yield Figure(f"rates_{task}", psychophysics.rate_figure(rates, factors, unit=analysis.unit), text, "rates", of)
+    if factors and not _is_tracked(analysis, task):
+        text = f"{kind} over all levels, {'one participant' if is_one else 'mean over participants'}."
+        yield Figure(f"mean_rates_{task}", psychophysics.mean_rate_figure(means, factors), text, "mean_rates", of)
+
+
+def _is_tracked(analysis: Analysis, task: str) -> bool:
+    """Whether levels followed the answers: the rate over all of them then tells of the procedure alone."""
+    return "tracks" in analysis.tables and task in set(analysis.tables["tracks"]["task"])
+
+
 def _sections(analysis: Analysis) -> Iterator[Section]:
+    yield from _rates(analysis)
     if "thresholds" in analysis.tables:
         drawn = enumerate(_figures(analysis))
         unfolding = (Details(title, (figure,), is_open=n < N_OPEN) for n, (title, figure) in drawn)
