@@ -2,7 +2,6 @@
 log width of its own, on the scale of the whole study's levels."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -37,25 +36,19 @@ def mixed_model(study: StudyCounts) -> ClusteredModel:
     several = study.n_participants > 1 and study.n_conditions > 1
     varied = study.n_groups > 1 and study.width_varies
     n, c = study.n_participants, study.n_conditions
-    present = (study.n_trials.sum(axis=2) > 0)[:, :, None]  # a missing cell is an unused slot, with X = Z = 0
+    present = (study.n_trials.sum(axis=2) > 0)[:, :, None, None]  # a missing cell is an unused slot, with X = Z = 0
     fixed = np.zeros((n, c, 2, c + study.n_groups))
-    fixed[:, np.arange(c), 0, np.arange(c)] = 1.0
-    fixed[:, np.arange(c), 1, c + study.width_group] = 1.0
+    fixed[:, :, 0, :c] = np.eye(c)
+    fixed[:, :, 1, c:] = np.eye(study.n_groups)[study.width_group]
     columns = [np.broadcast_to(np.eye(2), (n, c, 2, 2))]
     for place in range(several * (1 + varied)):
         deviations = np.zeros((n, c, 2, c))
-        deviations[:, np.arange(c), place, np.arange(c)] = 1.0
+        deviations[:, :, place] = np.eye(c)
         columns.append(deviations)
-    random, cells = np.concatenate(columns, axis=3) * present[..., None], _Cells.of(study)
-    return ClusteredModel(
-        cells.log_likelihood,
-        fixed * present[..., None],
-        random,
-        _basis(study, random.shape[3]),
-        len(study.shared),
-        _prior(study),
-        cells.information,
-    )
+    random = np.concatenate(columns, axis=3) * present
+    basis, prior = _basis(study, random.shape[3]), _prior(study)
+    log_likelihood, information = _answers(study)
+    return ClusteredModel(log_likelihood, fixed * present, random, basis, len(study.shared), prior, information)
 
 
 def _basis(study: StudyCounts, size: int) -> Array:
@@ -80,32 +73,23 @@ def start_scales(model: ClusteredModel) -> Array:
     return np.array([START_SD[kinds[diagonal.argmax()]] if diagonal.any() else 0.0 for diagonal in diagonals])
 
 
-@dataclass(frozen=True)
-class _Cells:
-    """The answers of all cells, with rates by angles: value and derivatives along threshold, log width, angles."""
+def _answers(study: StudyCounts) -> tuple[Callable[[Array], Expansion], Callable[[Array], Array]]:
+    """Log-likelihood with derivatives, and Fisher's information, of all cells at their threshold, log width and angles
+    of rates."""
+    n_units, kept = study.n_participants * study.n_conditions, [THRESHOLD, LOG_WIDTH, *study.shared]
+    u, k, n = (counts.reshape(n_units, -1) for counts in (study.u, study.n_yes, study.n_trials))
+    nothing, n_levels = np.zeros(n_units), np.zeros(n_units, dtype=np.int64)
+    counts = Counts(u, k, n, nothing, nothing, nothing, n_levels).by_level()
 
-    study: StudyCounts
-    counts: Counts
-
-    @classmethod
-    def of(cls, study: StudyCounts) -> "_Cells":
-        n_units = study.n_participants * study.n_conditions
-        u, k, n = (counts.reshape(n_units, -1) for counts in (study.u, study.n_yes, study.n_trials))
-        nothing, n_levels = np.zeros(n_units), np.zeros(n_units, dtype=np.int64)
-        return cls(study, Counts(u, k, n, nothing, nothing, nothing, n_levels).by_level())
-
-    def theta(self, points: Array) -> Array:
-        study, kept = self.study, [THRESHOLD, LOG_WIDTH, *self.study.shared]
-        theta = np.empty((len(self.counts), N_PARAMETERS))
+    def theta_at(points: Array) -> Array:
+        theta = np.empty((n_units, N_PARAMETERS))
         theta[:, LAPSE], theta[:, GUESS] = study.lapse_rate or 0.0, study.guess_rate or 0.0
-        theta[:, kept] = points.reshape(len(theta), -1)
-        for place in study.shared:
-            theta[:, place] = rate_of(theta[:, place])[0]
+        theta[:, kept] = points.reshape(n_units, -1)
+        theta[:, study.shared] = rate_of(theta[:, study.shared])[0]
         return theta
 
-    def log_likelihood(self, points: Array) -> Expansion:
-        kept = [THRESHOLD, LOG_WIDTH, *self.study.shared]
-        whole, angles = expansion(self.study.shape, self.counts, self.theta(points)), points.reshape(-1, len(kept))
+    def log_likelihood(points: Array) -> Expansion:
+        whole, angles = expansion(study.shape, counts, theta_at(points)), points.reshape(n_units, -1)
         gradient, hessian = whole.gradient[:, kept], whole.hessian[:, kept][:, :, kept]
         for place in range(2, len(kept)):
             _, slope, bent = rate_of(angles[:, place])
@@ -113,15 +97,14 @@ class _Cells:
             hessian[:, :, place] *= slope[:, None]
             hessian[:, place, place] += gradient[:, place] * bent  # still the gradient along the rate itself
             gradient[:, place] *= slope
-        layout = points.shape[:2]
-        return Expansion(
-            whole.value.reshape(layout), gradient.reshape(points.shape), hessian.reshape(*points.shape, len(kept))
-        )
+        value = whole.value.reshape(points.shape[:2])
+        return Expansion(value, gradient.reshape(points.shape), hessian.reshape(*points.shape, len(kept)))
 
-    def information(self, points: Array) -> Array:
-        """Fisher's, of threshold and log width: unlike the observed it is never negative, which keeps the determinant
-        of Laplace's approximation away from 0."""
-        return chance_information(self.study.shape, self.counts, self.theta(points)).reshape(*points.shape[:2], 2, 2)
+    def information(points: Array) -> Array:
+        # Unlike the observed it is never negative, which keeps the determinant of Laplace's approximation away from 0.
+        return chance_information(study.shape, counts, theta_at(points)).reshape(*points.shape[:2], 2, 2)
+
+    return log_likelihood, information
 
 
 def _prior(study: StudyCounts) -> Callable[[Array], tuple[float, Array]]:

@@ -162,14 +162,9 @@ def _adapted(box: _Box, ends: _Box, profiles: list[Array], best: Array) -> _Box:
 
 
 @cache
-def _gauss(n: int) -> tuple[Array, Array]:
-    points, weights = np.polynomial.legendre.leggauss(n)
-    return points, weights
-
-
 def rate_rule(n: int) -> tuple[Array, Array]:
     """Gauss and Legendre's nodes from 0 to 1, with weights that sum to 2."""
-    points, weights = _gauss(n)
+    points, weights = np.polynomial.legendre.leggauss(n)
     return (points + 1) / 2, weights
 
 
