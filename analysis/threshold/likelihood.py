@@ -9,6 +9,8 @@ eta in [0, 1) is the overdispersion: nu = 1/eta^2 - 1, and the chance of a block
 Beta(nu psi, nu (1 - psi)); the variance of k is n psi (1 - psi) (1 + (n - 1) eta^2). eta = 0 is the binomial.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 from scipy.special import gammaln, polygamma, psi
 
@@ -27,14 +29,14 @@ SMALLEST_CHANCE = 1e-100
 
 def log_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
     """log psi and log(1 - psi) at levels (..., n_levels) for parameters (..., 4)."""
-    z = _z(shape, u, theta)
-    return log_mixture(shape.log_cdf(z), shape.log_sf(z), theta[..., GUESS, None], theta[..., LAPSE, None])
+    z, _, _ = _z(shape, u, theta)
+    return log_mixture(shape.log_cdf(z), shape.log_sf(z), *_rates(theta))
 
 
 def log_chances_by_curve(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array]:
     """As `log_chances` (n_curves, n_rates, n_levels), where threshold and width are the same along the second axis."""
-    z = _z(shape, u, theta[:, :1])
-    guess, lapse = theta[..., GUESS, None], theta[..., LAPSE, None]
+    z, _, _ = _z(shape, u, theta[:, :1])
+    guess, lapse = _rates(theta)
     if guess.min() == 0 or lapse.min() == 0:
         # Without an asymptote to hold it up a chance may underflow, and keeps its digits only as a logarithm.
         return log_mixture(shape.log_cdf(z), shape.log_sf(z), guess, lapse)
@@ -64,25 +66,39 @@ def constant_log_likelihood(k: Array, n: Array) -> Array:
         return weighted(k, np.log(k / n)) + weighted(n - k, np.log((n - k) / n))
 
 
-def _z(shape: Shape, u: Array, theta: Array) -> Array:
+def _z(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array]:
+    """z = z50 + (u - m) z_width exp(-v) at each level, and its derivatives: along the threshold (..., 1), the same at
+    all levels, and along the log width."""
     with np.errstate(over="ignore"):
-        slope = shape.z_width * np.exp(-theta[..., LOG_WIDTH])
-    return shape.z50 + (u - theta[..., THRESHOLD, None]) * slope[..., None]
+        slope = shape.z_width * np.exp(-theta[..., LOG_WIDTH, None])
+    z = shape.z50 + (u - theta[..., THRESHOLD, None]) * slope
+    return z, -slope, shape.z50 - z
+
+
+def _rates(theta: Array) -> tuple[Array, Array]:
+    """Guess and lapse rates (..., 1)."""
+    return theta[..., GUESS, None], theta[..., LAPSE, None]
+
+
+def _matrix(rows: Sequence[Sequence[Array]]) -> Array:
+    """Entries (...) as (..., n, n)."""
+    matrix = np.empty((*rows[0][0].shape, len(rows), len(rows)))
+    for i, row in enumerate(rows):
+        for j, entry in enumerate(row):
+            matrix[..., i, j] = entry
+    return matrix
 
 
 def expansion(shape: Shape, counts: Counts, theta: Array) -> Expansion:
     """The log-likelihood with its exact gradient and Hessian."""
-    z = _z(shape, counts.u, theta)
-    guess, lapse = theta[..., GUESS, None], theta[..., LAPSE, None]
+    z, to_m, to_v = _z(shape, counts.u, theta)
     answers = (counts.n_yes, counts.n_trials - counts.n_yes)
     with np.errstate(over="ignore", invalid="ignore"):
-        return _chain(shape, z, theta, by_point(shape, z, guess, lapse, answers))
+        return _chain(by_point(shape, z, *_rates(theta), answers), to_m[..., 0], to_v)
 
 
-def _chain(shape: Shape, z: Array, theta: Array, by: ByPoint) -> Expansion:
+def _chain(by: ByPoint, to_m: Array, to_v: Array) -> Expansion:
     """From derivatives along z to those along threshold and log width; summed over the levels."""
-    # dz/dm and dz/dv of z = z50 + (u - m) z_width exp(-v); dz/dm is the same at all levels and leaves the sums.
-    to_m, to_v = -shape.z_width * np.exp(-theta[..., LOG_WIDTH]), shape.z50 - z
     zz_v = by.zz * to_v
     z1, zv, lapse, guess = _sums(by.z, by.z * to_v, by.lapse, by.guess)
     zz, mv, vv = _sums(by.zz, zz_v, zz_v * to_v)
@@ -95,11 +111,8 @@ def _chain(shape: Shape, z: Array, theta: Array, by: ByPoint) -> Expansion:
         (zl * to_m, vl, ll, lg),
         (zg * to_m, vg, lg, gg),
     )
-    hessian = np.empty((*to_m.shape, N_PARAMETERS, N_PARAMETERS))
-    for i, row in enumerate(rows):
-        for j, entry in enumerate(row):
-            hessian[..., i, j] = entry
-    return Expansion(by.value.sum(axis=-1), np.stack([z1 * to_m, zv, lapse, guess], axis=-1), hessian)
+    gradient = np.stack([z1 * to_m, zv, lapse, guess], axis=-1)
+    return Expansion(by.value.sum(axis=-1), gradient, _matrix(rows))
 
 
 def _sums(*terms: Array) -> list[Array]:
@@ -108,22 +121,19 @@ def _sums(*terms: Array) -> list[Array]:
 
 def chance_information(shape: Shape, counts: Counts, theta: Array) -> Array:
     """Fisher's information (n, 2, 2) of threshold and log width."""
-    z = _z(shape, counts.u, theta)
-    info = expected_information(shape, z, theta[..., GUESS, None], theta[..., LAPSE, None], counts.n_trials)
-    to_m, to_v = -shape.z_width * np.exp(-theta[..., LOG_WIDTH]), shape.z50 - z
-    one, by_v, by_vv = _sums(info, info * to_v, info * to_v * to_v)
+    z, to_m, to_v = _z(shape, counts.u, theta)
+    info = expected_information(shape, z, *_rates(theta), counts.n_trials)
+    to_m, one, by_v, vv = to_m[..., 0], *_sums(info, info * to_v, info * to_v * to_v)
     mm, mv = one * to_m * to_m, by_v * to_m
-    return np.stack([np.stack([mm, mv], axis=-1), np.stack([mv, by_vv], axis=-1)], axis=-2)
+    return _matrix(((mm, mv), (mv, vv)))
 
 
 def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:
     """psi and 1 - psi (n, n_levels), and gradient (..., 4) and Hessian (..., 4, 4) of psi at each level."""
-    z = _z(shape, u, theta)
-    guess, lapse = theta[..., GUESS, None], theta[..., LAPSE, None]
+    z, to_m, to_v = _z(shape, u, theta)
+    guess, lapse = _rates(theta)
     cdf, sf, pdf = (np.exp(log_part(z)) for log_part in (shape.log_cdf, shape.log_sf, shape.log_pdf))
     span, nothing = 1 - guess - lapse, np.zeros_like(z)
-    to_m = np.broadcast_to(-shape.z_width * np.exp(-theta[..., LOG_WIDTH, None]), z.shape)
-    to_v = shape.z50 - z
     steep, bent = span * pdf, span * bend(pdf, shape.score(z))
     mv = bent * to_m * to_v - steep * to_m
     # Either rate takes as much from the span: the cross terms of lapse and guess are the same. Along the rates psi is
@@ -135,9 +145,8 @@ def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, A
         [ml, vl, nothing, nothing],
         [ml, vl, nothing, nothing],
     ]
-    hessian = np.stack([np.stack(row, axis=-1) for row in rows], axis=-2)
     gradient = np.stack([steep * to_m, steep * to_v, -cdf, sf], axis=-1)
-    return guess + span * cdf, lapse + span * sf, gradient, hessian
+    return guess + span * cdf, lapse + span * sf, gradient, _matrix(rows)
 
 
 def log_weight(p: Array, q: Array, k: Array | float, n: Array | float, eta: float) -> Array:

@@ -83,10 +83,18 @@ class LogPosterior(Rows):
         spread = likelihood.overdispersed_expansion(self.shape, self.counts, theta, finite)
         return spread.where(eta >= BINOMIAL_BELOW, binomial)
 
+    def _levels_of_one(self) -> Array:
+        return self.counts.u[0, self.counts.n_trials[0] > 0]
+
+    def z_of(self, axes: Sequence[Array]) -> Array:
+        """z (n_levels, n_thresholds, n_widths) at the levels of one data set."""
+        m, v = axes[THRESHOLD][:, None], axes[LOG_WIDTH]
+        return self.shape.z50 + (self._levels_of_one()[:, None, None] - m) * (self.shape.z_width * np.exp(-v))
+
     def beyond_levels(self, axes: Sequence[Array]) -> Array:
         """The part of each cell (2, n_thresholds, n_widths) in which the curve's rise, from its 0.05 to its 0.95 point,
         ends below the lowest level, and in which it begins above the highest, of one data set."""
-        used = self.counts.u[0, self.counts.n_trials[0] > 0]
+        used = self._levels_of_one()
         m, width = axes[THRESHOLD][:, None], np.exp(axes[LOG_WIDTH])
         down, up = self.shape.rise
         inside = np.stack([m + up * width - used.min(), used.max() - (m - down * width)])

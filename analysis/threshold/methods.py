@@ -128,9 +128,9 @@ class Fitting:
     def _wald(self, basis: Mode) -> Estimates:
         """The mode with Wald's intervals."""
         z = float(ndtri((1 + self.interval) / 2)) * np.array([-1.0, 1.0])
-        threshold = basis.theta[:, [THRESHOLD]] + z * basis.threshold_sd[:, None]
+        threshold = basis.theta[:, [THRESHOLD]] + z * basis.sd[:, [THRESHOLD]]
         with np.errstate(over="ignore"):
-            width = np.exp(basis.theta[:, [LOG_WIDTH]] + z * basis.log_width_sd[:, None])
+            width = np.exp(basis.theta[:, [LOG_WIDTH]] + z * basis.sd[:, [LOG_WIDTH]])
         return Estimates(_with_width(basis.theta), threshold, width)
 
     def _refined(self, posterior: LogPosterior, basis: Mode) -> Array:
@@ -194,13 +194,16 @@ def _known(values: Array | None, where: Bools) -> list[float | None]:
 
 def is_regular(mode: Mode) -> Bools:
     """Whether the curvature at a mode is one to rest on."""
-    return np.asarray(mode.interior & (mode.threshold_sd < WIDEST_SD) & (mode.log_width_sd < WIDEST_LOG_SD))
+    is_narrow = (mode.sd[:, THRESHOLD] < WIDEST_SD) & (mode.sd[:, LOG_WIDTH] < WIDEST_LOG_SD)
+    return np.asarray(mode.interior & is_narrow)
 
 
 def _with_width(theta: Array) -> Array:
     """With the width in place of its logarithm."""
+    theta = theta.copy()
     with np.errstate(over="ignore"):
-        return np.concatenate([theta[:, :LOG_WIDTH], np.exp(theta[:, [LOG_WIDTH]]), theta[:, LOG_WIDTH + 1 :]], axis=1)
+        theta[:, LOG_WIDTH] = np.exp(theta[:, LOG_WIDTH])
+    return theta
 
 
 def _within(x: Array, ends: Array) -> Bools:
@@ -217,8 +220,8 @@ def profile(posterior: LogPosterior, mode: Mode, interval: float) -> Array:
 
 
 def _profile_end(posterior: LogPosterior, mode: Mode, floor: Array, side: float) -> Array:
-    inner = mode.theta[:, THRESHOLD].copy()
-    reach = np.maximum(2 * mode.threshold_sd, 1e-3)
+    inner, sd = mode.theta[:, THRESHOLD].copy(), mode.sd[:, THRESHOLD]
+    reach = np.maximum(2 * sd, 1e-3)
     outer, start = inner + side * reach, mode.theta
     for _ in range(MAX_BISECTIONS):
         above, start = _is_above(posterior, outer, start, floor)
@@ -232,7 +235,7 @@ def _profile_end(posterior: LogPosterior, mode: Mode, floor: Array, side: float)
         middle = (inner + outer) / 2
         above, start = _is_above(posterior, middle, start, floor)
         inner, outer = np.where(above, middle, inner), np.where(above, outer, middle)
-        if (np.abs(outer - inner) <= 1e-9 * np.maximum(mode.threshold_sd, 1e-9)).all():
+        if (np.abs(outer - inner) <= 1e-9 * np.maximum(sd, 1e-9)).all():
             break
     return np.where(endless, side * np.inf, (inner + outer) / 2)
 

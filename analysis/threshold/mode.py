@@ -48,12 +48,9 @@ class Mode(Rows):
     interior: Bools
 
     @property
-    def threshold_sd(self) -> Array:
-        return np.sqrt(self.covariance[:, THRESHOLD, THRESHOLD])
-
-    @property
-    def log_width_sd(self) -> Array:
-        return np.sqrt(self.covariance[:, LOG_WIDTH, LOG_WIDTH])
+    def sd(self) -> Array:
+        """Of each parameter (n_sets, 4)."""
+        return np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2))
 
 
 def find_mode(posterior: LogPosterior, near: Array | None = None) -> Mode:

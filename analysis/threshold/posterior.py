@@ -109,8 +109,7 @@ def _eta_nodes(posterior: LogPosterior, mode: Mode) -> tuple[Array, Array]:
 def _find_box(posterior: LogPosterior, mode: Mode) -> _Box:
     """The smallest box, up to a node, outside of which the density is negligible."""
     ends = _Box(*posterior.prior.bounds())
-    sd = np.sqrt(np.maximum(np.diagonal(mode.covariance, axis1=1, axis2=2), 0.0))
-    reach = np.where(sd > 0, START_SD * sd, np.inf)
+    reach = np.where(mode.sd > 0, START_SD * mode.sd, np.inf)
     box = _Box(np.maximum(mode.theta - reach, ends.low), np.minimum(mode.theta + reach, ends.high))
     open_sets = np.arange(len(posterior))
     for _ in range(MAX_SEARCHES):
@@ -149,15 +148,16 @@ def _adapted(box: _Box, ends: _Box, profiles: list[Array], best: Array) -> _Box:
     for place, profile in enumerate(profiles):
         if profile.shape[1] == 1:
             continue
-        size, end = box.high[:, place] - box.low[:, place], profile.shape[1] - 1
-        step = size / end
+        start, stop, n_steps = box.low[:, place], box.high[:, place], profile.shape[1] - 1
+        size = stop - start
+        step = size / n_steps
         inside = profile > np.maximum(best, profile.max(axis=1))[:, None] - NEGLIGIBLE
-        first, last = inside.argmax(axis=1), end - inside[:, ::-1].argmax(axis=1)
+        first, last = inside.argmax(axis=1), n_steps - inside[:, ::-1].argmax(axis=1)
         # A face that still holds density moves out; another one in to the first negligible node, which bounds the rest.
-        moved = np.where(first == 0, box.low[:, place] - 0.6 * size, box.low[:, place] + (first - 1) * step)
-        low[:, place] = np.maximum(moved, ends.low[:, place])
-        moved = np.where(last == end, box.high[:, place] + 0.6 * size, box.low[:, place] + (last + 1) * step)
-        high[:, place] = np.minimum(moved, ends.high[:, place])
+        start_moved = np.where(first == 0, start - 0.6 * size, start + (first - 1) * step)
+        stop_moved = np.where(last == n_steps, stop + 0.6 * size, start + (last + 1) * step)
+        low[:, place] = np.maximum(start_moved, ends.low[:, place])
+        high[:, place] = np.minimum(stop_moved, ends.high[:, place])
     return _Box(low, high)
 
 
@@ -195,10 +195,9 @@ def _log_density_grid(posterior: LogPosterior, axes: list[Array], eta: float) ->
 def _log_likelihood_grid(posterior: LogPosterior, axes: list[Array], eta: float) -> Array:
     shape, counts = posterior.shape, posterior.counts
     used = counts.n_trials[0] > 0
-    u, k, n = counts.u[0, used], counts.n_yes[0, used], counts.n_trials[0, used]
-    m, v, lapse, guess = *axes[:LAPSE], axes[LAPSE][:, None], posterior.prior.guess_nodes(axes[LAPSE], axes[GUESS])
-    # (n_levels, n_thresholds, n_widths); the rates follow as two more axes
-    z = shape.z50 + (u[:, None, None] - m[:, None]) * (shape.z_width * np.exp(-v))
+    k, n = counts.n_yes[0, used], counts.n_trials[0, used]
+    lapse, guess = axes[LAPSE][:, None], posterior.prior.guess_nodes(axes[LAPSE], axes[GUESS])
+    z = posterior.z_of(axes)  # the rates follow as two more axes
     if eta < BINOMIAL_BELOW and min(guess.min(), lapse.min()) < SMALLEST_RATE:
         log_cdf, log_sf = (log_part(z)[..., None, None] for log_part in (shape.log_cdf, shape.log_sf))
         yes, no = log_mixture(log_cdf, log_sf, guess, lapse)

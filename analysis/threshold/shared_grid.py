@@ -92,7 +92,7 @@ def common_grid(posterior: LogPosterior, mode: Mode) -> Grid:
 
 def _sizes(mode: Mode, reach: Array) -> list[int]:
     """Numbers of nodes along threshold and log width."""
-    sizes, sd = [], np.sqrt(np.diagonal(mode.covariance, axis1=1, axis2=2))
+    sizes, sd = [], mode.sd
     for place, most in zip((THRESHOLD, LOG_WIDTH), MOST_NODES, strict=True):
         known = sd[sd[:, place] > 0, place]  # a mode on a bound has none
         typical = float(np.quantile(known, TYPICAL)) if len(known) else 1.0
@@ -112,12 +112,9 @@ def _final_grid(prior: Prior, low: Array, high: Array, sizes: list[int]) -> Grid
 
 def _tables(posterior: LogPosterior, grid: Grid) -> tuple[Array, Array]:
     """log psi and log(1 - psi) of the levels used (2 n_levels, n_nodes), and the log prior times weight (n_nodes,)."""
-    shape, counts, prior = posterior.shape, posterior.counts, posterior.prior
-    used = counts.n_trials[0] > 0
-    m, v, lapse, guess = grid.nodes
-    z = shape.z50 + (counts.u[0, used][:, None, None] - m[:, None]) * (shape.z_width * np.exp(-v))
-    cdf, sf, _ = linear(shape, z)
-    guess = prior.guess_nodes(lapse, guess)
+    prior = posterior.prior
+    cdf, sf, _ = linear(posterior.shape, posterior.z_of(grid.nodes))
+    lapse, guess = grid.nodes[LAPSE], prior.guess_nodes(grid.nodes[LAPSE], grid.nodes[GUESS])
     span = 1 - guess - lapse[:, None]
     with np.errstate(divide="ignore"):
         yes = np.log(guess + span * cdf[..., None, None])
@@ -125,7 +122,7 @@ def _tables(posterior: LogPosterior, grid: Grid) -> tuple[Array, Array]:
         along = zip(prior[:1].along(grid.nodes), grid.log_weights, strict=True)
         m, v, lapse, guess = (log_density + log_weight for log_density, log_weight in along)
     outside = (m[:, None] + v)[..., None, None] + (lapse[:, None] + guess)
-    table = np.concatenate([yes.reshape(used.sum(), -1), no.reshape(used.sum(), -1)])
+    table = np.concatenate([yes.reshape(len(cdf), -1), no.reshape(len(cdf), -1)])
     # Minus infinity would make NaN of the answers that a level does not have.
     return np.maximum(table, -1e6), np.maximum(outside, -1e9).ravel()
 
@@ -150,7 +147,7 @@ def _shrunk(posterior: LogPosterior, mode: Mode, grid: Grid) -> tuple[Array, Arr
         kept |= (density > best[:, None] - NEGLIGIBLE).any(axis=0)
     inside = kept.reshape(grid.sizes)
     # Coarse nodes may miss a narrow posterior between them; its mode and curvature know where it lies.
-    around = MODE_SD * np.sqrt(np.diagonal(mode.covariance, axis1=1, axis2=2))
+    around = MODE_SD * mode.sd
     low, high = (mode.theta - around).min(axis=0), (mode.theta + around).max(axis=0)
     for place, nodes in enumerate(grid.nodes):
         along = np.flatnonzero(inside.any(axis=others(place)))
