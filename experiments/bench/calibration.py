@@ -23,7 +23,7 @@ from tactometry.rigs.pages.page import Display, Input
 from tactometry.rigs.pages.presenter import Presenter, reason_to_end
 from tactometry.rigs.texts import texts_in
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.responses.learning import Excitation, deconvolved
+from tactometry.stimuli.time_reversal.responses.learning import Excitation, deconvolve
 from tactometry.stimuli.time_reversal.responses.responses import Responses
 
 FloatArray = NDArray[np.float64]
@@ -338,5 +338,5 @@ def _response(learning: Learning, microphone: Microphone, recorded: FloatArray) 
             "cables"
         )
     n = math.ceil(learning.duration_s * learning.excitation.rate_hz)
-    response = deconvolved(drive, heard, n, regularisation=learning.regularisation)
+    response = deconvolve(drive, heard, n, regularisation=learning.regularisation)
     return Responses(response[None, None], learning.excitation.rate_hz, learning.quantity)

@@ -15,12 +15,12 @@ from typing import Any
 from tactometry.provenance import versions
 
 from .plan import Plan
-from .result import Result, computed
+from .result import Result, compute
 
 DIGEST = "digest"
 
 
-def cached(plan: Plan, given: Mapping[str, float], folder: Path) -> Result:
+def cached_result(plan: Plan, given: Mapping[str, float], folder: Path) -> Result:
     """The result of a run, from `folder` if it is there and whole, else computed and kept there.
 
     Raises
@@ -32,7 +32,7 @@ def cached(plan: Plan, given: Mapping[str, float], folder: Path) -> Result:
     values = _read(path)
     if values is not None:
         return Result(values, plan, given, elapsed_s=0.0)
-    result = computed(plan, given)
+    result = compute(plan, given)
     _write(path, result.values)
     return result
 

@@ -11,7 +11,7 @@ Cure = Callable[[str], str]
 """What would bring a quantity, in words; empty if nothing would."""
 
 
-def needed(
+def required_stages(
     outputs: Sequence[str], stages: Sequence[Stage], given: Collection[str], cure: Cure = lambda quantity: ""
 ) -> tuple[Stage, ...]:
     """The stages without which `outputs` cannot be had, each behind those that it needs.
@@ -28,9 +28,10 @@ def needed(
     >>> source = Stage("source", (), "voltage", "x:y")
     >>> ramps = Stage("ramps", ("voltage",), "voltage", "x:y")
     >>> force = Stage("force", ("voltage", "contact"), "force", "x:y")
-    >>> [stage.name for stage in needed(["force"], [force, source, ramps], {"contact"})]
+    >>> [stage.name for stage in required_stages(["force"], [force, source, ramps], {"contact"})]
     ['source', 'ramps', 'force']
-    >>> [stage.name for stage in needed(["voltage"], [source, Stage("recorded", (), "voltage", "x:y"), ramps], ())]
+    >>> recorded = Stage("recorded", (), "voltage", "x:y")
+    >>> [stage.name for stage in required_stages(["voltage"], [source, recorded, ramps], ())]
     ['recorded', 'ramps']
     """
     done: dict[str, None] = dict.fromkeys(given)

@@ -21,7 +21,7 @@ Row = tuple[tuple[str, ...], str]
 """
 
 
-def explained(scene: Scene, given: Mapping[str, float]) -> str:
+def explanation(scene: Scene, given: Mapping[str, float]) -> str:
     """The explanation, no line longer than 100 columns.
 
     Raises

@@ -81,7 +81,7 @@ class Plan:
 
     @cached_property
     def _program(self) -> "_Program":
-        return _compiled(self)
+        return _compile(self)
 
 
 def predicted_s(stage: Stage) -> float:
@@ -103,8 +103,8 @@ class _Program:
     outputs: Mapping[str, int]
 
 
-def _compiled(plan: Plan) -> _Program:
-    constant, varying = _parted(plan)
+def _compile(plan: Plan) -> _Program:
+    constant, varying = _split(plan)
     values: dict[str, Any] = {}
     for stage in constant:  # what a stage changes is let go: the motion of a plate may fill half of the memory
         values[stage.gives] = stage.bind()(*(values[need] for need in stage.needs))
@@ -119,7 +119,7 @@ def _compiled(plan: Plan) -> _Program:
     return _Program(tuple(values.values()), len(varying), tuple(steps), {name: at[name] for name in plan.outputs})
 
 
-def _parted(plan: Plan) -> tuple[list[Stage], list[Stage]]:
+def _split(plan: Plan) -> tuple[list[Stage], list[Stage]]:
     """Stages that depend on nothing given, and the others, both in order."""
     moving = set(plan.given)
     constant: list[Stage] = []

@@ -52,7 +52,7 @@ def unit_of(name: str) -> str:
     return units(suffix)[0] if suffix else ""
 
 
-def computed(plan: Plan, given: Mapping[str, float]) -> Result:
+def compute(plan: Plan, given: Mapping[str, float]) -> Result:
     """A run of a plan, timed; what never changes between runs is computed before.
 
     Raises

@@ -11,7 +11,7 @@ from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter, nearest
 
 from ..composition.effect import Demand, Effect, FingerContact, Setting, Stage, Surface
-from .chain import needed
+from .chain import required_stages
 from .compatibility import check_effects
 from .plan import Plan
 from .result import unit_of
@@ -86,9 +86,9 @@ class Scene:
         unsized = self._unsized()
         self._check_outputs()
         called_for = self._called_for(unsized)
-        rough = _sized(unsized, self._demand(called_for, self.accuracy))
+        rough = _size_all(unsized, self._demand(called_for, self.accuracy))
         share = self.accuracy / max(1, sum(stage.error > 0 for stage in rough))
-        stages = rough if share == self.accuracy else _sized(unsized, self._demand(called_for, share))
+        stages = rough if share == self.accuracy else _size_all(unsized, self._demand(called_for, share))
         for stage in stages:
             _check_kept(stage, share)
         given = tuple(name for name in self.surface.given if any(name in stage.needs for stage in stages))
@@ -164,7 +164,7 @@ class Scene:
         stages = [*self.surface.stages(demand)]
         for effect in self._ordered:
             stages += self.surface.stages_of(effect, demand)
-        return needed(self.outputs, stages, self.surface.given, self.surface.cure)
+        return required_stages(self.outputs, stages, self.surface.given, self.surface.cure)
 
     @property
     def _ordered(self) -> tuple[Effect, ...]:
@@ -191,7 +191,7 @@ class Scene:
         return [_with(stage, self.settings.get(stage.name, {})) for stage in stages]
 
 
-def _sized(stages: Sequence[Stage], demand: Demand) -> Sequence[Stage]:
+def _size_all(stages: Sequence[Stage], demand: Demand) -> Sequence[Stage]:
     return [stage.sized(demand) for stage in stages]
 
 

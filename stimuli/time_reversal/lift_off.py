@@ -82,7 +82,7 @@ def one_sided_contact(
     towards_new = skin.resistance_n_s_per_m * rate_hz + skin.stiffness_n_per_m / 2
     towards_old = skin.resistance_n_s_per_m * rate_hz - skin.stiffness_n_per_m / 2
     compliance = _midpoint_compliance(screen, at_m, len(free_m), rate_hz, f_max_hz)
-    return _stepped(free_m, compliance, force_n, towards_new, towards_old)
+    return _march(free_m, compliance, force_n, towards_new, towards_old)
 
 
 def _midpoint_compliance(screen: Screen, at_m: Point, n: int, rate_hz: float, f_max_hz: float) -> FloatArray:
@@ -92,7 +92,7 @@ def _midpoint_compliance(screen: Screen, at_m: Point, n: int, rate_hz: float, f_
     return np.asarray(2 * heard.samples[0, 0, 1::2])  # a unit sample there is half of a step
 
 
-def _stepped(
+def _march(
     free_m: FloatArray, compliance: FloatArray, force_n: float, towards_new: float, towards_old: float
 ) -> ContactCourse:
     """f = towards_new z - towards_old z_before in each step, z = u or f = -F."""

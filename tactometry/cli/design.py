@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from tactometry.stimuli.time_reversal.design.guide import OFF, Target, Transducers
-from tactometry.stimuli.time_reversal.design.thickness import SHEETS_M, SMALL, Sheet, recommended, sheets
+from tactometry.stimuli.time_reversal.design.thickness import SHEETS_M, SMALL, Sheet, best_sheet, sheets
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, read_plate
 
@@ -56,7 +56,7 @@ def command(
         Target(resolution_m, contrast, amplitude_m, repetition_hz),
         thickness_m or SHEETS_M,
     )
-    best = recommended(among, plate.thickness_m)
+    best = best_sheet(among, plate.thickness_m)
     if figure is not None:
         _write_figures(best, among, figure)
     all_sheets = {"thicknesses": [_record(sheet) for sheet in among], "simulation_over_law": {**OFF}}

@@ -12,7 +12,7 @@ from tactometry.stimuli.scenes import explain as plans
 from tactometry.stimuli.scenes.file import SceneFile, load_scene
 from tactometry.stimuli.scenes.lifting import pulls_n
 from tactometry.stimuli.scenes.plan import Plan
-from tactometry.stimuli.scenes.result import Result, computed
+from tactometry.stimuli.scenes.result import Result, compute
 
 from ..arguments.require import expect
 from ..config.toml import errors_in
@@ -35,7 +35,7 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
     scene_file = load_scene(path_of(file))
     if explain:
         with errors_in(file):
-            text = plans.explained(scene_file.scene, scene_file.given)
+            text = plans.explanation(scene_file.scene, scene_file.given)
         say(text, {"plan": text.splitlines()})
     if figure is not None or not explain:
         with errors_in(file):
@@ -53,11 +53,11 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
 
 def _result(plan: Plan, given: dict[str, float], cache: Path | None) -> Result:
     if cache is None:
-        return computed(plan, given)
-    from tactometry.stimuli.scenes.cache import cached
+        return compute(plan, given)
+    from tactometry.stimuli.scenes.cache import cached_result
 
     with writing(cache):
-        return cached(plan, given, cache)
+        return cached_result(plan, given, cache)
 
 
 def _draw(result: Result, scene_file: SceneFile, path: Path) -> None:
@@ -92,7 +92,7 @@ def _film(scene_file: SceneFile, path: Path) -> None:
     outputs = ("x_m", "y_m", "frames_s", "movie_m")
     filmed = replace(scene, effects=effects, outputs=outputs, accuracy=max(scene.accuracy, FILM_ACCURACY), settings={})
     plan = filmed.resolve()
-    result = computed(plan, plans.values_for(plan, scene_file.given))
+    result = compute(plan, plans.values_for(plan, scene_file.given))
     with writing(path):
         write_film(result, scene_file.title, path)
 

@@ -86,7 +86,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         "design.closed_forms": {
             **{
             name: {"plate": PLATE, "side_m": 1e-2, "band": BAND}
-            for name in ("passed", "passed_hz", "effective_hz", "weighted_width_m")
+            for name in ("patch_response", "passed_hz", "effective_hz", "weighted_width_m")
         },
             "one_bit_amplitude_ratio": {"reversal_s": [6e-3], "tau_s": 3e-3},
             "analogue_amplitude_ratio": {"reversal_s": [6e-3], "tau_s": 3e-3},
@@ -207,7 +207,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             }
         },
         "focusing.interpolation": {
-            "interpolated": {
+            "interpolate": {
                 "calibrated": RESPONSES, "points": POINTS, "at": (0.1, 0.05), "plate": PLATE, "noise_share": 1e-4,
             },
             "estimator": {
@@ -225,9 +225,9 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         "responses.learning": {
             "sweep": {"f_min_hz": 100.0, "f_max_hz": 900.0, "rate_hz": 2e3, "duration_s": 0.1},
             "sequence": {"order": 4, "rate_hz": 2e3},
-            "deconvolved": {"played": CLICK, "recorded": CLICK, "n_samples": 9, "regularisation": 1e-6},
+            "deconvolve": {"played": CLICK, "recorded": CLICK, "n_samples": 9, "regularisation": 1e-6},
             "delay_s": {"played": CLICK, "recorded": CLICK, "rate_hz": 2e3},
-            "learnt": {
+            "learn": {
                 "played": CLICK, "recorded": DECAYING[0], "rate_hz": 2e3, "duration_s": 0.1,
                 "quantity": "velocity", "regularisation": 1e-6,
             },
@@ -246,7 +246,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 "self": RECEPTANCES, "to": WEIGHTS, "of": WEIGHTS, "at": WEIGHTS, "stiffness": S[:, None],
             },
             "Receptances.among": {"self": RECEPTANCES, "at": WEIGHTS},
-            "carried": {
+            "contact_transfer": {
                 "to_contacts": np.ones((1, 1, 2), complex), "among": np.ones((2, 1, 1), complex),
                 "stiffness": S[:, None],
             },
@@ -393,7 +393,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 "plate": PLATE, "transducers": Transducers(8), "band": DESIGN.band, "tau_s": 3e-3, "target": Target(),
                 "thicknesses_m": [1e-3],
             },
-            "recommended": {"among": SHEETS, "thickness_m": 1e-3},
+            "best_sheet": {"among": SHEETS, "thickness_m": 1e-3},
         },
         "screen.transducer": {
             **{

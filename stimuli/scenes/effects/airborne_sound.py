@@ -35,10 +35,10 @@ class AirborneSound(Effect):
     distance_m: float = 0.3
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        made, raised = ("screen", "emission"), ("level_at_1v_dba", "voltage_v")
+        made, at_voltage = ("screen", "emission"), ("level_at_1v_dba", "voltage_v")
         return (
-            Stage("airborne_sound", made, "level_at_1v_dba", f"{__name__}:heard", size=self._size),
-            Stage("sound_level", raised, "sound_level_dba", f"{__name__}:raised"),
+            Stage("airborne_sound", made, "level_at_1v_dba", f"{__name__}:sound_level_dba", size=self._size),
+            Stage("sound_level", at_voltage, "sound_level_dba", f"{__name__}:level_at_voltage_dba"),
         )
 
     def _size(self, demand: Demand) -> Size:
@@ -51,13 +51,13 @@ class AirborneSound(Effect):
         return Size(settings, lost / ratio**3, n * (0.2 * surface.n_transducers + 30))
 
 
-def heard(screen: "Screen", emission: "EmittedSignal", modes_to_hz: float, distance_m: float) -> float:
+def sound_level_dba(screen: "Screen", emission: "EmittedSignal", modes_to_hz: float, distance_m: float) -> float:
     """The level of an emission of 1 V."""
     from ...time_reversal.field.sound import noise
 
     return noise(screen, emission.at_1_v, modes_to_hz, distance_m=distance_m).a_weighted_db
 
 
-def raised(level_at_1v_dba: float, voltage_v: float) -> float:
+def level_at_voltage_dba(level_at_1v_dba: float, voltage_v: float) -> float:
     """The level at a voltage; ``-inf`` for silence."""
     return level_at_1v_dba + (20 * log10(abs(voltage_v)) if voltage_v else -inf)

@@ -45,10 +45,10 @@ class DriveEnergy(Effect):
 
     def _switching(self) -> Stage:
         settings = {"capacitance_f": self.capacitance_f}
-        return Stage("switching", ("emission",), "power_at_1v_w", f"{__name__}:drawn", settings)
+        return Stage("switching", ("emission",), "power_at_1v_w", f"{__name__}:switching_w", settings)
 
     def _heating(self) -> Stage:
-        return Stage("heating", ("emission", "in_band"), "power_at_1v_w", f"{__name__}:heated", dict(vars(self)))
+        return Stage("heating", ("emission", "in_band"), "power_at_1v_w", f"{__name__}:heat_w", dict(vars(self)))
 
 
 def _strain_size(demand: Demand) -> Size:
@@ -66,17 +66,17 @@ def _strain_size(demand: Demand) -> Size:
 
 
 def _squared(name: str, at_1v: str, gives: str) -> Stage:
-    return Stage(name, (at_1v, "voltage_v"), gives, f"{__name__}:grown")
+    return Stage(name, (at_1v, "voltage_v"), gives, f"{__name__}:growth_with_square")
 
 
-def drawn(emission: "EmittedSignal", capacitance_f: float) -> float:
+def switching_w(emission: "EmittedSignal", capacitance_f: float) -> float:
     """The mean power during an emission of 1 V."""
     from ...time_reversal.field.merit import switched_power_w
 
     return switched_power_w(emission.at_1_v, capacitance_f)
 
 
-def heated(emission: "EmittedSignal", in_band: "EmittedSignal", capacitance_f: float, loss_tangent: float) -> float:
+def heat_w(emission: "EmittedSignal", in_band: "EmittedSignal", capacitance_f: float, loss_tangent: float) -> float:
     """The mean power of dielectric loss during an emission of 1 V, of what of it lies in the band."""
     from ...time_reversal.field.merit import dielectric_power_w
 
@@ -84,6 +84,6 @@ def heated(emission: "EmittedSignal", in_band: "EmittedSignal", capacitance_f: f
     return longer * dielectric_power_w(in_band.at_1_v, capacitance_f, loss_tangent)
 
 
-def grown(at_1v: float, voltage_v: float) -> float:
+def growth_with_square(at_1v: float, voltage_v: float) -> float:
     """Energy and power grow with the square."""
     return at_1v * voltage_v**2

@@ -55,7 +55,7 @@ class FingerDynamics(Effect):
             "stick_slip" if sticks else "finger_motion",
             ("t_s", "voltage", "form", "friction_law"),
             "motion",
-            f"{__name__}:{'sticking' if sticks else 'slipping'}",
+            f"{__name__}:{'stick_and_slip' if sticks else 'slide'}",
             settings,
             size=per_sample(500.0 if sticks else 250.0),
         )
@@ -73,7 +73,7 @@ def _read(name: str, quantity: str) -> Stage:
     return Stage(quantity, ("motion",), quantity, f"{__name__}:read", {"name": name})
 
 
-def slipping(*drive: Any, force_n: float, speed_m_per_s: float) -> "Motion":
+def slide(*drive: Any, force_n: float, speed_m_per_s: float) -> "Motion":
     """The motion of a finger in full slip."""
     from ...electrovibration.motion.finger import sliding
     from ...electrovibration.motion.pad import Finger
@@ -82,7 +82,7 @@ def slipping(*drive: Any, force_n: float, speed_m_per_s: float) -> "Motion":
     return sliding(*attraction, finger=Finger.at_speed(speed_m_per_s), friction=friction, force_n=force_n)
 
 
-def sticking(*drive: Any, force_n: float, speed_m_per_s: float) -> "StickSlip":
+def stick_and_slip(*drive: Any, force_n: float, speed_m_per_s: float) -> "StickSlip":
     """The motion of a finger that sticks and slips."""
     from ...electrovibration.motion.pad import Finger
     from ...electrovibration.motion.stick_slip import Travel, stick_slip

@@ -46,9 +46,9 @@ class FingerLoad(Effect):
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         needs, n = ("motion", "oversampling"), len(self.at_rest(scene))
         return (
-            Stage("finger_load", ("motion",), "motion", f"{CONTACT}:borne", size=self._size),
-            Stage("contacts", needs, "per_volt_contacts", f"{CONTACT}:displaced", self._places(scene)),
-            Stage("contact_forces", needs, "per_volt_forces", f"{CONTACT}:forced", {"n": n}),
+            Stage("finger_load", ("motion",), "motion", f"{CONTACT}:loaded_motion", size=self._size),
+            Stage("contacts", needs, "per_volt_contacts", f"{CONTACT}:contact_displacement", self._places(scene)),
+            Stage("contact_forces", needs, "per_volt_forces", f"{CONTACT}:contact_force", {"n": n}),
             at_voltage("contact_displacement", "per_volt_contacts", "contact_displacement_m"),
             at_voltage("contact_force", "per_volt_forces", "contact_force_n"),
         )

@@ -48,9 +48,9 @@ class ForceLaw(Effect):
         return force_form(self.law, skin, area_m2)
 
     def _check_terms(self, scene: Surroundings) -> None:
-        found = [effect.kind for slot in BARRED if (effect := scene.find(slot)) is not None]
-        if self.law in LAYERLESS and found:
+        barred = [effect.kind for slot in BARRED if (effect := scene.find(slot)) is not None]
+        if self.law in LAYERLESS and barred:
             raise InvalidParameter(
-                f"force_law: found {self.law!r} beside {found[0]!r}, for which that law has no term, expected the law "
-                f"interface or sc_layer; or remove {found[0]!r}"
+                f"force_law: found {self.law!r} beside {barred[0]!r}, for which that law has no term, expected the law "
+                f"interface or sc_layer; or remove {barred[0]!r}"
             )

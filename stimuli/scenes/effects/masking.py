@@ -24,9 +24,9 @@ class Masking(Effect):
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         settings = {"elevation_db": self.slope * self.level_db_re_threshold}
-        return (Stage("masking", ("sensation_db",), "sensation_db", f"{__name__}:masked", settings),)
+        return (Stage("masking", ("sensation_db",), "sensation_db", f"{__name__}:mask", settings),)
 
 
-def masked(sensation_db: float, elevation_db: float) -> float:
+def mask(sensation_db: float, elevation_db: float) -> float:
     """The level above a raised threshold."""
     return sensation_db - elevation_db

@@ -54,7 +54,7 @@ def draw_course(panel: Axes, t_s: Any, course: Any, name: str, colour: str) -> N
         panel.plot(*drawn, color=colour, linewidth=0.8, linestyle=style, label=f"finger {n}")
     if len(rows) > 1:
         panel.legend(fontsize="x-small", loc="upper left", frameon=False)
-    panel.set_ylabel(f"{words(name)}\n({prefix}{unit_of(name)})")
+    panel.set_ylabel(f"{label(name)}\n({prefix}{unit_of(name)})")
     panel.grid(alpha=0.3)
     panel.spines[["top", "right"]].set_visible(False)
 
@@ -76,13 +76,13 @@ def mark(panel: Axes, result: Result, name: str) -> None:
 
 def numbers(values: Mapping[str, Any]) -> list[str]:
     """Single numbers in words."""
-    return [f"{words(name)}: {shown(name, value)}" for name, value in values.items() if np.ndim(value) == 0]
+    return [f"{label(name)}: {reading(name, value)}" for name, value in values.items() if np.ndim(value) == 0]
 
 
-def shown(name: str, value: float) -> str:
+def reading(name: str, value: float) -> str:
     """A number with a unit and a prefix.
 
-    >>> shown("peak_m", 1.5e-5), shown("sensation_db", 12.0)
+    >>> reading("peak_m", 1.5e-5), reading("sensation_db", 12.0)
     ('15 µm', '12 dB SL')
     """
     unit = unit_of(name)
@@ -90,10 +90,10 @@ def shown(name: str, value: float) -> str:
     return f"{value / factor:.4g} {prefix}{unit}".rstrip()
 
 
-def words(name: str) -> str:
+def label(name: str) -> str:
     """A quantity's name without its unit.
 
-    >>> words("friction_force_n"), words("sensation_db")
+    >>> label("friction_force_n"), label("sensation_db")
     ('friction force', 'sensation')
     """
     from tactometry.config.quantity import unit_suffix

@@ -60,9 +60,9 @@ def _writer(path: Path) -> Any:
 
 def _ffmpeg() -> str:
     """The program on the path, or that of the package imageio-ffmpeg; empty without."""
-    found = shutil.which("ffmpeg")
-    if found or not find_spec("imageio_ffmpeg"):
-        return found or ""
+    program = shutil.which("ffmpeg")
+    if program or not find_spec("imageio_ffmpeg"):
+        return program or ""
     from imageio_ffmpeg import get_ffmpeg_exe
 
     return str(get_ffmpeg_exe())

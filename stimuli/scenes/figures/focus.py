@@ -30,7 +30,7 @@ def focus_sheet(result: Result, title: str) -> Figure:
     figure = Figure(figsize=(WIDTH_IN, sum(heights) + head_in), layout="constrained")
     above, *below = figure.subfigures(len(heights), 1, height_ratios=heights, squeeze=False)[:, 0]
     _maps(above, values)
-    sheets = [(draw, outputs) for draw, outputs in ((_courses, drawn), (_slid, slid)) if outputs]
+    sheets = [(draw, outputs) for draw, outputs in ((_courses, drawn), (_sliding_courses, slid)) if outputs]
     for below_map, (draw, outputs) in zip(below, sheets, strict=True):
         draw(below_map, result, outputs)
     figure.suptitle("\n".join(lines), fontsize="medium")
@@ -78,7 +78,7 @@ def _courses(figure: SubFigure, result: Result, drawn: list[str]) -> None:
     figure.align_ylabels(panels[:, 0])
 
 
-def _slid(figure: SubFigure, result: Result, drawn: list[str]) -> None:
+def _sliding_courses(figure: SubFigure, result: Result, drawn: list[str]) -> None:
     """What a finger that slides meets, over a time of its own."""
     values = result.values
     panels = figure.subplots(len(drawn), 1, squeeze=False, sharex=True)[:, 0]

@@ -17,7 +17,7 @@ NEEDS = ("t_s", "unit_voltage", "form")
 
 def divider_stage() -> Stage:
     """The layer's share of the voltage: what holds without losses."""
-    return Stage("divider", NEEDS, "unit_layer_voltage_v", f"{__name__}:divided", size=per_sample(700.0))
+    return Stage("divider", NEEDS, "unit_layer_voltage_v", f"{__name__}:divider", size=per_sample(700.0))
 
 
 def circuit_stage(effect: str) -> Stage:
@@ -27,7 +27,7 @@ def circuit_stage(effect: str) -> Stage:
         check_ramp(demand, effect)
         return per_sample(1500.0)(demand)
 
-    return Stage("circuit", NEEDS, "unit_layer_voltage_v", f"{__name__}:relaxed", size=size)
+    return Stage("circuit", NEEDS, "unit_layer_voltage_v", f"{__name__}:relaxation", size=size)
 
 
 def check_ramp(demand: Demand, effect: str) -> None:
@@ -38,13 +38,13 @@ def check_ramp(demand: Demand, effect: str) -> None:
         )
 
 
-def divided(t_s: "FloatArray", voltage: "Pieces", form: "ForceForm") -> "FloatArray":
+def divider(t_s: "FloatArray", voltage: "Pieces", form: "ForceForm") -> "FloatArray":
     """Layers without losses divide a voltage at any frequency alike."""
     gain = sum(form.relaxations.gains, start=form.relaxations.dc_gain)
     return gain * voltage.at(t_s)
 
 
-def relaxed(t_s: "FloatArray", voltage: "Pieces", form: "ForceForm") -> "FloatArray":
+def relaxation(t_s: "FloatArray", voltage: "Pieces", form: "ForceForm") -> "FloatArray":
     """The exact solution of the circuit."""
     from ...electrovibration.skin.solution import Solution
 

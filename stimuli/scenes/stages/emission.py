@@ -110,7 +110,7 @@ def amplified(emission: EmittedSignal, cutoff_hz: float, order: int) -> EmittedS
     return through(emission, Butterworth(cutoff_hz, order))
 
 
-def quantised(learnt: Responses, rule: Quantiser) -> EmittedSignal:
+def emit(learnt: Responses, rule: Quantiser) -> EmittedSignal:
     """The learnt responses, reversed, as the amplifier can emit them."""
     waveform = reversed_waveform(learnt)
     return EmittedSignal(rule.quantise(waveform, learnt.rate_hz), learnt.rate_hz, waveform.shape[1] - 1)

@@ -78,8 +78,8 @@ class PlateMotion:
         n = len(self.amplitude)
         still = shapes[:, n:] @ self.following + self._beyond(points)
         inert = shapes[:, n:] @ (self.following / self.stiffness_n_per_m[:, None]) * self.screen.plate.mass_kg
-        moving = real_product(shapes[:, :n], self.amplitude) + real_product(still, self.played)
-        return moving - real_product(inert, self.played * self.s**2)
+        moved = real_product(shapes[:, :n], self.amplitude) + real_product(still, self.played)
+        return moved - real_product(inert, self.played * self.s**2)
 
     def course(self, spectrum: ComplexArray, oversampling: int) -> FloatArray:
         """(..., n): the course of a spectrum (..., n_frequencies) at `oversampling` times the rate."""
@@ -121,7 +121,7 @@ class PlateMotion:
         return tail_m_per_n * np.array([[place == tuple(point) for place in places] for point in points], float)
 
 
-def moving(screen: Screen, modes_to_hz: float, static_to_hz: float) -> tuple[Oscillators, FloatArray]:
+def moving_modes(screen: Screen, modes_to_hz: float, static_to_hz: float) -> tuple[Oscillators, FloatArray]:
     """Oscillators that move, and their forces (n_modes, n_channels), of the solution that holds those that follow too.
 
     By Rayleigh and Ritz the sign of a shape is another in each solution.
@@ -131,7 +131,7 @@ def moving(screen: Screen, modes_to_hz: float, static_to_hz: float) -> tuple[Osc
     return Oscillators(every.omega_rad_per_s[:n], every.decay_per_s[:n]), screen.modal_forces(static_to_hz)[:n]
 
 
-def driven(
+def plate_motion(
     screen: Screen,
     emission: EmittedSignal,
     *,
@@ -150,7 +150,7 @@ def driven(
     s, growth, n_fft = contour(n, rate_hz)
     s = s[: int(heard_to_hz * n_fft / rate_hz) + 1]
     played = np.fft.rfft(emission.samples / growth[:n_played], n_fft)[:, : len(s)]
-    oscillators, forces = moving(screen, modes_to_hz, static_to_hz)
+    oscillators, forces = moving_modes(screen, modes_to_hz, static_to_hz)
     amplitude = answer(oscillators, screen.plate.mass_kg, s, lambda part: real_product(forces, played[:, part]))
     return PlateMotion(screen, modes_to_hz, static_to_hz, amplitude, played, s, n_fft, rate_hz, emission.focus, n)
 

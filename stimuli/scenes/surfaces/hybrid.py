@@ -94,8 +94,8 @@ def _check_places(contacts: tuple[FingerContact, ...]) -> None:
 
 def _renamed(stage: Stage) -> Stage:
     """A stage of the panel, so that its names are its own."""
-    return replace(stage, name=f"{SLIDING}{stage.name}", needs=tuple(map(_own, stage.needs)), gives=_own(stage.gives))
+    return replace(stage, name=f"{SLIDING}{stage.name}", needs=tuple(map(_name, stage.needs)), gives=_name(stage.gives))
 
 
-def _own(quantity: str) -> str:
+def _name(quantity: str) -> str:
     return ELECTRODE_V if quantity == "voltage_v" else f"{SLIDING}{quantity}" if quantity in OF_BOTH else quantity

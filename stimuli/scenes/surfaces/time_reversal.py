@@ -115,14 +115,14 @@ class TimeReversal(GlassPanel, Surface):
             Stage("focus", (), "foci_m", f"{EMISSION}:single", focus),
             Stage("learning", ("screen", "foci_m"), "learnt", f"{EMISSION}:learning", learning, n_operations=learnt),
             Stage("amplifiers", (), "quantiser", f"{EMISSION}:analogue"),
-            Stage("reversal", ("learnt", "quantiser"), "emission", f"{EMISSION}:quantised", n_operations=n_samples),
+            Stage("reversal", ("learnt", "quantiser"), "emission", f"{EMISSION}:emit", n_operations=n_samples),
             Stage("band", ("emission",), "in_band", f"{EMISSION}:in_band", band, n_operations=200 * n_samples),
         )
 
     def _motion(self) -> tuple[Stage, ...]:
         read = f"{MOTION}:focus_value"
         return (
-            Stage("motion", ("screen", "in_band"), "motion", f"{MOTION}:driven", size=self._motion_size),
+            Stage("motion", ("screen", "in_band"), "motion", f"{MOTION}:plate_motion", size=self._motion_size),
             Stage("instant", ("motion", "foci_m"), "per_volt_peaks", read, size=_per_moved(4.0)),
             Stage("peak", ("per_volt_peaks", "voltage_v"), "peak_m", f"{__name__}:first_magnitude"),
         )
@@ -130,7 +130,7 @@ class TimeReversal(GlassPanel, Surface):
     def _motion_size(self, demand: Demand) -> Size:
         ends = vars(demand.once(cut_of)) | {"after_s": self.after_s}
         error = ends.pop("error")
-        work = demand.once(_moved) * (PRODUCT * self.n_transducers + DIVISION)
+        work = demand.once(_n_moved) * (PRODUCT * self.n_transducers + DIVISION)
         return Size(ends, error, work)
 
     def _courses(self) -> tuple[Stage, ...]:
@@ -197,7 +197,7 @@ class TimeReversal(GlassPanel, Surface):
         return (wavenumber_rad_per_m(demand, self.band_max_hz) * step_m) ** 2 / 8
 
 
-def _moved(demand: Demand) -> float:
+def _n_moved(demand: Demand) -> float:
     """Numbers of the motion: modes that move, at every frequency."""
     ends = demand.once(cut_of)
     return n_modes(demand, ends.modes_to_hz) * n_frequencies(demand, ends)
@@ -210,7 +210,7 @@ def _oversampling(demand: Demand) -> int:
 
 
 def _per_moved(n_operations: float) -> Callable[[Demand], Size]:
-    return lambda demand: Size(n_operations=n_operations * demand.once(_moved))
+    return lambda demand: Size(n_operations=n_operations * demand.once(_n_moved))
 
 
 def _per_sample(n_operations: float) -> Callable[[Demand], Size]:

@@ -217,7 +217,7 @@ def _airy(x: FloatArray) -> FloatArray:
 
 
 @checked
-def passed(plate: Plate, side_m: Positive, band: Band) -> tuple[FloatArray, FloatArray, FloatArray]:
+def patch_response(plate: Plate, side_m: Positive, band: Band) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Frequencies over the band, and W^2 and W^4 there, each averaged over directions: how a patch weights the modes.
 
     A patch with a moment along its outline moves a mode by the mean of its curvature over the patch: a wave along the
@@ -241,14 +241,14 @@ def passed_hz(plate: Plate, side_m: float, band: Band) -> float:
     >>> round(passed_hz(A4_SCREEN, 1e-6, Band(20e3, 60e3)))
     40000
     """
-    f, squared, _ = passed(plate, side_m, band)
+    f, squared, _ = patch_response(plate, side_m, band)
     return float(np.trapezoid(squared, f))
 
 
 @checked
 def effective_hz(plate: Plate, side_m: float, band: Band) -> float:
     """Bandwidth of as many equal modes: (integral of W^2)^2 / integral of W^4."""
-    f, squared, fourth = passed(plate, side_m, band)
+    f, squared, fourth = patch_response(plate, side_m, band)
     return float(np.trapezoid(squared, f) ** 2 / np.trapezoid(fourth, f))
 
 
@@ -258,7 +258,7 @@ def weighted_width_m(plate: Plate, side_m: float, band: Band) -> float:
     from scipy.optimize import brentq
     from scipy.special import j0
 
-    f, squared, _ = passed(plate, side_m, band)
+    f, squared, _ = patch_response(plate, side_m, band)
     k = wavenumber_rad_per_m(plate, f)
     k_mean = float(np.average(k, weights=squared))
     return 2 * float(brentq(lambda r: float(np.average(j0(k * r), weights=squared)) - 0.5, 0.0, 3 / k_mean, xtol=1e-15))

@@ -88,23 +88,23 @@ def sheets(
     centre = plate.length_m / 2, plate.width_m / 2
     stress_pa = bending_stress_pa(held, FINGER_FORCE_N, min(FINGER_DIAMETER_M, plate.length_m, plate.width_m))
     bent_m = float(deflection_m(held, FINGER_FORCE_N, centre, *centre)[0])
-    found = []
+    choices = []
     for thickness_m in sorted({*map(float, thicknesses_m), plate.thickness_m}):
         thinner = plate.thickness_m / thickness_m
         guide = recommend(replace(plate, thickness_m=thickness_m), transducers, band, tau_s, target)
-        found.append(Sheet(guide, stress_pa * thinner**2, bent_m * thinner**3))
-    return found
+        choices.append(Sheet(guide, stress_pa * thinner**2, bent_m * thinner**3))
+    return choices
 
 
 @checked
-def recommended(among: Sequence[Sheet], thickness_m: Positive) -> Sheet:
+def best_sheet(among: Sequence[Sheet], thickness_m: Positive) -> Sheet:
     """The sheet that misses the least; of several that nearest to `thickness_m`, by ratio.
 
     >>> from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN
     >>> found = sheets(A4_SCREEN, Transducers(side_m=5e-3), Band(20e3, 60e3), 3.5e-3, Target(contrast=28.0))
-    >>> best = recommended(found, A4_SCREEN.thickness_m)
+    >>> best = best_sheet(found, A4_SCREEN.thickness_m)
     >>> best.thickness_m, best.unreachable
     (0.0009, ())
     """
-    some("recommended.among", among)
+    some("best_sheet.among", among)
     return min(among, key=lambda sheet: (len(sheet.unreachable), abs(math.log(sheet.thickness_m / thickness_m))))

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from ..design.closed_forms import Reverberation
 from ..design.guide import Design, Target, Transducers, recommend
-from ..design.thickness import recommended, sheets
+from ..design.thickness import best_sheet, sheets
 from ..field.merit import amplitude_by_subset_m, amplitude_over_count_m, contributions_m, resolution_per_focus_m
 from ..field.sound import NoiseSpectrum, noise
 from ..filters import Band
@@ -116,7 +116,7 @@ def _design() -> Figure:
 def _thickness() -> Figure:
     patches = Transducers(side_m=5e-3)
     among = sheets(A4_SCREEN, patches, FILTERED.band, TAU_S, Target(contrast=28.0))
-    return theory.over_thickness(among, recommended(among, A4_SCREEN.thickness_m))
+    return theory.over_thickness(among, best_sheet(among, A4_SCREEN.thickness_m))
 
 
 GALLERY: Final[Mapping[str, Callable[..., Figure]]] = {

@@ -136,19 +136,19 @@ def trade_offs(guide: Guide) -> Figure:
 
 
 def over_thickness(among: Sequence[Sheet], best: Sheet) -> Figure:
-    """Resolution, contrast, amplitude and stress of each sheet: hollow where a wish is missed, the best ringed."""
+    """Resolution, contrast, amplitude and stress of choice sheet: hollow where a wish is missed, the best ringed."""
     figure, axes = sheet(2, 2, width_in=8.0, height_in=6.0)
     for one, (name, of) in zip(axes, _QUANTITIES.items(), strict=True):
-        for each in among:
-            fill = "none" if each.unreachable else BLUE
-            one.plot(each.thickness_m * 1e3, of(each), "o", color=BLUE, markerfacecolor=fill)
+        for choice in among:
+            fill = "none" if choice.unreachable else BLUE
+            one.plot(choice.thickness_m * 1e3, of(choice), "o", color=BLUE, markerfacecolor=fill)
             if name in _BY_NUMBER:
-                number = f"{each.guide.design.transducers.n}"
-                at = each.thickness_m * 1e3, of(each)
+                number = f"{choice.guide.design.transducers.n}"
+                at = choice.thickness_m * 1e3, of(choice)
                 one.annotate(number, at, (0, 8), textcoords="offset points", ha="center", fontsize="x-small")
         one.plot(best.thickness_m * 1e3, of(best), "o", color=ORANGE, fillstyle="none", markersize=12)
         one.set_xscale("log")
-        ticks = [each.thickness_m * 1e3 for each in among][::2]
+        ticks = [choice.thickness_m * 1e3 for choice in among][::2]
         one.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
         one.minorticks_off()
         label(one, "Thickness (mm)", name, from_zero=True)
@@ -165,8 +165,8 @@ _BY_NUMBER: Final = ("Contrast, A / rms of the plate", "Amplitude (µm)")
 """What more transducers raise."""
 
 _QUANTITIES: Final[Mapping[str, Callable[[Sheet], float]]] = {
-    "Resolution at −6 dB (mm)": lambda each: each.guide.design.resolution_m * 1e3,
-    "Contrast, A / rms of the plate": lambda each: each.guide.design.contrast,
-    "Amplitude (µm)": lambda each: each.guide.design.amplitude_m * 1e6,
-    "Bending stress at 2 N (MPa)": lambda each: each.stress_pa / 1e6,
+    "Resolution at −6 dB (mm)": lambda choice: choice.guide.design.resolution_m * 1e3,
+    "Contrast, A / rms of the plate": lambda choice: choice.guide.design.contrast,
+    "Amplitude (µm)": lambda choice: choice.guide.design.amplitude_m * 1e6,
+    "Bending stress at 2 N (MPa)": lambda choice: choice.stress_pa / 1e6,
 }

@@ -27,7 +27,7 @@ NOISE_SHARE: Final = 1e-4
 
 
 @checked
-def interpolated(
+def interpolate(
     calibrated: Responses, points: Sequence[Point], at: Point, plate: Plate, noise_share: float = NOISE_SHARE
 ) -> Responses:
     """The responses at a new point from those at calibrated ones.

@@ -111,7 +111,7 @@ class SeparableModes(Modes):
 
         def draw(amplitude: FloatArray) -> FloatArray:
             shaped("SeparableModes.draw.amplitude", amplitude, (*amplitude.shape[:-1], len(place)))
-            return _drawn(amplitude, place, x_functions, y_functions)
+            return _field_of(amplitude, place, x_functions, y_functions)
 
         return draw
 
@@ -216,10 +216,10 @@ def _ritz(plate: Plate, f_max_hz: float, shear_factor: float | None) -> RitzMode
 
 def _draw(block: "ParityBlock", amplitude: FloatArray, x_functions: FloatArray, y_functions: FloatArray) -> FloatArray:
     place = block.i * len(y_functions) + block.j
-    return _drawn(np.asarray(amplitude @ block.vectors), place, x_functions, y_functions)
+    return _field_of(np.asarray(amplitude @ block.vectors), place, x_functions, y_functions)
 
 
-def _drawn(amplitude: FloatArray, place: IntArray, x_functions: FloatArray, y_functions: FloatArray) -> FloatArray:
+def _field_of(amplitude: FloatArray, place: IntArray, x_functions: FloatArray, y_functions: FloatArray) -> FloatArray:
     """X A Y for amplitudes at places of the table A, the shorter product first."""
     (n_x, n_m), (n_n, n_y) = x_functions.shape, y_functions.shape
     table = np.zeros((*amplitude.shape[:-1], n_m * n_n))

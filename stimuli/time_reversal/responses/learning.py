@@ -89,7 +89,7 @@ def sequence(order: int, *, rate_hz: Positive) -> Excitation:
 
 
 @checked
-def deconvolved(
+def deconvolve(
     played: Vector, recorded: FloatArray, n_samples: int, *, regularisation: float = REGULARISATION
 ) -> FloatArray:
     """The response that turns `played` into `recorded`.
@@ -119,13 +119,13 @@ def deconvolved(
     --------
     >>> h = np.array([0.0, 2.0, -1.0])
     >>> pulse = sequence(6, rate_hz=1e3).samples
-    >>> deconvolved(pulse, np.convolve(pulse, h), 3, regularisation=0.0).round(9).tolist()
+    >>> deconvolve(pulse, np.convolve(pulse, h), 3, regularisation=0.0).round(9).tolist()
     [0.0, 2.0, -1.0]
     """
     from scipy.fft import next_fast_len
 
-    within("deconvolved", 1, recorded.shape[-1], n_samples=n_samples)
-    within("deconvolved", 0.0, 1e6, regularisation=regularisation)
+    within("deconvolve", 1, recorded.shape[-1], n_samples=n_samples)
+    within("deconvolve", 0.0, 1e6, regularisation=regularisation)
     n_fft = int(next_fast_len(played.shape[-1] + recorded.shape[-1], real=True))
     spectrum = np.fft.rfft(played, n_fft)
     power = np.square(np.abs(spectrum))
@@ -156,7 +156,7 @@ def delay_s(played: Vector, recorded: Vector, rate_hz: Positive) -> float:
 
 
 @checked
-def learnt(
+def learn(
     played: FloatArray,
     recorded: FloatArray,
     rate_hz: float,
@@ -186,12 +186,12 @@ def learnt(
     played = np.asarray(played, float)
     if recorded.ndim != 2 or played.ndim not in (1, 2) or (played.ndim == 2 and len(played) != len(recorded)):
         raise InvalidParameter(
-            f"learnt: found played {played.shape} and recorded {recorded.shape}, expected (n_played,) or one row per "
+            f"learn: found played {played.shape} and recorded {recorded.shape}, expected (n_played,) or one row per "
             "channel, and (n_channels, n_recorded)"
         )
-    n = samples_in("learnt.duration_s", duration_s, rate_hz)
+    n = samples_in("learn.duration_s", duration_s, rate_hz)
     rows = np.broadcast_to(played, (len(recorded), played.shape[-1]))
-    samples = [deconvolved(p, r, n, regularisation=regularisation) for p, r in zip(rows, recorded, strict=True)]
+    samples = [deconvolve(p, r, n, regularisation=regularisation) for p, r in zip(rows, recorded, strict=True)]
     return Responses(np.array(samples)[None], rate_hz, quantity)
 
 

@@ -167,7 +167,7 @@ class Receptances:
     def _take(
         self, to: FloatArray, of: FloatArray, at: FloatArray, stiffness: UnboundedComplex, out: ComplexArray
     ) -> None:
-        for toward, taken in zip(carried(self.between(to, at), self.among(at), stiffness), out, strict=True):
+        for toward, taken in zip(contact_transfer(self.between(to, at), self.among(at), stiffness), out, strict=True):
             for start in range(0, len(stiffness), CHUNK):
                 part = slice(start, start + CHUNK)
                 taken[:, part] = real_product(of.T, real_product(at, toward[:, part]) * self.compliance[:, part])
@@ -194,7 +194,7 @@ class Receptances:
 
 
 @checked
-def carried(to_contacts: ComplexArray, among: ComplexArray, stiffness: UnboundedComplex) -> ComplexArray:
+def contact_transfer(to_contacts: ComplexArray, among: ComplexArray, stiffness: UnboundedComplex) -> ComplexArray:
     """(n_to, k, n_frequencies): H_rc a (b + H_cc a)^-1, what each receiver takes from the motion of each contact.
 
     Parameters
@@ -211,10 +211,10 @@ def carried(to_contacts: ComplexArray, among: ComplexArray, stiffness: Unbounded
     InvalidParameter
         If pinned contacts coincide.
     """
-    shaped("carried.to_contacts", to_contacts, (None, None, None))
+    shaped("contact_transfer.to_contacts", to_contacts, (None, None, None))
     n_contacts, n_frequencies = to_contacts.shape[1:]
-    shaped("carried.among", among, (n_frequencies, n_contacts, n_contacts))
-    shaped("carried.stiffness", stiffness, (n_frequencies, n_contacts))
+    shaped("contact_transfer.among", among, (n_frequencies, n_contacts, n_contacts))
+    shaped("contact_transfer.stiffness", stiffness, (n_frequencies, n_contacts))
     a, b = _balance(stiffness, np.abs(np.einsum("fkk->fk", among)))
     system = among * a[:, None, :]
     np.einsum("fkk->fk", system)[...] += b  # a view of the diagonals

@@ -222,10 +222,10 @@ def _read_npz(content: bytes, full_scale: float, quantity: str) -> Responses:
     return Responses(_numbers("samples", file["samples"]), file.number("rate_hz"), said)
 
 
-def _numbers(name: str, found: NDArray[Any]) -> FloatArray:
-    if found.dtype.kind not in "iuf":
-        raise ValueError(f"{name}: found an array of {found.dtype}, expected numbers")
-    return found.astype(np.float64, copy=False)
+def _numbers(name: str, values: NDArray[Any]) -> FloatArray:
+    if values.dtype.kind not in "iuf":
+        raise ValueError(f"{name}: found an array of {values.dtype}, expected numbers")
+    return values.astype(np.float64, copy=False)
 
 
 def _read_csv(content: bytes, full_scale: float, quantity: str) -> Responses:

@@ -344,15 +344,15 @@ def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
             f"{train.emission_s:g} s that are reversed); learn them longer, or shorten reversal_s"
         )
     n_filtered = max(n_learnt, samples_in("learnt_s", train.setup.learnt_s, heard.rate_hz))
-    return _reversed(train, replace(heard, samples=heard.samples[..., :n_filtered]), heard)
+    return _stimulus_of(train, replace(heard, samples=heard.samples[..., :n_filtered]), heard)
 
 
 @lru_cache(maxsize=32)
 def _family(train: FocusTrain) -> TimeReversalStimulus:
-    return _reversed(train, train.setup.learnt(), train.setup.responses_at(*train.setup.focus_m))
+    return _stimulus_of(train, train.setup.learnt(), train.setup.responses_at(*train.setup.focus_m))
 
 
-def _reversed(train: FocusTrain, learnt: Responses, heard: Responses) -> TimeReversalStimulus:
+def _stimulus_of(train: FocusTrain, learnt: Responses, heard: Responses) -> TimeReversalStimulus:
     return TimeReversalStimulus(
         band_limited(learnt, Band(train.f_min_hz, train.f_max_hz)),
         train.foci,

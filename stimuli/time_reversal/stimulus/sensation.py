@@ -18,7 +18,7 @@ from ...arrays import ComplexArray, FloatArray, IntArray
 from ...perception.temporal_summation import summed_amplitude
 from ..finger import FINGER_DIAMETER_M, FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Contactor, Fingertip
 from ..focusing.focusing import emitted
-from ..responses.load import PlateLoad, Receptances, SprungMass, carried, contour
+from ..responses.load import PlateLoad, Receptances, SprungMass, contact_transfer, contour
 from ..responses.responses import Point, impulse_responses, values_at
 from .setup import Setup
 
@@ -208,7 +208,7 @@ def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[PlateLoad 
         return np.asarray(free_m[0])
     s, growth, n_fft = contour(n, setup.rate_hz)
     stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
-    toward = carried(*_between(setup, places, n), stiffness)[0]
+    toward = contact_transfer(*_between(setup, places, n), stiffness)[0]
     taken = np.einsum("kf,kf->f", toward, np.fft.rfft(at_contacts / growth, n_fft))
     return np.asarray(free_m[0] - np.fft.irfft(taken, n_fft)[:n] * growth)
 

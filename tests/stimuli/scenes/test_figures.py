@@ -10,12 +10,12 @@ from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.scenes.figures.courses import BESIDE_LOAD, courses, numbers
 from tactometry.stimuli.scenes.figures.focus import focus_sheet
 from tactometry.stimuli.scenes.lifting import loads_n
-from tactometry.stimuli.scenes.result import computed
+from tactometry.stimuli.scenes.result import compute
 
 
 def drawn(scene, given, draw):
     plan = scene.resolve()
-    result = computed(plan, {name: given[name] for name in plan.given})
+    result = compute(plan, {name: given[name] for name in plan.given})
     return result, draw(result, "a scene")
 
 

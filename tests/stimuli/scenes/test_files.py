@@ -15,10 +15,10 @@ from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.scenes import names, path_of
 from tactometry.loading import resolve
 from tactometry.stimuli.scenes.effects import EFFECTS
-from tactometry.stimuli.scenes.explain import explained
+from tactometry.stimuli.scenes.explain import explanation
 from tactometry.stimuli.scenes.file import load_scene, scene_of
 from tactometry.stimuli.scenes.plan import Plan
-from tactometry.stimuli.scenes.result import computed
+from tactometry.stimuli.scenes.result import compute
 
 TONE = {"kind": "electrovibration", "frequency_hz": 60.0, "duration_s": 0.05, "ramp_s": 0.01}
 LAW = {"kind": "force_law", "law": "sc_layer"}
@@ -84,7 +84,7 @@ def test_settings_that_no_memory_holds_are_one_sentence():
     with pytest.raises(
         InvalidParameter, match=r"^scene: found more than this memory holds .*; loosen the accuracy, or"
     ):
-        computed(huge.scene.resolve(), huge.given)
+        compute(huge.scene.resolve(), huge.given)
 
 
 def test_a_film_of_a_scene_without_a_plate_is_refused(capsys):
@@ -153,7 +153,7 @@ def roughly(name):
 @pytest.mark.parametrize("name", names())
 def test_a_built_in_scene_runs_with_units_and_says_what_it_comes_from(name):
     found = roughly(name)
-    result = computed(found.scene.resolve(), found.given)
+    result = compute(found.scene.resolve(), found.given)
     assert set(result.values) == set(found.scene.outputs)
     assert result.plan.error <= found.scene.accuracy
     assert result.versions["numpy"]
@@ -164,7 +164,7 @@ def test_a_built_in_scene_runs_with_units_and_says_what_it_comes_from(name):
 @pytest.mark.parametrize("name", names())
 def test_the_plan_in_words_fits_a_terminal_of_100_columns_and_is_aligned(name):
     found = roughly(name)
-    lines = explained(found.scene, found.given).splitlines()
+    lines = explanation(found.scene, found.given).splitlines()
     assert max(map(len, lines)) <= 100
     rule = lines.index("-" * 100)
     rows = [line for line in lines[rule + 1 : -3] if not line.startswith("    ")]
@@ -179,7 +179,7 @@ def test_the_plan_in_words_fits_a_terminal_of_100_columns_and_is_aligned(name):
 def test_the_plan_in_words_opens_with_what_is_taken_for_granted():
     found = load_scene(path_of("a4-screen"))
     given = replace(found.scene, outputs=("peak_m",))
-    said = " ".join(explained(given, found.given).partition("\nStage")[0].split())
+    said = " ".join(explanation(given, found.given).partition("\nStage")[0].split())
     assert said.startswith("taken for granted: edges simply supported all around; a thin plate, without shear")
     assert "patches have neither mass nor stiffness" in said
     assert "it pulls as well as it presses" in said
@@ -220,7 +220,7 @@ def test_one_more_digit_is_priced_by_the_plan_of_a_tenth():
     found = load_scene(path_of("electrovibration-panel"))
     finer = replace(found.scene, accuracy=found.scene.accuracy / 10).resolve()
     ratio = finer.predicted_s / found.scene.resolve().predicted_s
-    last = explained(found.scene, found.given).splitlines()[-1]
+    last = explanation(found.scene, found.given).splitlines()[-1]
     assert last.startswith(f"one more digit (accuracy {found.scene.accuracy / 10:g}): ")
     assert last.endswith(f", {ratio:.1f} times as long")
 
@@ -229,14 +229,14 @@ def test_the_measured_columns_are_those_of_a_first_and_a_second_run(monkeypatch)
     found = load_scene(path_of("electrovibration-panel"))
     n_stages, runs = len(found.scene.resolve().stages), iter((12.5, 0.25))
     monkeypatch.setattr(Plan, "timed", lambda _plan, _values: (next(runs),) * n_stages)
-    lines = explained(found.scene, found.given).splitlines()
+    lines = explanation(found.scene, found.given).splitlines()
     assert sum(line.endswith("12.5 s   250 ms") for line in lines) == n_stages
     assert lines[-2].endswith(f"measured {12.5 * n_stages:.3g} s cold, {0.25 * n_stages:.3g} s warm")
 
 
 def test_every_effect_of_a_surface_is_on_or_off_in_the_plan():
     found = load_scene(path_of("electrovibration-panel"))
-    said = explained(found.scene, found.given)
+    said = explanation(found.scene, found.given)
     kinds = {stage.effect for stage in found.scene.resolve().stages} - {""}
     for kind in found.scene.surface.effects:
         assert kind in kinds or f"\n{kind.ljust(24)}  off" in said, kind
@@ -244,7 +244,7 @@ def test_every_effect_of_a_surface_is_on_or_off_in_the_plan():
 
 def test_a_stage_is_for_those_that_run_behind_it():
     found = load_scene(path_of("thin-screen"))
-    said = explained(replace(found.scene, outputs=("peak_m",)), found.given)
+    said = explanation(replace(found.scene, outputs=("peak_m",)), found.given)
     assert "shear                     on    for attenuation, learning" in said
     assert "attenuation               on    for learning" in said
 
@@ -252,7 +252,7 @@ def test_a_stage_is_for_those_that_run_behind_it():
 def test_an_effect_that_nothing_needs_says_so():
     sliding = {"contacts": [{"force_n": 1.0, "speed_m_per_s": 0.05}], "given": {"level_db_re_1v": 20.0}}
     found = scene_of(table(effects=[LAW, {"kind": "friction"}], **sliding))
-    assert "friction                  off   no output needs it" in explained(found.scene, found.given)
+    assert "friction                  off   no output needs it" in explanation(found.scene, found.given)
 
 
 def test_a_run_without_what_it_takes_is_refused(tmp_path, capsys):

@@ -10,10 +10,10 @@ from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.scenes import cache
-from tactometry.stimuli.scenes.cache import cached
+from tactometry.stimuli.scenes.cache import cached_result
 from tactometry.stimuli.scenes.figures.film import write_film
 from tactometry.stimuli.scenes.file import load_scene
-from tactometry.stimuli.scenes.result import computed
+from tactometry.stimuli.scenes.result import compute
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen
@@ -84,15 +84,15 @@ def counting(monkeypatch):
 
     def counted(plan, given):
         runs.append(plan)
-        return computed(plan, given)
+        return compute(plan, given)
 
-    monkeypatch.setattr(cache, "computed", counted)
+    monkeypatch.setattr(cache, "compute", counted)
     return runs
 
 
 def kept(scene, folder):
     plan = scene.resolve()
-    return cached(plan, {name: GIVEN[name] for name in plan.given}, folder).values
+    return cached_result(plan, {name: GIVEN[name] for name in plan.given}, folder).values
 
 
 def test_a_kept_result_is_read_back_bit_for_bit_and_not_computed_again(tmp_path, monkeypatch):
@@ -157,7 +157,7 @@ def film():
     outputs = ("x_m", "y_m", "frames_s", "movie_m")
     shot = screen(*FOCUS, effect("movie", n_frames=3, span_s=1e-4), outputs=outputs, accuracy=0.1)
     plan = shot.resolve()
-    return computed(plan, {"voltage_v": 30.0})
+    return compute(plan, {"voltage_v": 30.0})
 
 
 def test_a_film_has_a_picture_for_each_frame(tmp_path):

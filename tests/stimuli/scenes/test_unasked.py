@@ -29,7 +29,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import names, path_of
 from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.scenes.effects import EFFECTS
-from tactometry.stimuli.scenes.explain import explained
+from tactometry.stimuli.scenes.explain import explanation
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
@@ -204,7 +204,7 @@ def test_an_effect_that_no_output_needs_imports_no_more_than_its_name(told, kind
 
 def words(scene, given):
     """The explanation but for the times that were measured."""
-    lines = explained(scene, given).splitlines()
+    lines = explanation(scene, given).splitlines()
     return [
         line[:82].rstrip() if not line.startswith("accuracy") else line.partition(", measured")[0] for line in lines
     ]

@@ -10,9 +10,9 @@ from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
 from tactometry.stimuli.time_reversal.responses.learning import (
     as_displacement,
-    deconvolved,
+    deconvolve,
     delay_s,
-    learnt,
+    learn,
     read_provenance,
     sequence,
     sweep,
@@ -48,7 +48,7 @@ def recorded(plate, excitation, voltage_v, noise_db, rng):
 @pytest.mark.parametrize("excitation", EXCITATIONS.values(), ids=EXCITATIONS)
 def test_responses_learnt_at_40_db_focus_within_5_percent_of_the_true_ones(plate, excitation):
     heard = recorded(plate, excitation, 10.0, 40.0, np.random.default_rng(20261121))
-    learned = learnt(10.0 * excitation.samples, heard, RATE_HZ, duration_s=DURATION_S)
+    learned = learn(10.0 * excitation.samples, heard, RATE_HZ, duration_s=DURATION_S)
     true = Responses(plate.samples[:, :, : learned.n_samples], RATE_HZ)
     with_truth = focus_amplitude(drive(band_limited(true, BAND), 30.0), true)
     with_learnt = focus_amplitude(drive(band_limited(learned, BAND), 30.0), true)
@@ -63,7 +63,7 @@ def test_responses_learnt_at_40_db_focus_within_5_percent_of_the_true_ones(plate
 def test_without_noise_a_sequence_gives_back_any_response(h):
     pulse = sequence(9, rate_hz=1e3).samples
     heard = np.array([np.convolve(pulse, row) for row in h])
-    assert np.allclose(learnt(pulse, heard, 1e3, duration_s=0.02, regularisation=0.0).samples[0], h, atol=1e-9)
+    assert np.allclose(learn(pulse, heard, 1e3, duration_s=0.02, regularisation=0.0).samples[0], h, atol=1e-9)
 
 
 def test_a_reference_channel_takes_latency_and_converters_away():
@@ -76,7 +76,7 @@ def test_a_reference_channel_takes_latency_and_converters_away():
     reference = np.convolve(pulse, converter)
     heard = np.convolve(reference, h)
     reference = np.pad(reference, (0, len(heard) - len(reference)))
-    found = learnt(reference[None], heard[None], 1e3, duration_s=0.03, regularisation=1e-12)
+    found = learn(reference[None], heard[None], 1e3, duration_s=0.03, regularisation=1e-12)
     assert np.allclose(found.samples[0, 0], h, atol=1e-6)
     assert delay_s(pulse, heard, 1e3) >= 0.003
 
@@ -86,7 +86,7 @@ def test_regularisation_keeps_what_was_not_played_from_becoming_noise(plate):
     excitation = sweep(20e3, 40e3, rate_hz=RATE_HZ, duration_s=0.05)
     heard = recorded(plate, excitation, 10.0, 40.0, np.random.default_rng(5))
     sizes = [
-        np.abs(learnt(10.0 * excitation.samples, heard, RATE_HZ, duration_s=DURATION_S, regularisation=r).samples).max()
+        np.abs(learn(10.0 * excitation.samples, heard, RATE_HZ, duration_s=DURATION_S, regularisation=r).samples).max()
         for r in (0.0, 1e-4)
     ]
     assert sizes[0] > 10 * np.abs(plate.samples).max()
@@ -144,10 +144,10 @@ def test_a_file_that_says_nothing_of_where_it_comes_from_is_named(tmp_path):
 @pytest.mark.parametrize(
     ("call", "message"),
     [
-        (lambda: deconvolved(np.zeros(4), np.ones(8), 4), "played: found zeros alone"),
-        (lambda: deconvolved(np.ones(4), np.ones(8), 9), "n_samples: found 9, expected a number from 1 to 8"),
-        (lambda: deconvolved(np.ones(4), np.full(8, np.nan), 4), r"recorded\[0\]: found nan"),
-        (lambda: learnt(np.ones((2, 4)), np.ones((3, 8)), 1e3, duration_s=0.004), "expected .* one row per channel"),
+        (lambda: deconvolve(np.zeros(4), np.ones(8), 4), "played: found zeros alone"),
+        (lambda: deconvolve(np.ones(4), np.ones(8), 9), "n_samples: found 9, expected a number from 1 to 8"),
+        (lambda: deconvolve(np.ones(4), np.full(8, np.nan), 4), r"recorded\[0\]: found nan"),
+        (lambda: learn(np.ones((2, 4)), np.ones((3, 8)), 1e3, duration_s=0.004), "expected .* one row per channel"),
         (lambda: sweep(10.0, 600.0, rate_hz=1e3, duration_s=1.0), "sweep.f_max_hz: found 600.0"),
         (lambda: sweep(10.0, 60.0, rate_hz=1e3, duration_s=0.0), "sweep.duration_s: found 0.0"),
         (lambda: sequence(1, rate_hz=1e3), "sequence.order: found 1"),

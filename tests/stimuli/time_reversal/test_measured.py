@@ -14,7 +14,7 @@ from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, f
 from tactometry.stimuli.time_reversal.focusing.interpolation import (
     estimator,
     expected_amplitude_ratio,
-    interpolated,
+    interpolate,
 )
 from tactometry.stimuli.time_reversal.focusing.inverse_filter import inverse_filter_waveform
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
@@ -318,7 +318,7 @@ def test_strongly_regularised_inverse_filter_is_time_reversal(recorded):
 
 def test_interpolation_at_a_calibrated_point_is_that_point(recorded):
     h = band_limited(recorded, Band(500.0, 18e3))
-    found = interpolated(h, [(0.12, 0.09), (0.2, 0.14)], (0.12, 0.09), A4_SCREEN)
+    found = interpolate(h, [(0.12, 0.09), (0.2, 0.14)], (0.12, 0.09), A4_SCREEN)
     assert found.samples[0] == pytest.approx(h.samples[0], abs=5e-3 * np.abs(h.samples).max())
 
 
@@ -330,7 +330,7 @@ def test_interpolated_focus_costs_what_is_predicted(step_m):
     sampling = {"rate_hz": RATE_HZ, "duration_s": 8e-3, "f_max_hz": 16e3}
     calibrated = band_limited(impulse_responses(SCREEN, points, **sampling), band)
     truth = band_limited(impulse_responses(SCREEN, [at], **sampling), band)
-    guess = interpolated(calibrated, points, at, A4_SCREEN)
+    guess = interpolate(calibrated, points, at, A4_SCREEN)
     ratio = focus_amplitude(drive(guess, 1.0), truth) / focus_amplitude(drive(truth, 1.0), truth)
     predicted = math.sqrt(expected_amplitude_ratio(points, at, A4_SCREEN, band))
     assert ratio == pytest.approx(predicted, abs=0.08)
@@ -348,7 +348,7 @@ def test_the_sign_of_a_correlated_waveform_finds_the_root_of_its_share_of_power(
 def test_interpolation_puts_nothing_at_the_end_of_a_response_that_has_ended():
     pulse = np.zeros((2, 1, 300))
     pulse[:, :, 5] = 1.0
-    found = interpolated(Responses(pulse, RATE_HZ), [(0.1, 0.1), (0.13, 0.1)], (0.115, 0.11), A4_SCREEN)
+    found = interpolate(Responses(pulse, RATE_HZ), [(0.1, 0.1), (0.13, 0.1)], (0.115, 0.11), A4_SCREEN)
     assert np.abs(found.samples[..., -50:]).max() < 2e-3 * np.abs(found.samples).max()
 
 
@@ -364,7 +364,7 @@ def test_far_from_every_point_nothing_is_known():
     [
         (lambda h: trimmed(h, 0.0, 1.0), "start_s, duration_s: found 0.0 and 1.0"),
         (lambda h: aligned(h, [0.0]), "delay_s: found 1, expected 16"),
-        (lambda h: interpolated(h, [(0.1, 0.1)], (0.1, 0.1), A4_SCREEN), "points: found 1, expected 2"),
+        (lambda h: interpolate(h, [(0.1, 0.1)], (0.1, 0.1), A4_SCREEN), "points: found 1, expected 2"),
         (lambda h: inverse_filter_waveform(h, [0.0, 0.0], Band(1e3, 2e3), reversal_s=1e-3), "wanted: found [0.0, 0.0]"),
         (lambda h: rigidity_ratio_from_modes([3.0, 1.0], A4_SCREEN), "measured_hz: found [3.0, 1.0]"),
         (lambda h: rigidity_ratio_from_dispersion([1.0], [0.0]), "frequency_hz: found shapes (1,) and (1,)"),

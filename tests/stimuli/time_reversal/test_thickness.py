@@ -7,7 +7,7 @@ from click.testing import CliRunner
 
 from tactometry.cli.design import command
 from tactometry.stimuli.time_reversal.design.guide import STRESS_MAX_PA, Target, Transducers, recommend
-from tactometry.stimuli.time_reversal.design.thickness import SHEETS_M, recommended, sheets
+from tactometry.stimuli.time_reversal.design.thickness import SHEETS_M, best_sheet, sheets
 from tactometry.stimuli.time_reversal.figures.theory import over_thickness
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
@@ -21,12 +21,12 @@ def among(target, plate=A4_SCREEN, transducers=SMALL, thicknesses_m=SHEETS_M):
 
 
 def test_a_plate_that_will_do_is_kept():
-    assert recommended(among(Target(contrast=20.0)), 1.1e-3).thickness_m == 1.1e-3
+    assert best_sheet(among(Target(contrast=20.0)), 1.1e-3).thickness_m == 1.1e-3
 
 
 def test_more_contrast_than_the_plate_holds_gets_the_nearest_thinner_sheet():
     found = among(Target(contrast=28.0))
-    best = recommended(found, 1.1e-3)
+    best = best_sheet(found, 1.1e-3)
     assert best.thickness_m == 0.9e-3
     assert best.unreachable == ()
     assert best.guide.design.contrast >= 28.0
@@ -35,7 +35,7 @@ def test_more_contrast_than_the_plate_holds_gets_the_nearest_thinner_sheet():
 
 def test_a_plate_that_a_finger_overstresses_gets_the_nearest_thicker_sheet():
     thin = BOROFLOAT_33.plate(0.297, 0.21, 0.3e-3, "SSSS")
-    best = recommended(among(Target(), thin), 0.3e-3)
+    best = best_sheet(among(Target(), thin), 0.3e-3)
     assert best.thickness_m == 0.5e-3
     assert best.stress_pa <= STRESS_MAX_PA < among(Target(), thin)[0].stress_pa
 
@@ -50,7 +50,7 @@ def test_stress_and_deflection_of_a_sheet_are_those_of_the_plate():
 
 def test_what_no_sheet_reaches_is_said_for_the_one_that_misses_least():
     found = among(Target(resolution_m=6e-3, amplitude_m=10e-6), transducers=Transducers())
-    best = recommended(found, 1.1e-3)
+    best = best_sheet(found, 1.1e-3)
     assert len(best.unreachable) == min(len(each.unreachable) for each in found) == 1
     assert best.unreachable[0].startswith("resolution: 6 mm")
 
@@ -67,6 +67,6 @@ def test_the_command_lists_every_thickness():
 
 def test_the_figure_marks_the_recommended_sheet():
     found = among(Target(contrast=28.0), thicknesses_m=(0.7e-3, 0.9e-3))
-    figure = over_thickness(found, recommended(found, 1.1e-3))
+    figure = over_thickness(found, best_sheet(found, 1.1e-3))
     ring = figure.axes[0].lines[len(found)]
     assert ring.get_xdata()[0] == pytest.approx(0.9)
