@@ -136,7 +136,7 @@ def trade_offs(guide: Guide) -> Figure:
 
 
 def over_thickness(among: Sequence[Sheet], best: Sheet) -> Figure:
-    """Resolution, contrast, amplitude and stress of choice sheet: hollow where a wish is missed, the best ringed."""
+    """Resolution, contrast, amplitude and stress of each sheet: hollow where a wish is missed, the best ringed."""
     figure, axes = sheet(2, 2, width_in=8.0, height_in=6.0)
     for one, (name, of) in zip(axes, _QUANTITIES.items(), strict=True):
         for choice in among:
