@@ -33,7 +33,7 @@ class FocusDetection(Effect):
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         loaded = scene.find("load") is not None
         needs = ("t_s", "per_volt_contacts" if loaded else "per_volt_course")
-        target = f"{__name__}:{'under_finger' if loaded else 'felt_level'}"
+        target = f"{__name__}:{'under_finger' if loaded else 'single_event_m_per_v'}"
         return Stage("events", needs, "felt_at_1v_m", target), self.stage()
 
     def __call__(self, felt_at_1v_m: float, voltage_v: float) -> float:
@@ -42,7 +42,7 @@ class FocusDetection(Effect):
         return 20 * log10(ratio) if ratio else -inf
 
 
-def felt_level(t_s: "FloatArray", course: "FloatArray") -> float:
+def single_event_m_per_v(t_s: "FloatArray", course: "FloatArray") -> float:
     """The amplitude of the single event that is felt as strongly as a course (m/V)."""
     from ...time_reversal.stimulus.sensation import events, felt_amplitude_m
 
@@ -51,4 +51,4 @@ def felt_level(t_s: "FloatArray", course: "FloatArray") -> float:
 
 def under_finger(t_s: "FloatArray", courses: "FloatArray") -> float:
     """The same, of the first of some courses."""
-    return felt_level(t_s, courses[0])
+    return single_event_m_per_v(t_s, courses[0])
