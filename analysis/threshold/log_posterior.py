@@ -84,12 +84,13 @@ class LogPosterior(Rows):
         return spread.where(eta >= BINOMIAL_BELOW, binomial)
 
     def _levels_of_one(self) -> Array:
-        return self.counts.u[0, self.counts.n_trials[0] > 0]
+        return np.asarray(self.counts.u[0, self.counts.n_trials[0] > 0])
 
     def z_of(self, axes: Sequence[Array]) -> Array:
         """z (n_levels, n_thresholds, n_widths) at the levels of one data set."""
-        m, v = axes[THRESHOLD][:, None], axes[LOG_WIDTH]
-        return self.shape.z50 + (self._levels_of_one()[:, None, None] - m) * (self.shape.z_width * np.exp(-v))
+        away = self._levels_of_one()[:, None, None] - axes[THRESHOLD][:, None]
+        slope = self.shape.z_width * np.exp(-axes[LOG_WIDTH])
+        return np.asarray(self.shape.z50 + away * slope)
 
     def beyond_levels(self, axes: Sequence[Array]) -> Array:
         """The part of each cell (2, n_thresholds, n_widths) in which the curve's rise, from its 0.05 to its 0.95 point,

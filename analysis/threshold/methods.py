@@ -59,15 +59,14 @@ class Fitting:
     rng: np.random.Generator | None
 
     def results(self) -> tuple[ThresholdFit, ...]:
-        posterior, is_likelihood = self.posterior, self.method in ON_LIKELIHOOD
+        posterior = self.posterior
         mode = find_mode(posterior)
         likeliest = find_mode(posterior.under(on_curve=False), mode.theta)
-        step, binomial = best_step(posterior, likeliest), self._marginals(mode)
+        step = best_step(posterior, likeliest)
+        binomial = self._marginals(mode)
         shares = verdict_shares(posterior, binomial)
         status = np.array(statuses(posterior, shares, step), dtype=object)
-        basis, eta = likeliest if is_likelihood else mode, None
-        if self.overdispersed:
-            basis, eta = find_overdispersed_mode(posterior.under(on_curve=not is_likelihood))
+        basis, eta = self._basis(mode, likeliest)
         estimates = self._of_posterior(mode, binomial, step)
         if self.method != "posterior":
             estimates, status = self._of_curvature(basis, status, step, estimates)
@@ -83,6 +82,13 @@ class Fitting:
         deviance = np.maximum(posterior.deviance(basis.theta), 0.0)  # a perfect fit may round to below 0
         return self._fits(status, estimates, shares, on_levels, {"deviance": deviance, "overdispersion": eta})
 
+    def _basis(self, mode: Mode, likeliest: Mode) -> tuple[Mode, Array | None]:
+        """The mode that the method rests on, and its overdispersion."""
+        is_likelihood = self.method in ON_LIKELIHOOD
+        if self.overdispersed:
+            return find_overdispersed_mode(self.posterior.under(on_curve=not is_likelihood))
+        return (likeliest if is_likelihood else mode), None
+
     def _marginals(self, mode: Mode, eta: Array | None = None) -> Marginals:
         """The posterior of every data set with two levels or more, binomial or with overdispersion about `eta`."""
         chosen = np.flatnonzero(self.posterior.counts.n_levels > 1)
@@ -96,13 +102,15 @@ class Fitting:
         threshold, width = marginals.threshold[:, [0, 2]], marginals.width[:, [0, 2]]
         if self.estimate == "mean":
             return Estimates(marginals.mean, threshold, width)
-        median, theta = marginals.mean.copy(), _with_width(mode.theta)
-        median[:, THRESHOLD], median[:, LOG_WIDTH] = marginals.threshold[:, 1], marginals.width[:, 1]
+        median = marginals.mean.copy()
+        median[:, THRESHOLD] = marginals.threshold[:, 1]
+        median[:, LOG_WIDTH] = marginals.width[:, 1]
+        theta = _with_width(mode.theta)
         theta[:, THRESHOLD] = np.where(step.is_between, step.place, theta[:, THRESHOLD])
-        is_held = (mode.interior | step.is_between) & _within(theta[:, THRESHOLD], threshold)
-        is_wide = _within(theta[:, LOG_WIDTH], width)
-        is_held &= (is_wide | step.is_between) & (self.estimate == "mode")
-        theta[:, LOG_WIDTH] = np.where(is_wide, theta[:, LOG_WIDTH], median[:, LOG_WIDTH])
+        holds_width = _within(theta[:, LOG_WIDTH], width)
+        theta[:, LOG_WIDTH] = np.where(holds_width, theta[:, LOG_WIDTH], median[:, LOG_WIDTH])
+        is_summit = step.is_between | (mode.interior & holds_width)
+        is_held = is_summit & _within(theta[:, THRESHOLD], threshold) & (self.estimate == "mode")
         return Estimates(np.where(is_held[:, None], theta, median), threshold, width)
 
     def _of_curvature(
