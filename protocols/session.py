@@ -87,10 +87,6 @@ class Inquiry:
         )
 
 
-def _welcome(parts: Sequence[Part]) -> Show:
-    return Show("welcome", {"n_blocks": len(parts)})
-
-
 def _instructions(parts: Sequence[Part]) -> Iterator[Show]:
     """What to do, once for all parts of a kind."""
     return map(Show, dict.fromkeys(part.instructions for part in parts))
@@ -103,7 +99,7 @@ def _page(parts: Sequence[Part], number: int, part: Part) -> Show:
 
 def pages(parts: Sequence[Part]) -> Iterator[Show]:
     """Every page of a session but those within its parts."""
-    yield _welcome(parts)
+    yield Show("welcome", {"n_blocks": len(parts)})
     yield from _instructions(parts)
     yield from (_page(parts, number, part) for number, part in enumerate(parts, 1))
     yield Show("end")
@@ -116,7 +112,7 @@ def session(
 
     No part begins later than `longest_s` after the start.
     """
-    begun: Done = yield _welcome(parts)
+    begun: Done = yield Show("welcome", {"n_blocks": len(parts)})
     for page in _instructions(parts):  # noqa: UP028 - an iterator alone takes no answers
         yield page
     tracks: list[Track] = []

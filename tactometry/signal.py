@@ -43,9 +43,8 @@ class Signal:
         expect(is_signal, "Signal.samples", f"shape {samples.shape}", "(n_channels, n_samples) with a channel")
         if not np.isfinite(samples).all():
             channel, sample = np.argwhere(~np.isfinite(samples))[0]
-            raise InvalidParameter(
-                f"Signal.samples[{channel}, {sample}]: found {samples[channel, sample]}, expected a finite number"
-            )
+            where = f"Signal.samples[{channel}, {sample}]"
+            raise InvalidParameter(f"{where}: found {samples[channel, sample]}, expected a finite number")
         positive("Signal", rate_hz=self.rate_hz)
         samples.setflags(write=False)
         object.__setattr__(self, "samples", samples)

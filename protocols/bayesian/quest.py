@@ -83,9 +83,6 @@ class Quest(WeighingRule):
         numbers = f"{self.start:g}, low {self.low:g}, high {self.high:g} and step {self.step:g}"
         between = f"a start between low and high, which are 1 to {N_STEPS} steps apart"
         expect(is_grid, "Quest.start", numbers, between)
-        self._check_rates()
-
-    def _check_rates(self) -> None:
         below_1("Quest", guess_rate=self.guess_rate, blind_share=self.blind_share)
         low, high = self.guess_rate, 1 - self.lapse_rate
         asymptotes = f"a chance between the asymptotes ({low:g} and {high:g})"

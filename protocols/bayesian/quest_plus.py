@@ -10,7 +10,7 @@ import numpy as np
 from scipy.special import logsumexp
 
 from tactometry.arguments.require import at_most, expect, lookup, numbers, of_kind, one_of
-from tactometry.errors import InvalidParameter
+from tactometry.errors import rewording
 
 from ..procedures.procedure import DelegatingProcedure, Procedure
 from .outcome_model import Array, Likelihoods, OutcomeModel, p_log_p, size
@@ -272,11 +272,8 @@ class SharedQuestPlus:
 
     def _log_joint(self, track: str) -> Array:
         """log p(t) L(t, s), (n_first, n_rest)."""
-        return np.asarray(self._log_priors[0][:, None] + self.log_likelihoods.get(track, 0.0) + np.zeros(self._size))
-
-    @property
-    def _size(self) -> tuple[int, int]:
-        return size(self.rule.grid)
+        first, shared = self._log_priors
+        return np.asarray(first[:, None] + self.log_likelihoods.get(track, 0.0) + np.zeros(len(shared)))
 
     @cached_property
     def _log_priors(self) -> tuple[Array, Array]:
@@ -291,15 +288,13 @@ class SharedQuestPlus:
 
     def after(self, track: str, response: int | bool, delivered: float | None = None) -> Self:
         """The pool after an answer to the level that was delivered on one track."""
-        try:
+        with rewording(lambda words: f"SharedQuestPlus track {track!r}, {words}"):
             run = self.procedure(track).after(response, delivered)
-        except InvalidParameter as error:
-            raise InvalidParameter(f"SharedQuestPlus track {track!r}, {error}") from None
         pool = replace(self, runs={**self.runs, track: run})
         if run.contradicted:  # what nothing allows would leave no weight to the other tracks
             return pool
-        log_likelihood = self.rule.grid.log_likelihood(run.delivered[-1], run.responses[-1]).reshape(self._size)
-        table = self.log_likelihoods.get(track, 0.0) + log_likelihood
+        log_likelihood = self.rule.grid.log_likelihood(run.delivered[-1], run.responses[-1])
+        table = self.log_likelihoods.get(track, 0.0) + log_likelihood.reshape(size(self.rule.grid))
         return replace(pool, log_likelihoods={**self.log_likelihoods, track: table})
 
 

@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from tactometry.arguments.magnitudes import is_number
-from tactometry.arguments.require import below, below_1, expect, finite, numbers, one_of, shown, whole
+from tactometry.arguments.require import below, below_1, expect, finite, given, numbers, one_of, shown, whole
 
 from .parameter_grid import ParameterGrid
 from .quest_plus import Aim, Criterion, QuestPlus
@@ -112,13 +112,10 @@ class QuestPlusSettings:
         return grid_values("QuestPlusSettings", self.spacing, low=self.low, high=self.high, n_levels=self.n_levels)
 
     def _grid(self) -> ParameterGrid:
-        thresholds = grid_values(
-            "QuestPlusSettings",
-            self.spacing,
-            threshold_low=self.low if self.threshold_low is None else self.threshold_low,
-            threshold_high=self.high if self.threshold_high is None else self.threshold_high,
-            n_thresholds=self.n_levels if self.n_thresholds is None else self.n_thresholds,
-        )
+        stated = {"threshold_low": self.threshold_low, "threshold_high": self.threshold_high}
+        as_levels = {"threshold_low": self.low, "threshold_high": self.high, "n_thresholds": self.n_levels}
+        grid = as_levels | given({**stated, "n_thresholds": self.n_thresholds})
+        thresholds = grid_values("QuestPlusSettings", self.spacing, **grid)
         bounds = {"width_low": self.width_low, "width_high": self.width_high, "n_widths": self.n_widths}
         widths = grid_values("QuestPlusSettings", "log", **bounds)
         return ParameterGrid(thresholds, widths, self.guess_rates, self.lapse_rates, self.shape)

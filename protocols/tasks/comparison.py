@@ -4,17 +4,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from tactometry.arguments.require import finite
 from tactometry.observers.decisions import Decision, strongest
 from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
 
-from .task import Presentation, Reply, Task, TaskKind, TrialCourse, TrialOutcome
-from .touch import feel_in_turn, nth
+from .task import AgainstStandard, Presentation, Reply, TaskKind, TrialCourse
 
 
 @dataclass(frozen=True)
-class Comparison(Task):
+class Comparison(AgainstStandard):
     """The standard and a level in random order, then: which is stronger? For just noticeable differences.
 
     The response is 1 if the level was called stronger than the standard, and it is what the procedure is told; it is
@@ -27,22 +25,14 @@ class Comparison(Task):
         If the standard is not a finite number.
     """
 
-    standard_level: float
-
     name = "comparison"
 
-    def __post_init__(self) -> None:
-        finite("Comparison", standard_level=self.standard_level)
-
     def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
-        target = int(rng.integers(1, 3))
-        levels = [shown.level if interval == target else self.standard_level for interval in (1, 2)]
-        touches = yield from feel_in_turn(shown.touch, [shown.stimulus] * 2, levels)
-        outcome = TrialOutcome(touches, nth(touches, target), target=target, standard_level=self.standard_level)
+        outcome = yield from self.feel(shown, shown.level, rng)
         if not outcome.touches_valid:
             return outcome
         choice: Chosen = yield Choose("which_stronger", (1, 2), ("1", "2"))
-        stronger = choice.option == target
+        stronger = choice.option == outcome.target
         answer = Reply(choice, int(stronger), self._correct(shown.level, stronger=stronger))
         return replace(outcome, replies=(answer,), success=stronger)
 

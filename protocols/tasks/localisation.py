@@ -27,12 +27,10 @@ class Localisation(Task):
         outcome = TrialOutcome((touch,), touch, target=target, factors=chosen.factors)
         if not touch.valid:
             return outcome
-        choice: Chosen = yield Choose(
-            "which_place",
-            tuple(range(1, len(shown.alternatives) + 1)),
-            tuple(alternative.label for alternative in shown.alternatives),
-            tuple(alternative.stimulus for alternative in shown.alternatives),
-        )
+        numbers = tuple(range(1, len(shown.alternatives) + 1))
+        labels = tuple(alternative.label for alternative in shown.alternatives)
+        stimuli = tuple(alternative.stimulus for alternative in shown.alternatives)
+        choice: Chosen = yield Choose("which_place", numbers, labels, stimuli)
         return outcome.score(choice, correct=choice.option == target)
 
 

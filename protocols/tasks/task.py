@@ -6,13 +6,14 @@ from typing import Any, Protocol, Self, runtime_checkable
 
 import numpy as np
 
+from tactometry.arguments.require import finite
 from tactometry.observers.decisions import Decision
 from tactometry.questionnaire import Questionnaire
 from tactometry.session.answer import Answer, Chosen, Touched
 from tactometry.session.run import Course
 from tactometry.trials.trial import Reason
 
-from .touch import Touch
+from .touch import Touch, feel_in_turn, nth
 
 
 @dataclass(frozen=True)
@@ -116,6 +117,29 @@ class Task(Protocol):
     takes_catch_trials: bool = False
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse: ...
+
+
+@dataclass(frozen=True)
+class AgainstStandard(Task):
+    """A task that holds a level against a standard.
+
+    Raises
+    ------
+    InvalidParameter
+        If the standard is not a finite number.
+    """
+
+    standard_level: float
+
+    def __post_init__(self) -> None:
+        finite(type(self).__name__, standard_level=self.standard_level)
+
+    def feel(self, shown: Presentation, level: float | None, rng: np.random.Generator) -> TrialCourse:
+        """The standard and a level in random order; `target` is the interval of the level."""
+        target = int(rng.integers(1, 3))
+        levels = [level if interval == target else self.standard_level for interval in (1, 2)]
+        touches = yield from feel_in_turn(shown.touch, [shown.stimulus] * 2, levels)
+        return TrialOutcome(touches, nth(touches, target), target=target, standard_level=self.standard_level)
 
 
 @runtime_checkable

@@ -43,7 +43,8 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
             given = plans.values_for(plan, scene_file.given)
         result = _result(plan, given, cache)
     if figure is not None:
-        _draw(result, scene_file, figure)
+        with writing(figure):
+            _figure(result, scene_file.title).savefig(figure, dpi=150)
     if movie is not None:
         _film(scene_file, movie)
     if not explain:
@@ -58,11 +59,6 @@ def _result(plan: Plan, given: dict[str, float], cache: Path | None) -> Result:
 
     with writing(cache):
         return cached_result(plan, given, cache)
-
-
-def _draw(result: Result, scene_file: SceneFile, path: Path) -> None:
-    with writing(path):
-        _figure(result, scene_file.title).savefig(path, dpi=150)
 
 
 def _figure(result: Result, title: str) -> Any:

@@ -55,7 +55,7 @@ def table_of(content: bytes, where: str, what: str) -> dict[str, Any]:
 def _refuse_vast(table: dict[str, Any], where: str, what: str) -> None:
     """Refuse what nobody writes by hand, before anything walks through it."""
     level: list[object] = [table]
-    for depth in range(DEEPEST + 1):
+    for _ in range(DEEPEST + 1):
         if not level:
             return
         longest = max((len(each) for each in level if isinstance(each, list)), default=0)
@@ -63,7 +63,6 @@ def _refuse_vast(table: dict[str, Any], where: str, what: str) -> None:
             raise InvalidFile(f"{where}: found a list of {longest} items, expected {what} with at most {LONGEST_LIST}")
         inner = [each.values() if isinstance(each, dict) else each for each in level if isinstance(each, dict | list)]
         level = [value for each in inner for value in each]
-        del depth
     raise InvalidFile(f"{where}: found tables more than {DEEPEST} deep, expected {what}")
 
 

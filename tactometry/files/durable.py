@@ -105,15 +105,13 @@ def make_folder(path: Path) -> None:
         try:
             folder.mkdir(mode=PRIVATE_FOLDER, exist_ok=True)
         except (FileExistsError, NotADirectoryError):
-            raise InvalidFile(
-                f"{folder}: found a file, expected a folder for the data set; give another --out"
-            ) from None
+            expected = "a folder for the data set; give another --out"
+            raise InvalidFile(f"{folder}: found a file, expected {expected}") from None
         except OSError as error:
             if os.path.isdir(folder):  # noqa: PTH112 - Path.is_dir fails where a name is too long
                 continue
-            raise DeviceFailed(
-                f"{path}: cannot make the folder ({error.strerror}), expected room and permission"
-            ) from None
+            failure = f"cannot make the folder ({error.strerror})"
+            raise DeviceFailed(f"{path}: {failure}, expected room and permission") from None
 
 
 def write_whole(file: int, line: bytes, path: Path, *, durable: bool) -> None:
