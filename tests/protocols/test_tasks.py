@@ -308,7 +308,7 @@ def test_a_task_has_the_name_that_its_line_says_and_fills_columns_that_there_are
 
 
 def test_a_question_that_nobody_knows_is_refused_with_the_nearest_name():
-    with pytest.raises(InvalidParameter, match="was asked 'fellt', expected one of felt.*did you mean 'felt'"):
+    with pytest.raises(InvalidParameter, match="found 'fellt', expected one of felt.*did you mean 'felt'"):
         catalogue.simulated().answer(Choose("fellt", (0, 1), ("no", "yes")))
 
 
