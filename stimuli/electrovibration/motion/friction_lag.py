@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tactometry.arguments import require
 from tactometry.arguments.annotations import NotNegative
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
@@ -13,12 +14,12 @@ from tactometry.errors import InvalidParameter
 from ...arrays import FloatArray
 from ...composition.effect import Effect, Stage, Surroundings
 from ...composition.sampling import per_sample
-from ..attraction.force import ForceForm
 from ..waveforms.pieces import Pieces
 from .coulomb_friction import CoulombFriction
 
 if TYPE_CHECKING:
     from ...perception.detection import Components
+    from ..attraction.force import ForceForm
 
 
 @dataclass(frozen=True)
@@ -75,7 +76,7 @@ def steady(parts: "Components", speed_m_per_s: float, **lag: float) -> "Componen
 def lagged_friction_n(
     t_s: ArrayLike,
     pieces: Pieces,
-    form: ForceForm,
+    form: "ForceForm",
     *,
     lag: FrictionLag,
     friction: CoulombFriction,
@@ -99,9 +100,11 @@ def lagged_friction_n(
     >>> friction_n.round(3).tolist()  # 0.5 (1 N + 17.3 N) in the end, 63 % of the way after one time constant
     [0.5, 5.957, 9.133]
     """
+    from ..attraction.force import ForceForm  # what a lag that no output needs does not load
     from .driven_motion import check_times, driven  # slow to load
     from .lift import LinearSystem
 
+    require.of_kind("lagged_friction_n", ForceForm, form=form)
     t = np.asarray(t_s, dtype=np.float64)
     mu = friction.coefficient_at(force_n)
     check_times(t, pieces)
