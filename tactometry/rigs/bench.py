@@ -43,9 +43,9 @@ class Bench(DeviceRig):
         for interval in (None, 1, 2):
             self._screen.prepare(layout.marker_page(interval, playing=True))
             self._screen.prepare(layout.marker_page(interval, playing=False))
-        if not self._emitter.emits:
-            name = self._equipment.output.name
-            self._terminal.tell(f"output {name}: nothing is played, and no level counts as delivered")
+        output = self._equipment.output
+        if not output.emits:
+            self._terminal.tell(f"output {output.name}: nothing is played, and no level counts as delivered")
 
     def facts(self) -> Facts:
         """Display, keyboard, devices and clock, for the head of the journal."""
@@ -99,9 +99,9 @@ class Bench(DeviceRig):
             self._texts.message("hint_choose"),
             self._screen.aspect,
         )
-        option, timing = self._ask(
-            request.options[0], lambda option: page, lambda option, answer: (_option(answer), True)
-        )
+        first: Answer = request.options[0]
+        option, timing = self._ask(first, lambda option: page, lambda option, answer: (answer, True))
+        assert isinstance(option, int)
         return Chosen(option, *timing)
 
     def _ask(
@@ -124,8 +124,7 @@ class Bench(DeviceRig):
         mark, timing = self._ask(
             unmarked, lambda mark: layout.scale_page(scale, mark, self._screen.aspect), scale.after
         )
-        value = None if mark is None else scale.value(mark, request.low, request.high)
-        return Rated(value, *timing)
+        return Rated(_value(mark, scale.n_positions, request), *timing)
 
     def _enter(self, request: Enter) -> Rated:
         words, hint = self._texts.message(request.question), self._texts.message("hint_enter")
@@ -145,11 +144,7 @@ class Bench(DeviceRig):
             lambda marks: form.form_page(page, marks, self._screen.aspect),
             functools.partial(form.after, page),
         )
-        values = tuple(
-            None if place is None else value_at(place, page.n_positions, request.low, request.high)
-            for place in marks.places
-        )
-        return Filled(values, *timing)
+        return Filled(tuple(_value(place, page.n_positions, request) for place in marks.places), *timing)
 
     def _form(self, request: Fill) -> form.Form:
         return form.Form(
@@ -186,7 +181,7 @@ class Bench(DeviceRig):
         return Adjusted(request.level(n_steps), begun_s, latency_s, utc, counts and not n_gaps, n_gaps)
 
     def _wait(self, request: Wait) -> Done:
-        begin_s = self._presenter.present(layout.waiting_page())
+        begin_s = self._presenter.screen.present(layout.waiting_page())
         self._presenter.hold(begin_s + request.duration_s, layout.waiting_page())
         return self._done()
 
@@ -200,7 +195,7 @@ class Bench(DeviceRig):
         for left_s in range(n_seconds, 0, -1):
             page = self._message(request, "", left_s)
             shown_s = request.duration_s - n_seconds + 1 if left_s == n_seconds else 1.0
-            self._presenter.hold(self._presenter.present(page) + shown_s, page)
+            self._presenter.hold(self._presenter.screen.present(page) + shown_s, page)
         return self._done()
 
     def _message(self, request: Show, hint: str, left_s: int = 0) -> Page:
@@ -223,6 +218,5 @@ class Bench(DeviceRig):
         return self._done()
 
 
-def _option(answer: Answer) -> int:
-    assert isinstance(answer, int)
-    return answer
+def _value(place: int | None, n_positions: int, scale: Rate | Fill) -> float | None:
+    return None if place is None else value_at(place, n_positions, scale.low, scale.high)

@@ -7,7 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import Final, TextIO, TypeVar
 
-from ..errors import InvalidParameter, Stopped
+from ..arguments.require import expect
+from ..errors import Stopped
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.event import EventLog
 from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Question, Rate, Record, Show, Slide, Wait
@@ -112,7 +113,7 @@ class Console(DeviceRig):
     def _play(self, request: Play) -> Played:
         signal = self._signal(request)
         self._present(f"play for {request.duration_s:g} s", request.interval)
-        if not self._emitter.emits:
+        if not self._equipment.output.emits:
             return Played(self._done().at_s, None, "")
         return self._in_session(play_to_end(self._setup, request, layout.waiting_page(), signal))
 
@@ -126,9 +127,9 @@ class Console(DeviceRig):
 
     def _touch(self, request: Press | Slide, what: str) -> Touched:
         signal = self._signal(request)
-        lift = " (lift the finger first)" if self._setup.sensor is not None and self._emitter.emits else ""
+        lift = " (lift the finger first)" if self._setup.sensor is not None and self._equipment.output.emits else ""
         self._present(f"{what}{lift}", request.interval)
-        if not self._emitter.emits:
+        if not self._equipment.output.emits:
             return Touched(self._done().at_s, None, None)
         return self._in_session(TouchCourse(request, self._setup, Trace()).carry_out(signal)[0])
 
@@ -162,11 +163,8 @@ class Console(DeviceRig):
         return self._ask(prompt, lambda line: None if line == "-" else _on_scale(line, request))[0]
 
     def _adjust(self, request: Adjust) -> Adjusted:
-        if self._emitter.emits:
-            raise InvalidParameter(
-                "console: found an adjustment, whose level plays while it is set, expected a task without one; use "
-                "--rig bench"
-            )
+        adjustment = "an adjustment, whose level plays while it is set"
+        expect(not self._equipment.output.emits, "console", adjustment, "a task without one; use --rig bench")
         prompt = f"level of {request.stimulus} ({request.low:g} to {request.high:g}):"
         return Adjusted(*self._ask(prompt, lambda line: _within(line, request.low, request.high)))
 

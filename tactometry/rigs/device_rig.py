@@ -9,14 +9,13 @@ from typing import TypeVar
 from ..devices.outputs.guarded import Guarded
 from ..devices.outputs.output import RAMP_S
 from ..devices.sensors.streamed import StreamedSensor
-from ..errors import DeviceFailed
+from ..errors import DeviceFailed, ended_by_signal
 from ..safety.limits import FORCE_PEAK_N, Limits
 from ..session.answer import Done, Played, Touched
 from ..session.event import EventLog
 from ..session.request import A, Facts, Play, Press, Request, Slide
 from ..signal import Signal, Stimulus
 from ..trials.trial import Tally, Trial, tally
-from .closing import ended_by_signal
 from .emitter import Emitter
 from .experimenter.supervisor import Supervisor, utc_text
 from .experimenter.terminal import ExperimenterTerminal

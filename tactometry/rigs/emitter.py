@@ -5,11 +5,11 @@ import threading
 import time
 from collections.abc import Mapping
 
-from ..arguments.require import lookup
+from ..arguments.require import expect, lookup
 from ..devices.deadline import BEGIN_WITHIN_S
 from ..devices.outputs.guarded import Guarded
 from ..devices.outputs.output import LONGEST_WORD_S, RAMP_S, with_ramps
-from ..errors import DeviceFailed, InvalidParameter
+from ..errors import DeviceFailed
 from ..safety.limits import Limits
 from ..signal import Signal, Stimulus
 
@@ -68,11 +68,9 @@ class Emitter:
         if level is None:
             return None
         signal = self.final(name, level)
-        if signal.duration_s > duration_s + 1 / signal.rate_hz:
-            raise InvalidParameter(
-                f"stimulus {name!r}: found a signal of {signal.duration_s:.6g} s, expected at most the "
-                f"{duration_s:.6g} s of its interval; make one of them fit"
-            )
+        longest = f"at most the {duration_s:.6g} s of its interval; make one of them fit"
+        fits = signal.duration_s <= duration_s + 1 / signal.rate_hz
+        expect(fits, f"stimulus {name!r}", f"a signal of {signal.duration_s:.6g} s", longest)
         return signal
 
     def limit_facts(self) -> dict[str, float]:
@@ -80,18 +78,13 @@ class Emitter:
         stated = [limits for limits in (self._limits, self._output.limits) if limits is not None]
         return functools.reduce(Limits.tighter, stated).facts() if stated else {}
 
-    @property
-    def emits(self) -> bool:
-        """Whether anything comes of what is played: nothing does of a null output."""
-        return self._output.emits
-
     def level_delivered(self, level: float | None) -> float | None:
         """The level that reaches whoever touches: none where nothing is emitted."""
-        return level if self.emits else None
+        return level if self._output.emits else None
 
     def digest(self, signal: Signal | None) -> str | None:
         """The digest of what was emitted; None where nothing was."""
-        return signal.digest() if signal is not None and self.emits else None
+        return signal.digest() if signal is not None and self._output.emits else None
 
     def emit(self, signal: Signal | None) -> float:
         """Begin to play, or to play nothing: the onset on `time.perf_counter`, s."""

@@ -2,8 +2,7 @@
 
 from typing import Final
 
-from ..gates.force import VALID_PART, Compliance
-from ..gates.speed import SpeedCompliance
+from ..gates import VALID_PART, Compliance, SpeedCompliance
 from ..session.request import Press, Slide
 from ..trials.trial import Reason
 

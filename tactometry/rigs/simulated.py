@@ -9,8 +9,7 @@ import numpy as np
 
 from ..arguments.require import expect, lookup
 from ..contact import Contact
-from ..gates.force import compliance
-from ..gates.speed import SpeedCompliance, motion
+from ..gates import SpeedCompliance, compliance, motion
 from ..observers.decisions import Decision, Felt, Observer
 from ..observers.finger import Grip, SimulatedFinger
 from ..safety.limits import Limits
@@ -35,10 +34,10 @@ READING_S = 2.0
 
 def _value_of(liking: float, scale: Rate | Fill) -> float:
     """A liking from -1 to 1 as an answer on a scale."""
-    part = (1 + liking) / 2
+    fraction = (1 + liking) / 2
     if scale.steps is None:
-        return round(scale.low + part * (scale.high - scale.low), 3)
-    return value_at(round(part * (scale.steps - 1)), scale.steps, scale.low, scale.high)
+        return round(scale.low + fraction * (scale.high - scale.low), 3)
+    return value_at(round(fraction * (scale.steps - 1)), scale.steps, scale.low, scale.high)
 
 
 def _speed_compliance(request: Press | Slide, grip: Grip) -> SpeedCompliance | None:
@@ -88,13 +87,12 @@ class SimulatedRig(LiveRig):
     def close(self) -> None:
         pass
 
-    def _signal(self, stimulus: str, level: float | None) -> Signal | None:
-        return None if level is None else self._rendered(stimulus, level)
-
-    def _feel(self, stimulus: str, signal: Signal | None, contact: Contact) -> None:
-        nothing = float("-inf")
-        level_db = nothing if signal is None else self._sensation_db(stimulus, signal, contact)
+    def _feel(self, stimulus: str, level: float | None, contact: Contact) -> str | None:
+        """The digest of what is felt; None of a blank."""
+        signal = None if level is None else self._rendered(stimulus, level)
+        level_db = float("-inf") if signal is None else self._sensation_db(stimulus, signal, contact)
         self._felt.append(Felt(stimulus, level_db))
+        return None if signal is None else signal.digest()
 
     def _sensation_db(self, stimulus: str, signal: Signal, contact: Contact) -> float:
         return self.by_stimulus.get(stimulus, self.sensation).sensation_db(signal, contact)
@@ -106,10 +104,8 @@ class SimulatedRig(LiveRig):
         return now_s
 
     def _play(self, request: Play) -> Played:
-        signal = self._signal(request.stimulus, request.level)
-        self._feel(request.stimulus, signal, Contact(0.0))
-        onset_s = self._pass(request.duration_s)
-        return Played(onset_s, request.level, "" if signal is None else signal.digest())
+        digest = self._feel(request.stimulus, request.level, Contact(0.0)) or ""
+        return Played(self._pass(request.duration_s), request.level, digest)
 
     def _press(self, request: Press) -> Touched:
         return self._touch(request)
@@ -118,17 +114,16 @@ class SimulatedRig(LiveRig):
         return self._touch(request)
 
     def _touch(self, request: Press | Slide) -> Touched:
-        signal = self._signal(request.stimulus, request.level)
         grip = self.finger.hold(request, self._rng)
         force = compliance(grip.times_s, grip.forces_n, request.target_n, request.tolerance)
         speed = _speed_compliance(request, grip)
         reason = broken_condition(request, force, speed)
-        self._feel(request.stimulus, signal, Contact(force.mean_n, grip.speed_m_per_s))
+        digest = self._feel(request.stimulus, request.level, Contact(force.mean_n, grip.speed_m_per_s))
         self._pass(request.hold_s)
         return Touched(
             onset_s=self._pass(request.duration_s),
             level_delivered=request.level,
-            digest=None if signal is None else signal.digest(),
+            digest=digest,
             speed_mean_m_per_s=round(grip.speed_m_per_s, 6),
             valid=reason is None,
             invalid_reason=reason,
@@ -177,9 +172,8 @@ class SimulatedRig(LiveRig):
         return Adjusted(request.level(n_steps), begin_s, round(self._now_s - begin_s, 6))
 
     def _feels(self, request: Adjust, n_steps: int) -> bool:
-        signal = self._signal(request.stimulus, request.level(n_steps))
+        signal = self._rendered(request.stimulus, request.level(n_steps))
         contact = Contact(request.target_n or 0.0, request.speed_m_per_s or 0.0)
-        assert signal is not None
         return self.observer.detect(self._sensation_db(request.stimulus, signal, contact), self._rng)
 
     def _wait(self, request: Wait) -> Done:

@@ -6,13 +6,14 @@ import tomllib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 
-from ..arguments.require import one_of
+from ..arguments.require import expect, one_of
 from ..errors import InvalidParameter, nearest
 from ..session.request import Question, Show
 
 _WIDE = re.compile(r"\d{4}")
+FOLDER = Path(__file__).parent
 PREFIX, SUFFIX = "messages_", ".toml"
 
 
@@ -23,10 +24,7 @@ def languages() -> tuple[str, ...]:
     >>> languages()
     ('en', 'fr')
     """
-    names = (entry.name for entry in files("tactometry.rigs").iterdir())
-    return tuple(
-        sorted(name[len(PREFIX) : -len(SUFFIX)] for name in names if name.startswith(PREFIX) and name.endswith(SUFFIX))
-    )
+    return tuple(sorted(path.stem.removeprefix(PREFIX) for path in FOLDER.glob(f"{PREFIX}*{SUFFIX}")))
 
 
 @dataclass(frozen=True)
@@ -61,11 +59,10 @@ class Texts:
         InvalidParameter
             If the questionnaire has no words in this language.
         """
-        if self.language not in question.words:
-            raise InvalidParameter(
-                f"item {question.item!r}: found no words in {self.language!r}, expected one of "
-                f"{', '.join(question.words)}; choose that language on the bench, or add the words"
-            )
+        cure = "choose that language on the bench, or add the words"
+        expected = f"one of {', '.join(question.words)}; {cure}"
+        has_words = self.language in question.words
+        expect(has_words, f"item {question.item!r}", f"no words in {self.language!r}", expected)
         return question.words[self.language]
 
     def message(self, name: str, values: Mapping[str, str | int | float] | None = None) -> str:
@@ -132,6 +129,6 @@ def texts_in(language: str, study: Mapping[str, str]) -> Texts:
     'oui'
     """
     one_of("language", language, languages())
-    shipped = tomllib.loads((files("tactometry.rigs") / f"{PREFIX}{language}{SUFFIX}").read_text("utf-8"))
+    shipped = tomllib.loads((FOLDER / f"{PREFIX}{language}{SUFFIX}").read_text("utf-8"))
     labels = shipped["labels"] | {name: text for name, text in study.items() if name in shipped["labels"]}
     return Texts({**shipped["messages"], **study}, labels, language, shipped["messages"])

@@ -5,11 +5,13 @@ from its `ptb` back end only, its clock is the wall clock on Linux, taps are mis
 """
 
 import ctypes
+import functools
 import time
 import warnings
 from collections import Counter, deque
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from types import SimpleNamespace
@@ -17,9 +19,8 @@ from typing import Any
 
 import numpy as np
 
-from ..errors import DeviceFailed
+from ..errors import DeviceFailed, ended_by_signal
 from ..session.request import Facts
-from .closing import ended_by_signal
 from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
 from .pages.page import PAPER, Box, Click, Closed, Disc, Display, Input, KeyDown, Page, Text
 
@@ -125,7 +126,7 @@ class Window(Display):
     def _prepare_drawing(self) -> None:
         _add_font(self._psychopy)
         self._shapes: dict[tuple[Look, int], tuple[Any, Stands]] = {}
-        self._texts: dict[tuple[object, ...], Any] = {}
+        self._text = functools.cache(self._new_text)
         self._fresh = FreshPresses()
         self._pressed: list[Input] = []
         self._window.winHandle.push_handlers(on_mouse_press=self._on_mouse_press, on_close=self._on_close)
@@ -239,7 +240,9 @@ class Window(Display):
         seen: Counter[Look] = Counter()
         for item in page.items:
             if isinstance(item, Text):
-                self._text(item).draw()
+                text = self._text(replace(item, x=0.0, y=0.0))  # of a text that moves its place alone is written
+                text.pos = (item.x, item.y)
+                text.draw()
             else:
                 look = (type(item), item.fill, item.line)
                 self._shape(item, (look, seen[look])).draw()
@@ -262,14 +265,6 @@ class Window(Display):
         if isinstance(item, Box):
             return self._psychopy.visual.Rect(self._window, width=1, height=1, **look)
         return self._psychopy.visual.Circle(self._window, radius=1, edges=96, **look)
-
-    def _text(self, item: Text) -> Any:
-        key = (item.words, item.height, item.colour, item.wrap_width, item.align)
-        if key not in self._texts:
-            self._texts[key] = self._new_text(item)
-        stimulus = self._texts[key]
-        stimulus.pos = (item.x, item.y)
-        return stimulus
 
     def _new_text(self, item: Text) -> Any:
         return self._psychopy.visual.TextStim(

@@ -5,7 +5,7 @@ import time
 import numpy as np
 import pytest
 
-from tactometry.gates.force import ForceGate
+from tactometry.gates import ForceGate
 from tactometry.rigs.touch.gated_samples import SILENT_S, AppliedForce
 
 NOTHING = np.empty(0)

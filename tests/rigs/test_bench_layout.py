@@ -6,6 +6,7 @@ from hypothesis import given, strategies as st
 from tactometry.rigs.pages import layout
 from tactometry.rigs.pages.page import Box, Click, Disc, KeyDown, Page
 from tactometry.rigs.window import FreshPresses
+from tactometry.session.answer_rules import value_at
 
 ASPECTS = [4 / 3, 16 / 10, 16 / 9, 21 / 9]
 SEVEN = layout.Scale("warm?", "cold", "warm", "hint", n_positions=7, rings=True)
@@ -113,8 +114,8 @@ def test_a_scale_cannot_be_confirmed_without_a_mark():
 
 @given(st.floats(-1e3, 1e3), st.floats(1e-3, 1e3))
 def test_the_ends_of_a_scale_have_its_end_values(low, span):
-    assert LINE.value(0, low, low + span) == low
-    assert LINE.value(100, low, low + span) == low + span
+    assert value_at(0, LINE.n_positions, low, low + span) == low
+    assert value_at(100, LINE.n_positions, low, low + span) == low + span
 
 
 @given(st.lists(st.tuples(st.sampled_from("yn"), st.integers(0, 50)), unique=True), st.data())

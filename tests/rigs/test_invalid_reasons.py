@@ -8,8 +8,7 @@ import pytest
 from memory import Memory
 
 from tactometry.experiments.study.task_table import DECISIONS
-from tactometry.gates.force import Compliance
-from tactometry.gates.speed import SpeedCompliance
+from tactometry.gates import Compliance, SpeedCompliance
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.protocols import Sliding
 from tactometry.protocols.block import run_block

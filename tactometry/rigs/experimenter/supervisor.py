@@ -2,9 +2,9 @@
 
 import time
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
 
-from ...devices.outputs.guarded import GuardedSignal
 from ...errors import Stopped
 from ...session.event import Event, EventLog, Kind
 from ...session.request import Fact
@@ -26,6 +26,7 @@ def utc_text(clock_s: float) -> str:
     return moment.isoformat(timespec="milliseconds")
 
 
+@dataclass(eq=False)
 class Supervisor:
     """Attends to the participant's Escape key and the experimenter's orders, in each frame.
 
@@ -39,25 +40,23 @@ class Supervisor:
         ``mute(on=True)`` puts the output to zero and keeps it there.
     page : Page
         What the participant sees in a pause.
+    zero_s : float
+        When the session began, on `time.perf_counter`.
+    under_way, repeat : bool
+        Whether a trial is under way, and whether that is to be repeated.
     """
 
-    def __init__(
-        self,
-        screen: Display,
-        terminal: ExperimenterTerminal,
-        log: EventLog | None,
-        mute: Callable[..., None],
-        page: Page,
-    ) -> None:
-        self._screen, self._mute, self._page = screen, mute, page
-        self.terminal, self.log = terminal, log
-        self.zero_s = time.perf_counter()
-        self.under_way = False
-        """Whether a trial is."""
-        self.repeat = False
-        """Whether the trial that is under way is to be repeated."""
-        self._wanted = False
-        self._n_pauses = 0
+    screen: Display
+    terminal: ExperimenterTerminal
+    log: EventLog | None
+    mute: Callable[..., None]
+    page: Page
+    zero_s: float = field(default_factory=time.perf_counter)
+    under_way: bool = False
+    repeat: bool = False
+
+    def __post_init__(self) -> None:
+        self._wanted, self._n_pauses = False, 0
 
     def note(self, kind: Kind, **facts: Fact) -> None:
         """Keep an event, with the time of now."""
@@ -67,9 +66,9 @@ class Supervisor:
         if self.log is not None:
             self.log.note(Event(kind, round(clock_s - self.zero_s, 6), utc_text(clock_s), facts, duration_s))
 
-    def note_stimulus(self, emission: GuardedSignal) -> None:
+    def note_stimulus(self, onset_s: float, duration_s: float, charge_c: float) -> None:
         """Keep a stimulus as it begins: what is kept counts when the session goes on."""
-        self._keep("stimulus", emission.onset_s, {"charge_c": emission.charge_c}, emission.duration_s)
+        self._keep("stimulus", onset_s, {"charge_c": charge_c}, duration_s)
 
     def attend(self, events: tuple[Input, ...]) -> bool:
         """Look at what was pressed and typed: True if the session was paused meanwhile.
@@ -87,17 +86,17 @@ class Supervisor:
 
     def pause(self, by: str, over: Callable[[], bool]) -> None:
         """The output is at zero and a page says so, until it is over and the experimenter wants no pause."""
-        self._mute(on=True)
+        self.mute(on=True)
         self._n_pauses += 1
         self.note("pause", text=by)
         self.terminal.tell(f"paused: {by}" + (" (g goes on)" if self._wanted else ""))
-        self._screen.present(self._page)
+        self.screen.present(self.page)
         while self._wanted or not over():
-            self._screen.refresh(self._page)
-            self._look(self._screen.events())
+            self.screen.refresh(self.page)
+            self._look(self.screen.events())
         self.note("resume", text=by)
         self.terminal.tell("it goes on")
-        self._mute(on=False)
+        self.mute(on=False)
 
     def _look(self, events: tuple[Input, ...]) -> None:
         why = reason_to_end(events)
@@ -108,7 +107,7 @@ class Supervisor:
 
     def stop(self, why: str, recorded: str = "") -> Stopped:
         """Put the output to zero for good: what is to be raised, which says what is `recorded`."""
-        self._mute(on=True)
+        self.mute(on=True)
         self.note("stop", text=why)
         return Stopped(f"{why}; {SAFE}{recorded}")
 

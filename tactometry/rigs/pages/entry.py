@@ -3,7 +3,7 @@
 import math
 
 from . import layout
-from .page import EDGE, INK, Answer, Box, Button, Item, Page, Text
+from .page import EDGE, INK, Answer, Box, Button, Page, Text
 
 ROWS = ("789", "456", "123", ".0<")
 POINT, ERASE = ".", "<"
@@ -14,6 +14,11 @@ KEYS = {
     ERASE: ("backspace", "delete"),
     **{str(k): (str(k), f"num_{k}") for k in range(10)},
 }
+BUTTONS = tuple(
+    Button(symbol, KEYS[symbol], 0.16 * (column - 1), 0.12 - 0.11 * row, 0.14, 0.09)
+    for row, symbols in enumerate(ROWS)
+    for column, symbol in enumerate(symbols)
+)
 
 
 def value_of(typed: str, low: float, high: float | None) -> float | None:
@@ -44,16 +49,13 @@ def after(typed: str, answer: Answer, low: float, high: float | None) -> tuple[s
 
 def entry_page(words: str, typed: str, hint: str, aspect: float, *, ready: bool) -> Page:
     """The question, what was typed, and keys to touch."""
-    items: list[Item] = [
+    keys = [item for key in BUTTONS for item in (key.outline(EDGE), Text(str(key.answer), key.x, key.y, layout.BODY))]
+    items = (
         layout.heading(words, 0.37, aspect),
         Box(0, 0.24, 0.5, 0.11, line=INK),
         Text(typed or " ", 0, 0.24, 0.07),
-    ]
-    buttons: list[Button] = []
-    for row, symbols in enumerate(ROWS):
-        for column, symbol in enumerate(symbols):
-            x, y = 0.16 * (column - 1), 0.12 - 0.11 * row
-            items += [Box(x, y, 0.14, 0.09, line=EDGE), Text(symbol, x, y, layout.BODY)]
-            buttons.append(Button(symbol, KEYS[symbol], x, y, 0.14, 0.09))
-    items += [*layout.confirm_box(CONFIRM_BUTTON, ready=ready), layout.hint_line(hint, aspect)]
-    return Page(tuple(items), (*buttons, CONFIRM_BUTTON))
+        *keys,
+        *layout.confirm_box(CONFIRM_BUTTON, ready=ready),
+        layout.hint_line(hint, aspect),
+    )
+    return Page(items, (*BUTTONS, CONFIRM_BUTTON))

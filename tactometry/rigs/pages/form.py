@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from . import layout
-from .page import ACCENT, EDGE, GOOD, INK, PAPER, QUIET, Answer, Box, Button, Disc, Item, Page, Text
+from .page import ACCENT, EDGE, GOOD, INK, QUIET, Answer, Box, Button, Item, Page, Text
 
 WORDS = 0.03
 TOP, BOTTOM = 0.42, -0.24
@@ -121,17 +121,12 @@ def _xs(n_positions: int) -> list[float]:
 
 def _scale(form: Form, place: int | None, y: float) -> list[Item]:
     xs = _xs(form.n_positions)
-    line = Box(0, y, xs[-1] - xs[0], 0.004, fill=EDGE)
-    radius = min(0.024, 0.4 * SCALE_LENGTH / form.n_positions)
-    items: list[Item] = [line]
     if form.rings:
-        items += [Disc(x, y, radius, fill=PAPER, line=INK) for x in xs]
-    else:
-        items += [Box(side * SCALE_LENGTH / 2, y, 0.005, 0.05, fill=INK) for side in (-1, 1)]
-    if place is not None:  # last, so that the mark is drawn over what it marks
-        x = xs[place]
-        items.append(Disc(x, y, 0.7 * radius, fill=GOOD) if form.rings else Box(x, y, 0.012, 0.06, fill=GOOD))
-    return items
+        return layout.rings(xs, y, min(0.024, 0.4 * SCALE_LENGTH / form.n_positions), place)
+    line = Box(0, y, xs[-1] - xs[0], 0.004, fill=EDGE)
+    ends = [Box(side * SCALE_LENGTH / 2, y, 0.005, 0.05, fill=INK) for side in (-1, 1)]
+    mark = [] if place is None else [Box(xs[place], y, 0.012, 0.06, fill=GOOD)]
+    return [line, *ends, *mark]
 
 
 def _places(form: Form, row: int, y: float, pitch: float) -> list[Button]:

@@ -4,7 +4,6 @@ import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ...session.answer_rules import value_at
 from ...session.request import Adjust
 from .page import ACCENT, EDGE, GOOD, INK, PAPER, QUIET, Answer, Box, Button, Disc, Item, Page, Text
 
@@ -79,24 +78,22 @@ def question_page(words: str, options: Sequence[int], labels: Sequence[str], hin
     gap = 0.04
     width = min(0.42, MARGIN * aspect / len(options) - gap)
     left = -(len(options) - 1) / 2 * (width + gap)
-    centres = [left + k * (width + gap) for k in range(len(options))]
     keys = option_keys(options, labels)
-    items: list[Item] = [heading(words, 0.24, aspect)]
-    for x, label, key in zip(centres, labels, keys, strict=True):
-        items += _option_box(x, width, label, key[0].upper())
-    items.append(hint_line(hint, aspect))
-    buttons = [
-        Button(option, key, x, -0.06, width, 0.24) for option, key, x in zip(options, keys, centres, strict=True)
-    ]
-    return Page(tuple(items), tuple(buttons))
+    buttons = tuple(
+        Button(option, key, left + k * (width + gap), -0.06, width, 0.24)
+        for k, (option, key) in enumerate(zip(options, keys, strict=True))
+    )
+    boxes = [item for button, label in zip(buttons, labels, strict=True) for item in _option_box(button, label)]
+    return Page((heading(words, 0.24, aspect), *boxes, hint_line(hint, aspect)), buttons)
 
 
-def _option_box(x: float, width: float, label: str, key: str) -> list[Item]:
-    shown = [Box(x, -0.06, width, 0.24, line=INK)]
+def _option_box(button: Button, label: str) -> list[Item]:
+    x, width, key = button.x, button.width, button.keys[0].upper()
+    box = button.outline(INK)
     if label.upper() == key:  # the label is its key: it is shown once, large
-        return [*shown, Text(label, x, -0.06, 0.1, wrap_width=width)]
+        return [box, Text(label, x, -0.06, 0.1, wrap_width=width)]
     words = Text(label, x, -0.02, HEADING, wrap_width=0.95 * width)
-    return [*shown, words, Box(x, -0.125, 0.07, 0.07, line=QUIET), Text(key, x, -0.125, BODY, QUIET)]
+    return [box, words, Box(x, -0.125, 0.07, 0.07, line=QUIET), Text(key, x, -0.125, BODY, QUIET)]
 
 
 def option_keys(options: Sequence[int], labels: Sequence[str]) -> list[tuple[str, ...]]:
@@ -134,20 +131,17 @@ def waiting_page() -> Page:
 def force_page(page: Page, force_n: float | None, target_n: float, tolerance: float) -> Page:
     """`page` with a bar that rises with the force; in the band it changes colour and gets a dot beside it."""
     held = force_n is not None and abs(force_n - target_n) <= tolerance * target_n
-    return Page((*page.items, *_bar(force_n, target_n, tolerance, held=held)), page.buttons)
-
-
-def _bar(force_n: float | None, target_n: float, tolerance: float, *, held: bool) -> list[Item]:
     x, bottom, full = 0.4, -0.3, 0.56
     scale = full / (2 * target_n)  # the target is at half of the bar's height
     height = min(max(force_n or 0.0, 0.0) * scale, full)
     middle, half = bottom + target_n * scale, tolerance * target_n * scale
-    bar: list[Item] = [
+    bar = (
         Box(x, bottom + full / 2, 0.1, full, line=EDGE),
         Box(x, bottom + height / 2, 0.1, height, fill=GOOD if held else INK),
         *(Box(x, middle + side * half, 0.18, 0.006, fill=ACCENT) for side in (-1, 1)),
-    ]
-    return [*bar, Disc(x + 0.16, middle, 0.03, fill=GOOD)] if held else bar
+    )
+    dot = [Disc(x + 0.16, middle, 0.03, fill=GOOD)] if held else []
+    return Page((*page.items, *bar, *dot), page.buttons)
 
 
 def track_page(page: Page, cue: float, length: float, finger: float | None = None) -> Page:
@@ -196,21 +190,13 @@ class Scale:
             return mark, True
         return shift(mark, answer, self.n_positions), False
 
-    def value(self, mark: int, low: float, high: float) -> float:
-        """The value of a mark on a scale from `low` to `high`, correctly rounded: whole steps stay whole.
-
-        >>> Scale("", "", "", "", n_positions=7, rings=True).value(2, 1, 7)
-        3.0
-        """
-        return value_at(mark, self.n_positions, low, high)
-
 
 def scale_page(scale: Scale, mark: int | None, aspect: float) -> Page:
     """The scale with its mark, if there is one yet."""
     length = min(1.1, 0.75 * aspect)
     pitch = length / scale.n_positions
     places = [(k + 0.5) * pitch - length / 2 for k in range(scale.n_positions)]
-    drawn = _rings(places, pitch, mark) if scale.rings else _line(length, places, mark)
+    drawn = _numbered_rings(places, pitch, mark) if scale.rings else _line(length, places, mark)
     items = (
         heading(scale.words, 0.26, aspect),
         Text(scale.low, -length / 2 + 0.01, 0.13, BODY, wrap_width=length / 2, align="left"),
@@ -228,16 +214,17 @@ def digit_keys(k: int) -> tuple[str, ...]:
     return (str(k + 1), f"num_{k + 1}") if k < 9 else ()  # a tenth place has no digit of its own
 
 
-def _rings(places: Sequence[float], pitch: float, mark: int | None) -> list[Item]:
-    radius = min(0.04, 0.4 * pitch)
-    rings: list[Item] = [Box(0, 0, places[-1] - places[0], 0.004, fill=EDGE)]
-    for k, x in enumerate(places):
-        rings.append(Disc(x, 0, radius, fill=PAPER, line=INK))
-        if k == mark:
-            rings.append(Disc(x, 0, 0.7 * radius, fill=GOOD))
-        if k < 9:
-            rings.append(Text(str(k + 1), x, -0.085, HINT, QUIET))
-    return rings
+def rings(places: Sequence[float], y: float, radius: float, mark: int | None) -> list[Item]:
+    """A ring at each place of a line, one of them marked."""
+    line = Box(0, y, places[-1] - places[0], 0.004, fill=EDGE)
+    discs = [Disc(x, y, radius, fill=PAPER, line=INK) for x in places]
+    dot = [] if mark is None else [Disc(places[mark], y, 0.7 * radius, fill=GOOD)]
+    return [line, *discs, *dot]
+
+
+def _numbered_rings(places: Sequence[float], pitch: float, mark: int | None) -> list[Item]:
+    digits = [Text(str(k), x, -0.085, HINT, QUIET) for k, x in enumerate(places[:9], 1)]
+    return [*rings(places, 0, min(0.04, 0.4 * pitch), mark), *digits]
 
 
 def _line(length: float, places: Sequence[float], mark: int | None) -> list[Item]:
@@ -249,28 +236,23 @@ def _line(length: float, places: Sequence[float], mark: int | None) -> list[Item
 def confirm_box(button: Button, *, ready: bool = True) -> tuple[Item, Item]:
     """The box of a confirmation, faint while there is nothing to confirm."""
     ink = INK if ready else EDGE
-    box = Box(button.x, button.y, button.width, button.height, line=ink)
-    return box, Text("OK", button.x, button.y, BODY, ink)
+    return button.outline(ink), Text("OK", button.x, button.y, BODY, ink)
 
 
 def adjust_page(words: str, hint: str, aspect: float) -> Page:
     """Two arrows and a confirmation; the level itself is not shown."""
-    up, down = (Box(x, 0.02, 0.2, 0.16, line=INK) for x in (0.14, -0.14))
+    up = Button(UP, ("up", "right"), 0.14, 0.02, 0.2, 0.16)
+    down = Button(DOWN, ("down", "left"), -0.14, 0.02, 0.2, 0.16)
     items = (
         heading(words, 0.26, aspect),
-        up,
-        down,
+        up.outline(INK),
+        down.outline(INK),
         Text("+", up.x, up.y, 0.1),
         Text("−", down.x, down.y, 0.1),
         *confirm_box(CONFIRM_BUTTON),
         hint_line(hint, aspect),
     )
-    buttons = (
-        Button(UP, ("up", "right"), up.x, up.y, up.width, up.height),
-        Button(DOWN, ("down", "left"), down.x, down.y, down.width, down.height),
-        CONFIRM_BUTTON,
-    )
-    return Page(items, buttons)
+    return Page(items, (up, down, CONFIRM_BUTTON))
 
 
 def steps_after(request: Adjust, n_steps: int, answer: Answer) -> tuple[int, bool]:

@@ -99,6 +99,10 @@ class Button:
     width: float = 0.0
     height: float = 0.0
 
+    def outline(self, line: str) -> Box:
+        """Its rectangle, to be drawn."""
+        return Box(self.x, self.y, self.width, self.height, line=line)
+
     def takes(self, event: Input) -> bool:
         """Whether this event presses the button.
 

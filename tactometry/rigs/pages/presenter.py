@@ -43,10 +43,6 @@ class Presenter:
         self.paused_until_s = -float("inf")
         self._attend = attend
 
-    def present(self, page: Page) -> float:
-        """Show a page for the first time: the time of its first frame."""
-        return self.screen.present(page)
-
     def frame(self, page: Page) -> None:
         """Show one more frame; whatever is pressed but Escape is let go."""
         self.screen.refresh(page)

@@ -9,8 +9,7 @@ from typing import Generic, TypeVar
 import numpy as np
 
 from ...devices.sensors.streamed import mean_speed_m_per_s
-from ...gates.force import Compliance, ForceGate, compliance
-from ...gates.speed import SpeedCompliance, SpeedGate, motion
+from ...gates import Compliance, ForceGate, SpeedCompliance, SpeedGate, compliance, motion
 from ...safety.limits import FORCE_PEAK_N
 from ...signal import FloatArray
 from ...trials.trial import Reason
@@ -205,10 +204,10 @@ class Release:
     --------
     >>> release, gate = Release(), ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.5)
     >>> release.hear(np.array([0.0, 0.1]), np.array([0.1, 1.0]))
-    >>> release.given(gate), release.begin(), release.given(gate)
+    >>> release.happened(gate), release.begin(), release.happened(gate)
     (True, None, False)
     >>> release.hear(np.array([0.2]), np.array([1.1]))
-    >>> release.given(gate)
+    >>> release.happened(gate)
     False
     """
 
@@ -230,7 +229,7 @@ class Release:
         with self._lock:
             self._low_n, self._high_n = math.inf, -math.inf
 
-    def given(self, gate: ForceGate) -> bool:
+    def happened(self, gate: ForceGate) -> bool:
         """Whether the force was out of the band of a gate since then."""
         with self._lock:
             heard = self._low_n <= self._high_n

@@ -7,8 +7,7 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 
 from ...devices.sensors.streamed import StreamedSensor
-from ...gates.force import ForceGate
-from ...gates.speed import SpeedGate
+from ...gates import ForceGate, SpeedGate
 from ...safety.limits import FORCE_PEAK_N
 from ...session.answer import Touched
 from ...session.request import Press, Slide
@@ -71,7 +70,7 @@ class Held:
     @property
     def released(self) -> bool:
         """Whether the finger let go since the last touch."""
-        return self.release.given(self.applied_force.gate)
+        return self.release.happened(self.applied_force.gate)
 
     @property
     def opened_s(self) -> float:
@@ -115,11 +114,13 @@ class TouchCourse:
         """
         sensor = self.setup.sensor
         with hearing(self.setup.position, self.places.hear):
-            touched, delay_s = (self._unmeasured(signal), None) if sensor is None else self._held(signal, sensor)
+            touched, delay_s = (
+                (self._play_unmeasured(signal), None) if sensor is None else self._play_when_held(signal, sensor)
+            )
         speed = self.places.mean_speed_m_per_s(touched.onset_s, touched.onset_s + self.request.duration_s)
         return replace(touched, speed_mean_m_per_s=None if speed is None else round(speed, 6)), delay_s
 
-    def _unmeasured(self, signal: Signal | None) -> Touched:
+    def _play_unmeasured(self, signal: Signal | None) -> Touched:
         """Trust the finger: show when to be ready for `hold_s`, then play."""
         ready, playing = (
             layout.marker_page(self.request.interval, playing=on, words=self.words) for on in (False, True)
@@ -148,7 +149,7 @@ class TouchCourse:
             **kept,
         )
 
-    def _held(self, signal: Signal | None, sensor: StreamedSensor) -> tuple[Touched, float | None]:
+    def _play_when_held(self, signal: Signal | None, sensor: StreamedSensor) -> tuple[Touched, float | None]:
         """Play once the force is held in motion, and stop when the finger stops or leaves, or a sensor is lost.
 
         The threads of the sensors decide; here it is shown what they hear.
@@ -167,11 +168,11 @@ class TouchCourse:
             if held.finger_motion is not None:
                 last_first.enter_context(hearing(self.setup.position, held.finger_motion.hear, trigger.consider))
             last_first.callback(trigger.disarm)  # the first to run on any way out: nothing fires behind it
-            begun = self._begun(held, trigger, sensor)
+            begun = self._await_begin(held, trigger, sensor)
             if begun is None:
                 self.setup.say("not played")
                 return Touched(time.perf_counter(), None, None, valid=False, invalid_reason="timeout"), None
-            cut_by = self._cut_by(held, trigger, *begun)
+            cut_by = self._interruption(held, trigger, *begun)
         self.setup.emitter.stop()
         self.setup.release.begin()
         decided_s, onset_s = begun
@@ -180,14 +181,14 @@ class TouchCourse:
         self.setup.say(f"played, {mean}")
         return touched, held.delay_s(decided_s)
 
-    def _begun(self, held: Held, trigger: Trigger, sensor: StreamedSensor) -> tuple[float, float] | None:
+    def _await_begin(self, held: Held, trigger: Trigger, sensor: StreamedSensor) -> tuple[float, float] | None:
         """Show the force until the stimulus begins: when that was decided, and the onset; None if it came too late.
 
         A silent sensor pauses the session; no time counts in a pause.
         """
         begin_s = said_s = self._present(self._bar(held, playing=False))
         while trigger.begun is None:
-            said_s = self._said(held, said_s)
+            said_s = self._tell_force(held, said_s)
             if held.applied_force.silent:
                 self.setup.pause(silence(sensor), lambda: not held.applied_force.silent)
             if time.perf_counter() > max(begin_s, self.setup.presenter.paused_until_s) + self.request.timeout_s:
@@ -196,7 +197,7 @@ class TouchCourse:
             self._frame(held, playing=False)
         return trigger.begun  # asked after disarming: it may have fired just before
 
-    def _said(self, held: Held, said_s: float) -> float:
+    def _tell_force(self, held: Held, said_s: float) -> float:
         """Tell the experimenter the force, once in a while: when it was told last."""
         now_s, force_n = time.perf_counter(), held.applied_force.force_n
         if now_s < said_s + TOLD_EVERY_S or force_n is None:
@@ -204,7 +205,7 @@ class TouchCourse:
         self.setup.say(f"{force_n:.2f} N{'' if held.released else ', not released'}")
         return now_s
 
-    def _cut_by(self, held: Held, trigger: Trigger, decided_s: float, onset_s: float) -> Reason | None:
+    def _interruption(self, held: Held, trigger: Trigger, decided_s: float, onset_s: float) -> Reason | None:
         """Show the force while the stimulus plays: what cut it short, None if it played to its end."""
         self._present(self._bar(held, playing=True))
         while time.perf_counter() < onset_s + self.request.duration_s:
@@ -220,7 +221,7 @@ class TouchCourse:
         self.setup.presenter.frame(self.dress(self._bar(held, playing=playing), time.perf_counter()))
 
     def _present(self, page: Page) -> float:
-        return self.setup.presenter.present(self.dress(page, time.perf_counter()))
+        return self.setup.presenter.screen.present(self.dress(page, time.perf_counter()))
 
     def _bar(self, held: Held, *, playing: bool) -> Page:
         request = self.request

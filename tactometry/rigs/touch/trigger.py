@@ -107,11 +107,11 @@ def hearing(sensor: StreamedSensor | None, hear: OnSamples, then: Callable[[], N
         yield
         return
 
-    def heard(times_s: FloatArray, values: FloatArray) -> None:
+    def pass_on(times_s: FloatArray, values: FloatArray) -> None:
         hear(times_s, values)
         then()
 
-    end = sensor.subscribe(heard)
+    end = sensor.subscribe(pass_on)
     try:
         yield
     finally:

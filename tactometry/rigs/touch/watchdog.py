@@ -88,7 +88,7 @@ def watchdog(setup: TouchSetup) -> Iterator[Callable[[], None]]:
 def play_to_end(setup: TouchSetup, request: Play, page: Page, signal: Signal | None) -> Played:
     """The answer (its onset on `time.perf_counter`): it plays under a watchdog, and begins anew after a pause."""
     presenter, emitter = setup.presenter, setup.emitter
-    begin_s = presenter.present(page)
+    begin_s = presenter.screen.present(page)
     with watchdog(setup) as look:
         while True:
             onset_s = emitter.emit(signal)
@@ -96,7 +96,7 @@ def play_to_end(setup: TouchSetup, request: Play, page: Page, signal: Signal | N
             look()  # what happened since the last frame counts too
             if presenter.paused_until_s < begin_s:  # no pause since it began
                 break
-            begin_s = presenter.present(page)
+            begin_s = presenter.screen.present(page)
     digest = emitter.digest(signal) or ""
     return Played(onset_s, emitter.level_delivered(request.level), digest, emitter.n_gaps(signal))
 

@@ -8,7 +8,7 @@ from sampled import Sampled
 
 from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force, streamed_position
-from tactometry.gates.speed import triangle
+from tactometry.gates import triangle
 from tactometry.rigs.bench import ASSUMED_DISPLAY_HEIGHT_M, Bench
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.texts import texts_in
