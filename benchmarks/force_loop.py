@@ -51,7 +51,7 @@ class Gated:
         reader.subscribe(self._hear)
 
     def _arm(self):
-        from tactometry.gates.force import ForceGate
+        from tactometry.gates import ForceGate
         from tactometry.rigs.touch.gated_samples import AppliedForce
         from tactometry.rigs.touch.trigger import Trigger
 
@@ -99,7 +99,7 @@ def busy(work_s):
 
 def drawn(window, page, listener, work_s):
     """How late a drawing loop knows of each opening: by every sample, and by the newest of a frame alone."""
-    from tactometry.gates.force import ForceGate
+    from tactometry.gates import ForceGate
 
     gate = newest = ForceGate(1.0, 0.2, HOLD_S)
     every, peer, opened_s, end_s = [], [], None, time.perf_counter() + LISTENED_S

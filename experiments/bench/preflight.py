@@ -14,7 +14,7 @@ from tactometry.devices.outputs.output import with_ramps
 from tactometry.devices.sensors.reader import Reader, SampleBlock
 from tactometry.devices.sensors.streamed import StreamedSensor
 from tactometry.errors import TactometryError
-from tactometry.gates.force import ForceGate
+from tactometry.gates import ForceGate
 from tactometry.safety.limits import Limits
 from tactometry.signal import Signal
 

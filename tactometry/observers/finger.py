@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arguments.require import below_1, positive
-from ..gates.speed import triangle
+from ..gates import triangle
 from ..session.request import Press, Slide
 
 

@@ -10,8 +10,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..arguments.require import positive
-from ..errors import InvalidParameter
+from ..arguments.require import expect, positive
 from ..signal import FloatArray, Signal
 
 
@@ -46,12 +45,10 @@ class Load:
 
     def __post_init__(self) -> None:
         positive("Load", capacitance_f=self.capacitance_f)
-        if not self.leak_resistance_ohm > 0:
-            raise InvalidParameter(f"Load.leak_resistance_ohm: found {self.leak_resistance_ohm}, expected above 0")
-        if self.displacement_m_per_v is not None and not all(0 < g < math.inf for g in self.displacement_m_per_v):
-            raise InvalidParameter(
-                f"Load.displacement_m_per_v: found {self.displacement_m_per_v}, expected finite numbers above 0"
-            )
+        leak_ohm, gains = self.leak_resistance_ohm, self.displacement_m_per_v
+        expect(leak_ohm > 0, "Load.leak_resistance_ohm", leak_ohm, "above 0")
+        sound = gains is None or all(0 < gain < math.inf for gain in gains)
+        expect(sound, "Load.displacement_m_per_v", gains, "finite numbers above 0")
 
     def current_peak_a(self, signal: Signal) -> float:
         """Largest abs(C dv/dt + v/R) on any channel, A."""
@@ -65,7 +62,7 @@ class Load:
         before, after, _ = _lines(signal)
         passed = np.cumsum((before + after) / (2 * signal.rate_hz * self.leak_resistance_ohm), axis=1)
         at_samples = self.capacitance_f * after + passed
-        return float(np.max(np.abs([at_samples, self._turning(signal, at_samples)]), initial=0.0))
+        return float(np.max(np.abs([at_samples, self._turning_c(signal, at_samples)]), initial=0.0))
 
     def charge_net_c(self, signal: Signal) -> float:
         """Largest abs(integral of v/R) over the whole signal on any channel, C: what has passed through the leak."""
@@ -83,14 +80,11 @@ class Load:
         """
         peaks_v = np.max(np.abs(signal.samples), axis=1, initial=0.0)
         gains = self.displacement_m_per_v or ()
-        if len(gains) not in (1, len(peaks_v)):
-            raise InvalidParameter(
-                f"Load.displacement_m_per_v: found {len(gains)} values for {len(peaks_v)} channels, expected one for "
-                "each, or one for all"
-            )
+        sizes = f"{len(gains)} values for {len(peaks_v)} channels"
+        expect(len(gains) in (1, len(peaks_v)), "Load.displacement_m_per_v", sizes, "one for each, or one for all")
         return float(np.sum(np.asarray(gains) * peaks_v))
 
-    def _turning(self, signal: Signal, at_samples: FloatArray) -> FloatArray:
+    def _turning_c(self, signal: Signal, at_samples: FloatArray) -> FloatArray:
         """The charge where the current changes its sign between two samples; elsewhere that at the sample."""
         if math.isinf(self.leak_resistance_ohm):
             return at_samples

@@ -13,7 +13,7 @@ from emulated import Emulator, available, wait_for
 
 from tactometry.devices.sensors.counted_samples import SLEW
 from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force, streamed_position
-from tactometry.gates.force import ForceGate
+from tactometry.gates import ForceGate
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.texts import texts_in

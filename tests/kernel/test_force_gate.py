@@ -10,7 +10,7 @@ from hard_cases import exact_case
 from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.gates.force import ForceGate, compliance
+from tactometry.gates import ForceGate, compliance
 
 GATE = ForceGate(target_n=1.0, tolerance=0.25, hold_s=0.0625, max_gap_s=0.02)
 TICK_S = 1 / 1024

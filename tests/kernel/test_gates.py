@@ -8,8 +8,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from tactometry.errors import InvalidParameter
-from tactometry.gates.force import ForceGate
-from tactometry.gates.speed import SpeedGate, motion, triangle
+from tactometry.gates import ForceGate, SpeedGate, motion, triangle
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.session.request import Press, Slide
 

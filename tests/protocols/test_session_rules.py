@@ -22,7 +22,7 @@ from tactometry.experiments.sessions.simulation import Simulation
 from tactometry.experiments.study.dry_run import duration_s, plan
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load
-from tactometry.gates.force import ForceGate
+from tactometry.gates import ForceGate
 from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols import Staircase
 from tactometry.protocols.order import Crossing

@@ -1,0 +1,315 @@
+"""When a finger has held a force, or a speed, long enough, and how well it kept it: decided on sample stamps."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from .arguments.require import expect, not_negative, positive
+
+VALID_PART = 0.8
+"""The part of a touch that must be in the band for a valid trial (unverified default)."""
+WINDOW_S = 0.05
+"""A speed is the way between the ends of a window of this length over its duration (unverified default)."""
+
+
+@dataclass(frozen=True)
+class ForceGate:
+    """Opens once `target_n` was held within `tolerance` for `hold_s`, with no gap between the samples.
+
+    Each sample makes a new gate. The hold starts again after a sample outside the band, a lost sample (NaN),
+    a gap above `max_gap_s` and a stamp that goes back: the gate may open late, never early.
+
+    Parameters
+    ----------
+    target_n : float
+        The force to hold, N, above 0.
+    tolerance : float
+        Half width of the band relative to `target_n`, above 0; the band holds its edges.
+    hold_s : float
+        How long the force must be held, s, at least 0.
+    max_gap_s : float
+        The longest interval between samples that is still one hold, s, above 0.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is not as stated.
+
+    Examples
+    --------
+    >>> gate = ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.015)
+    >>> for time_s, force_n in [(0.0, 0.5), (0.01, 0.9), (0.02, 1.1), (0.03, 1.0)]:
+    ...     gate = gate.after(time_s, force_n)
+    >>> gate.open, gate.after(0.04, float("nan")).open
+    (True, False)
+    """
+
+    target_n: float
+    tolerance: float
+    hold_s: float
+    max_gap_s: float = 0.02
+    since_s: float | None = None
+    last_s: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("ForceGate", target_n=self.target_n, tolerance=self.tolerance, max_gap_s=self.max_gap_s)
+        not_negative("ForceGate", hold_s=self.hold_s)
+
+    @property
+    def open(self) -> bool:
+        """Whether the hold that reaches to the last sample is long enough."""
+        return self.since_s is not None and self.last_s is not None and self.last_s - self.since_s >= self.hold_s
+
+    def holds(self, force_n: float) -> bool:
+        """Whether a force (N) is in the band; a NaN is not."""
+        return abs(force_n - self.target_n) <= self.tolerance * self.target_n
+
+    def after(self, sample_time_s: float, force_n: float) -> "ForceGate":
+        """The gate after a sample of `force_n` (N) stamped `sample_time_s` (s)."""
+        if not (math.isfinite(sample_time_s) and self.holds(force_n)):
+            return replace(self, since_s=None, last_s=None)
+        since_s = self.since_s if self._follows(sample_time_s) else sample_time_s
+        return replace(self, since_s=since_s, last_s=sample_time_s)
+
+    def _follows(self, sample_time_s: float) -> bool:
+        return self.last_s is not None and 0 <= sample_time_s - self.last_s <= self.max_gap_s
+
+
+class Compliance(NamedTuple):
+    """Mean and standard deviation of a force (N), and the part of the time (0..1) that it was in the band."""
+
+    mean_n: float
+    sd_n: float
+    in_band: float
+
+
+def compliance(
+    times_s: ArrayLike, forces_n: ArrayLike, target_n: float, tolerance: float, window_s: float = 0.25
+) -> Compliance:
+    """How well a force was kept.
+
+    Parameters
+    ----------
+    times_s : (n_samples,) array_like
+        Stamps, s, never going back.
+    forces_n : (n_samples,) array_like
+        Finite forces, N; at least one.
+    target_n, tolerance : float
+        The band, as in `ForceGate`.
+    window_s : float
+        Length of the running mean, s: at each sample the mean of the samples of the last `window_s`, or of as
+        many as there are.
+
+    Returns
+    -------
+    Compliance
+        `sd_n` is that of the trace (division by n_samples). `in_band` (0..1) is the part of the samples whose
+        running mean lies in the band.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value or a shape is not as stated.
+
+    Examples
+    --------
+    >>> compliance([0.0, 0.1, 0.2, 0.3], [1.0, 1.0, 2.0, 2.0], target_n=1.0, tolerance=0.25, window_s=0.1)
+    Compliance(mean_n=1.5, sd_n=0.5, in_band=0.5)
+    """
+    positive("compliance", target_n=target_n, tolerance=tolerance, window_s=window_s)
+    times, forces = stamped_samples("compliance", times_s, forces_n, "forces_n", rising=False)
+    off_target_n = np.abs(_running_mean(times, forces, window_s) - target_n)
+    in_band = off_target_n <= tolerance * target_n
+    return Compliance(float(forces.mean()), float(forces.std()), float(in_band.mean()))
+
+
+def _running_mean(times_s: NDArray[np.float64], forces_n: NDArray[np.float64], window_s: float) -> NDArray[np.float64]:
+    first = np.searchsorted(times_s, times_s - window_s, side="right")
+    behind = np.arange(1, times_s.size + 1)
+    first = np.minimum(first, behind - 1)  # a window that rounding makes shorter than any step holds its own sample
+    # reduceat sums from each edge to the next: every second sum is a window's; the 0 lets the last edge be the end
+    edges = np.column_stack([first, behind]).ravel()
+    sums = np.add.reduceat(np.append(forces_n, 0.0), edges)[::2]
+    return np.asarray(sums / (behind - first), dtype=np.float64)
+
+
+def stamped_samples(
+    owner: str, times_s: ArrayLike, values: ArrayLike, name: str, *, rising: bool
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Finite values with their stamps (s): at least two that rise, or at least one with none that goes back.
+
+    Raises
+    ------
+    InvalidParameter
+        If they are none; `owner` opens the sentence, which calls the values by their `name`.
+    """
+    times, samples = np.asarray(times_s, dtype=np.float64), np.asarray(values, dtype=np.float64)
+    paired = times.ndim == 1 and times.shape == samples.shape and times.size >= 1 + rising
+    sizes = f"{times.shape} stamps and {samples.shape} {name}"
+    expect(paired, owner, sizes, f"as many of both, at least {'two' if rising else 'one'}")
+    for which, numbers in (("times_s", times), (name, samples)):
+        k = int(np.argmin(np.isfinite(numbers)))  # the first that is not, if there is one
+        finite = "a finite number; leave lost samples out"
+        expect(np.isfinite(numbers[k]), f"{owner}.{which}[{k}]", numbers[k], finite)
+    steps_s = np.diff(times, prepend=-np.inf)
+    wrong = steps_s <= 0 if rising else steps_s < 0
+    k = int(np.argmax(wrong))  # the first, if there is one
+    expected = "a later stamp" if rising else "no step back"
+    expect(not wrong[k], f"{owner}.times_s[{k}]", f"{times[k]} after {times[k - 1]}", expected)
+    return times, samples
+
+
+@dataclass(frozen=True)
+class SpeedGate:
+    """Open while the finger has moved at `target_m_per_s` within `tolerance` for `hold_s`, without a gap.
+
+    Each sample makes a new gate. The speed is known once the samples without a gap span at least half of `window_s`;
+    a lost sample (NaN), a gap above `max_gap_s` and a stamp that does not advance begin anew: the gate may open late,
+    never early.
+
+    Parameters
+    ----------
+    target_m_per_s : float
+        The speed, m/s, above 0; its sign does not count.
+    tolerance : float
+        Half width of the band relative to the target, above 0; the band holds its edges.
+    hold_s : float
+        How long the speed must be kept, s, at least 0.
+    window_s, max_gap_s : float
+        Window of the speed and longest interval between samples, s, above 0.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is not as stated.
+
+    Examples
+    --------
+    >>> gate = SpeedGate(target_m_per_s=0.05, tolerance=0.2, hold_s=0.01, window_s=0.02)
+    >>> for n in range(4):
+    ...     gate = gate.after(sample_time_s=0.01 * n, position_m=0.0005 * n)
+    >>> gate.open, gate.after(0.04, 0.0015).after(0.05, 0.0015).open
+    (True, False)
+    """
+
+    target_m_per_s: float
+    tolerance: float
+    hold_s: float = 0.0
+    window_s: float = WINDOW_S
+    max_gap_s: float = 0.02
+    samples: tuple[tuple[float, float], ...] = ()
+    since_s: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("SpeedGate", target_m_per_s=self.target_m_per_s, tolerance=self.tolerance)
+        positive("SpeedGate", window_s=self.window_s, max_gap_s=self.max_gap_s)
+        not_negative("SpeedGate", hold_s=self.hold_s)
+
+    @property
+    def speed_m_per_s(self) -> float | None:
+        """The present speed, m/s, at least 0; None while it is not known."""
+        if not self.samples or self._span_s < self.window_s / 2:
+            return None
+        return abs(self.samples[-1][1] - self.samples[0][1]) / self._span_s
+
+    @property
+    def _span_s(self) -> float:
+        return self.samples[-1][0] - self.samples[0][0]
+
+    @property
+    def moving(self) -> bool:
+        """Whether the present speed is known and in the band."""
+        return self.since_s is not None
+
+    @property
+    def open(self) -> bool:
+        """Whether the motion that reaches to the last sample is long enough."""
+        return self.since_s is not None and self.samples[-1][0] - self.since_s >= self.hold_s
+
+    def holds(self, speed_m_per_s: float | None) -> bool:
+        """Whether a speed (m/s) is known and in the band."""
+        if speed_m_per_s is None:
+            return False
+        return abs(speed_m_per_s - self.target_m_per_s) <= self.tolerance * self.target_m_per_s
+
+    def after(self, sample_time_s: float, position_m: float) -> "SpeedGate":
+        """The gate after a sample of the place along the path (m) stamped `sample_time_s` (s)."""
+        if not (math.isfinite(sample_time_s) and math.isfinite(position_m)):
+            return replace(self, samples=(), since_s=None)
+        moved = replace(self, samples=self._window(sample_time_s, position_m))
+        if not moved.holds(moved.speed_m_per_s):
+            return replace(moved, since_s=None)
+        since_s = sample_time_s if self.since_s is None else self.since_s
+        return replace(moved, since_s=since_s)
+
+    def _window(self, sample_time_s: float, position_m: float) -> tuple[tuple[float, float], ...]:
+        if not self.samples or not 0 < sample_time_s - self.samples[-1][0] <= self.max_gap_s:
+            return ((sample_time_s, position_m),)
+        kept = (sample for sample in self.samples if sample[0] >= sample_time_s - self.window_s)
+        return (*kept, (sample_time_s, position_m))
+
+
+class SpeedCompliance(NamedTuple):
+    """Mean speed (m/s) of a path, and the part of the time (0..1) that the speed was in the band."""
+
+    mean_m_per_s: float
+    in_band: float
+
+
+def motion(
+    times_s: ArrayLike, positions_m: ArrayLike, target_m_per_s: float, tolerance: float, window_s: float = WINDOW_S
+) -> SpeedCompliance:
+    """How well a speed was kept.
+
+    Parameters
+    ----------
+    times_s : (n_samples,) array_like
+        Stamps, s, each later than the one before; at least two.
+    positions_m : (n_samples,) array_like
+        Finite places along the path, m.
+    target_m_per_s, tolerance : float
+        The band, as in `SpeedGate`.
+    window_s : float
+        The speed at a sample is the way between the ends of a window of this length around it, over its duration.
+
+    Returns
+    -------
+    SpeedCompliance
+        The mean is the length of the path over its duration.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value or a shape is not as stated.
+
+    Examples
+    --------
+    >>> motion([0.0, 0.1, 0.2, 0.3], [0.0, 0.01, 0.02, 0.02], 0.1, tolerance=0.2, window_s=0.2).in_band
+    0.5
+    """
+    gate = SpeedGate(target_m_per_s, tolerance, window_s=window_s)
+    times, positions = stamped_samples("motion", times_s, positions_m, "positions_m", rising=True)
+    half_s = window_s / 2 * (1 + 1e-9)  # a sample at the very end of a window stays in it whatever rounding does
+    first = np.searchsorted(times, times - half_s, side="left")
+    last = np.searchsorted(times, times + half_s, side="right") - 1
+    # a sample alone in its window has no speed: with the one before it, and the first of all with the one after
+    alone = first == last
+    last = np.where(alone & (first == 0), 1, last)
+    first = np.where(alone, np.maximum(first - 1, 0), first)
+    speeds = np.abs(positions[last] - positions[first]) / (times[last] - times[first])
+    mean_m_per_s = float(np.abs(np.diff(positions)).sum() / (times[-1] - times[0]))
+    in_band = np.abs(speeds - gate.target_m_per_s) <= tolerance * gate.target_m_per_s * (1 + 1e-12)
+    return SpeedCompliance(mean_m_per_s, float(in_band.mean()))
+
+
+def triangle(path_m: ArrayLike, length_m: float) -> NDArray[np.float64]:
+    """The place (m, 0..`length_m`) of a finger that goes out and back, after a path of so many metres.
+
+    >>> triangle([0.0, 0.05, 0.1, 0.15, 0.2], length_m=0.1).round(9).tolist()
+    [0.0, 0.05, 0.1, 0.05, 0.0]
+    """
+    phase = np.asarray(path_m, dtype=np.float64) % (2 * length_m)
+    return np.asarray(np.minimum(phase, 2 * length_m - phase), dtype=np.float64)
