@@ -9,6 +9,8 @@ from typing import Final
 LONGEST_WORD: Final = 300
 """What is longer in a sentence was not written to be read, and only its ends are told."""
 LONGEST_SENTENCE: Final = 4000
+SIGNALLED: Final = 128
+"""Exit status of a process that a signal ended: this and the signal's number."""
 _LONG_WORD = re.compile(rf"\S{{{LONGEST_WORD},}}")
 
 
@@ -66,6 +68,15 @@ class Stopped(TactometryError):  # noqa: N818
     """The participant or the experimenter ended the session; what was recorded is safe."""
 
     exit_status = 1
+
+
+def ended_by_signal(error: BaseException) -> bool:
+    """Whether it ends the process because a signal asked for that.
+
+    >>> ended_by_signal(SystemExit(143)), ended_by_signal(SystemExit(0))
+    (True, False)
+    """
+    return isinstance(error, SystemExit) and isinstance(error.code, int) and error.code > SIGNALLED
 
 
 @contextmanager

@@ -11,12 +11,12 @@ from tactometry.arguments.require import expect, not_zero, one_of, some
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import as_table, build, build_kind, check_keys
 from tactometry.config.toml import errors_in, read_table
-from tactometry.devices.kinds import OUTPUTS, SENSORS, OutputSettings, SensorSettings
+from tactometry.devices.kinds import OUTPUTS, SENSORS, OutputSettings
 from tactometry.devices.measured import Measured
 from tactometry.devices.outputs.gain import Gain, required_gain
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.output import RAMP_S, NullSettings
-from tactometry.devices.sensors.reader import Reader
+from tactometry.devices.sensors.reader import Reader, SensorSettings
 from tactometry.devices.sensors.streamed import ForceCalibration, StreamedSensor, streamed_force, streamed_position
 from tactometry.rigs.texts import languages
 from tactometry.safety.limits import Limits
@@ -206,7 +206,7 @@ class BenchFile:
     def _force(self, readers: Mapping[str, Reader], today: date) -> StreamedSensor | None:
         if self.force is None:
             return None
-        self.force.calibration.measured.check("force", today)
+        self.force.calibration.check_age("force", today)
         reader = readers[self.force.sensor]
         reader.check_channels("force.channel", self.force.channel)
         return streamed_force(reader, self.force.channel, self.force.calibration)
@@ -224,14 +224,14 @@ def device_facts(bench: BenchFile, devices: Devices) -> dict[str, str | int | fl
     gain, load = bench.output.gain, bench.output.load
     facts: dict[str, str | int | float | bool | None] = {
         "output_volts_per_unit": None if gain is None else gain.load_volts_per_unit,
-        "output_gain_measured": None if gain is None else _provenance(gain.measured),
+        "output_gain_measured": None if gain is None else _provenance(gain),
         "output_system_volume": None if gain is None else gain.system_volume,
         "output_ungated": bench.output.ungated,
         "output_load": None if load is None else load.kind,
         "output_capacitance_f": None if load is None else load.capacitance_f,
         "ramp_s": bench.output.ramp_s,
         "force_release": bench.release,
-        "force_measured": None if bench.force is None else _provenance(bench.force.calibration.measured),
+        "force_measured": None if bench.force is None else _provenance(bench.force.calibration),
     }
     facts |= {f"output_{name.removeprefix('output_')}": value for name, value in devices.output.facts().items()}
     for sensor, reader in devices.readers.items():
@@ -241,7 +241,7 @@ def device_facts(bench: BenchFile, devices: Devices) -> dict[str, str | int | fl
 
 
 def _provenance(measured: Measured) -> str | None:
-    said = [str(part) for part in (measured.on, measured.by) if part is not None]
+    said = [str(part) for part in (measured.measured_on, measured.measured_by) if part is not None]
     return " ".join(said) or None
 
 

@@ -4,7 +4,6 @@ from typing import ClassVar, Final, Protocol
 
 from .outputs.gain import Gain, SignalChain
 from .outputs.output import Driver
-from .sensors.reader import Source
 
 OUTPUTS: Final = {
     "null": "tactometry.devices.outputs.output:NullSettings",
@@ -33,11 +32,3 @@ class OutputSettings(Protocol):
 
     def chain(self) -> SignalChain:
         """What its gain holds for."""
-
-
-class SensorSettings(Protocol):
-    """The table of a sensor; `live` if its samples are of now."""
-
-    live: ClassVar[bool]
-
-    def source(self) -> Source: ...

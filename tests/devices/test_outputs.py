@@ -14,7 +14,6 @@ from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 from packed_bits import RATE_HZ, volts
 
-from tactometry.devices.measured import Measured
 from tactometry.devices.outputs.file import FileSettings, read_signal
 from tactometry.devices.outputs.gain import Gain
 from tactometry.devices.outputs.guarded import Guarded
@@ -237,19 +236,22 @@ def test_another_signal_is_checked_anew_after_one_that_was_fine():
 @pytest.mark.parametrize(
     ("measured", "message"),
     [
-        (Measured(date(2026, 1, 1), "A", 30), "found a calibration of 2026-01-01, 59 days old, expected at most 30"),
-        (Measured(date(2026, 2, 28), "A", 0), "found a calibration of 2026-02-28, 1 day old, expected at most 0"),
-        (Measured(date(2027, 1, 1), "A", 30), "which is yet to come, expected a day up to 2026-"),
-        (Measured(None, "A", 30), "found max_age_days without measured_on"),
+        (
+            Gain(1.0, 1.0, date(2026, 1, 1), "A", 30),
+            "found a calibration of 2026-01-01, 59 days old, expected at most 30",
+        ),
+        (Gain(1.0, 1.0, date(2026, 2, 28), "A", 0), "found a calibration of 2026-02-28, 1 day old, expected at most 0"),
+        (Gain(1.0, 1.0, date(2027, 1, 1), "A", 30), "which is yet to come, expected a day up to 2026-"),
+        (Gain(1.0, 1.0, None, "A", 30), "found max_age_days without measured_on"),
     ],
 )
 def test_a_calibration_that_is_too_old_is_a_failed_device(measured, message):
     with pytest.raises(DeviceFailed, match=f"^output.gain: .*{message}.*nothing was played"):
-        measured.check("output.gain", date(2026, 3, 1))
+        measured.check_age("output.gain", date(2026, 3, 1))
 
 
 def test_a_calibration_holds_on_the_last_day_of_its_age():
-    Measured(date(2026, 1, 1), "A", 59).check("output.gain", date(2026, 3, 1))
+    Gain(1.0, 1.0, date(2026, 1, 1), "A", 59).check_age("output.gain", date(2026, 3, 1))
 
 
 # --- files

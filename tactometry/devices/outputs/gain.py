@@ -9,7 +9,7 @@ import numpy as np
 from ...arguments.require import positive
 from ...errors import DeviceFailed, InvalidParameter
 from ...signal import FloatArray, Signal
-from ..measured import Measured, check_age
+from ..measured import Measured
 
 MAX_AGE_DAYS: Final = 365
 """Of a gain for which nobody stated another age (unverified default)."""
@@ -30,7 +30,7 @@ class SignalChain:
 
 
 @dataclass(frozen=True)
-class Gain:
+class Gain(Measured):
     """Volts at the load for each unit of a sample: those at the device's connector, times what the amplifier does.
 
     Parameters
@@ -64,12 +64,8 @@ class Gain:
     system_volume: float | None = None
 
     def __post_init__(self) -> None:
+        super().__post_init__()
         positive("Gain", volts_per_unit=self.volts_per_unit, amplifier_gain=self.amplifier_gain)
-        check_age("Gain", self.max_age_days)
-
-    @property
-    def measured(self) -> Measured:
-        return Measured(self.measured_on, self.measured_by, self.max_age_days)
 
     @property
     def load_volts_per_unit(self) -> float:
@@ -101,7 +97,7 @@ class Gain:
                 f"{MEASURE}"
             )
         self._check_volume(what, chain.system_volume)
-        self.measured.check(what, today)
+        self.check_age(what, today)
 
     def _check_volume(self, what: str, system_volume: float | None) -> None:
         known = [volume for volume in (self.system_volume, system_volume) if volume is not None]
@@ -158,5 +154,5 @@ def required_gain(gain: Gain | None, what: str) -> Gain:
     return gain
 
 
-def _volume(part: float | None) -> str:
-    return "a volume that is not known" if part is None else f"a volume of {100 * part:.0f} %"
+def _volume(volume: float | None) -> str:
+    return "a volume that is not known" if volume is None else f"a volume of {100 * volume:.0f} %"

@@ -12,16 +12,11 @@ from ...safety.load import Load
 from ...signal import Signal
 from .output import LONGEST_WORD_S, Driver, check_format
 
-
-@dataclass(frozen=True)
-class GuardedSignal:
-    """A signal that began to play at `onset_s` (s on `time.perf_counter`), with its net charge through the leak."""
-
-    onset_s: float
-    duration_s: float
-    charge_c: float
+OnSignal = Callable[[float, float, float], None]
+"""What is told of a signal: onset, s on `time.perf_counter`, duration, s, and net charge through the leak, C."""
 
 
+@dataclass(eq=False)
 class Guarded:
     """An output that checks the final samples of its driver, and how often and how long it played.
 
@@ -36,19 +31,17 @@ class Guarded:
         Seconds; by default `time.perf_counter`.
     """
 
-    def __init__(
-        self,
-        driver: Driver,
-        limits: Limits | None,
-        load: Load | None = None,
-        clock: Callable[[], float] = time.perf_counter,
-    ) -> None:
-        self.driver, self.limits, self.load, self.clock = driver, limits, load, clock
+    driver: Driver
+    limits: Limits | None
+    load: Load | None = None
+    clock: Callable[[], float] = time.perf_counter
+
+    def __post_init__(self) -> None:
         self._exposure = Exposure(self.clock())
         self._before: Exposure | None = None
-        self._on_signal: Callable[[GuardedSignal], None] = lambda signal: None
+        self._on_signal: OnSignal = lambda onset_s, duration_s, charge_c: None
         self._counting = threading.Lock()
-        self._final = functools.lru_cache(maxsize=1)(self._checked)
+        self._final = functools.lru_cache(maxsize=1)(self._keep_to_limits)
 
     @property
     def name(self) -> str:
@@ -66,7 +59,7 @@ class Guarded:
         """Count on from what was emitted before: `before` is on the clock of this guard."""
         self._before = before
 
-    def subscribe(self, on_signal: Callable[[GuardedSignal], None]) -> None:
+    def subscribe(self, on_signal: OnSignal) -> None:
         """Call `on_signal` with whatever is emitted from now on, as it begins, in the thread that plays."""
         self._on_signal = on_signal
 
@@ -78,7 +71,7 @@ class Guarded:
         LimitExceeded
             If a limit that the load needs is missing; the device stays closed.
         """
-        self._stated_limits()
+        self._require_limits()
         self.driver.open()
         self._exposure = Exposure(self.clock()) if self._before is None else self._before
         self._counting = threading.Lock()
@@ -99,7 +92,7 @@ class Guarded:
             # the clock anew: a driver may let the signal before fall to zero first
             self._exposure = self._exposure.after(self.clock(), final.duration_s, limits.duty_window_s, charge_c)
         if self.emits:
-            self._on_signal(GuardedSignal(onset_s, final.duration_s, charge_c))
+            self._on_signal(onset_s, final.duration_s, charge_c)
         return onset_s
 
     def check(self, signal: Signal) -> tuple[Limits, Signal]:
@@ -110,10 +103,10 @@ class Guarded:
         LimitExceeded, DeviceFailed
             If the signal must not or cannot be played.
         """
-        limits = self._stated_limits()
+        limits = self._require_limits()
         return limits, self._final(signal, limits)
 
-    def _checked(self, signal: Signal, limits: Limits) -> Signal:
+    def _keep_to_limits(self, signal: Signal, limits: Limits) -> Signal:
         # twice: what was asked for, and what rounding and clipping make of it
         limits.check(signal)
         check_format(signal, self.driver)
@@ -135,7 +128,7 @@ class Guarded:
     def close(self) -> None:
         self.driver.close()
 
-    def _stated_limits(self) -> Limits:
+    def _require_limits(self) -> Limits:
         if self.limits is None:
             raise LimitExceeded(
                 f"output {self.name!r}: found no limits, expected those of what is connected; state them in the bench "

@@ -2,7 +2,6 @@
 
 import time
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
@@ -10,14 +9,13 @@ from ...arguments.require import not_negative, positive
 from ...errors import DeviceFailed, attempt, reason
 from ..clock_map import ClockMap
 from ..portaudio import FULL_SCALE, end_stream, library, refuse_default
-from .reader import SampleBlock, Source
+from .reader import SampleBlock, SensorSettings, Source
 
 
 @dataclass(frozen=True)
-class AudioInputSettings:
+class AudioInputSettings(SensorSettings):
     """A sound card as a sensor: a vibrometer, an accelerometer or a loopback; counts are parts of full scale."""
 
-    live: ClassVar[bool] = True
     rate_hz: float
     device: str
     n_channels: int = 1

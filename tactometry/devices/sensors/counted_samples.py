@@ -61,11 +61,11 @@ class CountedSamples:
         for device_s, _ in new:
             self._clocks = self._clocks.after(device_s, arrival_s)
         self._clocks.check(self._name)
-        settled = [(device_s, values) for device_s, values in new if self._settled(device_s, new[-1][0])]
+        settled = [(device_s, values) for device_s, values in new if self._settle(device_s, new[-1][0])]
         times_s = [self._stamp_s(device_s) for device_s, _ in settled]
         return SampleBlock(np.array(times_s), np.array([values for _, values in settled], dtype=np.float64))
 
-    def _settled(self, device_s: float, newest_s: float) -> bool:
+    def _settle(self, device_s: float, newest_s: float) -> bool:
         """Whether the difference of the clocks has stood for a while: what had waited to be read is through."""
         if self._is_settled:
             return True

@@ -5,13 +5,13 @@ import functools
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 import numpy as np
 
 from ...arguments.require import positive
 from ...errors import DeviceFailed, attempt, needed
-from .reader import POLL_S, SampleBlock, Source, now_s
+from .reader import POLL_S, SampleBlock, SensorSettings, Source, now_s
 
 LONGEST_SEARCH_S = 5.0
 OTHERS_WITHIN_S = 0.5
@@ -24,13 +24,12 @@ SETTINGS_FILES = ("lsl_api.cfg", "~/lsl_api/lsl_api.cfg", "/etc/lsl_api/lsl_api.
 
 
 @dataclass(frozen=True)
-class LslSettings:
+class LslSettings(SensorSettings):
     """The outlet by its name; `rate_hz` is what its head must state.
 
     `source_id` tells it from others of the same name; without it there may be no other.
     """
 
-    live: ClassVar[bool] = True
     stream: str
     rate_hz: float
     n_channels: int = 1
@@ -71,7 +70,7 @@ class LslSource(Source):
 
     def open(self) -> None:
         pylsl = _library()
-        info = self._found(pylsl)
+        info = self._find_outlet(pylsl)
         self._check(info)
         # recover=False: an outlet that dies is to raise, else liblsl waits for it in silence
         inlet = pylsl.StreamInlet(info, max_buflen=60, recover=False, processing_flags=pylsl.proc_clocksync)
@@ -84,7 +83,7 @@ class LslSource(Source):
         self._opened.callback(inlet.close_stream)
         self._inlet, self._source_id = inlet, self._source_id or info.source_id() or None
 
-    def _found(self, pylsl: Any) -> Any:
+    def _find_outlet(self, pylsl: Any) -> Any:
         """The one outlet of the name and the source id."""
         search_s = 1.0 if self._searched else LONGEST_SEARCH_S
         self._searched = True

@@ -7,7 +7,7 @@ from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Final
+from typing import ClassVar, Final
 
 import numpy as np
 
@@ -71,6 +71,16 @@ class Source(ABC):
         return {}
 
 
+class SensorSettings(ABC):
+    """The table of a sensor; `live` if its samples are of now."""
+
+    live: ClassVar[bool] = True
+
+    @abstractmethod
+    def source(self) -> Source:
+        """What reads it; it is not open."""
+
+
 class Listener:
     """What one part of the program has not read yet."""
 
@@ -78,7 +88,7 @@ class Listener:
         self._n_channels = n_channels
         self._blocks: deque[SampleBlock] = deque()
 
-    def put(self, block: SampleBlock) -> None:
+    def append(self, block: SampleBlock) -> None:
         if block.times_s.size == 0:
             return
         self._blocks.append(block)
@@ -172,21 +182,18 @@ class Reader:
     def __init__(self, source: Source, delay_s: float = 0.0) -> None:
         self.source, self._delay_s = source, delay_s
         self._subscribers: tuple[Callable[[SampleBlock], None], ...] = ()
+        self._nothing = SampleBlock(np.empty(0), np.empty((0, source.n_channels)))
         self._n_open = 0
         self._ending = threading.Event()
         self._thread: threading.Thread | None = None
         self._n_samples = 0
         self._n_outages = self._n_steps_back = 0
         self._arrivals = Arrivals()
-        self._failure: str | None = None
-
-    @property
-    def failure(self) -> str | None:
+        self.failure: str | None = None
         """Why it tells nothing, since it last did."""
-        return self._failure
 
     def facts(self) -> dict[str, str | int | float | None]:
-        counts = {"n_samples": self._n_samples, "n_outages": self._n_outages, "failure": self._failure}
+        counts = {"n_samples": self._n_samples, "n_outages": self._n_outages, "failure": self.failure}
         n_steps_back = self._n_steps_back + self._arrivals.n_steps_back
         return {**self.source.facts(), **counts, "n_steps_back": n_steps_back}
 
@@ -205,7 +212,7 @@ class Reader:
     def listen(self) -> Listener:
         """Another listener; it hears what comes from now on."""
         listener = Listener(self.source.n_channels)
-        self.subscribe(listener.put)
+        self.subscribe(listener.append)
         return listener
 
     def subscribe(self, on_block: Callable[[SampleBlock], None]) -> Callable[[], None]:
@@ -249,7 +256,7 @@ class Reader:
             try:
                 self._take(self.source.receive())
             except Exception as error:  # whatever it was, the device is looked for again
-                self._failure = str(self._as_failure(error))
+                self.failure = str(self._as_failure(error))
                 self._n_outages += 1
                 with contextlib.suppress(Exception):
                     self.source.close()
@@ -273,35 +280,34 @@ class Reader:
 
     def _take(self, block: SampleBlock | None) -> None:
         if block is None or block.times_s.size == 0:
-            self._publish(None)
+            self._publish(self._nothing)
             return
         self._arrivals = self._arrivals.after(block.times_s, now_s())
         if self._arrivals.fault is not None:
-            self._n_outages += self._failure is None
-            self._failure = f"{self.source.name}: {self._arrivals.fault}"
-            self._publish(None)
+            self._n_outages += self.failure is None
+            self.failure = f"{self.source.name}: {self._arrivals.fault}"
+            self._publish(self._nothing)
             return
         self._n_samples += block.times_s.size
-        self._failure = None
+        self.failure = None
         # a copy only where stamps move: listeners share the block
         self._publish(SampleBlock(block.times_s - self._delay_s, block.values) if self._delay_s else block)
 
-    def _publish(self, block: SampleBlock | None) -> None:
-        nothing = SampleBlock(np.empty(0), np.empty((0, self.source.n_channels)))
+    def _publish(self, block: SampleBlock) -> None:
         for on_block in self._subscribers:
-            on_block(nothing if block is None else block)
+            on_block(block)
 
     def _find_again(self) -> None:
         next_s = now_s() + RETRY_S
         while not self._ending.wait(POLL_S):
-            self._publish(None)
+            self._publish(self._nothing)
             if now_s() < next_s:
                 continue
             next_s = now_s() + RETRY_S
             try:
                 self._open_source()
             except DeviceFailed as error:
-                self._failure = str(error)
+                self.failure = str(error)
             else:
                 return
 

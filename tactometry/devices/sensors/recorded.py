@@ -13,13 +13,13 @@ from ...arguments.require import positive
 from ...errors import DeviceFailed, TactometryError
 from ...files.durable import read_file
 from ...files.samples import table_of_numbers
-from .reader import SampleBlock, Source, now_s
+from .reader import SampleBlock, SensorSettings, Source, now_s
 
 STEP_S = 0.005
 
 
 @dataclass(frozen=True)
-class RecordedSettings:
+class RecordedSettings(SensorSettings):
     """A CSV file with a header, of which the first column is ``time_s`` and the others are channels, in counts."""
 
     live: ClassVar[bool] = False

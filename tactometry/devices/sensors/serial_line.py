@@ -3,22 +3,21 @@
 import os
 import select
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from ...arguments.require import positive
 from ...errors import DeviceFailed, needed
 from .counted_samples import CountedSamples
 from .framing import Framing
-from .reader import POLL_S, SampleBlock, Source, now_s
+from .reader import POLL_S, SampleBlock, SensorSettings, Source, now_s
 
 LARGEST_READ = 65_536
 
 
 @dataclass(frozen=True)
-class SerialSettings:
+class SerialSettings(SensorSettings):
     """`port` such as ``/dev/ttyACM0`` or ``COM3``; `rate_hz` is what the device states."""
 
-    live: ClassVar[bool] = True
     port: str
     rate_hz: float
     n_channels: int = 1

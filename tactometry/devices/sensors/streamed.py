@@ -10,7 +10,7 @@ import numpy as np
 from ...arguments.require import expect, given, not_zero
 from ...errors import InvalidParameter
 from ...signal import FloatArray
-from ..measured import Measured, check_age
+from ..measured import Measured
 from .reader import Reader
 
 OnSamples = Callable[[FloatArray, FloatArray], None]
@@ -67,7 +67,7 @@ class StreamedSensor:
 
 
 @dataclass(frozen=True)
-class ForceCalibration:
+class ForceCalibration(Measured):
     """One of three forms; what lies outside of a range that is known becomes NaN, a lost sample.
 
     Parameters
@@ -103,7 +103,7 @@ class ForceCalibration:
     max_age_days: int | None = None
 
     def __post_init__(self) -> None:
-        check_age("ForceCalibration", self.max_age_days)
+        super().__post_init__()
         forms = given({name: getattr(self, name) for name in ("newtons_per_count", "polynomial", "table_counts")})
         several = "none or more than one of newtons_per_count, polynomial and table_counts"
         expect(len(forms) == 1, "ForceCalibration", several, "exactly one")
@@ -117,10 +117,6 @@ class ForceCalibration:
             _check_table(self.table_counts, self.table_forces_n or ())
         rises = self.count_low < self.count_high
         expect(rises, "ForceCalibration.count_low", self.count_low, f"below count_high, {self.count_high}")
-
-    @property
-    def measured(self) -> Measured:
-        return Measured(self.measured_on, self.measured_by, self.max_age_days)
 
     def force_n(self, counts: FloatArray) -> FloatArray:
         """(n_samples,) counts to newton; NaN outside of what is known."""

@@ -10,13 +10,13 @@ import select
 import struct
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import Final
 
 import numpy as np
 
 from ...arguments.require import positive
 from ...errors import DeviceFailed, attempt
-from .reader import SampleBlock, Source, now_s
+from .reader import SampleBlock, SensorSettings, Source, now_s
 
 EVENT: Final = struct.Struct("=qqHHi")
 # names of the kernel's header linux/input.h: EV_SYN, EV_REL, EV_ABS
@@ -34,10 +34,9 @@ HELD_S = 0.01
 
 
 @dataclass(frozen=True)
-class TouchSettings:
+class TouchSettings(SensorSettings):
     """`path` such as ``/dev/input/event5``; channels are x, y and pressure, in the device's units."""
 
-    live: ClassVar[bool] = True
     path: str
     rate_hz: float = 100.0
 
@@ -105,9 +104,9 @@ class TouchSource(Source):
             raise DeviceFailed(f"{self.name}: the device went away ({error.strerror})") from None
         if ready and not data:
             raise DeviceFailed(f"{self.name}: the device went away")
-        return self._block(data) if ready else self._resting()
+        return self._block(data) if ready else self._rest_sample()
 
-    def _resting(self) -> SampleBlock | None:
+    def _rest_sample(self) -> SampleBlock | None:
         return SampleBlock(np.array([now_s()]), np.array([self._reported.values])) if self._reported.touching else None
 
     def _block(self, data: bytes) -> SampleBlock | None:

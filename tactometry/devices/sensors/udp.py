@@ -10,12 +10,12 @@ import contextlib
 import socket
 import struct
 from dataclasses import dataclass
-from typing import ClassVar, Final, NamedTuple
+from typing import Final
 
 from ...arguments.require import expect, positive
 from ...errors import DeviceFailed, attempt
 from .counted_samples import CountedSamples
-from .reader import POLL_S, SampleBlock, Source, now_s
+from .reader import POLL_S, SampleBlock, SensorSettings, Source, now_s
 
 BEGIN: Final = struct.pack(">HHI", 0x1234, 2, 0)
 END: Final = struct.pack(">HHI", 0x1234, 0, 0)
@@ -27,10 +27,9 @@ SILENT_S = 0.5
 
 
 @dataclass(frozen=True)
-class UdpSettings:
+class UdpSettings(SensorSettings):
     """The sensor's address; `sensor_rate_hz` is the rate of its own samples, of which it may send each n-th."""
 
-    live: ClassVar[bool] = True
     address: str
     rate_hz: float
     sensor_rate_hz: float = 7000.0
@@ -44,26 +43,17 @@ class UdpSettings:
         return UdpSource(self)
 
 
-class UdpRecord(NamedTuple):
-    """One record; `values` are the six counts."""
-
-    sequence: int
-    sensor_sequence: int
-    status: int
-    values: tuple[int, ...]
-
-
-def records(datagram: bytes) -> list[UdpRecord]:
-    """The records of a datagram; none if its length is not theirs.
+def records(datagram: bytes) -> list[tuple[int, int, int, tuple[int, ...]]]:
+    """(sequence, sensor's sequence, status, six counts) of a datagram's records; none if its length is not theirs.
 
     >>> records(RECORD.pack(1, 7, 0, 1, -2, 3, 4, 5, 6))
-    [UdpRecord(sequence=1, sensor_sequence=7, status=0, values=(1, -2, 3, 4, 5, 6))]
+    [(1, 7, 0, (1, -2, 3, 4, 5, 6))]
     >>> records(b"something else")
     []
     """
     if len(datagram) % RECORD.size:
         return []
-    return [UdpRecord(a, b, c, tuple(values)) for a, b, c, *values in RECORD.iter_unpack(datagram)]
+    return [(a, b, c, tuple(values)) for a, b, c, *values in RECORD.iter_unpack(datagram)]
 
 
 class UdpSource(Source):
@@ -98,11 +88,9 @@ class UdpSource(Source):
             return None
         except OSError as error:
             raise DeviceFailed(f"{self.name}: the network failed ({error})") from None
-        return self._block(records(datagram), now_s())
-
-    def _block(self, received: list[UdpRecord], arrival_s: float) -> SampleBlock | None:
-        self._heard_s = arrival_s
-        sound = [(record.sequence, record.sensor_sequence, record.values) for record in received if record.status == 0]
+        self._heard_s = arrival_s = now_s()
+        received = records(datagram)
+        sound = [(sequence, ticks, values) for sequence, ticks, status, values in received if status == 0]
         self._n_refused += len(received) - len(sound) if received else 1  # a datagram of another form is one
         return self._samples.block(sound, arrival_s) if sound else None
 

@@ -7,7 +7,7 @@ from typing import ClassVar
 
 from ...signal import Signal
 from .gain import Gain, SignalChain
-from .output import Driver
+from .output import UnconnectedDriver
 
 
 @dataclass(frozen=True)
@@ -23,9 +23,7 @@ class LedgerSettings:
         return SignalChain(f"ledger {self.path}")
 
 
-class LedgerOutput(Driver):
-    connected = False
-
+class LedgerOutput(UnconnectedDriver):
     def __init__(self, path: Path) -> None:
         self.name, self._path = f"ledger {path}", path
 
@@ -40,9 +38,3 @@ class LedgerOutput(Driver):
         with self._path.open("a", encoding="utf-8") as ledger:
             ledger.write(f"{signal.peak:.2f} V, {signal.duration_s:.2f} s\n")
         return onset_s
-
-    def stop(self) -> None:
-        pass
-
-    def close(self) -> None:
-        pass

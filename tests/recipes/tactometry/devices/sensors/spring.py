@@ -2,17 +2,15 @@
 
 import time
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 
 from ...arguments.require import positive
-from .reader import SampleBlock, Source, now_s
+from .reader import SampleBlock, SensorSettings, Source, now_s
 
 
 @dataclass(frozen=True)
-class SpringSettings:
-    live: ClassVar[bool] = True
+class SpringSettings(SensorSettings):
     rate_hz: float = 1000.0
 
     def __post_init__(self) -> None:
@@ -31,6 +29,3 @@ class SpringSource(Source):
         first_s, self._told_s = self._told_s, now_s()
         times_s = np.arange(first_s, self._told_s, 1 / self.rate_hz)
         return SampleBlock(times_s, np.ones((len(times_s), 1)))
-
-    def close(self) -> None:
-        pass
