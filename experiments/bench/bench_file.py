@@ -233,7 +233,7 @@ def device_facts(bench: BenchFile, devices: Devices) -> dict[str, str | int | fl
         "force_release": bench.release,
         "force_measured": None if bench.force is None else _provenance(bench.force.calibration),
     }
-    facts |= {f"output_{name.removeprefix('output_')}": value for name, value in devices.output.facts().items()}
+    facts |= {f"output_{name.removeprefix('output_')}": value for name, value in devices.output.driver.facts().items()}
     for sensor, reader in devices.readers.items():
         facts[f"{sensor}_delay_s"] = bench.sensors[sensor].delay_s
         facts |= {f"{sensor}_{name}": value for name, value in reader.facts().items()}

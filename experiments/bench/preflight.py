@@ -166,7 +166,7 @@ def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Itera
         output.stop()
     yield Finding("output", "test tone", f"{tested.peak:.3g} V, {tested.duration_s:.3g} s", "within limits", fine=True)
     yield Finding("output", "onset after the call", f"{1e3 * (onset_s - begin_s):.1f} ms")
-    n_underruns = output.facts().get("n_underruns")
+    n_underruns = output.driver.facts().get("n_underruns")
     if n_underruns is not None:
         yield Finding("output", "underruns", f"{n_underruns}", "0", n_underruns == 0, device=True)
 

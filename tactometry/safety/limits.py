@@ -88,8 +88,8 @@ class Limits:
         """
         if signal.unit != "V":
             raise LimitExceeded(f"limits: found a signal in {signal.unit!r}, expected volt ('V'); nothing was played")
-        _check_limit("voltage_peak_v", "a peak of", signal.peak, self.voltage_peak_v, "V", "lower the level")
-        _check_limit("duration_s", "a signal of", signal.duration_s, self.longest_s, "s", "shorten it")
+        _check("voltage_peak_v", "a peak of", signal.peak, self.voltage_peak_v, "V", "lower the level")
+        _check("duration_s", "a signal of", signal.duration_s, self.longest_s, "s", "shorten it")
 
     def check_load(self, signal: Signal, load: Load) -> None:
         """Refuse a signal that passes a limit of the load, or a load whose limits nobody stated.
@@ -102,15 +102,13 @@ class Limits:
         self.check_stated(load)
         if self.current_peak_a is not None:
             peak_a = load.current_peak_a(signal)
-            _check_limit(
-                "current_peak_a", "a peak of", peak_a, self.current_peak_a, "A", "lower the level or its slopes"
-            )
+            _check("current_peak_a", "a peak of", peak_a, self.current_peak_a, "A", "lower the level or its slopes")
         if self.charge_peak_c is not None:
             peak_c = load.charge_peak_c(signal)
-            _check_limit("charge_peak_c", "a peak of", peak_c, self.charge_peak_c, "C", "lower the level or shorten it")
+            _check("charge_peak_c", "a peak of", peak_c, self.charge_peak_c, "C", "lower the level or shorten it")
         if self.displacement_peak_m is not None:
             peak_m = load.displacement_peak_m(signal)
-            _check_limit("displacement_peak_m", "up to", peak_m, self.displacement_peak_m, "m", "lower the level")
+            _check("displacement_peak_m", "up to", peak_m, self.displacement_peak_m, "m", "lower the level")
 
     def check_stated(self, load: Load) -> None:
         """Refuse a load whose limits nobody stated.
@@ -142,9 +140,7 @@ class Limits:
         LimitExceeded
             If the upper edge of its band is above.
         """
-        _check_limit(
-            "force_peak_n", "a force of up to", target_n * (1 + tolerance), self.force_peak_n, "N", "ask for less"
-        )
+        _check("force_peak_n", "a force of up to", target_n * (1 + tolerance), self.force_peak_n, "N", "ask for less")
 
     def facts(self) -> dict[str, float]:
         """Those that are stated, for the head of a journal.
@@ -166,13 +162,13 @@ class Limits:
         if self.duty is not None:
             duty = exposure.after(begin_s, duration_s, self.duty_window_s).played_s / self.duty_window_s
             cure = exposure.cure(begin_s, duration_s, self.duty_window_s, self.duty * self.duty_window_s)
-            _check_limit("duty", "signals in a part of", duty, self.duty, "of the time", cure)
+            _check("duty", "signals in a part of", duty, self.duty, "of the time", cure)
         if self.session_s is not None:
             end_s = begin_s + duration_s - exposure.opened_s
-            _check_limit("session_s", "a session of", end_s, self.session_s, "s", "end it and let the participant rest")
+            _check("session_s", "a session of", end_s, self.session_s, "s", "end it and let the participant rest")
         if self.charge_session_c is not None:
             sum_c = exposure.charge_c + charge_c
-            _check_limit("charge_session_c", "net charges of", sum_c, self.charge_session_c, "C", "end the session")
+            _check("charge_session_c", "net charges of", sum_c, self.charge_session_c, "C", "end the session")
 
     def tighter(self, other: "Limits") -> "Limits":
         """The tighter of both for each limit; one that is stated holds against one that is not.
@@ -256,7 +252,7 @@ def _smaller(one: float | None, other: float | None) -> float | None:
     return min((value for value in (one, other) if value is not None), default=None)
 
 
-def _check_limit(name: str, what: str, value: float, limit: float, unit: str, cure: str) -> None:
+def _check(name: str, what: str, value: float, limit: float, unit: str, cure: str) -> None:
     """Refuse what is above its limit, and what is no number."""
     if not value <= limit * (1 + ROUNDING):  # not `value > limit`, which a NaN passes
         raise LimitExceeded(

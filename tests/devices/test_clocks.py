@@ -10,7 +10,7 @@ from hypothesis import given, strategies as st
 
 from tactometry.devices.clock_map import ClockMap
 from tactometry.devices.sensors.counted_samples import CountedSamples
-from tactometry.devices.sensors.reader import AHEAD_S, LATE_FOR_S, LATE_S, Arrivals, Reader, SampleBlock
+from tactometry.devices.sensors.reader import AHEAD_S, LATE_FOR_S, LATE_S, Arrivals, Reader, SampleBlock, Source
 from tactometry.errors import DeviceFailed
 
 
@@ -198,3 +198,29 @@ def test_what_is_not_believed_is_not_told_and_what_follows_is():
     assert n_silent[:7] == [False, False, True, True, False, True, False]
     facts = reader.facts()
     assert (facts["n_samples"], facts["n_outages"], facts["failure"], source.n_opened) == (4, 2, None, 1)
+
+
+class HalfOpen(Source):
+    """Its second part is not there."""
+
+    def __init__(self):
+        super().__init__("half", rate_hz=100.0, n_channels=1)
+        self.n_let_go = 0
+
+    def open(self):
+        self._opened.callback(self.let_go)
+        raise OSError(2, "No such device")
+
+    def let_go(self):
+        self.n_let_go += 1
+
+    def receive(self):
+        raise AssertionError
+
+
+def test_what_was_opened_of_a_source_that_does_not_open_is_let_go():
+    """Else each time that it is looked for would keep one more of its parts from others."""
+    source = HalfOpen()
+    with pytest.raises(DeviceFailed, match="half: found a failure .*No such device"):
+        Reader(source).open()
+    assert source.n_let_go == 1

@@ -47,9 +47,6 @@ class Guarded:
     def name(self) -> str:
         return self.driver.name
 
-    def facts(self) -> dict[str, str | int | float | None]:
-        return self.driver.facts()
-
     @property
     def emits(self) -> bool:
         """Whether anything comes of what is played: nothing does of a null output."""

@@ -28,23 +28,18 @@ class StreamedSensor:
     """
 
     def __init__(self, reader: Reader, convert: Callable[[FloatArray], FloatArray]) -> None:
-        self._reader, self._convert = reader, convert
+        self.reader, self._convert = reader, convert
         self._listener = reader.listen()
         self._is_open = False
 
     @property
     def name(self) -> str:
-        return self._reader.source.name
-
-    @property
-    def failure(self) -> str | None:
-        """Why it says nothing, where that is known."""
-        return self._reader.failure
+        return self.reader.source.name
 
     def open(self) -> None:
         """Begin to collect. Raises `DeviceFailed`."""
         if not self._is_open:
-            self._reader.open()
+            self.reader.open()
             self._is_open = True
             self.read()  # a shared reader may have run before: what it took then is not of this opening
 
@@ -57,13 +52,13 @@ class StreamedSensor:
 
         A device that says nothing is told about every `POLL_S`, with empty arrays.
         """
-        return self._reader.subscribe(lambda block: on_samples(block.times_s, self._convert(block.values)))
+        return self.reader.subscribe(lambda block: on_samples(block.times_s, self._convert(block.values)))
 
     def close(self) -> None:
         """Let go of the device; may be called more than once."""
         if self._is_open:
             self._is_open = False
-            self._reader.close()
+            self.reader.close()
 
 
 @dataclass(frozen=True)

@@ -115,12 +115,12 @@ class TouchCourse:
         sensor = self.setup.sensor
         with hearing(self.setup.position, self.places.hear):
             touched, delay_s = (
-                (self._play_unmeasured(signal), None) if sensor is None else self._play_when_held(signal, sensor)
+                (self._play_ungated(signal), None) if sensor is None else self._play_gated(signal, sensor)
             )
         speed = self.places.mean_speed_m_per_s(touched.onset_s, touched.onset_s + self.request.duration_s)
         return replace(touched, speed_mean_m_per_s=None if speed is None else round(speed, 6)), delay_s
 
-    def _play_unmeasured(self, signal: Signal | None) -> Touched:
+    def _play_ungated(self, signal: Signal | None) -> Touched:
         """Trust the finger: show when to be ready for `hold_s`, then play."""
         ready, playing = (
             layout.marker_page(self.request.interval, playing=on, words=self.words) for on in (False, True)
@@ -149,7 +149,7 @@ class TouchCourse:
             **kept,
         )
 
-    def _play_when_held(self, signal: Signal | None, sensor: StreamedSensor) -> tuple[Touched, float | None]:
+    def _play_gated(self, signal: Signal | None, sensor: StreamedSensor) -> tuple[Touched, float | None]:
         """Play once the force is held in motion, and stop when the finger stops or leaves, or a sensor is lost.
 
         The threads of the sensors decide; here it is shown what they hear.

@@ -9,7 +9,6 @@ import numpy as np
 
 from ...devices.outputs.output import LONGEST_WORD_S
 from ...devices.sensors.streamed import StreamedSensor
-from ...safety.limits import FORCE_PEAK_N
 from ...session.answer import Played
 from ...session.request import Adjust, Play
 from ...signal import FloatArray, Signal
@@ -20,7 +19,6 @@ from .gated_samples import SILENT_S, Release, Trace
 from .trigger import hearing
 
 SILENT = "the force sensor is silent"
-
 
 Pause = Callable[[str, Callable[[], bool]], None]
 """Pauses the session for a reason, until it is over."""
@@ -37,12 +35,12 @@ class TouchSetup:
     release: Release
     pause: Pause
     say: Callable[[str], None]
-    force_peak_n: float = FORCE_PEAK_N
+    force_peak_n: float
 
 
 def silence(sensor: StreamedSensor | None) -> str:
     """Why a session pauses whose force sensor says nothing, with what is known of it."""
-    failure = None if sensor is None else sensor.failure
+    failure = None if sensor is None else sensor.reader.failure
     return SILENT if failure is None else f"{SILENT} ({failure})"
 
 
