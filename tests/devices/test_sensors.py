@@ -304,9 +304,10 @@ def test_a_stated_delay_moves_the_stamps_of_all_that_share_a_sensor(plugged):
     late = Reader(device.reader.source, delay_s=0.03)
     straight, delayed = Listener(n_channels=3), late.listen()
     take = late._take
-    late._take = lambda block: (straight.put(block) if block is not None and block.times_s.size else None, take(block))[
-        1
-    ]
+    late._take = lambda block: (
+        straight.append(block) if block is not None and block.times_s.size else None,
+        take(block),
+    )[1]
     late.open()
     wait_for(lambda: late.facts()["n_samples"] > 200)
     late.close()
