@@ -43,10 +43,10 @@ class BoundedDesign:
     levels: tuple[tuple[object, ...], ...]
     between: str | None
     groups: tuple[object, ...]
-    centre: float
-    scale: float
     n_censored: int
     n_missing: int
+    centre: float = 0.0
+    scale: float = 1.0
 
     def cells(self) -> list[dict[str, object]]:
         """The names of the means: group by group the cells, the last factor fastest."""
@@ -64,7 +64,6 @@ def bounded_design(
     within: Sequence[str],
     between: str | None,
     subject: str,
-    where: str,
 ) -> BoundedDesign:
     """The design of a table: a row per value, at most one in each cell; a row without value and bounds is as no row.
 
@@ -76,15 +75,15 @@ def bounded_design(
         For too few participants, levels or known values in a cell, and the same value everywhere.
     """
     keys = [subject, *within, *([between] if between else [])]
-    expect_columns(table, [dependent, low, high, *keys], where)
+    expect_columns(table, [dependent, low, high, *keys], "censored_anova")
     expect_names(table, keys)
     coded = [codes_of(table, name) for name in (subject, *within)]
     levels = tuple(tuple(different) for _, different in coded)
     refuse_few(levels, subject, within)
     groups = None if between is None else groups_of(table, levels[0], subject, between)
     of = np.zeros(len(levels[0]), dtype=np.int64) if groups is None else groups.of
-    ends = _laid(ends_of(table, dependent, low, high), [codes for codes, _ in coded], levels, table, keys)
-    data = BoundedValues(*ends, of, tuple(len(part) for part in levels[1:]))
+    ends = _layout(ends_of(table, dependent, low, high), [codes for codes, _ in coded], levels, table, keys)
+    data = BoundedValues(*ends, of, tuple(len(names) for names in levels[1:]))
     n_missing = int((np.isinf(data.low) & np.isinf(data.high)).sum())
     design = BoundedDesign(
         data=data,
@@ -92,13 +91,11 @@ def bounded_design(
         levels=levels[1:],
         between=between,
         groups=("",) if groups is None else groups.names,
-        centre=0.0,
-        scale=1.0,
         n_censored=int((~data.known).sum()) - n_missing,
         n_missing=n_missing,
     )
     _refuse_unknown(design)
-    return _scaled(design, dependent)
+    return _standardised(design, dependent)
 
 
 def ends_of(table: pd.DataFrame, dependent: str, low: str, high: str) -> Array:
@@ -135,7 +132,7 @@ def numbers(table: pd.DataFrame, name: str) -> Array:
     return values
 
 
-def _laid(
+def _layout(
     ends: Array,
     codes: Sequence["np.ndarray[tuple[int], np.dtype[np.int64]]"],
     levels: Sequence[Sequence[object]],
@@ -143,7 +140,7 @@ def _laid(
     keys: Sequence[str],
 ) -> tuple[Array, Array]:
     """Low and high ends (participant, cell); infinite where the table has no row."""
-    shape = tuple(len(part) for part in levels)
+    shape = tuple(len(names) for names in levels)
     place = np.ravel_multi_index(list(codes), shape)
     order, n = np.unique(place, return_counts=True)
     if (n > 1).any():
@@ -165,7 +162,7 @@ def _refuse_unknown(design: BoundedDesign) -> None:
         expect_defined(n >= MIN_KNOWN, DesignStatus.TOO_FEW_KNOWN, cell, found, expected)
 
 
-def _scaled(design: BoundedDesign, dependent: str) -> BoundedDesign:
+def _standardised(design: BoundedDesign, dependent: str) -> BoundedDesign:
     """About the mean of the known values, in their standard deviations."""
     data = design.data
     size = size_of(data.low[data.known])
@@ -238,16 +235,15 @@ def largest_complete(table: pd.DataFrame, *, dependent: str, within: Sequence[st
     factor.
     """
     presence = _Presence.of(table, dependent, within, subject)
-    best: tuple[tuple[int, int, int], Subset] | None = None
+    ranks: dict[Subset, tuple[int, int]] = {}
     for chosen in _subsets(presence.levels):
-        if all(len(places) < 2 for places in chosen):
-            continue
-        n_complete, n_cells = int(presence.complete(chosen).sum()), int(np.prod([len(places) for places in chosen]))
-        rank = (n_complete * n_cells, n_complete, n_cells)
-        # Of equal choices the first stays.
-        if n_complete >= MIN_PARTICIPANTS and (best is None or rank > best[0]):
-            best = (rank, chosen)
-    return None if best is None else presence.part(best[1], presence.complete(best[1]))
+        n_complete = int(presence.complete(chosen).sum())
+        if n_complete >= MIN_PARTICIPANTS:
+            ranks[chosen] = (n_complete * _n_cells(chosen), n_complete)
+    if not ranks:
+        return None
+    best = max(ranks, key=lambda chosen: ranks[chosen])  # of equal choices the first
+    return presence.part(best, presence.complete(best))
 
 
 def largest_known(
@@ -261,23 +257,25 @@ def largest_known(
     group = np.zeros(len(subjects)) if between is None else pd.factorize(by_subject.loc[subjects, between])[0]
     n_known = np.stack([has[group == g].sum(axis=0) for g in np.unique(group)]).min(axis=0)
     sizes = {
-        chosen: int(np.prod([len(places) for places in chosen]))
-        for chosen in _subsets(presence.levels)
-        if max(map(len, chosen)) > 1 and n_known[np.ix_(*chosen)].min() >= at_least
+        chosen: _n_cells(chosen) for chosen in _subsets(presence.levels) if n_known[np.ix_(*chosen)].min() >= at_least
     }
     if not sizes:
         return None
     return presence.part(max(sizes, key=lambda chosen: sizes[chosen]), np.ones(len(subjects), dtype=bool))
 
 
+def _n_cells(chosen: Subset) -> int:
+    return int(np.prod([len(places) for places in chosen]))
+
+
 def _subsets(levels: Sequence[Sequence[object]]) -> list[Subset]:
+    """Those in which a factor keeps two levels."""
     # Floats: the number of subsets may pass any integer of numpy's.
     n_subsets = np.prod([2.0 ** len(names) - 1 for names in levels])
     if n_subsets > MAX_SUBSETS:
         return [tuple(tuple(range(len(names))) for names in levels)]
-    return list(product(*(_subsets_of(len(names)) for names in levels)))
-
-
-def _subsets_of(n: int) -> list[tuple[int, ...]]:
-    """The largest first."""
-    return [places for size in range(n, 0, -1) for places in combinations(range(n), size)]
+    by_factor = [
+        [places for size in range(len(names), 0, -1) for places in combinations(range(len(names)), size)]
+        for names in levels
+    ]
+    return [chosen for chosen in product(*by_factor) if _n_cells(chosen) > 1]

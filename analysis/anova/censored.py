@@ -21,7 +21,7 @@ from tactometry.arguments.require import expect
 
 from ..arrays import Array
 from .bounded_design import BoundedDesign, bounded_design
-from .contrasts import Sphericity, Tested, epsilons
+from .contrasts import Sphericity, Tested, effect_places, epsilons
 from .design import MAX_FACTORS, DesignStatus, expect_defined, names_of
 from .group_means import within_variances
 from .post_hoc import all_together, two_one_sided, with_verdicts
@@ -109,16 +109,9 @@ def censored_anova(
     holds = are_different and len(factors) <= MAX_FACTORS
     expect(holds, "within", ", ".join(factors), f"up to {MAX_FACTORS} different factors")
     design = bounded_design(
-        table,
-        dependent=dependent,
-        low=low,
-        high=high,
-        within=factors,
-        between=between,
-        subject=subject,
-        where="censored_anova",
+        table, dependent=dependent, low=low, high=high, within=factors, between=between, subject=subject
     )
-    fit = _fitted(design)
+    fit = _held_fit(design)
     tested = _tests(design, fit)
     # With groups the first effect is theirs, and each effect within is followed by its interaction, which shares its
     # error.
@@ -129,7 +122,7 @@ def censored_anova(
     return CensoredAnova(effect_rows, design, fit)
 
 
-def _fitted(design: BoundedDesign) -> StrataFit:
+def _held_fit(design: BoundedDesign) -> StrataFit:
     """The fit, if it is a maximum that known values hold."""
     try:
         fit = fit_strata(design.data)
@@ -146,19 +139,18 @@ def _fitted(design: BoundedDesign) -> StrataFit:
 
 def _tests(design: BoundedDesign, fit: StrataFit) -> list[Tested]:
     """In the order of `repeated_measures`, or of `mixed_anova`."""
-    n_groups, places = len(fit.means), range(len(design.factors))
+    n_groups = len(fit.means)
     together, apart = np.full((1, n_groups), 1 / n_groups), helmert(n_groups)
-    tests = [] if design.between is None else [_tested(fit, 0, apart, design.between)]
-    effects = (effect for r in range(1, len(places) + 1) for effect in combinations(places, r))
-    for stratum, effect in enumerate(effects, 1):  # stratum 0 is that of the participants
-        name = " * ".join(design.factors[place] for place in effect)
-        tests.append(_tested(fit, stratum, together, name))
+    tests = [] if design.between is None else [_wald_test(fit, 0, apart, design.between)]
+    for stratum, places in enumerate(effect_places(len(design.factors)), 1):  # stratum 0 is that of the participants
+        name = " * ".join(design.factors[place] for place in places)
+        tests.append(_wald_test(fit, stratum, together, name))
         if design.between is not None:
-            tests.append(_tested(fit, stratum, apart, f"{design.between} * {name}"))
+            tests.append(_wald_test(fit, stratum, apart, f"{design.between} * {name}"))
     return tests
 
 
-def _tested(fit: StrataFit, stratum: int, of_groups: Array, name: str) -> Tested:
+def _wald_test(fit: StrataFit, stratum: int, of_groups: Array, name: str) -> Tested:
     """Wald's F of the contrasts of a stratum, of all groups together or between them."""
     contrasts = fit.data.strata[stratum]
     weights = np.kron(of_groups, contrasts)

@@ -89,17 +89,24 @@ def effects(design: WithinDesign) -> list[ContrastEffect]:
     >>> found.name, found.df, round(found.f, 3)
     ('force_n', (2, 4), 8.909)
     """
-    places = range(len(design.factors))
-    chosen = (part for r in range(1, len(places) + 1) for part in combinations(places, r))
-    return [_effect(design, part) for part in chosen]
+    return [_effect(design, places) for places in effect_places(len(design.factors))]
 
 
-def _effect(design: WithinDesign, part: tuple[int, ...]) -> ContrastEffect:
-    scores = design.cells @ contrasts(design.values.shape[1:], part).T
+def effect_places(n_factors: int) -> list[tuple[int, ...]]:
+    """The factors of each effect by their places: main effects first, then the interactions.
+
+    >>> effect_places(2)
+    [(0,), (1,), (0, 1)]
+    """
+    return [places for r in range(1, n_factors + 1) for places in combinations(range(n_factors), r)]
+
+
+def _effect(design: WithinDesign, places: tuple[int, ...]) -> ContrastEffect:
+    scores = design.cells @ contrasts(design.values.shape[1:], places).T
     mean = scores.mean(axis=0)
     if np.abs(scores - mean).max() <= design.rounding:
         scores = np.broadcast_to(mean, scores.shape)  # an error of rounding alone is 0, and F undefined, not huge
-    return ContrastEffect.of(tuple(design.factors[place] for place in part), scores, design.cells.shape[1])
+    return ContrastEffect.of(tuple(design.factors[place] for place in places), scores, design.cells.shape[1])
 
 
 def participant_scores(design: WithinDesign) -> Array:
@@ -108,11 +115,11 @@ def participant_scores(design: WithinDesign) -> Array:
     return scores
 
 
-def contrasts(n_levels: tuple[int, ...], part: tuple[int, ...]) -> Array:
-    """Orthonormal rows, shape (contrast, cell): Helmert's along the factors of `part`, the mean along the others."""
+def contrasts(n_levels: tuple[int, ...], places: tuple[int, ...]) -> Array:
+    """Orthonormal rows, shape (contrast, cell): Helmert's along the factors at `places`, the mean along the others."""
     whole = np.ones((1, 1))
     for place, k in enumerate(n_levels):
-        along = helmert(k) if place in part else np.full((1, k), k**-0.5)
+        along = helmert(k) if place in places else np.full((1, k), k**-0.5)
         whole = np.asarray(np.kron(whole, along), dtype=np.float64)
     return whole
 

@@ -113,7 +113,7 @@ def within_design(
     y, size = data[dependent].to_numpy(), size_of(data[dependent].to_numpy())
     values = size * (np.bincount(place, y / size, minlength=n_values.size).reshape(shape) / n_values)
     rounding = RELATIVE_ZERO * float(np.abs(values).max())
-    return WithinDesign(values, tuple(within), levels[1:], levels[0], _averaged(n_values), rounding)
+    return WithinDesign(values, tuple(within), levels[1:], levels[0], _average_note(n_values), rounding)
 
 
 def names_of(within: Sequence[str] | str) -> list[str]:
@@ -137,7 +137,7 @@ def codes_of(data: pd.DataFrame, name: str) -> tuple[Indices, Sequence[object]]:
     return codes, list(different)
 
 
-def _averaged(n_values: Indices) -> tuple[str, ...]:
+def _average_note(n_values: Indices) -> tuple[str, ...]:
     """A note where cells hold several values, and how many where they do not hold equally many."""
     few, many = int(n_values.min()), int(n_values.max())
     uneven = f", from {few} to {many} in a cell: values are missing in some" if few < many else ""

@@ -51,12 +51,12 @@ def group_table(
     with bounds has no mean of its own: that of `model` (as `CensoredAnova.means`) stands there, and `method` says so;
     without one the numbers are empty.
     """
-    inside = {} if model is not None else _inside(estimates, factors, dependent, interval)
+    halves = {} if model is not None else _within_halves(estimates, factors, dependent, interval)
     rows = []
     for key, condition in parts(bounds_of(estimates, dependent), factors):
         names = dict(zip(factors, key, strict=True))
         of_model = None if model is None else _row_of(model, names)
-        rows.append(names | _group(condition, dependent, interval, inside.get(key), of_model))
+        rows.append(names | _group(condition, dependent, interval, halves.get(key), of_model))
     return pd.DataFrame(rows)
 
 
@@ -78,7 +78,7 @@ def _row_of(model: pd.DataFrame, names: Mapping[str, object]) -> "pd.Series[floa
     return rows.iloc[0] if len(rows) == 1 else None  # none of a condition that the model leaves out
 
 
-def _inside(
+def _within_halves(
     estimates: pd.DataFrame, factors: Sequence[str], dependent: str, interval: float
 ) -> dict[tuple[object, ...], float]:
     """Half the interval within participants of each condition, where every participant (of a group) has all values."""
@@ -111,22 +111,22 @@ def _halves(wide: pd.DataFrame, interval: float) -> dict[tuple[object, ...], flo
 
 
 def _group(
-    part: pd.DataFrame, dependent: str, interval: float, half: float | None, model: "pd.Series[float] | None"
+    rows: pd.DataFrame, dependent: str, interval: float, half: float | None, model: "pd.Series[float] | None"
 ) -> dict[str, object]:
-    known = part[dependent].dropna().to_numpy(dtype=np.float64)
-    n_below, n_above = (int((part[own].notna() & part[other].isna()).sum()) for own, other in _SIDES)
+    known = rows[dependent].dropna().to_numpy(dtype=np.float64)
+    n_below, n_above = (int((rows[side].notna() & rows[opposite].isna()).sum()) for side, opposite in _SIDES)
     row: dict[str, Any] = dict.fromkeys(MEANS)
     if len(known) and not (n_below or n_above):
         row |= mean_with_interval(known, interval)
     if half is not None and row["mean"] is not None:
         row |= {"within_low": row["mean"] - half, "within_high": row["mean"] + half}
-    is_whole = len(known) == len(part)
+    is_whole = len(known) == len(rows)
     if model is not None:
         row |= {name: float(model[name]) for name in (MEANS[4:] if is_whole else MEANS)}
     row |= {"method": "" if row["mean"] is None else "t" if is_whole or model is None else MODEL}
     row |= {"n": len(known), "n_below": n_below, "n_above": n_above}
-    row["n_missing"] = len(part) - len(known) - n_below - n_above
-    return row | {"text": _text(row, len(part), "the levels" if dependent in LEVELS else "a bound")}
+    row["n_missing"] = len(rows) - len(known) - n_below - n_above
+    return row | {"text": _text(row, len(rows), "the levels" if dependent in LEVELS else "a bound")}
 
 
 def _text(row: Mapping[str, Any], n: int, where: str) -> str:

@@ -17,6 +17,7 @@ from scipy.stats import ttest_ind
 from tactometry.arguments.require import expect
 
 from ..arrays import RELATIVE_ZERO, Array, size_of
+from ..means import parts
 from .contrasts import Sphericity, Tested, effects, participant_scores, sphericity
 from .design import DesignStatus, expect_defined, finite_rows, names_of, refuse_one, within_design
 from .post_hoc import all_together, bayes_factor
@@ -56,7 +57,7 @@ def mixed_anova(
     design = within_design(rows, dependent=dependent, within=factors, subject=subject, where="mixed_anova")
     groups = groups_of(rows, design.participants, subject, between)
     scaled, scale = scaled_design(design, dependent)
-    tested = [_between(participant_scores(scaled), groups, between)]
+    tested = [_between(participant_scores(scaled)[:, None], groups, between)]
     for effect in effects(scaled):
         tested += _within_and_interaction(effect.name, effect.scores, scaled.cells.shape[1], groups, between)
     # Every second one: an effect within and its interaction share their error.
@@ -76,6 +77,10 @@ class Groups:
         """Shape (group, contrast)."""
         members = np.equal.outer(np.arange(len(self.sizes)), self.of)
         return np.asarray(members @ scores / self.sizes[:, None])
+
+    def errors(self, scores: Array) -> Array:
+        """Deviations from the group means, shape (participant, contrast)."""
+        return scores - self.means(scores)[self.of]
 
 
 def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, between: str) -> Groups:
@@ -98,26 +103,20 @@ def _refuse_small(between: str, sizes: Mapping[object, int]) -> None:
     expect_defined(holds, DesignStatus.TOO_FEW_PARTICIPANTS, where, "one participant", expected)
 
 
-def _errors(scores: Array, groups: Groups) -> tuple[Array, int]:
-    """Deviations from the group means, shape (participant, contrast), and their degrees of freedom."""
-    return scores - groups.means(scores)[groups.of], len(scores) - len(groups.sizes)
-
-
 def _between_ss(scores: Array, groups: Groups) -> float:
     return float(groups.sizes @ np.sum((groups.means(scores) - scores.mean(axis=0)) ** 2, axis=1))
 
 
 def _between(scores: Array, groups: Groups, name: str) -> Tested:
-    errors, df = _errors(scores[:, None], groups)
+    ss_error, n_groups = float(np.sum(groups.errors(scores) ** 2)), len(groups.sizes)
     no_shape = Sphericity(None, None, 1.0, 1.0, 1.0, singular=False)
-    df_both = (len(groups.sizes) - 1, df)
-    return Tested(name, _between_ss(scores[:, None], groups), float(np.sum(errors**2)), df_both, no_shape)
+    return Tested(name, _between_ss(scores, groups), ss_error, (n_groups - 1, len(scores) - n_groups), no_shape)
 
 
 def _within_and_interaction(name: str, scores: Array, n_conditions: int, groups: Groups, between: str) -> list[Tested]:
     """The effect within, of the group means' plain mean, and its interaction with the groups."""
-    errors, df = _errors(scores, groups)
-    p, n_groups = scores.shape[1], len(groups.sizes)
+    errors, p, n_groups = groups.errors(scores), scores.shape[1], len(groups.sizes)
+    df = len(scores) - n_groups
     shape = sphericity(errors.T @ errors / df, df, n_conditions)
     mean = groups.means(scores).mean(axis=0)
     # Groups weigh alike, however large: n_groups^2 / sum(1 / size) participants stand behind the plain mean.
@@ -162,10 +161,9 @@ def group_pairs(
     keys = [subject, between, *([by] if by else [])]
     rows = finite_rows(table, [dependent, *keys], dependent, "group_pairs")
     means = rows.groupby(keys, sort=True, observed=True)[dependent].mean().reset_index()
-    by_level = means.groupby(by, sort=True, observed=True) if by else [(None, means)]
     compared = [
-        ({by: level} if by else {}) | row
-        for level, at_level in by_level
+        dict(zip(keys[2:], level, strict=True)) | row
+        for level, at_level in parts(means, keys[2:])
         for row in _rows(at_level, dependent, between, interval)
     ]
     return all_together(pd.DataFrame(compared), correction, interval)
@@ -175,10 +173,10 @@ def _rows(means: pd.DataFrame, dependent: str, between: str, interval: float) ->
     by_group = means.groupby(between, sort=True, observed=True)
     groups = {name: members[dependent].to_numpy(float) for name, members in by_group}
     _refuse_small(between, {name: len(values) for name, values in groups.items()})
-    return [{"a": a, "b": b} | _tested(groups[a], groups[b], interval) for a, b in combinations(groups, 2)]
+    return [{"a": a, "b": b} | _welch_test(groups[a], groups[b], interval) for a, b in combinations(groups, 2)]
 
 
-def _tested(first: Array, second: Array, interval: float) -> dict[str, object]:
+def _welch_test(first: Array, second: Array, interval: float) -> dict[str, object]:
     import pingouin
 
     size = size_of(np.concatenate([first, second]))

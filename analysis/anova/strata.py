@@ -18,7 +18,6 @@ few thousandths of its standard deviation.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from itertools import combinations
 
 import numpy as np
 from scipy.special import log_ndtr, ndtri_exp
@@ -27,7 +26,7 @@ from scipy.stats import qmc
 from tactometry.psychometric import log1mexp
 
 from ..arrays import Array, Bools, Indices
-from .contrasts import contrasts
+from .contrasts import contrasts, effect_places
 
 TOLERANCE = 1e-8
 """Of a step, in standard deviations of the values and in logarithms of the variances."""
@@ -65,9 +64,7 @@ class BoundedValues:
     @cached_property
     def strata(self) -> tuple[Array, ...]:
         """Orthonormal contrasts (contrast, cell) of each stratum, participants first."""
-        places = range(len(self.n_levels))
-        effects = (effect for r in range(len(places) + 1) for effect in combinations(places, r))
-        return tuple(contrasts(self.n_levels, effect) for effect in effects)
+        return tuple(contrasts(self.n_levels, places) for places in [(), *effect_places(len(self.n_levels))])
 
     def matrix(self, variances: Array) -> Array:
         """The covariance (cell, cell) with these variances of the strata; its inverse with their reciprocals."""
@@ -147,7 +144,7 @@ def fit_strata(data: BoundedValues) -> StrataFit:
     """
     means, variances = _start(data)
     for _ in range(MAX_STEPS):
-        step = _maximised(data, _points(data, means, variances))
+        step = _maximisation(data, _points(data, means, variances))
         change = _change(step, (means, variances))
         means, variances = step
         if change < TOLERANCE:
@@ -170,10 +167,10 @@ def _start(data: BoundedValues) -> tuple[Array, Array]:
     ends = np.where(np.isfinite(data.low), data.low, data.high)
     known = np.where(data.known, data.low, np.nan)
     held = np.where(np.isfinite(ends), ends, np.nanmean(known, axis=0))
-    return _maximised(data, [Points(row[None], np.ones(1)) for row in held])
+    return _maximisation(data, [Points(row[None], np.ones(1)) for row in held])
 
 
-def _maximised(data: BoundedValues, points: Sequence[Points]) -> tuple[Array, Array]:
+def _maximisation(data: BoundedValues, points: Sequence[Points]) -> tuple[Array, Array]:
     """Means and variances of the completed values."""
     expected = np.stack([of_one.mean() for of_one in points])
     members = np.equal.outer(np.arange(len(data.sizes)), data.group)

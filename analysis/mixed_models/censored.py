@@ -81,7 +81,9 @@ def censored_model(
     (1, [2.5, 1.5, 3.52])
     """
     expect_columns(table, [dependent, low, high], "censored_model")
-    ends = _expect_some(ends_of(table, dependent, low, high), dependent)
+    ends = ends_of(table, dependent, low, high)
+    is_empty = np.isinf(ends).all(axis=1)
+    expect(not is_empty.any(), f"{dependent}, row {is_empty.argmax()}", "the bounds -inf and inf", BOUND)
     middles = table.assign(**{dependent: _middle(ends)})
     design = model_design(middles, dependent, factors, covariates, subject, interactions=interactions, base={})
     size = size_of(design.y)
@@ -90,18 +92,12 @@ def censored_model(
     units = (ends / size - centre) / scale
     _refuse_unheld(units, design)
     model = _Censored.of(units, design.x, design.groups)
-    mixed_fit = model.fitted()
+    mixed_fit = model.fit()
     _refuse_endless(mixed_fit, design)
     n_known = len(y) - model.n_censored  # a density has the unit 1 / y, the chance of an interval has none
     log_likelihood = mixed_fit.log_marginal - n_known * float(np.log(scale * size))
     fit = _intercept_fit(mixed_fit, design, log_likelihood)
     return described_model(design, fit, (centre * size, scale * size), interval, model.n_censored)
-
-
-def _expect_some(ends: Array, dependent: str) -> Array:
-    is_empty = np.isinf(ends).all(axis=1)
-    expect(not is_empty.any(), f"{dependent}, row {is_empty.argmax()}", "the bounds -inf and inf", BOUND)
-    return ends
 
 
 def _middle(ends: Array) -> Array:
@@ -130,7 +126,7 @@ class _Censored:
     def n_censored(self) -> int:
         return int((self.used & (self.low < self.high)).sum())
 
-    def fitted(self) -> MixedFit:
+    def fit(self) -> MixedFit:
         fixed = self.x[:, :, None, :]
         random = np.where(self.used, 1.0, 0.0)[:, :, None, None]
         clusters = Clusters(self.log_likelihood, fixed, random, np.ones((1, 1, 1)), n_shared=1)
@@ -177,7 +173,7 @@ def _interval(low: Array, high: Array, eta: Array, log_sd: Array) -> Expansion:
     inverse = np.exp(-log_sd)
     a, b = (low - eta) * inverse, (high - eta) * inverse
     log_chance = _log_chance(a, b)
-    ratio_a, ratio_b = (np.exp(_log_density(end) - log_chance) for end in (a, b))
+    ratio_a, ratio_b = (np.exp(-0.5 * end * end - LOG_ROOT_TWO_PI - log_chance) for end in (a, b))
     # At an infinite end the density is 0: the end's place must not make NaN of its product with it.
     a, b = (np.where(np.isfinite(end), end, 0.0) for end in (a, b))
     by_a, by_b = -ratio_a, ratio_b
@@ -200,10 +196,6 @@ def _log_chance(a: Array, b: Array) -> Array:
     upper = log_ndtr(high)
     with np.errstate(invalid="ignore"):
         return np.where(high > low, upper + log1mexp(np.maximum(upper - log_ndtr(low), 1e-300)), 0.0)
-
-
-def _log_density(z: Array) -> Array:
-    return np.asarray(-0.5 * z * z - LOG_ROOT_TWO_PI)
 
 
 def _refuse_unheld(ends: Array, matrix: ModelDesign) -> None:

@@ -125,7 +125,7 @@ def fit_glmm(
         return MixedEstimate(MixedStatus.NO_DATA)
     columns = {name: np.broadcast_to(np.asarray(column, float), x.shape[1:])[used] for name, column in fixed.items()}
     design = _Design.of(columns, random, names[used], (k[0, used], (n - k)[0, used]), correlated=correlated)
-    return design.fitted(SHAPES[shape], (guess_rate, lapse_rate), n_nodes, expected=expected)
+    return design.fit(SHAPES[shape], (guess_rate, lapse_rate), n_nodes, expected=expected)
 
 
 def _check_random(fixed: Mapping[str, ArrayLike], random: Sequence[str], n_nodes: int) -> None:
@@ -168,7 +168,7 @@ class _Design:
         names = tuple(str(one) for one in who)
         return cls(tuple(columns), tuple(random), scale, laid[0], (laid[1], laid[2]), names, correlated)
 
-    def fitted(self, shape: Shape, asymptotes: tuple[float, float], n_nodes: int, *, expected: bool) -> MixedEstimate:
+    def fit(self, shape: Shape, asymptotes: tuple[float, float], n_nodes: int, *, expected: bool) -> MixedEstimate:
         model = self._model(shape, asymptotes, expected=expected)
         is_on_diagonal = model.basis.trace(axis1=1, axis2=2) > 0
         # Without correlations, but not at variances of 0, where the gradient along a scale vanishes.

@@ -257,7 +257,7 @@ def maximise(model: ClusteredModel, start: Array, marginal: Marginal = log_margi
             first = symmetric_inverse(hessian)[0]
             options: Any = {"gtol": GRADIENT_TOLERANCE, "hess_inv0": first if _is_definite(first) else None}
             parameters = minimize(objective, parameters, jac=True, method="BFGS", options=options).x
-            parameters, hessian = _polished(objective, parameters)
+            parameters, hessian = _newton_steps(objective, parameters)
             value, gradient = objective(parameters)
             if np.abs(gradient).max() < 100 * GRADIENT_TOLERANCE:
                 break
@@ -275,7 +275,7 @@ def _is_definite(matrix: Array) -> bool:
     return bool(np.isfinite(matrix).all())
 
 
-def _polished(objective: _Objective, parameters: Array) -> tuple[Array, Array]:
+def _newton_steps(objective: _Objective, parameters: Array) -> tuple[Array, Array]:
     """Newton's steps as long as they shrink the gradient; the Hessian at the last but one place."""
     value, gradient = objective(parameters)
     for _ in range(MAX_POLISHING):
@@ -338,16 +338,11 @@ def log_marginal_by_quadrature(
 def _slope(model: ClusteredModel, at: Expansion, effects: Array) -> Array:
     """The gradient (n_clusters, n_parameters) of the answers' log-likelihood at some random effects."""
     d = model.fixed.shape[2]
-    by_eta = at.gradient[..., :d]
+    by_eta, by_shared = at.gradient[..., :d], at.gradient[..., d:].sum(axis=1)
+    by_fixed = np.einsum("csap,csa->cp", model.fixed, by_eta)
     by_scale = np.einsum("csaq,csa,cr->cqr", model.random, by_eta, effects, optimize=True)
-    return np.concatenate(
-        [
-            np.einsum("csap,csa->cp", model.fixed, by_eta),
-            at.gradient[..., d:].sum(axis=1),
-            np.einsum("kqr,cqr->ck", model.basis, by_scale),
-        ],
-        axis=1,
-    )
+    by_theta = np.einsum("kqr,cqr->ck", model.basis, by_scale)
+    return np.concatenate([by_fixed, by_shared, by_theta], axis=1)
 
 
 def maximise_by_quadrature(model: ClusteredModel, start: MixedFit, n_nodes: int) -> MixedFit:

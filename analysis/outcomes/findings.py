@@ -102,8 +102,8 @@ class Outcome:
         """Of one of its analyses."""
         kind = ("mixed" if self.within else "between-groups") if self.between else "repeated-measures"
         if name is Primary.ANOVA:
-            part = f" of the largest complete part, without {', '.join(self.left_out)}" if self.left_out else ""
-            return f"{kind} {TITLES[name]}{part}"
+            which = f" of the largest complete part, without {', '.join(self.left_out)}" if self.left_out else ""
+            return f"{kind} {TITLES[name]}{which}"
         return {
             Primary.CENSORED: f"{kind} {TITLES[name]}",
             Primary.PERMUTATION: TITLES[name],
@@ -117,29 +117,28 @@ class Outcome:
 
     def tables(self, name: str) -> dict[str, pd.DataFrame]:
         """Every table, by the name of its file."""
-        found: dict[str, pd.DataFrame | None] = {
+        by_file: dict[str, pd.DataFrame | None] = {
             f"group_{name}": self.group,
             f"cross_{name}": self.cross,
             f"analyses_{name}": self.roles(),
             f"assumptions_{name}": self.checks,
         }
-        found |= {f"{key}_{name}": table for key, table in self.analyses().items()}
+        by_file |= {f"{key}_{name}": table for key, table in self.analyses().items()}
         if self.model is not None:
-            found |= {f"mixed_model_{name}": self.model.coefficients, f"mixed_model_terms_{name}": self.model.terms}
-        found |= {f"pairs_{name}_{factor}": table for factor, table in self.pairs.items()}
-        found |= {f"groups_{name}_{factor}": table for factor, table in self.group_pairs.items()}
-        found |= {f"equivalence_{name}_{factor}": table for factor, table in self.equivalence.items()}
-        found |= {f"simple_{name}_{factor}_by_{by}": table for (factor, by), table in self.simple.items()}
-        found |= {f"pairs_{name}_{factor}_by_{by}": table for (factor, by), table in self.simple_pairs.items()}
-        return {key: table for key, table in found.items() if table is not None and len(table)}
+            by_file |= {f"mixed_model_{name}": self.model.coefficients, f"mixed_model_terms_{name}": self.model.terms}
+        for kind, tables in (("pairs", self.pairs), ("groups", self.group_pairs), ("equivalence", self.equivalence)):
+            by_file |= {f"{kind}_{name}_{factor}": table for factor, table in tables.items()}
+        for kind, simple in (("simple", self.simple), ("pairs", self.simple_pairs)):
+            by_file |= {f"{kind}_{name}_{factor}_by_{by}": table for (factor, by), table in simple.items()}
+        return {key: table for key, table in by_file.items() if table is not None and len(table)}
 
     def roles(self) -> pd.DataFrame:
         """Which analysis is the primary one, and which are checks."""
-        rows = [
-            {"role": "primary" if name is self.primary else "check", "analysis": name.value, "title": self.title(name)}
-            for name in self.analyses()
-        ]
-        return pd.DataFrame(rows).assign(reason=[self.reason if row["role"] == "primary" else "" for row in rows])
+        rows = []
+        for name in self.analyses():
+            role, reason = ("primary", self.reason) if name is self.primary else ("check", "")
+            rows.append({"role": role, "analysis": name.value, "title": self.title(name), "reason": reason})
+        return pd.DataFrame(rows)
 
 
 def primary_analysis(named: str | None, *, is_whole: bool) -> tuple[Primary, str]:

@@ -40,8 +40,8 @@ class HierarchicalOutcome:
 
     def tables(self, name: str) -> dict[str, pd.DataFrame]:
         """Every table, by the name of its file."""
-        found = {f"hierarchical_{name}": self.conditions, f"hierarchical_{name}_participants": self.participants}
-        return {key: table for key, table in found.items() if len(table)}
+        by_file = {f"hierarchical_{name}": self.conditions, f"hierarchical_{name}_participants": self.participants}
+        return {key: table for key, table in by_file.items() if len(table)}
 
 
 def group_fit(cells: Sequence[Cell], factors: Sequence[str], n_choices: int, unit: str) -> HierarchicalOutcome | None:
@@ -50,21 +50,16 @@ def group_fit(cells: Sequence[Cell], factors: Sequence[str], n_choices: int, uni
     if len({cell.participant for cell in cells}) < 2:
         return None
     if len(cells) > MOST_CELLS:
-        return _without(
-            task, f"no hierarchical fit: {len(cells)} cells, at most {MOST_CELLS} are fitted here (fit_hierarchical)"
-        )
+        return _without(task, f"{len(cells)} cells, at most {MOST_CELLS} are fitted here (fit_hierarchical)")
     varied = [name for place, name in enumerate(factors) if len({cell.condition[place] for cell in cells}) > 1]
     rows = [
-        (
-            *(cell.participant, level, k, n, cell.n_false_alarms, cell.n_catch),
-            *(cell.condition[factors.index(name)] for name in varied),
-        )
+        (cell.participant, level, k, n, cell.n_false_alarms, cell.n_catch, *cell.condition)
         for cell in cells
         for level, k, n in zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
     ]
     if not rows:
-        return _without(task, "no hierarchical fit: no trial with a level")
-    table = pd.DataFrame(rows, columns=[*COLUMNS, *varied])
+        return _without(task, "no trial with a level")
+    table = pd.DataFrame(rows, columns=[*COLUMNS, *factors])
     conditions = {name: table[name].tolist() for name in varied} or {ALL: ["all"] * len(table)}
     curve = CURVES[task]
     fit = fit_hierarchical(
@@ -81,17 +76,16 @@ def group_fit(cells: Sequence[Cell], factors: Sequence[str], n_choices: int, uni
     return _outcome(task, fit, varied, table)
 
 
-def _without(task: str, note: str) -> HierarchicalOutcome:
-    return HierarchicalOutcome(task, None, note, pd.DataFrame(), pd.DataFrame())
+def _without(task: str, why: str) -> HierarchicalOutcome:
+    return HierarchicalOutcome(task, None, f"no hierarchical fit: {why}", pd.DataFrame(), pd.DataFrame())
 
 
 def _outcome(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> HierarchicalOutcome:
     if fit.status not in HAS_FIT:
-        return _without(task, f"no hierarchical fit: {fit.note}")
+        return _without(task, fit.note)
     has_difference = CURVES[task].has_difference
-    conditions, participants = fit.conditions, fit.participants
-    if has_difference:
-        conditions, participants = _with_difference(conditions), _with_difference(participants)
+    tables = (fit.conditions, fit.participants)
+    conditions, participants = map(_with_difference, tables) if has_difference else tables
     has_widths = has_difference and fit.conditions["width"].notna().any()
     effects, notes = _effects(fit, varied, table, ("threshold", "log_width") if has_widths else ("threshold",))
     conditions = conditions.assign(text=[_text(row) for _, row in conditions.iterrows()])

@@ -30,7 +30,7 @@ INTERVAL = 0.95
 
 
 @dataclass(frozen=True)
-class Given:
+class EstimateDesign:
     """The estimates with their bounds (`group_means.LOW`, `HIGH`), and how the factors that have two levels vary."""
 
     table: pd.DataFrame
@@ -39,7 +39,7 @@ class Given:
     between: str | None
 
     @classmethod
-    def of(cls, estimates: pd.DataFrame, factors: Sequence[str], dependent: str) -> "Given":
+    def of(cls, estimates: pd.DataFrame, factors: Sequence[str], dependent: str) -> "EstimateDesign":
         varied = [name for name in factors if estimates[name].nunique() > 1]
         fixed = [name for name in varied if estimates.groupby(SUBJECT)[name].nunique().max() < 2]
         apart = len(fixed) == 1  # of two and more factors between participants no analysis here has a model
@@ -76,64 +76,59 @@ def outcome(
     """All that is said of `dependent` in a table of estimates; `forces` has the applied force per participant and
     condition, `bounds` the differences that count as none, per factor; `primary` names the analysis that answers, else
     the rule of `primary` does."""
-    given = Given.of(table, factors, dependent)
+    design = EstimateDesign.of(table, factors, dependent)
     group = group_table(table, factors, dependent)
-    result = Outcome(task, dependent, table, group, cross_table(group, factors), given.within, given.between)
-    complete, notes = _complete(given)
+    result = Outcome(task, dependent, table, group, cross_table(group, factors), design.within, design.between)
+    complete, notes = _complete(design)
     result = replace(result, notes=notes)
     if complete is not None:
-        result = _with_anova(result, given, complete, permuted=primary == Primary.PERMUTATION)
-    if not given.is_whole or primary == Primary.CENSORED:
-        result = _with_censored(result, given, factors)
-    if forces is not None and FORCE in given.within:
-        result = _with_model(result, given, forces)
-    if given.factors:  # last, as an analysis that has no answer cannot be the one that answers
-        result = _with_primary(result, primary, is_whole=given.is_whole)
+        result = _with_anova(result, design, complete, permuted=primary == Primary.PERMUTATION)
+    if not design.is_whole or primary == Primary.CENSORED:
+        result = _with_censored(result, design, factors)
+    if forces is not None and FORCE in design.within:
+        result = _with_model(result, design, forces)
+    if design.factors:  # last, as an analysis that has no answer cannot be the one that answers
+        result = _with_primary(result, primary, is_whole=design.is_whole)
     if result.primary is Primary.CENSORED and result.censored is not None:
-        return _with_comparisons(result, _comparing_censored(given, result.censored), bounds or {})
+        return _with_comparisons(result, _comparing_censored(design, result.censored), bounds or {})
     if result.anova is None or complete is None:
         return result
-    return _with_comparisons(result, _comparing_complete(given, result.anova, complete), bounds or {})
+    return _with_comparisons(result, _comparing_complete(design, result.anova, complete), bounds or {})
 
 
-def _complete(given: Given) -> tuple[SubDesign | None, tuple[str, ...]]:
+def _complete(design: EstimateDesign) -> tuple[SubDesign | None, tuple[str, ...]]:
     """The largest complete part; or why there is none."""
-    within = given.within
-    if not given.factors:
+    within = design.within
+    if not design.factors:
         return None, ("no analysis of variance: no factor has two levels",)
     if len(within) > MAX_FACTORS:
         return None, (f"no analysis of variance: {len(within)} factors, at most {MAX_FACTORS} can be taken",)
-    n_levels = given.table.groupby(SUBJECT)[given.factors].nunique().max()
+    n_levels = design.table.groupby(SUBJECT)[design.factors].nunique().max()
     fixed = [name for name in within if n_levels[name] < 2]
     if fixed:
         return None, (f"no analysis of variance: {fixed[0]} does not vary within participants",)
-    if not within:
-        return _with_values(given), ()
-    part = largest_complete(given.table, within=within, **given.arguments)
-    if part is None:
+    if not within:  # the participants of groups that have a value
+        known = design.table[design.dependent].notna()
+        left_out = tuple(f"participant {code}" for code in design.table[SUBJECT][~known])
+        return SubDesign(design.table[known], (), left_out), ()
+    largest = largest_complete(design.table, within=within, **design.arguments)
+    if largest is None:
         return None, ("no analysis of variance: no three participants share two conditions with a value",)
-    return part, ()
+    return largest, ()
 
 
-def _with_values(given: Given) -> SubDesign:
-    """The participants of groups that have one."""
-    known = given.table[given.dependent].notna()
-    left_out = tuple(f"participant {code}" for code in given.table[SUBJECT][~known])
-    return SubDesign(given.table[known], (), left_out)
-
-
-def _with_anova(result: Outcome, given: Given, complete: SubDesign, *, permuted: bool) -> Outcome:
+def _with_anova(result: Outcome, design: EstimateDesign, complete: SubDesign, *, permuted: bool) -> Outcome:
     """The analysis of variance of a complete part; within participants with its assumptions and, where an error matrix
     is singular or a permutation test is asked for, that."""
-    within, arguments = list(complete.within), given.arguments
+    within, arguments = list(complete.within), design.arguments
     result = replace(result, left_out=complete.left_out)
     try:
-        anova = _anova(given, complete.table, within)
+        anova = _anova(design, complete.table, within)
     except UndefinedStatistic as refusal:
         return replace(result, notes=(*result.notes, f"no analysis of variance: {refusal}"), status=refusal.status)
     status = anova.attrs["status"]
     result = replace(result, anova=anova, status=status, notes=(*result.notes, *anova.attrs["notes"]))
-    if given.between is not None:
+    if design.between is not None:
         return result
     result = replace(result, checks=checks(complete.table, within=within, **arguments))
     if not (permuted or status is DesignStatus.SINGULAR):
@@ -142,32 +137,32 @@ def _with_anova(result: Outcome, given: Given, complete: SubDesign, *, permuted:
     return replace(result, permutation=permutation_test(complete.table, within=within, rng=rng, **arguments))
 
 
-def _anova(given: Given, table: pd.DataFrame, within: Sequence[str]) -> pd.DataFrame:
+def _anova(design: EstimateDesign, table: pd.DataFrame, within: Sequence[str]) -> pd.DataFrame:
     """Of a complete table, by factors within participants."""
     if not within:  # of known values it is the analysis of variance
-        return _censored(given, table, within).table
-    if given.between is None or table[given.between].nunique() < 2:
-        return repeated_measures(table, within=within, **given.arguments)
-    return mixed_anova(table, within=within, between=given.between, **given.arguments)
+        return _censored(design, table, within).table
+    if design.between is None or table[design.between].nunique() < 2:
+        return repeated_measures(table, within=within, **design.arguments)
+    return mixed_anova(table, within=within, between=design.between, **design.arguments)
 
 
-def _with_censored(result: Outcome, given: Given, factors: Sequence[str]) -> Outcome:
+def _with_censored(result: Outcome, design: EstimateDesign, factors: Sequence[str]) -> Outcome:
     """The analysis of all that is known of all participants; the group's means are then those of its model."""
-    if len(given.within) > MAX_FACTORS:
+    if len(design.within) > MAX_FACTORS:
         return result
-    kept: SubDesign | None = SubDesign(given.table, (), ())
-    if given.within:
-        options: dict[str, Any] = {"between": given.between, "at_least": MIN_KNOWN}
-        kept = largest_known(given.table, within=given.within, **given.arguments, **options)
+    kept: SubDesign | None = SubDesign(design.table, (), ())
+    if design.within:
+        options: dict[str, Any] = {"between": design.between, "at_least": MIN_KNOWN}
+        kept = largest_known(design.table, within=design.within, **design.arguments, **options)
     if kept is None:
         note = f"no analysis of bounds: no two conditions have {MIN_KNOWN} participants with a value"
         return replace(result, notes=(*result.notes, note))
     try:
-        censored = _censored(given, kept.table, kept.within)
+        censored = _censored(design, kept.table, kept.within)
     except InvalidParameter as refusal:
         return replace(result, notes=(*result.notes, f"no analysis of bounds: {refusal}"))
     means = group_table(result.estimates, factors, result.dependent, model=_means(censored, kept.table, factors))
-    notes = (*result.notes, *_counted(censored), *_lost(kept))
+    notes = (*result.notes, *_count_notes(censored), *_loss_notes(kept))
     return replace(result, censored=censored, notes=notes, group=means, cross=cross_table(means, factors))
 
 
@@ -177,12 +172,12 @@ def _means(model: CensoredAnova, table: pd.DataFrame, factors: Sequence[str]) ->
     return means.assign(**{name: table[name].iloc[0] for name in factors if name not in means.columns})
 
 
-def _censored(given: Given, table: pd.DataFrame, within: Sequence[str]) -> CensoredAnova:
-    between = given.between if given.between and table[given.between].nunique() > 1 else None
-    return censored_anova(table, low=LOW, high=HIGH, within=list(within), between=between, **given.arguments)
+def _censored(design: EstimateDesign, table: pd.DataFrame, within: Sequence[str]) -> CensoredAnova:
+    between = design.between if design.between and table[design.between].nunique() > 1 else None
+    return censored_anova(table, low=LOW, high=HIGH, within=list(within), between=between, **design.arguments)
 
 
-def _counted(model: CensoredAnova) -> list[str]:
+def _count_notes(model: CensoredAnova) -> list[str]:
     """How the values that are not known count."""
     kinds = [
         (model.design.n_censored, "as a bound", "as bounds"),
@@ -192,7 +187,7 @@ def _counted(model: CensoredAnova) -> list[str]:
     return [f"the analysis of values and bounds counts {' and '.join(counts)}"] if counts else []
 
 
-def _lost(kept: SubDesign) -> list[str]:
+def _loss_notes(kept: SubDesign) -> list[str]:
     if not kept.left_out:
         return []
     names = ", ".join(kept.left_out)
@@ -202,18 +197,18 @@ def _lost(kept: SubDesign) -> list[str]:
     ]
 
 
-def _with_model(result: Outcome, given: Given, forces: pd.DataFrame) -> Outcome:
+def _with_model(result: Outcome, design: EstimateDesign, forces: pd.DataFrame) -> Outcome:
     """A mixed model with the measured force instead of its target. A bound counts as a bound."""
-    keys = [SUBJECT, *given.factors]
+    keys = [SUBJECT, *design.factors]
     measured = forces.groupby(keys, observed=True)["force_mean_n"].mean().reset_index()
-    data = given.table.merge(measured[measured["force_mean_n"] > 0], on=keys, how="inner")  # 0 has no logarithm
-    known = data[given.dependent].notna()
+    data = design.table.merge(measured[measured["force_mean_n"] > 0], on=keys, how="inner")  # 0 has no logarithm
+    known = data[design.dependent].notna()
     data = data[known | data[[LOW, HIGH]].notna().any(axis=1)]
     data = data.assign(**{MEASURED: np.log2(data["force_mean_n"].astype(float))})
-    factors = [name for name in given.factors if name != FORCE]
+    factors = [name for name in design.factors if name != FORCE]
     fit = mixed_model if known.all() else partial(censored_model, low=LOW, high=HIGH)
     try:
-        model = fit(data, factors=factors, covariates=[MEASURED], **given.arguments)
+        model = fit(data, factors=factors, covariates=[MEASURED], **design.arguments)
     except InvalidParameter as refusal:
         return replace(result, notes=(*result.notes, f"no mixed model: {refusal}"))
     title = " * ".join([*factors, MEASURED]) + ", participants at random"
@@ -239,7 +234,7 @@ class _Comparing:
     """
 
     effects: pd.DataFrame
-    part: SubDesign
+    kept: SubDesign
     between: str | None
     analysis: Analysis
     pairs: Callable[[str, str | None], pd.DataFrame]
@@ -248,7 +243,7 @@ class _Comparing:
 
 def _with_comparisons(result: Outcome, ways: _Comparing, bounds: Mapping[str, float]) -> Outcome:
     """Pairs, groups and simple effects."""
-    within, between = ways.part.within, ways.between
+    within, between = ways.kept.within, ways.between
     orders = interaction_orders(ways.effects, [*([between] if between else []), *within])
     return replace(
         result,
@@ -258,7 +253,7 @@ def _with_comparisons(result: Outcome, ways: _Comparing, bounds: Mapping[str, fl
             name: ways.equivalence(factor=name, bound=bound) for name, bound in bounds.items() if name in within
         },
         simple={
-            (name, by): simple_effects(ways.analysis, ways.part.table, within, name, by)
+            (name, by): simple_effects(ways.analysis, ways.kept.table, within, name, by)
             for name, by in orders
             if name != between
         },
@@ -266,35 +261,35 @@ def _with_comparisons(result: Outcome, ways: _Comparing, bounds: Mapping[str, fl
     )
 
 
-def _comparing_complete(given: Given, effects: pd.DataFrame, complete: SubDesign) -> _Comparing:
+def _comparing_complete(design: EstimateDesign, effects: pd.DataFrame, complete: SubDesign) -> _Comparing:
     """Of the complete part."""
     table = complete.table
 
     def compare(factor: str, by: str | None) -> pd.DataFrame:
-        if factor == given.between:
-            return group_pairs(table, between=factor, by=by, **given.arguments)
-        if by is None or by != given.between:
-            return pairs(table, factor=factor, by=by, **given.arguments)
+        if factor == design.between:
+            return group_pairs(table, between=factor, by=by, **design.arguments)
+        if by is None or by != design.between:
+            return pairs(table, factor=factor, by=by, **design.arguments)
         # Groups have other participants, so that `by` is no factor within: each group alone, then all corrected
         # together.
         of_groups = [
-            pairs(members, factor=factor, correction="none", **given.arguments).assign(**{by: value})
+            pairs(members, factor=factor, correction="none", **design.arguments).assign(**{by: value})
             for value, members in table.groupby(by, sort=True)
         ]
         return all_together(pd.concat(of_groups, ignore_index=True), "holm", INTERVAL)
 
-    within_bound = partial(equivalence, table, **given.arguments)
-    return _Comparing(effects, complete, given.between, partial(_anova, given), compare, within_bound)
+    within_bound = partial(equivalence, table, **design.arguments)
+    return _Comparing(effects, complete, design.between, partial(_anova, design), compare, within_bound)
 
 
-def _comparing_censored(given: Given, model: CensoredAnova) -> _Comparing:
+def _comparing_censored(design: EstimateDesign, model: CensoredAnova) -> _Comparing:
     """Of the model of all that is known."""
-    table, within, between = given.table, model.design.factors, model.design.between
+    table, within, between = design.table, model.design.factors, model.design.between
     for name, levels in zip(within, model.design.levels, strict=True):
         table = table[table[name].isin(levels)]
 
     def analysis(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-        return _censored(given, rows, factors).table
+        return _censored(design, rows, factors).table
 
     def compare(factor: str, by: str | None) -> pd.DataFrame:
         return censored_group_pairs(model, by=by) if factor == between else censored_pairs(model, factor, by=by)

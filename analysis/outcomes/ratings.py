@@ -51,7 +51,7 @@ class Ratings:
     def tables(self) -> dict[str, pd.DataFrame]:
         """Every table, by the name of its file."""
         stem = self.stem
-        found = {
+        tables = {
             f"{stem}_scores": self.scores,
             f"{stem}_summary": self.summary,
             f"{stem}_word_pairs": self.profile,
@@ -61,7 +61,7 @@ class Ratings:
             f"{stem}_frequency_by_envelope": self.crossed,
             f"{stem}_against_{REFERENCE}": self.against,
         }
-        return {name: table for name, table in found.items() if table is not None} | self._effects(stem)
+        return {name: table for name, table in tables.items() if table is not None} | self._effects(stem)
 
     def _effects(self, stem: str) -> dict[str, pd.DataFrame]:
         """Of all dimensions together: effects and comparisons, a file each."""
@@ -110,7 +110,7 @@ def _mean_text(row: "pd.Series[Any]") -> str:
 def ratings(trials: Trials, primary: str | None = None) -> tuple[Ratings, ...]:
     """What is said of each questionnaire that anyone answered; `primary` as for `outcome`."""
     return tuple(
-        _ratings(_rated(rows, trials.factors), trials.factors, form, primary)
+        _ratings(_rows_of_forms(rows, trials.factors), trials.factors, form, primary)
         for form, rows in asked_forms(trials)
         if (rows["response"] != "").any()
     )
@@ -123,10 +123,10 @@ def asked_forms(trials: Trials) -> list[tuple[Questionnaire, pd.DataFrame]]:
         return []
     forms = forms_of(trials.path)
     rows = rows[(rows["task"] == FORM_TASK) & rows["procedure"].isin(forms)]
-    return [(forms[str(name)], part) for name, part in rows.groupby("procedure")]
+    return [(forms[str(name)], answers) for name, answers in rows.groupby("procedure")]
 
 
-def _rated(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+def _rows_of_forms(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """The answers, and the questions of each participant and condition in which nothing was answered: their scores are
     missing, and are counted."""
     answered = rows["response"] != ""

@@ -144,7 +144,7 @@ def test_a_fit_that_still_rises_is_refused() -> None:
     table = study(np.random.default_rng())
     matrix = model_design(table, "y", ["force_n"], [], "who", interactions=False, base={})
     ends = np.repeat((table[["y"]] - table["y"].mean()).to_numpy() / table["y"].std(), 2, axis=1)
-    found = _Censored.of(ends, matrix.x, matrix.groups).fitted()
+    found = _Censored.of(ends, matrix.x, matrix.groups).fit()
     _refuse_endless(found, matrix)
     error = np.sqrt(np.diagonal(found.covariance)[: len(matrix.names)]).max()
     with pytest.raises(InvalidParameter, match="the likelihood still rises"):
