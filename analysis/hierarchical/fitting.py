@@ -27,7 +27,7 @@ from ..threshold.likelihood import GUESS, LAPSE
 from ..threshold.prior import BETA_B
 from .model import CORRELATED_FROM, mixed_model, rate_of, start
 from .result import Contrast, FactorEffect, GroupStatus, HierarchicalFit
-from .starts import Alone, fits_alone
+from .starts import Alone, single_fits
 from .study import StudyCounts
 from .tables import CONDITION_COLUMNS, ParameterPlace, cells, condition_table, means, participant_table, reaches
 
@@ -120,7 +120,7 @@ def fit_hierarchical(
     known["scale_free_width"] = scale_free_width
     study = StudyCounts.of(names[used], factors, width_by, answers, catch if np.ndim(n_catch) else None, **known)
     # By now the levels are logarithms, over which a Weibull function is a Gumbel function.
-    alone = fits_alone(study, "gumbel" if shape == "weibull" else shape)
+    alone = single_fits(study, "gumbel" if shape == "weibull" else shape)
     return _fit(alone, interval, width_varies=not alone.separated)
 
 
@@ -141,20 +141,22 @@ def _no_data(factors: tuple[str, ...], interval: float) -> HierarchicalFit:
 
 def _fit(alone: Alone, interval: float, *, width_varies: bool) -> HierarchicalFit:
     study = alone.study
-    kept = replace(study.only(alone.told), width_varies=width_varies)
+    kept = replace(study.only(alone.with_threshold), width_varies=width_varies)
     if not kept.n_conditions:
-        return _untold(alone, GroupStatus.NO_THRESHOLD, interval)
+        return _without_model(alone, GroupStatus.NO_THRESHOLD, interval)
     model = mixed_model(kept)
-    mixed_fit = _maximised(model, start(kept, model, *alone.start()))
-    if width_varies and not _converged(mixed_fit):
+    mixed_fit = _maximum(model, start(kept, model, *alone.start()))
+    if width_varies and not _has_converged(mixed_fit):
         return _fit(alone, interval, width_varies=False)
     status = _status(kept, model, mixed_fit)
     if status == GroupStatus.NOT_CONVERGED:
-        return _untold(alone, status, interval)
+        return _without_model(alone, status, interval)
     n, group_reach, own_reach = study.n_participants, *reaches(study.n_participants, interval)
     inflation = float(np.sqrt(n / (n - 1))) if n > 1 else 1.0
-    of_group = ParameterPlace.unknown(study.n_conditions).replaced(alone.told, means(kept, mixed_fit, inflation))
-    of_cells = ParameterPlace.unknown(study.n_conditions, n).replaced(alone.told, cells(model, mixed_fit))
+    of_group = ParameterPlace.unknown(study.n_conditions).replaced(
+        alone.with_threshold, means(kept, mixed_fit, inflation)
+    )
+    of_cells = ParameterPlace.unknown(study.n_conditions, n).replaced(alone.with_threshold, cells(model, mixed_fit))
     angles = zip(study.shared, model.parts(mixed_fit.parameters)[1], strict=True)
     rates = {where: float(rate_of(np.array(angle))[0]) for where, angle in angles}
     components, correlation = _components(kept, model, mixed_fit)
@@ -178,29 +180,29 @@ def _fit(alone: Alone, interval: float, *, width_varies: bool) -> HierarchicalFi
     )
 
 
-def _maximised(model: ClusteredModel, at: Array) -> MixedFit:
+def _maximum(model: ClusteredModel, at: Array) -> MixedFit:
     """From scales as they are, then smaller and larger ones, until one start converges."""
     n = len(model.basis)
     for factor in START_FACTORS:
         mixed_fit = maximise(model, np.concatenate([at[: len(at) - n], factor * at[len(at) - n :]]))
-        if _converged(mixed_fit):
+        if _has_converged(mixed_fit):
             break
     return mixed_fit
 
 
-def _converged(mixed_fit: MixedFit) -> bool:
+def _has_converged(mixed_fit: MixedFit) -> bool:
     return bool(np.isfinite(mixed_fit.log_marginal) and mixed_fit.gradient <= LARGEST_GRADIENT)
 
 
 def _means_of_all(
-    alone: Alone, told: StudyCounts, mixed_fit: MixedFit, inflation: float
+    alone: Alone, kept: StudyCounts, mixed_fit: MixedFit, inflation: float
 ) -> tuple[Array, Array, tuple[int, ...]]:
     """Means and covariance in the unit of the levels, with zeros for the conditions without a threshold."""
     study = alone.study
     group = np.zeros(study.n_conditions, dtype=np.int64)
-    group[alone.told] = told.width_group
-    places = np.concatenate([alone.told, study.n_conditions + np.arange(told.n_groups)])
-    n, free = study.n_conditions + told.n_groups, len(places)
+    group[alone.with_threshold] = kept.width_group
+    places = np.concatenate([alone.with_threshold, study.n_conditions + np.arange(kept.n_groups)])
+    n, free = study.n_conditions + kept.n_groups, len(places)
     # Thresholds are stretched to the unit of the levels; logarithms of widths are shifted to it.
     scale = np.where(np.arange(n) < study.n_conditions, study.spread, 1.0)
     offset = np.where(np.arange(n) < study.n_conditions, study.centre, np.log(study.spread))
@@ -210,7 +212,7 @@ def _means_of_all(
     return offset + scale * means, np.outer(scale, scale) * covariance, tuple(group.tolist())
 
 
-def _untold(alone: Alone, status: GroupStatus, interval: float) -> HierarchicalFit:
+def _without_model(alone: Alone, status: GroupStatus, interval: float) -> HierarchicalFit:
     """Statuses and bounds without a model."""
     n_conditions, n_participants = alone.study.n_conditions, alone.study.n_participants
     return replace(
@@ -224,7 +226,7 @@ def _untold(alone: Alone, status: GroupStatus, interval: float) -> HierarchicalF
 
 
 def _status(study: StudyCounts, model: ClusteredModel, mixed_fit: MixedFit) -> GroupStatus:
-    if not _converged(mixed_fit):
+    if not _has_converged(mixed_fit):
         return GroupStatus.NOT_CONVERGED
     if study.n_participants == 1:
         return GroupStatus.ONE_PARTICIPANT

@@ -10,7 +10,7 @@ from ..threshold.fitting import ThresholdFit, fit_many
 from ..threshold.status import Status
 from .study import StudyCounts
 
-TOLD = (Status.OK, Status.SEPARATED, Status.TOO_FEW_LEVELS)
+WITH_THRESHOLD = (Status.OK, Status.SEPARATED, Status.TOO_FEW_LEVELS)
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class Alone:
     @property
     def separated(self) -> bool:
         """Whether each cell that tells a threshold does so by one step."""
-        statuses = [one.status for cell in self.cells for one in cell if is_told(one)]
+        statuses = [one.status for cell in self.cells for one in cell if has_threshold(one)]
         return bool(statuses) and all(status == Status.SEPARATED for status in statuses)
 
     def statuses(self) -> list[Status]:
@@ -33,14 +33,14 @@ class Alone:
         statuses = []
         for cell, together in zip(self.cells, self.together, strict=True):
             of_cells = {one.status for one in cell} - {Status.NO_DATA}
-            if any(is_told(one) for one in (*cell, together)):
+            if any(has_threshold(one) for one in (*cell, together)):
                 statuses.append(Status.SEPARATED if self.separated else Status.OK)
             else:
                 statuses.append(Status(of_cells.pop() if len(of_cells) == 1 else together.status))
         return statuses
 
     @property
-    def told(self) -> Indices:
+    def with_threshold(self) -> Indices:
         """The conditions with a threshold."""
         return np.flatnonzero([status in (Status.OK, Status.SEPARATED) for status in self.statuses()])
 
@@ -55,12 +55,12 @@ class Alone:
 
     def start(self) -> tuple[Array, Array]:
         """A threshold and a log width of each condition that is told."""
-        low, high, _ = self.study.only(self.told).ranges()
+        low, high, _ = self.study.only(self.with_threshold).ranges()
         middle, ends = (low + high) / 2, {Status.BELOW: low, Status.ABOVE: high}
         threshold, width = [], []
-        for c, place in enumerate(self.told):
+        for c, place in enumerate(self.with_threshold):
             cell, together = self.cells[place], self.together[place]
-            fits = [one for one in cell if is_told(one)] or [together] * is_told(together)
+            fits = [one for one in cell if has_threshold(one)] or [together] * has_threshold(together)
             at = ends.get(together.status, middle)[c]  # the end of the levels beyond which the answers put it
             threshold.append(np.mean([one.threshold for one in fits]) if fits else at)
             widths = [np.log(one.width) for one in fits if one.width is not None]
@@ -68,11 +68,11 @@ class Alone:
         return np.array(threshold), np.array(width)
 
 
-def is_told(one: ThresholdFit) -> bool:
-    return one.status in TOLD and one.threshold is not None
+def has_threshold(one: ThresholdFit) -> bool:
+    return one.status in WITH_THRESHOLD and one.threshold is not None
 
 
-def fits_alone(study: StudyCounts, shape: str) -> Alone:
+def single_fits(study: StudyCounts, shape: str) -> Alone:
     """As an analysis fits them (`cells.estimates`), so that a cell has one verdict."""
     n, c = study.n_participants, study.n_conditions
     by_condition = [np.moveaxis(rows, 1, 0) for rows in (study.u, study.n_yes, study.n_trials)]

@@ -63,7 +63,7 @@ class StudyCounts:
         who, participant = np.unique(names, return_inverse=True)
         cell, n_cells = participant * len(conditions) + place.to_numpy(), len(who) * len(conditions)
         centre, spread = _scale(answers[0])
-        columns = _stacked(cell, n_cells, ((answers[0] - centre) / spread, *answers[1:]))
+        columns = _counts_of_cells(cell, n_cells, ((answers[0] - centre) / spread, *answers[1:]))
         u, k, n = (rows.reshape(len(who), len(conditions), -1) for rows in columns)
         group = conditions.groupby(list(width_by), sort=True).ngroup() if width_by else np.zeros(len(conditions))
         catch = np.zeros((2, n_cells))
@@ -118,7 +118,7 @@ def _scale(x: Array) -> tuple[float, float]:
     return low + (high - low) / 2, (high - low) or 1.0
 
 
-def _stacked(cell: Indices, n_cells: int, columns: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
+def _counts_of_cells(cell: Indices, n_cells: int, columns: tuple[Array, Array, Array]) -> tuple[Array, Array, Array]:
     """Rows as (n_cells, n_rows of the largest cell), equal levels of a cell pooled."""
     counts = normalise(*lay_out(cell, *columns, n_clusters=n_cells))
     # Back from each cell's own scale to that of the study, which the means of conditions need.

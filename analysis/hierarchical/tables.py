@@ -99,7 +99,7 @@ def condition_table(alone: Alone, place: ParameterPlace, reach: float) -> pd.Dat
     """Of the means; where no participant tells a threshold, its status alone: bounds of participants bound no mean."""
     study = alone.study
     low, high, _ = study.ranges()
-    status = [_placed(*one) for one in zip(alone.statuses(), place.threshold, low, high, strict=True)]
+    status = [_status_of_mean(*one) for one in zip(alone.statuses(), place.threshold, low, high, strict=True)]
     table = _table(study, place, status, place.ends(reach), reach)
     if alone.separated:
         widest = np.where(table["width"].isna(), np.nan, study.spread * alone.width_bounds())
@@ -124,7 +124,7 @@ def participant_table(alone: Alone, place: ParameterPlace, reach: float) -> pd.D
     return pd.concat([keys, table.assign(n_trials=study.n_trials.sum(axis=2).ravel().astype(int))], axis=1)
 
 
-def _placed(status: Status, threshold: float, low: float, high: float) -> Status:
+def _status_of_mean(status: Status, threshold: float, low: float, high: float) -> Status:
     if np.isnan(threshold):
         return status
     return Status.BELOW if threshold < low else Status.ABOVE if threshold > high else status

@@ -103,7 +103,7 @@ def normalise(x: Array, k: Array, n: Array, *, robust_range: bool = False) -> Co
     order = np.argsort(np.where(n > 0, x, np.inf), axis=1, kind="stable")
     x, k, n = (np.take_along_axis(values, order, 1) for values in (x, k, n))
     used = n > 0
-    low, high = _fenced(x, n, *_ends(x, used)) if robust_range else _ends(x, used)
+    low, high = _tukey_range(x, n, *_ends(x, used)) if robust_range else _ends(x, used)
     centre, spread = low + (high - low) / 2, np.where(high > low, high - low, 1.0)
     u = np.where(used, (x - centre[:, None]) / spread[:, None], 0.0)
     u, k, n = _pool(u, k, n)
@@ -115,7 +115,7 @@ def _ends(x: Array, used: Bools) -> tuple[Array, Array]:
     return np.where(np.isfinite(low), low, 0.0), np.where(np.isfinite(high), high, 0.0)
 
 
-def _fenced(x: Array, n: Array, low: Array, high: Array) -> tuple[Array, Array]:
+def _tukey_range(x: Array, n: Array, low: Array, high: Array) -> tuple[Array, Array]:
     """The range cut at Tukey's fences (quartiles over trials, 1.5 interquartile ranges out), where it is not
     emptied.
 

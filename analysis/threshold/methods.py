@@ -121,7 +121,7 @@ class Fitting:
         curved = self._wald(basis)
         chosen = np.flatnonzero(rests)
         if self.method in ("profile", "bootstrap") and len(chosen):
-            curved.threshold[chosen] = self._refined(self.posterior[chosen], basis[chosen])
+            curved.threshold[chosen] = self._exact_interval(self.posterior[chosen], basis[chosen])
         # A profile may never fall as far as an end: such answers hold no interval, though the mode is regular.
         rests &= np.isfinite(curved.threshold).all(axis=1)
         lost = (status == Status.OK) & ~rests
@@ -141,7 +141,7 @@ class Fitting:
             width = np.exp(basis.theta[:, [LOG_WIDTH]] + z * basis.sd[:, [LOG_WIDTH]])
         return Estimates(_with_width(basis.theta), threshold, width)
 
-    def _refined(self, posterior: LogPosterior, basis: Mode) -> Array:
+    def _exact_interval(self, posterior: LogPosterior, basis: Mode) -> Array:
         """The intervals that cost more than a Hessian."""
         if self.rng is not None and self.method == "bootstrap":
             return bootstrap(posterior, basis, self.interval, self.n_resamples, self.rng)
@@ -165,23 +165,23 @@ class Fitting:
         low, high = (self._levels(end) for end in estimates.threshold.T)
         narrow, wide = (counts.spread * end for end in estimates.width.T)
         columns = {
-            "threshold": _known(self._levels(threshold), has_threshold),
-            "width": _known(counts.spread * width, has_width),
-            "lapse_rate": _known(lapse, has_threshold),
-            "guess_rate": _known(guess, has_threshold),
-            "interval_low": _known(low, has_ends & (status != Status.BELOW)),
-            "interval_high": _known(high, has_ends & (status != Status.ABOVE)),
-            "width_low": _known(narrow, has_width),
-            "width_high": _known(wide, has_threshold),
+            "threshold": _column(self._levels(threshold), has_threshold),
+            "width": _column(counts.spread * width, has_width),
+            "lapse_rate": _column(lapse, has_threshold),
+            "guess_rate": _column(guess, has_threshold),
+            "interval_low": _column(low, has_ends & (status != Status.BELOW)),
+            "interval_high": _column(high, has_ends & (status != Status.ABOVE)),
+            "width_low": _column(narrow, has_width),
+            "width_high": _column(wide, has_threshold),
             "status": [Status(word) for word in status],
             "n_trials": counts.n_trials.sum(axis=1).astype(int).tolist(),
             "n_levels": counts.n_levels.tolist(),
             "note": notes(counts, status, self.method, self.interval),
         }
-        columns |= {name: _known(self._levels(u), has_threshold) for name, u in on_levels.items()}
-        columns |= {name: _known(values, has_threshold) for name, values in further.items()}
+        columns |= {name: _column(self._levels(u), has_threshold) for name, u in on_levels.items()}
+        columns |= {name: _column(values, has_threshold) for name, values in further.items()}
         explanations = zip(("within", "below", "above"), shares.T, strict=False)  # the fourth is that there is no rise
-        columns |= {f"probability_{name}": _known(share, has_curve) for name, share in explanations}
+        columns |= {f"probability_{name}": _column(share, has_curve) for name, share in explanations}
         rows = (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
         return tuple(ThresholdFit(**row, shape=self.shape, method=self.method, interval=self.interval) for row in rows)
 
@@ -192,7 +192,7 @@ class Fitting:
             return np.exp(levels) if self.posterior.shape.on_log_levels else levels
 
 
-def _known(values: Array | None, where: Bools) -> list[float | None]:
+def _column(values: Array | None, where: Bools) -> list[float | None]:
     """None for what is not known, and for an end that there is none of."""
     if values is None:
         return [None] * len(where)

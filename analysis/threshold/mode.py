@@ -96,7 +96,7 @@ def climb(posterior: LogPosterior, start: Array, *, small_decrement: float = SMA
     sets, climbing = np.arange(len(posterior)), posterior.by_level()
     at, here, damping = theta.copy(), climbing.expansion(theta), np.full(len(posterior), 1e-3)
     for _ in range(MAX_STEPS):
-        step, decrement = _step(here, _held(at, here.gradient, low, high), damping)
+        step, decrement = _step(here, _is_held(at, here.gradient, low, high), damping)
         trial = posterior.prior.tied(np.clip(at + step, low, high))
         there = climbing.expansion(trial)
         better = there.value >= here.value - ROUNDING * np.abs(here.value)
@@ -112,10 +112,10 @@ def climb(posterior: LogPosterior, start: Array, *, small_decrement: float = SMA
             sets, at, here, damping = sets[going], at[going], here[going], damping[going]
             climbing = climbing[going].by_level()  # choosing rows may have laid them out anew
             low, high = climbing.prior.bounds()
-    return _described(posterior, theta)
+    return _laplace(posterior, theta)
 
 
-def _held(theta: Array, gradient: Array, low: Array, high: Array) -> Bools:
+def _is_held(theta: Array, gradient: Array, low: Array, high: Array) -> Bools:
     """Fixed parameters, and those on a bound with the density rising beyond it."""
     return np.asarray((low == high) | ((theta <= low) & (gradient <= 0)) | ((theta >= high) & (gradient >= 0)))
 
@@ -169,11 +169,11 @@ def _convex_inverse(matrix: Array, damping: Array) -> Array:
     return np.asarray(np.einsum("nij,nj,nkj->nik", vectors, 1 / values, vectors) / outer)
 
 
-def _described(posterior: LogPosterior, theta: Array) -> Mode:
+def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
     here = posterior.expansion(theta)
     low, high = posterior.prior.bounds()
     # On a bound there is no curvature to rest on, whichever way the density rises there.
-    held = _held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
+    held = _is_held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
     inverse = _convex_inverse(_without(-here.hessian, held), np.zeros(len(theta)))
     covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, inverse)
     return Mode(theta, here.value, covariance, np.asarray(~held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)))

@@ -114,7 +114,7 @@ def _find_box(posterior: LogPosterior, mode: Mode) -> _Box:
     open_sets = np.arange(len(posterior))
     for _ in range(MAX_SEARCHES):
         old = box[open_sets]
-        new = _adapted(old, ends[open_sets], _profiles(posterior[open_sets], old), mode.log_density[open_sets])
+        new = _next_box(old, ends[open_sets], _profiles(posterior[open_sets], old), mode.log_density[open_sets])
         moved = (np.abs(new.low - old.low) + np.abs(new.high - old.high)) > 0.2 * (old.high - old.low)
         box = box.replaced(open_sets, new)
         open_sets = open_sets[moved.any(axis=1)]
@@ -143,7 +143,7 @@ def others(place: int) -> tuple[int, ...]:
     return tuple(axis for axis in range(N_PARAMETERS) if axis != place)
 
 
-def _adapted(box: _Box, ends: _Box, profiles: list[Array], best: Array) -> _Box:
+def _next_box(box: _Box, ends: _Box, profiles: list[Array], best: Array) -> _Box:
     low, high = box.low.copy(), box.high.copy()
     for place, profile in enumerate(profiles):
         if profile.shape[1] == 1:

@@ -134,15 +134,15 @@ class Prior(Rows):
     def _by_parameter(self, values: Array | Sequence[Array], *, scale_free_width: bool = False) -> "ByParameter":
         """The log densities with two derivatives at values (n_sets, ...) of the four parameters, of those that have a
         prior."""
-        each = (-1, *[1] * (values[THRESHOLD].ndim - 1))
+        by_set = (-1, *[1] * (values[THRESHOLD].ndim - 1))
         by_parameter, none = {}, np.zeros(1)
         if self.lapse_rate is None:
             by_parameter[LAPSE] = log_rate(values[LAPSE], none, none, self.rate_beta)
         if GUESS in self.free:
-            alarms, catch = self.n_false_alarms.reshape(each), self.n_catch.reshape(each)
+            alarms, catch = self.n_false_alarms.reshape(by_set), self.n_catch.reshape(by_set)
             by_parameter[GUESS] = log_rate(values[GUESS], alarms, catch - alarms, self.rate_beta)
         if self.on_curve:
-            narrowest = self.narrowest.reshape(each)
+            narrowest = self.narrowest.reshape(by_set)
             by_parameter[THRESHOLD] = log_threshold(values[THRESHOLD])
             by_parameter[LOG_WIDTH] = log_width(values[LOG_WIDTH], narrowest, scale_free=scale_free_width)
         return by_parameter

@@ -59,14 +59,14 @@ def batched_marginals(posterior: LogPosterior, mode: Mode, interval: float) -> M
     if posterior.prior.overdispersion is None and len(posterior.prior.free) <= MOST_FREE:
         for members in posterior.alike():
             if len(members) >= WORTH_SHARING:
-                shared, resolved = _shared(posterior[members], mode[members], interval)
+                shared, resolved = _marginals_on_grid(posterior[members], mode[members], interval)
                 all_sets = all_sets.replaced(members[resolved], shared[resolved])
                 is_alone[members[resolved]] = False
     alone = np.flatnonzero(is_alone)
     return all_sets.replaced(alone, marginals(posterior[alone], mode[alone], interval))
 
 
-def _shared(posterior: LogPosterior, mode: Mode, interval: float) -> tuple[Marginals, Bools]:
+def _marginals_on_grid(posterior: LogPosterior, mode: Mode, interval: float) -> tuple[Marginals, Bools]:
     """And which of the data sets the grid resolves."""
     grid, prior = common_grid(posterior, mode), posterior.prior
     along, log_total, beyond = marginal_masses(posterior, grid)
@@ -77,7 +77,7 @@ def _shared(posterior: LogPosterior, mode: Mode, interval: float) -> tuple[Margi
     mean = prior.tied(np.stack([(mass @ x) / mass.sum(axis=1) for mass, x in values], axis=1))
     log_evidence = log_total - prior.log_mass()
     shared = Marginals(mean, threshold, width, np.zeros(len(mean)), log_evidence, beyond)
-    return shared, _resolved(prior, grid, along)
+    return shared, _is_resolved(prior, grid, along)
 
 
 def common_grid(posterior: LogPosterior, mode: Mode) -> Grid:
@@ -86,7 +86,7 @@ def common_grid(posterior: LogPosterior, mode: Mode) -> Grid:
     low, high = (end[0] for end in prior.bounds())
     for _ in range(2):  # the first coarse search spans all that the priors allow, the second what that one has left
         axes = prior.search_axes(low, high, SEARCH_NODES)
-        low, high = _shrunk(posterior, mode, Grid(axes, [np.zeros(len(axis)) for axis in axes], 0.0))
+        low, high = _ends(posterior, mode, Grid(axes, [np.zeros(len(axis)) for axis in axes], 0.0))
     return _final_grid(prior, low, high, _sizes(mode, high - low))
 
 
@@ -139,7 +139,7 @@ def _densities(posterior: LogPosterior, grid: Grid) -> Iterator[tuple[slice, Arr
         yield sets, answers[sets] @ table + outside
 
 
-def _shrunk(posterior: LogPosterior, mode: Mode, grid: Grid) -> tuple[Array, Array]:
+def _ends(posterior: LogPosterior, mode: Mode, grid: Grid) -> tuple[Array, Array]:
     """The ends of the nodes between which any data set holds density, one node more on each side."""
     kept = np.zeros(np.prod(grid.sizes), dtype=bool)
     for sets, density in _densities(posterior, grid):
@@ -176,7 +176,7 @@ def marginal_masses(posterior: LogPosterior, grid: Grid) -> tuple[list[Array], A
     return columns[:N_PARAMETERS], columns[-2], columns[-1]
 
 
-def _resolved(prior: Prior, grid: Grid, along: list[Array]) -> Bools:
+def _is_resolved(prior: Prior, grid: Grid, along: list[Array]) -> Bools:
     resolved = np.ones(len(along[0]), dtype=bool)
     for place in prior.free:
         nodes, is_rate = grid.nodes[place], place in (LAPSE, GUESS)

@@ -216,15 +216,15 @@ def _step_likelihoods(counts: Counts, likeliest: Mode) -> tuple[Array, Array]:
     k, n = counts.n_yes, counts.n_trials
     lapse, guess = likeliest.theta[:, LAPSE, None], likeliest.theta[:, GUESS, None]
     with np.errstate(divide="ignore"):
-        below = _floored(weighted(k, np.log(guess)) + weighted(n - k, np.log1p(-guess)))
-        above = _floored(weighted(k, np.log1p(-lapse)) + weighted(n - k, np.log(lapse)))
+        below = _finite_log(weighted(k, np.log(guess)) + weighted(n - k, np.log1p(-guess)))
+        above = _finite_log(weighted(k, np.log1p(-lapse)) + weighted(n - k, np.log(lapse)))
     none = np.zeros((len(counts), 1))
     left = np.hstack([none, np.cumsum(below, axis=1)])  # at i: the levels before i, on the lower asymptote
     right = np.hstack([np.cumsum(above[:, ::-1], axis=1)[:, ::-1], none])  # those from i on, on the upper one
     return left[:, :-1] + constant_log_likelihood(k, n) + right[:, 1:], left + right
 
 
-def _floored(log_chance: Array) -> Array:
+def _finite_log(log_chance: Array) -> Array:
     return np.maximum(log_chance, -1e12)
 
 
