@@ -63,8 +63,8 @@ class Hybrid:
             "friction.rate_hz": (self.friction.rate_hz, self.setup.rate_hz),
             "friction.duration_s": (self.friction.duration_s, self.focus.duration_s),
         }
-        for name, (found, expected) in pairs.items():
-            expect(found == expected, f"Hybrid.{name}", found, f"{expected}, so that both play as one")
+        for name, (value, partner) in pairs.items():
+            expect(value == partner, f"Hybrid.{name}", value, f"{partner}, so that both play as one")
         finite("Hybrid", electrode_offset_db=self.electrode_offset_db)
 
     @property

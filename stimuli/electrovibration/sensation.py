@@ -84,9 +84,9 @@ class ElectrovibrationSensation:
         InvalidParameter
             If the signal is not one channel in volt.
         """
-        found = f"{len(signal.samples)} channels in {signal.unit!r}"
+        channels = f"{len(signal.samples)} channels in {signal.unit!r}"
         one_in_volt = signal.unit == "V" and len(signal.samples) == 1
-        require.expect(one_in_volt, "sensation_db.signal", found, "one channel in volt ('V')")
+        require.expect(one_in_volt, "sensation_db.signal", channels, "one channel in volt ('V')")
         if contact.speed_m_per_s == 0 or contact.force_n == 0:
             return -inf
         area_m2 = float(self.area.area_m2(contact.force_n))

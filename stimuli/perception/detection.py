@@ -74,8 +74,8 @@ def components(samples: ArrayLike, rate_hz: float, padding: int = 1) -> Componen
     window = blackman_harris(x.size)
     scaled, weight = x / largest, float(window.sum())
     lines = np.fft.rfft((scaled - window @ scaled / weight) * window, padding * x.size)
-    found = _peaks(lines.real**2 + lines.imag**2, (FAINT * weight / 2) ** 2)
-    return Components(found.frequencies_hz * rate_hz / (padding * x.size), found.amplitudes * 2 * largest / weight)
+    peaks = _peaks(lines.real**2 + lines.imag**2, (FAINT * weight / 2) ** 2)
+    return Components(peaks.frequencies_hz * rate_hz / (padding * x.size), peaks.amplitudes * 2 * largest / weight)
 
 
 def sensation_level_db(parts: Components, reference: float) -> float:

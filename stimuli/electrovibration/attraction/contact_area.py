@@ -82,8 +82,8 @@ class TableArea:
 
     def __post_init__(self) -> None:
         fit = len(self.forces_n) == len(self.areas_m2) > 0
-        found = f"{len(self.forces_n)} forces and {len(self.areas_m2)} areas"
-        require.expect(fit, "TableArea", found, "as many of each, at least one")
+        counts = f"{len(self.forces_n)} forces and {len(self.areas_m2)} areas"
+        require.expect(fit, "TableArea", counts, "as many of each, at least one")
         for force_n, area_m2 in zip(self.forces_n, self.areas_m2, strict=True):
             require.positive("TableArea", force_n=force_n, area_m2=area_m2)
         rise = (np.diff(self.forces_n) > 0).all()

@@ -41,7 +41,7 @@ class FullSlip(NamedTuple):
 
 
 @compiled
-def turned(i: int, piece: int, heights: Heights, phases: Phases) -> float:
+def sinusoids_at(i: int, piece: int, heights: Heights, phases: Phases) -> float:
     """The sinusoids of a piece at node i."""
     total = 0.0
     for k in range(phases.turns.shape[1]):
@@ -50,7 +50,7 @@ def turned(i: int, piece: int, heights: Heights, phases: Phases) -> float:
 
 
 @compiled
-def answered(m: int, i: int, piece: int, heights: Heights, phases: Phases) -> float:
+def response_at(m: int, i: int, piece: int, heights: Heights, phases: Phases) -> float:
     """What relaxation m makes of the sinusoids of a piece at node i."""
     total = 0.0
     for k in range(phases.turns.shape[1]):
@@ -61,14 +61,14 @@ def answered(m: int, i: int, piece: int, heights: Heights, phases: Phases) -> fl
 @compiled
 def enter(new: int, i: int, heights: Heights, phases: Phases, free: FloatArray) -> None:
     """Free decays at the start of a piece (node i), from those of the piece before it and the jump between them."""
-    old, jump = new - 1, heights.offsets[new] + turned(i, new, heights, phases)
+    old, jump = new - 1, heights.offsets[new] + sinusoids_at(i, new, heights, phases)
     if old >= 0:
-        jump -= heights.offsets[old] + heights.slopes[old] * phases.spans[old] + turned(i, old, heights, phases)
+        jump -= heights.offsets[old] + heights.slopes[old] * phases.spans[old] + sinusoids_at(i, old, heights, phases)
     for m in range(len(free)):
         if old >= 0:
             free[m] = free[m] * phases.end_decay[m, old] + heights.slopes[old] * phases.end_line[m, old]
-            free[m] += answered(m, i, old, heights, phases)
-        free[m] += jump - answered(m, i, new, heights, phases)
+            free[m] += response_at(m, i, old, heights, phases)
+        free[m] += jump - response_at(m, i, new, heights, phases)
 
 
 @compiled
@@ -136,7 +136,7 @@ def respond(newton: float, heights: Heights, plan: DrivenPlan) -> FloatArray:
 
 
 def slide(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan) -> FloatArray:
-    """Rows of `Motion`, (5, n_stimuli, n_wanted): electrostatic and lateral force, deflection and its two derivatives.
+    """Rows of `Motion`, (n_stimuli, 5, n_wanted): electrostatic and lateral force, deflection and its two derivatives.
 
     The heights have a first axis (n_stimuli,).
     """
@@ -162,17 +162,18 @@ def _respond(newton: float, heights: Bare, plan: Bare) -> FloatArray:
 def _slide(newton: float, finger: Bare, heights: Bare, plan: Bare) -> FloatArray:
     offsets, slopes, amplitudes = heights
     whole = _plan(plan)
-    rows = np.empty((5, len(offsets), len(whole.wanted)))
+    rows = np.empty((len(offsets), 5, len(whole.wanted)))
     for s in range(len(offsets)):
-        rows[:, s] = _slid(newton, FullSlip(*finger), Heights(offsets[s], slopes[s], amplitudes[s]), whole)
+        _slip(newton, FullSlip(*finger), Heights(offsets[s], slopes[s], amplitudes[s]), whole, rows[s])
     return rows
 
 
 @compiled
-def _slid(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan) -> FloatArray:
+def _slip(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan, rows: FloatArray) -> None:
+    """The rows (5, n_wanted) of one voltage, written in place."""
     m, c, k, mu, force_n = finger
     z = states(heights, plan)
-    path, rows = march(z, mu * newton, plan), np.empty((5, len(plan.wanted)))
+    path = march(z, mu * newton, plan)
     for j in range(len(plan.wanted)):
         i, output = plan.wanted[j], 0.0
         for q in range(len(plan.form)):
@@ -181,4 +182,3 @@ def _slid(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan) -
         rows[0, j], rows[1, j] = attraction, mu * force_n + mu * attraction
         rows[2, j], rows[3, j] = mu * force_n / k + x, speed
         rows[4, j] = (mu * attraction - c * speed - k * x) / m
-    return rows

@@ -86,10 +86,10 @@ class CoulombFriction(Quantity):
         touch = scene.contacts[0]
         sliding = self.at_speed(touch.speed_m_per_s)
         settings = {**vars(sliding), "force_n": touch.force_n}
-        dragged = Stage("friction", ("electrostatic_force_n",), "friction_force_n", f"{__name__}:dragged", settings)
-        return sliding.stage(), dragged
+        force = Stage("friction", ("electrostatic_force_n",), "friction_force_n", f"{__name__}:friction_n", settings)
+        return sliding.stage(), force
 
 
-def dragged(electrostatic_n: FloatArray, force_n: float, **law: float) -> FloatArray:
+def friction_n(electrostatic_n: FloatArray, force_n: float, **law: float) -> FloatArray:
     """Friction under a normal force and an attraction."""
     return CoulombFriction(**law).coefficient_at(force_n) * (force_n + electrostatic_n)

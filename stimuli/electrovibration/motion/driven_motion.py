@@ -31,7 +31,7 @@ CYCLES_MAX = 1e7
 """The most periods of a lag or a finger between two times: rounding is 1e-9 of the largest force there."""
 
 
-def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: ArrayLike) -> FloatArray:
+def linear_response(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: ArrayLike) -> FloatArray:
     """States (n, n_times) of a linear system from 0 under the force of a voltage, exactly, at ascending times."""
     from .compiled_loops import respond
 
@@ -39,7 +39,7 @@ def driven(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: ArrayLike
     return respond(form.newton_per_v2, heights(pieces), plan)
 
 
-def stacked(stimuli: Sequence[Pieces]) -> Heights:
+def stack_heights(stimuli: Sequence[Pieces]) -> Heights:
     """Heights with a first axis (n_stimuli,), of stimuli whose pieces start at the same times.
 
     Raises
@@ -50,9 +50,9 @@ def stacked(stimuli: Sequence[Pieces]) -> Heights:
     require.expect(len(stimuli) > 0, "stimuli", stimuli, "a sequence of at least one voltage in pieces")
     key = Timing(stimuli[0], np.zeros(0), has_slope=True)
     for place, pieces in enumerate(stimuli):
-        found = "other starts, frequencies or an other end than the first stimulus has"
+        difference = "other starts, frequencies or an other end than the first stimulus has"
         same = Timing(pieces, key.t_s, has_slope=True) == key
-        require.expect(same, f"stimuli[{place}]", found, "the same; solve it by itself")
+        require.expect(same, f"stimuli[{place}]", difference, "the same; solve it by itself")
     return Heights(*map(np.array, zip(*map(heights, stimuli), strict=True)))
 
 
@@ -135,7 +135,7 @@ def _kinds(lengths: FloatArray, moves: NDArray[np.bool_]) -> tuple[list[Kind], I
 
 def _padded(products: FloatArray, circuit: Circuit) -> FloatArray:
     """The map of the products (n, n_products) among those of all states, 0 for the relaxations left out."""
-    kept = circuit.kept()
+    kept = circuit.active_places()
     n_all = circuit.n_states + circuit.active.count(False)
     i, j = pairs(n_all)
     here = np.isin(i, kept) & np.isin(j, kept)

@@ -12,7 +12,7 @@ from ...arrays import FloatArray
 from ..attraction.force import ForceForm
 from ..waveforms.pieces import Pieces
 from .coulomb_friction import CoulombFriction
-from .driven_motion import Timing, plan_of, stacked
+from .driven_motion import Timing, plan_of, stack_heights
 from .pad import Finger
 
 
@@ -54,7 +54,7 @@ def sliding(
         If the times are not as stated or the force is negative.
     """
     t = np.asarray(t_s, dtype=np.float64)
-    return Motion(t, *_rows(t, (pieces,), form, finger, friction, force_n)[:, 0])
+    return Motion(t, *_rows(t, (pieces,), form, finger, friction, force_n)[0])
 
 
 @checked
@@ -77,7 +77,7 @@ def sliding_many(
         As in `sliding`, and if the pieces of a stimulus do not start when those of the first one do.
     """
     t = np.asarray(t_s, dtype=np.float64)
-    return Motion(t, *_rows(t, stimuli, form, finger, friction, force_n))
+    return Motion(t, *_rows(t, stimuli, form, finger, friction, force_n).swapaxes(0, 1))
 
 
 def _rows(
@@ -88,12 +88,12 @@ def _rows(
     friction: CoulombFriction,
     force_n: float,
 ) -> FloatArray:
-    """Rows of `Motion` below the times, (5, n_stimuli, n_times)."""
+    """Rows of `Motion` below the times, (n_stimuli, 5, n_times)."""
     from .compiled_loops import FullSlip, slide
 
     pad = finger.mass_kg, finger.damping_n_s_per_m, finger.stiffness_n_per_m
     pressed = FullSlip(*pad, friction.coefficient_at(force_n), force_n)
-    voltages = stacked(stimuli)
+    voltages = stack_heights(stimuli)
     timing = Timing(stimuli[0], t_s, has_slope=bool(voltages.slopes.any()))
     plan = plan_of(timing, form.relaxations, finger.system)
     return slide(form.newton_per_v2, pressed, voltages, plan)

@@ -57,7 +57,7 @@ class FrictionLag(Effect):
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         needs, touch = ("t_s", "voltage", "form", "friction_law"), scene.contacts[0]
         settings = {**vars(self), "force_n": touch.force_n, "speed_m_per_s": touch.speed_m_per_s}
-        target, size = f"{__name__}:lagging", per_sample(280.0)
+        target, size = f"{__name__}:scene_friction_n", per_sample(280.0)
         return (Stage("friction_lag", needs, "friction_force_n", target, settings, size=size),)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
@@ -101,7 +101,7 @@ def lagged_friction_n(
     [0.5, 5.957, 9.133]
     """
     from ..attraction.force import ForceForm  # what a lag that no output needs does not load
-    from .driven_motion import check_times, driven  # slow to load
+    from .driven_motion import check_times, linear_response  # slow to load
     from .lift import LinearSystem
 
     require.of_kind("lagged_friction_n", ForceForm, form=form)
@@ -112,11 +112,11 @@ def lagged_friction_n(
         return np.zeros_like(t)
     rate_per_s = 2 * np.pi * _resolved_hz(lag.cutoff_hz(speed_m_per_s), t)
     low_pass = LinearSystem(((-rate_per_s,),), (mu * rate_per_s,))
-    (lagging_n,) = driven(pieces, form, low_pass, t)
+    (lagging_n,) = linear_response(pieces, form, low_pass, t)
     return np.asarray(mu * force_n + lagging_n)
 
 
-def lagging(*drive: Any, force_n: float, speed_m_per_s: float, **lag: float) -> FloatArray:
+def scene_friction_n(*drive: Any, force_n: float, speed_m_per_s: float, **lag: float) -> FloatArray:
     """The lagging friction of a scene."""
     (*attraction, friction), law = drive, FrictionLag(**lag)
     return lagged_friction_n(*attraction, lag=law, friction=friction, force_n=force_n, speed_m_per_s=speed_m_per_s)

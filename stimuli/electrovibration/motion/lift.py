@@ -57,14 +57,14 @@ class Circuit:
         line = [r.dc_gain] if self.has_line else []
         slope = [sum(gain / rate for gain, rate in still)] if self.has_slope else []
         turns = Relaxations(tuple(g for g, _ in still), tuple(s for _, s in still), r.dc_gain)
-        parts = [(h.real, -h.imag) for h in turns.response(self.frequencies_hz)]
-        return np.array([*moving, *line, *slope, *(x for part in parts for x in part)])
+        responses = [(h.real, -h.imag) for h in turns.response(self.frequencies_hz)]
+        return np.array([*moving, *line, *slope, *(x for pair in responses for x in pair)])
 
     @property
     def n_states(self) -> int:
         return sum(self.active) + self.has_line + self.has_slope + 2 * len(self.frequencies_hz)
 
-    def kept(self) -> IndexArray:
+    def active_places(self) -> IndexArray:
         """(n_states,) their places among the states of the circuit with all relaxations moving."""
         n_all = len(self.active) + self.n_states - sum(self.active)
         return np.flatnonzero([*self.active, *([True] * (n_all - len(self.active)))])

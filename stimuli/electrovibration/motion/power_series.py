@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from ...arrays import ComplexArray, FloatArray
 from ...compiled import compiled, entry
-from .compiled_loops import Bare, answered, enter
+from .compiled_loops import Bare, enter, response_at
 from .phases import Heights, Phases
 
 DEGREE = 20
@@ -224,13 +224,13 @@ def _speed(contact: ContactConstants, time: float) -> float:
 
 
 @compiled
-def _asked(skin: SkinState, contact: ContactConstants) -> float:
+def _holding_friction(skin: SkinState, contact: ContactConstants) -> float:
     """The friction that holds the skin to the finger."""
     return contact.stiffness_n_per_m * skin.stretch_m + contact.damping_n_s_per_m * _speed(contact, skin.time_s)
 
 
 @compiled
-def _carried(skin: SkinState, contact: ContactConstants) -> SkinState:
+def _follow(skin: SkinState, contact: ContactConstants) -> SkinState:
     """A skin that sticks is as fast as the finger."""
     rate = skin.rate_m_per_s if skin.direction != 0 else _speed(contact, skin.time_s)
     return SkinState(skin.stretch_m, rate, skin.direction, skin.time_s)
@@ -239,7 +239,7 @@ def _carried(skin: SkinState, contact: ContactConstants) -> SkinState:
 @compiled
 def _gives_way(skin: SkinState, contact: ContactConstants, limit_n: float) -> bool:
     """Whether a skin that sticks is asked for more friction than it can bear."""
-    return skin.direction == 0 and abs(_asked(skin, contact)) > limit_n * (1 + 1e-14)
+    return skin.direction == 0 and abs(_holding_friction(skin, contact)) > limit_n * (1 + 1e-14)
 
 
 @compiled
@@ -252,7 +252,7 @@ def _after(skin: SkinState, stretch: FloatArray, reached: float, unit_s: float, 
 @compiled
 def _change(skin: SkinState, contact: ContactConstants, events: FloatArray, n: int) -> SkinState:
     """From slip to stick, or from stick to slip where friction pulls, event n: the skin is as fast as the finger."""
-    direction = 0.0 if skin.direction != 0 else (1.0 if _asked(skin, contact) > 0 else -1.0)
+    direction = 0.0 if skin.direction != 0 else (1.0 if _holding_friction(skin, contact) > 0 else -1.0)
     events[n] = skin.time_s, direction
     return SkinState(skin.stretch_m, _speed(contact, skin.time_s), direction, skin.time_s)
 
@@ -262,7 +262,7 @@ def _row(skin: SkinState, contact: ContactConstants, series: Series) -> tuple[fl
     """A row of the first result of `flow`."""
     s, rate, direction, force = skin.stretch_m, skin.rate_m_per_s, skin.direction, series.force[0]
     if direction == 0:
-        return s, rate, contact.acceleration_m_per_s2, _asked(skin, contact), force, direction
+        return s, rate, contact.acceleration_m_per_s2, _holding_friction(skin, contact), force, direction
     second = (series.push[0] - contact.damping_n_s_per_m * rate - contact.stiffness_n_per_m * s) / contact.mass_kg
     return s, rate, second, direction * contact.kinetic * (contact.force_n + force), force, direction
 
@@ -277,7 +277,7 @@ def _settle(i: int, free: FloatArray, heights: Heights, phases: Phases, circuit:
         circuit.turns[k] = phases.turns[i, k] * heights.amplitudes[piece, k]
     for m in range(len(free)):
         circuit.relaxed[m] = free[m] * phases.decay[m, i] + slope * phases.line[m, i]
-        circuit.relaxed[m] += answered(m, i, piece, heights, phases)
+        circuit.relaxed[m] += response_at(m, i, piece, heights, phases)
 
 
 @compiled
@@ -317,11 +317,11 @@ def flow(
     of slip (0: stuck); rows of the second: time of an event, direction after. The last two are a failure and its time:
     `TOO_MANY` events, `CHATTER` (that many at one instant), or `TOO_LONG`; `most` events and steps are made.
     """
-    return _entered(tuple(heights), tuple(phases), tuple(layers), tuple(steps), tuple(contact), start, most)
+    return _flow_entry(tuple(heights), tuple(phases), tuple(layers), tuple(steps), tuple(contact), start, most)
 
 
 @entry
-def _entered(
+def _flow_entry(
     heights: Bare, phases: Bare, layers: Bare, steps: Bare, contact: Bare, start: float, most: Pair
 ) -> tuple[FloatArray, FloatArray, int, float]:
     time = Heights(*heights), Phases(*phases), Layers(*layers), Steps(*steps)
@@ -346,7 +346,7 @@ def _flow(
             unit, n_steps = max(h, 1e-300), n_steps + 1
             _force_series(circuit, layers, steps.moves[i], unit, series)
             limit = _strongest(contact, series.force)
-            skin = _carried(skin, contact)
+            skin = _follow(skin, contact)
             if _gives_way(skin, contact, limit[0]) and n_events < most[0]:
                 skin = _change(skin, contact, events, n_events)
                 n_events, n_here = n_events + 1, n_here + 1

@@ -33,8 +33,8 @@ class Relaxations:
         gains = require.finite_array("Relaxations.gains", self.gains)
         rates = require.array("Relaxations.rates_per_s", self.rates_per_s)
         fit = gains.ndim == 1 and gains.shape == rates.shape and (rates >= 0).all()
-        found = f"the gains {self.gains!s:.60} and the rates {self.rates_per_s!s:.60}"
-        require.expect(fit, "Relaxations", found, "as many of each, rates of at least 0")
+        terms = f"the gains {self.gains!s:.60} and the rates {self.rates_per_s!s:.60}"
+        require.expect(fit, "Relaxations", terms, "as many of each, rates of at least 0")
 
     @checked
     def response(self, frequency_hz: ArrayLike) -> ComplexArray:

@@ -188,7 +188,7 @@ class Noise:
         amplitudes *= np.sqrt(2 / (amplitudes**2).sum())
         x, phases_rad = np.asarray(x_m, dtype=np.float64), np.array(self.phases_rad)
         chunks = np.array_split(x.ravel(), 1 + x.size * lines.size // LARGEST_TABLE)
-        parts = [np.cos(2 * np.pi * np.multiply.outer(part, lines) + phases_rad) @ amplitudes for part in chunks]
+        parts = [np.cos(2 * np.pi * np.multiply.outer(chunk, lines) + phases_rad) @ amplitudes for chunk in chunks]
         return np.asarray(np.concatenate(parts).reshape(x.shape))
 
     def force_share(self, x_m: ArrayLike) -> FloatArray:

@@ -178,7 +178,7 @@ def pulses(signal: Signal, supply_v: float) -> Signal:
     lengths = np.diff(np.concatenate([starts, [sign.size]]))
     needed = np.add.reduceat((signal.samples[0] / supply_v) ** 2, starts)  # samples at the supply
     _check_reach(needed, lengths, signal.peak, supply_v)
-    on = np.minimum(_carried(needed), lengths)
+    on = np.minimum(_whole_samples(needed), lengths)
     edges = np.zeros(sign.size + 1)
     first = starts + (lengths - on) // 2
     np.add.at(edges, first, 1.0)
@@ -186,7 +186,7 @@ def pulses(signal: Signal, supply_v: float) -> Signal:
     return Signal(supply_v * (sign * np.cumsum(edges)[:-1])[None, :] + 0.0, signal.rate_hz, signal.unit)
 
 
-def _carried(needed: FloatArray) -> IntArray:
+def _whole_samples(needed: FloatArray) -> IntArray:
     """Whole samples of each run, whose sum up to any run is that of `needed` to half a sample."""
     return np.diff(np.rint(np.cumsum(needed)), prepend=0.0).astype(np.int64)
 

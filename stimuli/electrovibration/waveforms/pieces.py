@@ -141,8 +141,8 @@ def straight(times_s: ArrayLike, values_v: ArrayLike) -> Pieces:
     row = t.ndim == 1 and t.shape == v.shape and t.size >= 2
     require.expect(row, "straight", f"shapes {t.shape} and {v.shape}", "two of one length")
     back = int(np.argmax(np.diff(t) < 0))
-    found = f"{t[back + 1]} after {t[back]}"
-    require.expect(t[back + 1] >= t[back], "straight.times_s", found, "times that do not go back")
+    step_back = f"{t[back + 1]} after {t[back]}"
+    require.expect(t[back + 1] >= t[back], "straight.times_s", step_back, "times that do not go back")
     long = np.diff(t) > 0
     return Pieces(t[:-1][long], float(t[-1]), v[:-1][long], (np.diff(v)[long] / np.diff(t)[long]))
 
