@@ -26,7 +26,6 @@ from .report.study_text import study_text
 from .result import Analysis
 from .tasks import cells
 from .tasks.applied_force import force_of_participants, force_table, has_force
-from .tasks.cells import counted_answers, detection_rates, judgements, mean_rates
 from .tasks.goodness import SEED, goodness_columns, goodness_table
 from .tasks.kinds import ANALYSES, CURVES, RESULTS
 from .tasks.rule_estimate import Replay, rule_columns, tracks
@@ -103,9 +102,9 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
     recorded = quality(everything)
     trials, excluded = exclude(everything, plan.exclusion, recorded)
     factors, all_used = trials.factors, used_rows(everything)
-    all_judged = judgements(all_used)  # a rule was told the answers, too, that the plan leaves out
+    all_judged = cells.judgements(all_used)  # a rule was told the answers, too, that the plan leaves out
     used, judged = (rows[rows.index.isin(trials.rows.index)] for rows in (all_used, all_judged))
-    answers = counted_answers(judged)
+    answers = cells.counted_answers(judged)
     every, forms, direct = cells.cells(answers, factors), ratings(trials, plan.primary), _direct_tables(used, factors)
     if not every and not forms and not direct:
         raise InvalidFile(f"{trials.path}: found {NOTHING}")
@@ -113,7 +112,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
     estimates = cells.estimates(every, n_choices, unit)
     table = cells.estimate_table(estimates, factors, unit)
     if len(table):
-        table = table.join(rule_columns(counted_answers(all_judged), factors, estimates, replay))
+        table = table.join(rule_columns(cells.counted_answers(all_judged), factors, estimates, replay))
         rng = np.random.default_rng(SEED)
         table = table.join(goodness_columns(answers, factors, estimates, n_choices, unit, rng))
     forces = force_of_participants(used, factors) if has_force(used) else None
@@ -191,8 +190,8 @@ def _curve_tables(
     return {
         "thresholds": table,
         "goodness": goodness_table(table),
-        "rates": detection_rates(counts, factors),
-        "mean_rates": mean_rates(counts, factors),
+        "rates": cells.detection_rates(counts, factors),
+        "mean_rates": cells.mean_rates(counts, factors),
         "counts": counts,
         "tracks": tracks(judged, factors),
     }

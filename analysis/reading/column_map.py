@@ -13,7 +13,7 @@ from tactometry.config.strict import read_toml
 from tactometry.errors import InvalidFile
 
 from .level_scale import LevelScale
-from .rows import holds, no_column
+from .rows import expect_column, holds
 
 
 @dataclass(frozen=True)
@@ -127,7 +127,7 @@ def _text(value: str | float | bool) -> str:
 
 def _trial_rows(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
     for theirs, values in column_map.keep.items():
-        _expect(raw, theirs, "the column map names in keep", file)
+        expect_column(raw, theirs, file, ", which the column map names in keep")
         raw = raw[raw[theirs].isin(values)]
         if raw.empty:
             raise InvalidFile(f"{file}: found no row with {theirs} = {' or '.join(values)}, expected trials (keep)")
@@ -148,17 +148,12 @@ def _with_our_signs(raw: pd.DataFrame, column_map: ColumnMap) -> pd.DataFrame:
 
 def _with_our_names(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
     for ours, theirs in column_map.columns.items():
-        _expect(raw, theirs, f"the column map names for {ours!r}", file)
+        expect_column(raw, theirs, file, f", which the column map names for {ours!r}")
         if ours != theirs and ours in raw.columns:
             raise InvalidFile(f"{file}: found the column {ours!r}, which the column map also names {theirs!r}")
     table = raw.rename(columns={theirs: ours for ours, theirs in column_map.columns.items()})
     # One column of theirs may stand for several of ours, of which renaming makes one.
     return table.assign(**{ours: raw[theirs] for ours, theirs in column_map.columns.items() if ours not in table})
-
-
-def _expect(raw: pd.DataFrame, theirs: str, where: str, file: Path) -> None:
-    if theirs not in raw.columns:
-        raise InvalidFile(f"{file}: {no_column(theirs, raw)}, which {where}")
 
 
 def _of_name(column_map: ColumnMap, file: Path) -> Mapping[str, str]:
@@ -173,8 +168,7 @@ def _of_name(column_map: ColumnMap, file: Path) -> Mapping[str, str]:
 
 def _with_our_values(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
     for ours, meanings in column_map.values.items():
-        if ours not in table.columns:
-            raise InvalidFile(f"{file}: {no_column(ours, table)}, whose values the column map names")
+        expect_column(table, ours, file, ", whose values the column map names")
         table[ours] = table[ours].replace({theirs: _text(value) for theirs, value in meanings.items()})
     return table
 
@@ -182,7 +176,7 @@ def _with_our_values(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> 
 def _in_si(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
     """Numbers in SI units; what is no number is left for the check of the table to name."""
     for name, unit in column_map.units.items():
-        _expect(table, name, "the column map names in units", file)
+        expect_column(table, name, file, ", which the column map names in units")
         symbol, factor = si_unit(unit, f"units.{name}")
         numbers = pd.to_numeric(table[name].str.strip(), errors="coerce")
         in_si = numbers * factor if factor >= 1 else numbers / round(1 / factor)  # 812 ms are 0.812 s to the last digit

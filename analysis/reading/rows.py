@@ -89,6 +89,12 @@ def bad_cell(row: "pd.Series[Any]", column: str, found: str, expected: str) -> I
     return InvalidFile(f"{row['source']}, row {row['row']}, column {column!r}: found {found}, expected {expected}")
 
 
+def expect_column(table: pd.DataFrame, name: str, file: object, why: str) -> None:
+    """Refuse a table of this file without a column; `why` ends the sentence."""
+    if name not in table.columns:
+        raise InvalidFile(f"{file}: {no_column(name, table)}{why}")
+
+
 def no_column(name: str, table: pd.DataFrame) -> str:
     """
     >>> no_column("levl", pd.DataFrame({"level": [1.0]}))

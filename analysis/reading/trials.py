@@ -25,7 +25,7 @@ from tactometry.trials.tasks import TASKS, tasks_with_level
 
 from .column_map import ColumnMap, translate, trials_of
 from .level_scale import on_scale, wide_levels
-from .rows import bad_cell, holds, is_catch, no_column, numbers_of, place_of
+from .rows import bad_cell, expect_column, holds, is_catch, numbers_of, place_of
 from .text_table import text_cells
 
 REQUIRED = ("participant", "level", "task", "response")
@@ -200,8 +200,7 @@ def _refuse_other_code(table: pd.DataFrame, file: Path) -> None:
 def _raw(file: Path, column_map: ColumnMap) -> pd.DataFrame:
     raw = translate(text_cells(file, column_map.separator), column_map, file)
     for name in REQUIRED:
-        if name not in raw.columns:
-            raise InvalidFile(f"{file}: {no_column(name, raw)}; name it with a column map (--columns)")
+        expect_column(raw, name, file, "; name it with a column map (--columns)")
     if raw.empty:
         raise InvalidFile(f"{file}: found no row below the header, expected trials")
     return raw

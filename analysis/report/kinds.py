@@ -6,7 +6,6 @@ from .section import ResultKind
 
 NAMES = (
     "outcomes",
-    "hierarchical",
     "questionnaires",
     "task_tables",
     "measured",

@@ -1,6 +1,10 @@
-"""The report: one HTML file that needs nothing else, its tables beside it; figures as files."""
+"""The report: one HTML file that needs nothing else, its tables beside it; figures as files; a PDF, printed by what is
+installed, a browser or WeasyPrint."""
 
 import re
+import shutil
+import subprocess
+import tempfile
 from collections.abc import Mapping
 from dataclasses import replace
 from importlib.resources import files
@@ -9,15 +13,18 @@ from pathlib import Path
 import pandas as pd
 
 from tactometry.arguments.require import expect
-from tactometry.errors import attempt, counted
+from tactometry.errors import DeviceFailed, attempt, counted
 from tactometry.files.safe_text import cell_text, file_text
 
 from ..result import Analysis
 from ..wording import in_words, split_unit
 from .kinds import KINDS
 from .methods import references
-from .pdf import print_pdf
 from .section import Figure, Section
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
+WEASYPRINT = "weasyprint"
+PDF_TIMEOUT_S = 120.0
 
 
 def write_report(analysis: Analysis, path: Path, *, pdf: bool = False) -> Analysis:
@@ -170,3 +177,41 @@ def title_of(analysis: Analysis) -> str:
     """The title of the study, else its name, else that of the file."""
     title = analysis.study.title or ", ".join(_studies(analysis)) or analysis.trials.path.stem
     return f"{title} (simulated)" if analysis.origin.is_simulated else title
+
+
+def print_pdf(path: Path) -> Path:
+    """Print the page to a PDF beside it.
+
+    Raises
+    ------
+    DeviceFailed
+        If there is neither browser nor WeasyPrint, or it fails.
+    """
+    engine = next(filter(None, map(shutil.which, (*BROWSERS, WEASYPRINT))), None)
+    if engine is None:
+        raise DeviceFailed(
+            f"--pdf: found neither a browser ({', '.join(BROWSERS)}) nor {WEASYPRINT}, expected one; print {path} by "
+            "hand"
+        )
+    target = path.with_suffix(".pdf").resolve()
+    target.unlink(missing_ok=True)
+    with tempfile.TemporaryDirectory() as profile:
+        command = _command(engine, path, target, profile)
+        try:
+            done = subprocess.run(command, capture_output=True, timeout=PDF_TIMEOUT_S, check=False)
+        except subprocess.TimeoutExpired:
+            raise DeviceFailed(f"--pdf: {engine} did not end in {PDF_TIMEOUT_S:g} s; print {path} by hand") from None
+    if done.returncode != 0 or not target.exists():
+        raise DeviceFailed(f"--pdf: {engine} ended with status {done.returncode}; print {path} by hand")
+    return target
+
+
+def _command(engine: str, path: Path, target: Path, profile: str) -> list[str]:
+    if Path(engine).name == WEASYPRINT:
+        return [engine, str(path.resolve()), str(target)]
+    return [
+        engine,
+        *("--headless", "--no-sandbox", "--disable-gpu", "--no-pdf-header-footer", f"--user-data-dir={profile}"),
+        f"--print-to-pdf={target}",
+        path.resolve().as_uri(),
+    ]

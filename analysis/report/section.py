@@ -6,7 +6,6 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, ClassVar
 
-import numpy as np
 import pandas as pd
 
 from ..figures.style import Drawing
@@ -47,15 +46,6 @@ def grid(table: pd.DataFrame, factors: Sequence[str]) -> TextGrid:
 
 def _text(value: Any, *, is_level: bool) -> str:
     return plain_text(value) if is_level and pd.notna(value) else cell_text(value)
-
-
-def plain_rows(table: pd.DataFrame) -> list[dict[str, object]]:
-    """Rows as plain values: None for what is missing."""
-    return [{str(name): _plain(value) for name, value in row.items()} for row in table.to_dict("records")]
-
-
-def _plain(value: object) -> object:
-    return None if isinstance(value, float) and not np.isfinite(value) else value
 
 
 @dataclass(frozen=True)
@@ -143,8 +133,8 @@ class TextTable:
 
 @dataclass(frozen=True)
 class ResultKind:
-    """A kind of result: its sections of the page, its tables of the terminal, and its values in JSON, where an analysis
-    holds it. Sections alone draw figures."""
+    """A kind of result: its sections of the page, its tables of the terminal, and its values in JSON (tables as they
+    are), where an analysis holds it. Sections alone draw figures."""
 
     sections: Callable[[Analysis], Iterable[Section]] = field(default=lambda analysis: ())
     terminal: Callable[[Analysis], Iterable[TextTable]] = field(default=lambda analysis: ())
@@ -152,5 +142,5 @@ class ResultKind:
 
 
 def rows_of(*names: str) -> Callable[[Analysis], Iterable[tuple[str, object]]]:
-    """The rows of these tables as values in JSON, by the names of the tables; of a table that there is not none."""
-    return lambda analysis: [(name, plain_rows(analysis.table(name))) for name in names]
+    """These tables as values in JSON, by their names; one that there is not has no rows."""
+    return lambda analysis: [(name, analysis.table(name)) for name in names]

@@ -1,5 +1,10 @@
 """The result as plain values for JSON."""
 
+from collections.abc import Mapping
+
+import numpy as np
+import pandas as pd
+
 from ..result import Analysis
 from .kinds import KINDS
 
@@ -12,7 +17,7 @@ ORDER = (
 
 def summary(analysis: Analysis) -> dict[str, object]:
     """The result as plain values for JSON."""
-    of_kinds = {name: value for kind in KINDS for name, value in kind.values(analysis)}
+    of_kinds = {name: plain(value) for kind in KINDS for name, value in kind.values(analysis)}
     places = {"report": analysis.report, "tables": analysis.tables_folder, "figures": analysis.figures_folder}
     return {
         "path": str(analysis.trials.path),
@@ -27,3 +32,14 @@ def summary(analysis: Analysis) -> dict[str, object]:
         **of_kinds,
         **{name: None if place is None else str(place) for name, place in places.items()},
     }
+
+
+def plain(value: object) -> object:
+    """Tables as rows, wherever they stand; None for what is missing."""
+    if isinstance(value, pd.DataFrame):
+        return plain(value.to_dict("records"))
+    if isinstance(value, Mapping):
+        return {str(name): plain(one) for name, one in value.items()}
+    if isinstance(value, list):
+        return [plain(one) for one in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value

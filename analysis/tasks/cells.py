@@ -192,11 +192,11 @@ def estimate_table(estimates: Sequence[Estimate], factors: Sequence[str], unit: 
 
 def _row(estimate: Estimate, factors: Sequence[str], unit: str) -> dict[str, object]:
     cell, fit = estimate.cell, estimate.fit
-    values = vars(fit) | {"task": cell.task, "level_unit": unit, "status": fit.status.value}
-    values |= {"n_catch": cell.n_catch, "n_false_alarms": cell.n_false_alarms}
-    row: dict[str, object] = {"participant": cell.participant}
-    row |= dict(zip(factors, cell.condition, strict=True)) | {name: values[name] for name in COLUMNS}
-    return row | (_difference(fit) if CURVES[cell.task].has_difference else {})
+    values = vars(cell) | vars(fit) | {"level_unit": unit, "status": fit.status.value}
+    row = {"participant": cell.participant, **dict(zip(factors, cell.condition, strict=True))}
+    return (
+        row | {name: values[name] for name in COLUMNS} | (_difference(fit) if CURVES[cell.task].has_difference else {})
+    )
 
 
 def _difference(fit: ThresholdFit) -> dict[str, float | None]:

@@ -55,10 +55,9 @@ def goodness_columns(
     values, p = (np.full((len(estimates), len(TESTS)), np.nan) for _ in range(2))
     for task in CURVES:
         fitted = [n for n, one in enumerate(estimates) if one.cell.task == task and one.fit.function is not None]
+        options = CURVES[task].options(n_choices, unit)
         for numbers in _of_like_size(estimates, fitted):
-            tested = _goodness_of(
-                rows, [estimates[n] for n in numbers], numbers, CURVES[task].options(n_choices, unit), rng
-            )
+            tested = _goodness_of(rows, [estimates[n] for n in numbers], numbers, options, rng)
             values[numbers], p[numbers] = tested.statistics, tested.p
     columns: dict[str, Any] = {"deviance_p": p[:, 0]}
     for n, (value, name) in enumerate(zip(STATISTICS, P_COLUMNS.values(), strict=True)):

@@ -2,7 +2,7 @@
 reversals or the mean of a posterior."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from itertools import pairwise
 from statistics import fmean, stdev
 from typing import Any
@@ -18,7 +18,6 @@ DISCARDED = 2
 """Reversals that do not count, as on the way to the threshold (Levitt 1971)."""
 FIXED = ("constant", "constant_stimuli")
 """Procedures whose levels do not depend on the answers."""
-COLUMNS = ("rule_estimate", "rule_sd", "rule_n", "rule_note")
 
 
 @dataclass(frozen=True)
@@ -43,7 +42,7 @@ def rule_columns(
     runs the means of estimates and spreads, and all reversals or answers."""
     runs = _runs(answers[~answers["is_catch"]], factors, replay)
     keys = ((one.cell.participant, *one.cell.condition, one.cell.task) for one in estimates)
-    return pd.DataFrame([astuple(_mean_estimate(runs.get(key, []))) for key in keys], columns=list(COLUMNS))
+    return pd.DataFrame([_mean_estimate(runs.get(key, [])) for key in keys]).add_prefix("rule_")
 
 
 def _runs(

@@ -18,8 +18,7 @@ from tactometry.analysis.anova.group_means import group_table
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import Exclusion
-from tactometry.analysis.report.page import figures_of, write_report
-from tactometry.analysis.report.pdf import BROWSERS, WEASYPRINT, print_pdf
+from tactometry.analysis.report.page import BROWSERS, WEASYPRINT, figures_of, print_pdf, write_report
 from tactometry.analysis.report.sentences import primary_sentences
 from tactometry.analysis.report.summary import summary
 from tactometry.analysis.result import Analysis

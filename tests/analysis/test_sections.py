@@ -60,7 +60,7 @@ def test_a_new_kind_of_result_is_told_on_page_terminal_and_in_json(found, added)
 def test_json_holds_the_tables_that_an_analysis_lacks_as_empty(found) -> None:
     told = json.summary(found)
     assert told["loss"] == told["preference"] == []
-    assert dict(rows_of("thresholds")(found))["thresholds"] == told["thresholds"]
+    assert json.plain(dict(rows_of("thresholds")(found))["thresholds"]) == told["thresholds"]
 
 
 def test_element_names_of_figures_are_unique_in_the_page(found) -> None:

@@ -1,4 +1,5 @@
-"""Dependent values: group table, the primary analysis and its checks, comparisons."""
+"""Dependent values: group table, the primary analysis and its checks, comparisons; as a check of it all participants at
+once, by the hierarchical model."""
 
 from collections.abc import Iterator, Sequence
 
@@ -7,12 +8,14 @@ import pandas as pd
 from ...anova.group_means import HIGH, LOW, bounds_of
 from ...figures import psychophysics
 from ...outcomes.findings import Outcome
+from ...outcomes.hierarchical_outcome import HierarchicalOutcome
 from ...result import Analysis
+from ...tasks.kinds import CURVES
 from ...tasks.magnitude import DEPENDENT as EXPONENT, GROWTH
 from ...wording import cross_table, dependent_name, dependent_title, in_words, interval_text, p_text, with_unit
 from ..captions import figure_text, means_sentence, means_text
-from ..section import Blocks, Figure, Folded, Heading, Lead, ResultKind, Section, Sentences, TextTable, grid, plain_rows
-from ..sentences import outcome_sentences, primary_sentences
+from ..section import Blocks, Details, Figure, Folded, Heading, Lead, ResultKind, Section, Sentences, TextTable, grid
+from ..sentences import hierarchical_sentences, outcome_sentences, primary_sentences
 
 EFFECT_COLUMNS = {
     "Source": "effect", "term": "effect", "SS": "SS", "ddof1": "df 1", "ddof2": "df 2", "df1": "df 1", "df2": "df 2",
@@ -29,6 +32,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
         unit = outcome.unit(analysis.unit)
         title = dependent_title(outcome.dependent)
         yield Section(f"{title} ({unit})" if unit else title, tuple(_blocks(outcome, analysis)))
+    yield from _check_sections(analysis)
 
 
 def _blocks(outcome: Outcome, analysis: Analysis) -> Blocks:
@@ -105,20 +109,22 @@ def _terminal(analysis: Analysis) -> Iterator[TextTable]:
         primary = [outcome.heading(), *primary_sentences(outcome)] if outcome.primary else []
         title = f"{dependent_name(outcome.dependent)}{unit} ({means_text(outcome.group)}, n)"
         yield TextTable(outcome.cross, title, [*outcome.notes, *primary])
+    yield from _check_terminal(analysis)
 
 
 def _values(analysis: Analysis) -> Iterator[tuple[str, object]]:
     yield "outcomes", [_plain(outcome, analysis.unit) for outcome in analysis.outcomes]
+    yield "hierarchical", [_plain_check(outcome, analysis.unit) for outcome in analysis.hierarchical]
 
 
 def _plain(outcome: Outcome, unit: str) -> dict[str, object]:
     return {
         "task": outcome.task,
         "dependent": outcome.dependent,
-        "group": plain_rows(outcome.group),
+        "group": outcome.group,
         "primary": _plain_primary(outcome),
         "checks": [outcome.title(name) for name in outcome.analyses() if name is not outcome.primary],
-        "anova": None if outcome.anova is None else plain_rows(outcome.anova),
+        "anova": outcome.anova,
         "status": None if outcome.status is None else outcome.status.value,
         "sentences": primary_sentences(outcome),
         "statistics": outcome_sentences(outcome, unit),
@@ -133,7 +139,69 @@ def _plain_primary(outcome: Outcome) -> dict[str, object] | None:
         "analysis": outcome.primary.value,
         "title": outcome.title(outcome.primary),
         "reason": outcome.reason,
-        "effects": plain_rows(outcome.effects),
+        "effects": outcome.effects,
+    }
+
+
+MEANS = {"threshold": "mean", "interval_low": "mean_low", "interval_high": "mean_high"}
+"""Columns of the conditions, as those of a group table."""
+
+
+def _check_sections(analysis: Analysis) -> Iterator[Section]:
+    for outcome in analysis.hierarchical:
+        task = f" ({outcome.task.replace('_', ' ')})" if len(analysis.hierarchical) > 1 else ""
+        yield Section(f"All participants at once{task}", tuple(_check_blocks(outcome, analysis)))
+
+
+def _check_blocks(outcome: HierarchicalOutcome, analysis: Analysis) -> Blocks:
+    sentences = Sentences(hierarchical_sentences(outcome, analysis.unit))
+    if outcome.fit is None:
+        yield sentences
+        return
+    values = "points of subjective equality" if _dependent(outcome) == "pse" else "thresholds"
+    yield Lead(
+        f"A check of the primary analysis. Hierarchical model: {values} of the group with 95 % interval; "
+        "estimates of participants are drawn to the group as far as their answers leave it open."
+    )
+    yield grid(cross_table(outcome.conditions, outcome.fit.factors), analysis.factors)
+    yield _check_figure(outcome, analysis)
+    yield sentences
+    yield Details(f"Participants ({len(outcome.participants)} rows)", (grid(outcome.participants, analysis.factors),))
+
+
+def _dependent(outcome: HierarchicalOutcome) -> str:
+    return CURVES[outcome.task].dependents[0]
+
+
+def _check_figure(outcome: HierarchicalOutcome, analysis: Analysis) -> Figure:
+    name = dependent_title(_dependent(outcome))
+    means, factors = outcome.conditions.rename(columns=MEANS), [f for f in analysis.factors if f in outcome.conditions]
+    label = with_unit(name, analysis.unit)
+    drawing = psychophysics.threshold_figure(means, outcome.participants, factors, "threshold", label)
+    bars = " with 95 % intervals" if outcome.conditions["interval_low"].notna().any() else ""
+    text = f"{name}: the hierarchical model's means{bars}; faint dots are participants, drawn to the group."
+    stem = f"hierarchical_{outcome.task}"
+    return Figure(stem, drawing, text, stem)
+
+
+def _check_terminal(analysis: Analysis) -> Iterator[TextTable]:
+    for outcome in analysis.hierarchical:
+        if outcome.fit is not None:
+            unit = f", {analysis.unit}" if analysis.unit else ""
+            name = dependent_name(_dependent(outcome))
+            title = f"check, all participants at once: {name}{unit} (mean, 95 % interval)"
+            cross = cross_table(outcome.conditions, outcome.fit.factors)
+            yield TextTable(cross, title, hierarchical_sentences(outcome, analysis.unit))
+
+
+def _plain_check(outcome: HierarchicalOutcome, unit: str) -> dict[str, object]:
+    return {
+        "task": outcome.task,
+        "status": None if outcome.fit is None else outcome.fit.status.value,
+        "conditions": outcome.conditions,
+        "participants": outcome.participants,
+        "components": {} if outcome.fit is None else dict(outcome.fit.components),
+        "sentences": hierarchical_sentences(outcome, unit),
     }
 
 

@@ -10,7 +10,7 @@ from ...figures.style import Drawing
 from ...outcomes.ratings import REFERENCE, Ratings
 from ...result import Analysis
 from ..captions import figure_text, means_of, means_sentence, means_text
-from ..section import Blocks, Figure, Folded, Lead, ResultKind, Section, TextGrid, TextTable, plain_rows
+from ..section import Blocks, Figure, Folded, Lead, ResultKind, Section, TextGrid, TextTable
 from ..sentences import form_sentences
 
 MOST_LINES = 7
@@ -91,7 +91,7 @@ def _terminal(analysis: Analysis) -> Iterator[TextTable]:
 
 
 def _values(analysis: Analysis) -> Iterator[tuple[str, object]]:
-    yield "questionnaires", {form.name: plain_rows(form.summary) for form in analysis.forms}
+    yield "questionnaires", {form.name: form.summary for form in analysis.forms}
     yield "questionnaire_statistics", {form.name: form_sentences(form) for form in analysis.forms}
 
 
