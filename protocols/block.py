@@ -5,8 +5,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from tactometry.arguments.require import expect, of_kind, shown, some
-from tactometry.errors import counted
+from tactometry.arguments.require import excerpt, expect, of_kind, some
+from tactometry.errors import count_of
 from tactometry.session.answer import Touched
 from tactometry.session.request import Record, Show
 from tactometry.session.run import Course
@@ -51,7 +51,7 @@ class Block:
         of_kind("Block", Task, task=self.task)
         of_kind("Block", BlockOptions, options=self.options)
         are_tracks = isinstance(self.tracks, Sequence) and all(isinstance(track, Track) for track in self.tracks)
-        expect(are_tracks, "Block.tracks", shown(self.tracks), "tracks")
+        expect(are_tracks, "Block.tracks", excerpt(self.tracks), "tracks")
         some("Block.tracks", self.tracks)
 
     @property
@@ -139,7 +139,7 @@ def _reason(state: BlockState) -> str:
     options = state.options
     if options.longest_s is not None and state.late:
         return f"it has lasted longer than {options.longest_s:g} s"
-    n_lost = counted(options.n_attempts, "presentation")
+    n_lost = count_of(options.n_attempts, "presentation")
     return f"{n_lost} in a row, or of one trial, {'was' if options.n_attempts == 1 else 'were'} not valid"
 
 

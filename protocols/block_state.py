@@ -6,7 +6,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from tactometry.arguments.require import expect, given, one_of, positive, whole, within
+from tactometry.arguments.require import expect, one_of, positive, whole, within, without_none
 from tactometry.session.run import Course
 
 from .procedures.procedure import FixedOrder, Procedure, after_answer
@@ -96,8 +96,8 @@ class BlockOptions:
         is_rate = self.catch_rate == 0 or self.catch_rate >= LEAST_RATE
         expect(is_rate, "BlockOptions.catch_rate", f"{self.catch_rate:g}", f"0, or at least {LEAST_RATE:g}")
         one_of("BlockOptions.interleaving", self.interleaving, get_args(Interleaving))
-        whole("BlockOptions", lowest=1, n_attempts=self.n_attempts, **given({"rest_after": self.rest_after}))
-        positive("BlockOptions", **given({"rest_s": self.rest_s, "longest_s": self.longest_s}))
+        whole("BlockOptions", lowest=1, n_attempts=self.n_attempts, **without_none({"rest_after": self.rest_after}))
+        positive("BlockOptions", **without_none({"rest_s": self.rest_s, "longest_s": self.longest_s}))
 
 
 @dataclass(frozen=True)

@@ -80,7 +80,7 @@ def ended_by_signal(error: BaseException) -> bool:
 
 
 @contextmanager
-def needed(refusal: str) -> Iterator[None]:
+def library_needed(refusal: str) -> Iterator[None]:
     """The import of a library of an extra: `refusal`, with the reason for ``{error}``, where it cannot be loaded.
 
     Raises
@@ -90,7 +90,7 @@ def needed(refusal: str) -> Iterator[None]:
 
     Examples
     --------
-    >>> with needed("lamp: found no lamps ({error}); pip install 'tactometry[lamp]'"):
+    >>> with library_needed("lamp: found no lamps ({error}); pip install 'tactometry[lamp]'"):
     ...     import lamps
     Traceback (most recent call last):
     tactometry.errors.DeviceFailed: lamp: found no lamps (No module named 'lamps'); pip install 'tactometry[lamp]'
@@ -168,10 +168,10 @@ def nearest(found: str, names: Iterable[str]) -> str:
     return f"; did you mean {close[0]!r}?" if close else ""
 
 
-def counted(n: int, noun: str) -> str:
+def count_of(n: int, noun: str) -> str:
     """A number with its noun.
 
-    >>> counted(1, "trial"), counted(2, "trial")
+    >>> count_of(1, "trial"), count_of(2, "trial")
     ('1 trial', '2 trials')
     """
     return f"{n} {noun}" if n == 1 else f"{n} {noun}s"

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .arguments.require import expect, positive
-from .errors import InvalidParameter, counted
+from .errors import InvalidParameter, count_of
 
 FloatArray = NDArray[np.float64]
 
@@ -56,7 +56,7 @@ class Signal:
         Signal(2 channels x 500 samples at 1000 Hz (0.5 s), peak 1 V)
         """
         channels, samples = (
-            counted(n, what) for n, what in zip(self.samples.shape, ("channel", "sample"), strict=True)
+            count_of(n, what) for n, what in zip(self.samples.shape, ("channel", "sample"), strict=True)
         )
         times = f"at {self.rate_hz:g} Hz ({self.duration_s:g} s)"
         return f"Signal({channels} x {samples} {times}, peak {self.peak:g} {self.unit})"

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from tactometry.errors import InvalidFile, counted
+from tactometry.errors import InvalidFile, count_of
 from tactometry.records.description import SIMULATED
 from tactometry.records.head import Head, changes, heads
 
@@ -110,7 +110,7 @@ def _silence_warnings(rows: pd.DataFrame) -> Iterator[str]:
 def _codes(rows: pd.DataFrame) -> str:
     codes = list(dict.fromkeys(rows["participant"]))
     more = f" and {len(codes) - NAMED} more" if len(codes) > NAMED else ""
-    return f"{', '.join(codes[:NAMED])}{more}: {counted(len(rows), 'row')}"
+    return f"{', '.join(codes[:NAMED])}{more}: {count_of(len(rows), 'row')}"
 
 
 def _changes(known: Mapping[SessionKey, Sequence[Head]]) -> Iterator[str]:

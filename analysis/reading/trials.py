@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from tactometry.arguments.require import expect
-from tactometry.errors import InvalidFile, counted, nearest
+from tactometry.errors import InvalidFile, count_of, nearest
 from tactometry.files.durable import files_in
 from tactometry.records.data_set import keys_of
 from tactometry.records.head import ADDED
@@ -127,7 +127,7 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
     place = f"{Path(str(first['source'])).name}, row {first['row']}"
     repeat = "repeats a trial that stands before it" if len(again) == 1 else "repeat trials that stand before them"
     return [
-        f"{counted(len(again), 'row')} {repeat} (the first: {place}; {alike} of {len(again)} alike in every cell): "
+        f"{count_of(len(again), 'row')} {repeat} (the first: {place}; {alike} of {len(again)} alike in every cell): "
         "each counts as a trial of its own; take copies out, or number trials through the session"
     ]
 

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 import pandas as pd
 
-from tactometry.errors import counted
+from tactometry.errors import count_of
 from tactometry.trials.tasks import FORM_TASK
 
 from ..outcomes.ratings import asked_forms
@@ -113,7 +113,7 @@ def _other_tasks(trials: Trials) -> list[str]:
 def _unanswered_forms(trials: Trials) -> list[str]:
     """A warning for each questionnaire that was put and that nobody answered."""
     return [
-        f"{form.title}: of {counted(rows['participant'].nunique(), 'participant')} none answered, so it has no score"
+        f"{form.title}: of {count_of(rows['participant'].nunique(), 'participant')} none answered, so it has no score"
         for form, rows in asked_forms(trials)
         if (rows["response"] == "").all()
     ]

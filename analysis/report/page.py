@@ -13,7 +13,7 @@ from pathlib import Path
 import pandas as pd
 
 from tactometry.arguments.require import expect
-from tactometry.errors import DeviceFailed, attempt, counted
+from tactometry.errors import DeviceFailed, attempt, count_of
 from tactometry.files.safe_text import cell_text, file_text
 
 from ..result import Analysis
@@ -135,8 +135,8 @@ def figures_of(analysis: Analysis) -> list[Figure]:
 def data_line(analysis: Analysis) -> str:
     """What was read: rows, participants and files, factors and the unit of the levels."""
     trials, studies = analysis.trials, ", ".join(_studies(analysis))
-    participants = counted(len(analysis.tables["quality"]), "participant")
-    rows = f"{counted(len(trials.rows), 'row')} in {counted(trials.n_files, 'file')}"
+    participants = count_of(len(analysis.tables["quality"]), "participant")
+    rows = f"{count_of(len(trials.rows), 'row')} in {count_of(trials.n_files, 'file')}"
     factors = ", ".join(split_unit(name)[0] for name in trials.factors) or "none"
     levels = f"; levels in {analysis.unit}" if analysis.unit else ""
     line = f"{f'study {studies}: ' if studies else ''}{participants}, {rows}; factors: {factors}{levels}."

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from tactometry.errors import TactometryError, counted
+from tactometry.errors import TactometryError, count_of
 from tactometry.files.durable import read_file
 from tactometry.records.agreement import REBUILD, disagreement
 from tactometry.records.data_set import Session, trials_csv
@@ -105,7 +105,7 @@ def edit_warnings(path: Path) -> list[str]:
         return []
     differ = "differs from its journal" if len(texts) == 1 else "differ from their journals"
     return [
-        f"{len(texts)} of {counted(len(known), 'trials file')} {differ}, and what stands in the table is analysed: "
+        f"{len(texts)} of {count_of(len(known), 'trials file')} {differ}, and what stands in the table is analysed: "
         f"{texts[0]}{'; tactometry validate names all' if len(texts) > 1 else ''}"
     ]
 

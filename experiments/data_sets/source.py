@@ -15,7 +15,7 @@ from tactometry.analysis.reading.study_file import forms_of
 from tactometry.analysis.reading.text_table import text_cells
 from tactometry.analysis.reading.trials import Trials, read_trials, trial_files, used_rows
 from tactometry.config.quantity import unit_suffix, units
-from tactometry.errors import InvalidFile, InvalidParameter, counted
+from tactometry.errors import InvalidFile, InvalidParameter, count_of
 from tactometry.files.durable import make_folder, write_atomically
 from tactometry.files.safe_text import cell_text
 from tactometry.questionnaire import Questionnaire
@@ -94,7 +94,7 @@ def read_source(path: Path) -> ExportedDataSet:
     n_simulated = len(trials.rows) - len(kept.rows)
     if n_simulated:
         raise InvalidFile(
-            f"{path}: found {counted(n_simulated, 'row')} of simulated participants beside those of people, expected "
+            f"{path}: found {count_of(n_simulated, 'row')} of simulated participants beside those of people, expected "
             "either alone: move one kind to a folder of its own"
         )
     tables = [text_cells(file) for file in trial_files(path)]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from math import inf
 from typing import TYPE_CHECKING
 
-from tactometry.errors import InvalidParameter, counted
+from tactometry.errors import InvalidParameter, count_of
 from tactometry.protocols.block import Block
 from tactometry.protocols.session import Inquiry, Part
 from tactometry.protocols.tasks.task import AsksForm
@@ -46,8 +46,8 @@ class PlannedBlock:
         phrases = [
             self.procedure,
             f"{self.n_tracks} interleaved" if self.n_tracks > 1 else "",
-            f"at most {counted(self.n_trials_at_most, 'trial')}" if self.n_trials_at_most else "",
-            counted(self.n_items, "item") if self.n_items else "",
+            f"at most {count_of(self.n_trials_at_most, 'trial')}" if self.n_trials_at_most else "",
+            count_of(self.n_items, "item") if self.n_items else "",
         ]
         return ", ".join(filter(None, phrases))
 

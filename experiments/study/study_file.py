@@ -7,7 +7,7 @@ from math import inf, isfinite, prod
 from pathlib import Path
 from typing import Any
 
-from tactometry.arguments.require import expect, first_repeat, given, one_of, positive
+from tactometry.arguments.require import expect, first_repeat, one_of, positive, without_none
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build
 from tactometry.config.toml import LARGEST_FILE, errors_in, table_of
@@ -51,7 +51,7 @@ class PlanTable:
     longest_s: float | None = None
 
     def __post_init__(self) -> None:
-        positive("PlanTable", **given({"longest_s": self.longest_s}))
+        positive("PlanTable", **without_none({"longest_s": self.longest_s}))
 
     @property
     def rules(self) -> dict[str, str]:
@@ -241,7 +241,7 @@ def locate(study: str) -> Path:
 
 
 def load(study: str) -> tuple[Study, bytes]:
-    """A study, named or given as a path, with the bytes of its file."""
+    """A study, named or without_none as a path, with the bytes of its file."""
     path = locate(study)
     content = read_file(path, "a study file", LARGEST_FILE)
     return parse(content, str(path) if study not in builtin() else study), content

@@ -7,7 +7,7 @@ from typing import Literal, get_args
 import numpy as np
 
 from tactometry.arguments.magnitudes import is_number
-from tactometry.arguments.require import below, below_1, expect, finite, given, numbers, one_of, shown, whole
+from tactometry.arguments.require import below, below_1, excerpt, expect, finite, numbers, one_of, whole, without_none
 
 from .parameter_grid import ParameterGrid
 from .quest_plus import Aim, Criterion, QuestPlus
@@ -104,7 +104,7 @@ class QuestPlusSettings:
 
     def _width_prior(self, factor: float, widths: tuple[float, ...]) -> tuple[float, ...]:
         is_factor = is_number(factor) and factor > 1
-        expect(is_factor, "QuestPlusSettings.width_prior_factor", shown(factor), "a number above 1")
+        expect(is_factor, "QuestPlusSettings.width_prior_factor", excerpt(factor), "a number above 1")
         middle = math.sqrt(widths[0]) * math.sqrt(widths[-1])  # roots first: the product may leave the floats
         return tuple(math.exp(-0.5 * (math.log(width / middle) / math.log(factor)) ** 2) for width in widths)
 
@@ -114,7 +114,7 @@ class QuestPlusSettings:
     def _grid(self) -> ParameterGrid:
         stated = {"threshold_low": self.threshold_low, "threshold_high": self.threshold_high}
         as_levels = {"threshold_low": self.low, "threshold_high": self.high, "n_thresholds": self.n_levels}
-        grid = as_levels | given({**stated, "n_thresholds": self.n_thresholds})
+        grid = as_levels | without_none({**stated, "n_thresholds": self.n_thresholds})
         thresholds = grid_values("QuestPlusSettings", self.spacing, **grid)
         bounds = {"width_low": self.width_low, "width_high": self.width_high, "n_widths": self.n_widths}
         widths = grid_values("QuestPlusSettings", "log", **bounds)

@@ -12,7 +12,7 @@ from typing import Any, Self, TypeVar
 
 import numpy as np
 
-from tactometry.arguments.require import expect, given, numbers, of_kind, one_of, positive, whole
+from tactometry.arguments.require import expect, numbers, of_kind, one_of, positive, whole, without_none
 
 from ..procedures.procedure import Ending, Rule, RuleThreshold, Run
 from .outcome_model import Array
@@ -135,7 +135,7 @@ class WeighingRule(Rule[Any]):
         """Refuse what never ends."""
         owner = type(self).__name__
         whole(owner, lowest=1, n_trials=self.n_trials)
-        positive(owner, **given({"sd_stop": self.sd_stop}))
+        positive(owner, **without_none({"sd_stop": self.sd_stop}))
 
 
 RuleT = TypeVar("RuleT", bound=WeighingRule)

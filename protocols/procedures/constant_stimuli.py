@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 
 from tactometry.arguments.require import distinct, expect, numbers, some, whole
-from tactometry.errors import counted
+from tactometry.errors import count_of
 
 from .procedure import MOST_TRIALS, Ending, FixedOrder, Rule, RuleThreshold, Run, checked_outcome
 
@@ -43,7 +43,7 @@ class ConstantStimuli(Rule["ConstantStimuliRun"], FixedOrder):
         some("ConstantStimuli.levels", self.levels)
         once = "each level once; raise repeats to present it more often"
         distinct("ConstantStimuli.levels", self.levels, once)
-        in_all = f"{self.repeats} of {counted(len(self.levels), 'level')}"
+        in_all = f"{self.repeats} of {count_of(len(self.levels), 'level')}"
         most = f"at most {MOST_TRIALS} trials in all"
         expect(self.n_trials_at_most <= MOST_TRIALS, "ConstantStimuli.repeats", in_all, most)
 

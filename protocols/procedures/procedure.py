@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
 import numpy as np
 
 from tactometry.arguments.magnitudes import is_number
-from tactometry.arguments.require import expect, shown
+from tactometry.arguments.require import excerpt, expect
 from tactometry.errors import InvalidParameter
 
 MOST_TRIALS = 1_000_000
@@ -212,7 +212,7 @@ class Run(Procedure, Generic[RuleT]):
         if self.finished:
             raise InvalidParameter(f"{owner}.after: the procedure has finished, expected no further response")
         level = self.level if delivered is None else delivered
-        expect(is_number(level), f"{owner}.after", f"the delivered level {shown(level)}", "a finite number")
+        expect(is_number(level), f"{owner}.after", f"the delivered level {excerpt(level)}", "a finite number")
         history = replace(self, responses=(*self.responses, outcome), delivered=(*self.delivered, level))
         return history._updated()
 

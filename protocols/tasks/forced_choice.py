@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from tactometry.arguments.require import expect, shown
+from tactometry.arguments.require import excerpt, expect
 from tactometry.observers.decisions import Decision, strongest
 from tactometry.session.answer import Chosen
 from tactometry.session.request import Choose
@@ -30,7 +30,7 @@ class ForcedChoice(Task):
     name = "forced_choice"
 
     def __post_init__(self) -> None:
-        expect(self.n_intervals in (2, 3, 4), "ForcedChoice.n_intervals", shown(self.n_intervals), "2, 3 or 4")
+        expect(self.n_intervals in (2, 3, 4), "ForcedChoice.n_intervals", excerpt(self.n_intervals), "2, 3 or 4")
 
     def trial(self, shown: Presentation, rng: np.random.Generator) -> TrialCourse:
         intervals = tuple(range(1, self.n_intervals + 1))

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Protocol
 
-from tactometry.arguments.require import expect, given, positive
+from tactometry.arguments.require import expect, positive, without_none
 from tactometry.session.answer import Touched
 from tactometry.session.request import TRAJECTORY_M, Play, Press, Slide
 from tactometry.session.run import Course
@@ -39,7 +39,7 @@ class GatedTouch:
     def __post_init__(self) -> None:
         owner = type(self).__name__
         positive(owner, duration_s=self.duration_s, force_n=self.force_n)
-        positive(owner, hold_s=self.hold_s, timeout_s=self.timeout_s, **given({"tolerance": self.tolerance}))
+        positive(owner, hold_s=self.hold_s, timeout_s=self.timeout_s, **without_none({"tolerance": self.tolerance}))
         longest = f"less than timeout_s ({self.timeout_s:g} s): no touch could ever begin"
         expect(self.hold_s < self.timeout_s, f"{owner}.hold_s", f"{self.hold_s:g} s", longest)
 
@@ -75,7 +75,7 @@ class Sliding(GatedTouch):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        speeds = given({"speed_tolerance": self.speed_tolerance})
+        speeds = without_none({"speed_tolerance": self.speed_tolerance})
         positive("Sliding", speed_m_per_s=self.speed_m_per_s, length_m=self.length_m, **speeds)
 
     def request(self, stimulus: str, level: float | None, interval: int | None) -> Slide:

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..errors import InvalidParameter, nearest
 from .annotations import AnnotationRule, Demand, as_array, parts_of, rule_of
 from .magnitudes import domain
-from .require import shown
+from .require import excerpt
 
 T = TypeVar("T", bound=Callable[..., Any])
 
@@ -103,14 +103,14 @@ def _refusal(where: str, value: Any, rule: AnnotationRule) -> InvalidParameter:
     if rule.good is not None and found is not None and found.dtype.kind in "iufc":
         return _refusal_of_numbers(where, found, rule, rule.good(found))
     hint = nearest(value, rule.choices) if isinstance(value, str) else ""
-    return InvalidParameter(f"{where}: found {shown(value)}, expected {rule.words}{hint}")
+    return InvalidParameter(f"{where}: found {excerpt(value)}, expected {rule.words}{hint}")
 
 
 def _refusal_of_numbers(
     where: str, found: NDArray[Any], rule: AnnotationRule, good: NDArray[np.bool_]
 ) -> InvalidParameter:
     if good.all():
-        what = f"shape {found.shape}" if found.ndim else shown(found.item())
+        what = f"shape {found.shape}" if found.ndim else excerpt(found.item())
         return InvalidParameter(f"{where}: found {what}, expected {rule.words}")
     place = tuple(int(i) for i in np.argwhere(~good)[0])
     number, high = found[place], domain(where.partition("[")[0])[1]

@@ -182,7 +182,7 @@ def at_most(where: str, found: float, highest: float) -> None:
     expect(found <= highest, where, f"{found:.6g}", f"at most {highest:.6g}")
 
 
-def given(values: Mapping[str, Any]) -> dict[str, Any]:
+def without_none(values: Mapping[str, Any]) -> dict[str, Any]:
     """Those of optional values that are not None."""
     return {name: value for name, value in values.items() if value is not None}
 
@@ -253,10 +253,10 @@ def numbers(where: str, found: object) -> None:
     >>> numbers("Staircase.steps", (4.0, 2.0))
     """
     if not isinstance(found, Sequence) or isinstance(found, str):
-        raise InvalidParameter(f"{where}: found {shown(found)}, expected a sequence of finite numbers")
+        raise InvalidParameter(f"{where}: found {excerpt(found)}, expected a sequence of finite numbers")
     for place, value in enumerate(found):
         if not is_number(value):
-            raise InvalidParameter(f"{where}[{place}]: found {shown(value)}, expected a finite number")
+            raise InvalidParameter(f"{where}[{place}]: found {excerpt(value)}, expected a finite number")
 
 
 def array(where: str, values: ArrayLike) -> NDArray[np.float64]:
@@ -267,7 +267,7 @@ def array(where: str, values: ArrayLike) -> NDArray[np.float64]:
             raise TypeError
         return np.asarray(found, dtype=np.float64)
     except (TypeError, ValueError):
-        raise InvalidParameter(f"{where}: found {shown(values)}, expected finite numbers") from None
+        raise InvalidParameter(f"{where}: found {excerpt(values)}, expected finite numbers") from None
 
 
 def finite_array(where: str, values: ArrayLike) -> NDArray[np.float64]:
@@ -313,10 +313,10 @@ def ascending(where: str, values: ArrayLike) -> NDArray[np.float64]:
     return found
 
 
-def shaped(where: str, values: ArrayLike, shape: tuple[int | None, ...]) -> None:
+def shape(where: str, values: ArrayLike, shape: tuple[int | None, ...]) -> None:
     """`values` have a shape; None stands for any length.
 
-    >>> shaped("field_m", [1.0, 2.0], (3,))
+    >>> shape("field_m", [1.0, 2.0], (3,))
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: field_m: found shape (2,), expected (3)
     """
@@ -333,7 +333,7 @@ def in_range(where: str, result: NDArray[np.float64]) -> NDArray[np.float64]:
     return result
 
 
-def shown(value: object) -> str:
+def excerpt(value: object) -> str:
     """What was found, on one line and not too long."""
     return f"{' '.join(repr(value).split()):.60}"
 
@@ -371,11 +371,11 @@ def _first_wrong(
 def _no_choice(where: str, found: object, choices: Iterable[object]) -> InvalidParameter:
     names = [str(choice) for choice in choices]
     hint = nearest(str(found), names)
-    return InvalidParameter(f"{where}: found {shown(found)}, expected one of {', '.join(names)}{hint}")
+    return InvalidParameter(f"{where}: found {excerpt(found)}, expected one of {', '.join(names)}{hint}")
 
 
 def _refusal(owner: str, name: str, value: object, expected: str) -> InvalidParameter:
-    return InvalidParameter(f"{owner}.{name}: found {shown(value)}, expected {expected}")
+    return InvalidParameter(f"{owner}.{name}: found {excerpt(value)}, expected {expected}")
 
 
 def _size_words(low: float, high: float) -> str:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import click
 
-from ..errors import counted
+from ..errors import count_of
 from .output import data_argument, path_option, say, subcommand
 
 FORMS = ("bids", "psych-ds", "psychopy", "r")
@@ -24,7 +24,7 @@ def replay(path: Path) -> None:
     lines: list[str] = []
     for session in replayed:
         unfinished = "" if session.complete else ", session not finished"
-        lines.append(f"{session.journal}: {counted(session.n_trials, 'row')} agree{unfinished}")
+        lines.append(f"{session.journal}: {count_of(session.n_trials, 'row')} agree{unfinished}")
         lines += [f"{session.journal}: {change}" for change in session.changes]
     say("\n".join(lines), [asdict(session) for session in replayed])
 
@@ -36,8 +36,8 @@ def validate(path: Path) -> int:
     from tactometry.experiments.data_sets import validation
 
     report = validation.validate(path)
-    verdict = counted(sum(defect.n_rows for defect in report.defects), "defect") if report.defects else "sound"
-    summary = f"{path}: {verdict}; {counted(report.n_sessions, 'session')}, {counted(report.n_trials, 'row')}"
+    verdict = count_of(sum(defect.n_rows for defect in report.defects), "defect") if report.defects else "sound"
+    summary = f"{path}: {verdict}; {count_of(report.n_sessions, 'session')}, {count_of(report.n_trials, 'row')}"
     say("\n".join([*map(str, report.defects), *report.notes, summary]), asdict(report))
     return 1 if report.defects else 0
 
@@ -52,7 +52,7 @@ def rebuild(path: Path) -> None:
     from tactometry.experiments.data_sets.replaying import rebuild_data_set
 
     rebuilt = rebuild_data_set(path)
-    lines = [f"{file.trials}: {counted(file.n_trials, 'trial')}{', mended' * file.changed}" for file in rebuilt]
+    lines = [f"{file.trials}: {count_of(file.n_trials, 'trial')}{', mended' * file.changed}" for file in rebuilt]
     say("\n".join(lines) or f"{path}: no session has begun", [asdict(file) for file in rebuilt])
 
 

@@ -15,7 +15,7 @@ from tactometry.experiments.study.experiment import Experiment, wire
 from tactometry.experiments.study.rehearsal import rehearse, rehearse_forms
 from tactometry.experiments.study.study_file import load
 
-from ..errors import InvalidParameter, counted
+from ..errors import InvalidParameter, count_of
 from ..records.data_set import Session
 from ..trials.cells import cell
 from ..trials.columns import RIGS
@@ -99,7 +99,7 @@ def _print_plan(experiment: Experiment, who: Who) -> None:
     ]
     drawn = "random" in experiment.study.plan.orders and who.seed is None
     notes = ["the order is drawn: this is that of --seed 0"] if drawn else []
-    longest = f"at most {counted(math.ceil(minutes), 'minute')}, trials that are asked again not counted"
+    longest = f"at most {count_of(math.ceil(minutes), 'minute')}, trials that are asked again not counted"
     felt = felt_of(experiment)
     text = "\n".join(["block", *rows, *notes, longest, *(line for effects in felt for line in effects.lines)])
     plan_record = {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes}
@@ -133,4 +133,4 @@ def _ending_words(counts: dict[str, int]) -> str:
     if not counts:
         return ""
     endings = [f"{n} {ENDINGS.get(ending, ending)}" for ending, n in counts.items()]
-    return f"; {counted(sum(counts.values()), 'procedure')}: {', '.join(endings)}"
+    return f"; {count_of(sum(counts.values()), 'procedure')}: {', '.join(endings)}"

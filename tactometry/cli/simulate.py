@@ -12,7 +12,7 @@ from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load, parse
 
 from ..arguments.require import expect
-from ..errors import counted
+from ..errors import count_of
 from .output import path_option, progress, say, subcommand
 
 STUDY = "electrovibration-threshold"
@@ -52,8 +52,8 @@ def simulate(
     n_trials = sum(session.n_trials for session in recorded)
     n_aborted = sum(session.endings.get("aborted", 0) for session in recorded)
     result = {"data_set": str(out), "participants": n_participants, "trials": n_trials, "seed": seed}
-    aborted = f", {counted(n_aborted, 'procedure')} aborted" if n_aborted else ""
-    text = f"{out}: {counted(n_participants, 'simulated participant')}, {counted(n_trials, 'trial')}{aborted}"
+    aborted = f", {count_of(n_aborted, 'procedure')} aborted" if n_aborted else ""
+    text = f"{out}: {count_of(n_participants, 'simulated participant')}, {count_of(n_trials, 'trial')}{aborted}"
     felt_lines, felt = _sensations(content, study) if explain else ([], {})
     say("\n".join([text, *felt_lines]), {**result, "aborted": n_aborted, **felt})
 

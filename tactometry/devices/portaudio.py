@@ -5,7 +5,7 @@ from types import ModuleType
 from typing import Any, Final
 
 from ..arguments.require import expect
-from ..errors import DeviceFailed, needed
+from ..errors import DeviceFailed, library_needed
 from .deadline import CLOSE_WITHIN_S, within
 
 FULL_SCALE = {"int16": 2**15 - 1, "int32": 2**31 - 1, "float32": 1}
@@ -38,7 +38,7 @@ def refuse_default(owner: str, device: str) -> None:
 
 def library() -> ModuleType:
     """PortAudio, imported when a card is opened. Raises `DeviceFailed`."""
-    with needed(
+    with library_needed(
         "audio: cannot load PortAudio ({error}); pip install 'tactometry[audio]', and on Debian apt-get install "
         "libportaudio2; nothing was played"
     ):

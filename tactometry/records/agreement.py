@@ -1,6 +1,6 @@
 """Whether a file that is derived from a journal says what the journal says."""
 
-from ..errors import counted
+from ..errors import count_of
 
 REBUILD = "write it anew with tactometry rebuild"
 
@@ -38,4 +38,4 @@ def disagreement(existing: bytes, expected: bytes) -> tuple[int, str] | None:
     n_lacking = expected.count(b"\n") - existing.count(b"\n")
     if n_lacking == 0:
         return row, f"found zero bytes behind the last row, expected none; {REBUILD}"
-    return row, f"lacks the last {counted(n_lacking, 'row')} of the journal, expected all of them; {REBUILD}"
+    return row, f"lacks the last {count_of(n_lacking, 'row')} of the journal, expected all of them; {REBUILD}"

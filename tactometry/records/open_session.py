@@ -12,7 +12,7 @@ from typing import Any, Final
 import msgspec
 
 from ..arguments.require import expect
-from ..errors import InvalidFile, counted
+from ..errors import InvalidFile, count_of
 from ..files.durable import drafts, read_file, replace_file, write_whole
 from ..provenance import sha256
 from ..safety.limits import Exposure
@@ -209,8 +209,8 @@ class OpenSession:
     def _say_cut(self) -> None:
         if self.journal.cut:
             self._repaired.append(
-                f"the last sitting ended after {counted(self.tally.n_trials, 'trial')}; "
-                f"{counted(len(self.journal.cut), 'byte')} of what was under way are kept in "
+                f"the last sitting ended after {count_of(self.tally.n_trials, 'trial')}; "
+                f"{count_of(len(self.journal.cut), 'byte')} of what was under way are kept in "
                 f"{self.journal.interruptions.name}, and it is asked again"
             )
 
@@ -228,8 +228,8 @@ class OpenSession:
             )
             it_is = "it is" if len(lost) == 1 else "they are"
             self._repaired.append(
-                f"{path.name} held {counted(len(lost), 'row')} that the journal with its "
-                f"{counted(self.tally.n_trials, 'trial')} does not: {it_is} kept in "
+                f"{path.name} held {count_of(len(lost), 'row')} that the journal with its "
+                f"{count_of(self.tally.n_trials, 'trial')} does not: {it_is} kept in "
                 f"{self.journal.interruptions.name}; if the journal is an older copy, stop and restore the newer one"
             )
 

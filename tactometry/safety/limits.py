@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from ..arguments.require import expect, given, positive
+from ..arguments.require import expect, positive, without_none
 from ..errors import LimitExceeded
 from ..signal import Signal
 from .load import Load
@@ -69,7 +69,7 @@ class Limits:
 
     def __post_init__(self) -> None:
         always = {"voltage_peak_v": self.voltage_peak_v, "duty_window_s": self.duty_window_s}
-        positive("Limits", **given(vars(self)) | always | {"force_peak_n": self.force_peak_n})
+        positive("Limits", **without_none(vars(self)) | always | {"force_peak_n": self.force_peak_n})
         expect(self.duty is None or self.duty <= 1, "Limits.duty", self.duty, "at most 1")
 
     @property

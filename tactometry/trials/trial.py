@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from functools import reduce
 from typing import Final, Literal, get_args
 
-from ..errors import counted
+from ..errors import count_of
 from .tasks import FORM_TASK
 
 Value = str | int | float | bool | None
@@ -142,8 +142,8 @@ class Tally:
 
     def __str__(self) -> str:
         invalid = f", {self.n_invalid} of them not valid" if self.n_invalid else ""
-        answers = f", and {counted(self.n_answers, 'answer')} to questionnaires" if self.n_answers else ""
-        return f"{counted(self.n_trials, 'trial')}{invalid}{answers}"
+        answers = f", and {count_of(self.n_answers, 'answer')} to questionnaires" if self.n_answers else ""
+        return f"{count_of(self.n_trials, 'trial')}{invalid}{answers}"
 
 
 def tally(trials: Iterable[Trial]) -> Tally:

@@ -15,7 +15,7 @@ from numba import njit
 
 from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import expect, shaped
+from tactometry.arguments.require import expect, shape
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
@@ -63,8 +63,8 @@ class ClosedReversal:
             Shapes at the focus.
         """
         n_modes = len(self.overlap)
-        shaped("ClosedReversal.modal_amplitudes.sources", sources, (n_modes, None))
-        shaped("ClosedReversal.modal_amplitudes.focus", focus, (n_modes,))
+        shape("ClosedReversal.modal_amplitudes.sources", sources, (n_modes, None))
+        shape("ClosedReversal.modal_amplitudes.focus", focus, (n_modes,))
         heard = sources * focus[:, None]
         summed = np.einsum("nq,nq->n", self.overlap @ heard, sources)
         return np.asarray(summed / self.modes.plate.mass_kg**2)

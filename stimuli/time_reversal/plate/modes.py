@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import expect, finite_array, shaped
+from tactometry.arguments.require import expect, finite_array, shape
 
 from ...arrays import FloatArray, IntArray
 from ..rectangle.axis import Axis, SineAxis
@@ -110,7 +110,7 @@ class SeparableModes(Modes):
         place = (self.m - 1) * len(y_functions) + self.n - 1
 
         def draw(amplitude: FloatArray) -> FloatArray:
-            shaped("SeparableModes.draw.amplitude", amplitude, (*amplitude.shape[:-1], len(place)))
+            shape("SeparableModes.draw.amplitude", amplitude, (*amplitude.shape[:-1], len(place)))
             return _field_of(amplitude, place, x_functions, y_functions)
 
         return draw
@@ -135,7 +135,7 @@ class RitzModes(Modes):
         ends = np.cumsum([len(block.vectors) for block in self.blocks])
 
         def draw(amplitude: FloatArray) -> FloatArray:
-            shaped("RitzModes.draw.amplitude", amplitude, (*amplitude.shape[:-1], len(self.order)))
+            shape("RitzModes.draw.amplitude", amplitude, (*amplitude.shape[:-1], len(self.order)))
             unsorted = np.zeros((*amplitude.shape[:-1], ends[-1]))
             unsorted[..., self.order] = amplitude
             parts = np.split(unsorted, ends[:-1], axis=-1)

@@ -15,7 +15,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import NotNegative, Positive, Unbounded, UnboundedComplex
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import shaped, whole
+from tactometry.arguments.require import shape, whole
 from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray, real_product
@@ -156,7 +156,7 @@ class Receptances:
         if of.shape[1] < to.shape[1]:
             return self.correction(of, to, at, stiffness).swapaxes(0, 1)
         n_frequencies, k = self.compliance.shape[1], at.shape[1]
-        shaped("Receptances.correction.stiffness", stiffness, (n_frequencies, k))
+        shape("Receptances.correction.stiffness", stiffness, (n_frequencies, k))
         out = np.empty((to.shape[1], of.shape[1], n_frequencies), complex)
         step = max(1, RECEPTANCES_AT_ONCE // max(k, 1) ** 2)
         for start in range(0, n_frequencies, step):
@@ -185,7 +185,7 @@ class Receptances:
 
     def _check(self, **weights: FloatArray) -> None:
         for name, of_modes in weights.items():
-            shaped(name, of_modes, (len(self.compliance), None))
+            shape(name, of_modes, (len(self.compliance), None))
 
     def _pairs(self, weights: FloatArray) -> ComplexArray:
         """(..., n_frequencies) from weights (n_modes, ...) of pairs."""
@@ -211,10 +211,10 @@ def contact_transfer(to_contacts: ComplexArray, among: ComplexArray, stiffness: 
     InvalidParameter
         If pinned contacts coincide.
     """
-    shaped("contact_transfer.to_contacts", to_contacts, (None, None, None))
+    shape("contact_transfer.to_contacts", to_contacts, (None, None, None))
     n_contacts, n_frequencies = to_contacts.shape[1:]
-    shaped("contact_transfer.among", among, (n_frequencies, n_contacts, n_contacts))
-    shaped("contact_transfer.stiffness", stiffness, (n_frequencies, n_contacts))
+    shape("contact_transfer.among", among, (n_frequencies, n_contacts, n_contacts))
+    shape("contact_transfer.stiffness", stiffness, (n_frequencies, n_contacts))
     a, b = _balance(stiffness, np.abs(np.einsum("fkk->fk", among)))
     system = among * a[:, None, :]
     np.einsum("fkk->fk", system)[...] += b  # a view of the diagonals

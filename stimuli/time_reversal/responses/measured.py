@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 
 from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import expect, one_of, shaped, some, within
+from tactometry.arguments.require import expect, one_of, shape, some, within
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.files.durable import LARGEST_BYTES, read_file
 from tactometry.files.hdf5 import as_npz
@@ -159,7 +159,7 @@ def _left_of_decay(pairs: FloatArray) -> float:
 @checked
 def reciprocity_error(there: Vector, back: Vector) -> float:
     """Relative rms difference of the responses p -> q and q -> p, which physics makes equal."""
-    shaped("reciprocity_error.back", back, np.shape(there))
+    shape("reciprocity_error.back", back, np.shape(there))
     size = float(np.sqrt(np.mean(np.square(there)) * np.mean(np.square(back))))
     expect(size > 0, "there, back", "zero everywhere", "responses")
     return float(np.sqrt(np.mean(np.square(np.asarray(there) - back)) / size))

@@ -15,7 +15,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from ...arguments.require import expect, positive
-from ...errors import DeviceFailed, needed
+from ...errors import DeviceFailed, library_needed
 from ...signal import FloatArray, Signal
 from ..deadline import CLOSE_WITHIN_S, within
 from .gain import Gain, SignalChain, required_gain
@@ -161,7 +161,7 @@ def _add_channels(task: Any, settings: NiSettings) -> None:
 
 
 def _library() -> Any:
-    with needed(
+    with library_needed(
         "output ni: found no nidaqmx; pip install 'tactometry[ni]', and NI-DAQmx from its maker; nothing was played"
     ):
         import nidaqmx

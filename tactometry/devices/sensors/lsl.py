@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ...arguments.require import positive
-from ...errors import DeviceFailed, attempt, needed
+from ...errors import DeviceFailed, attempt, library_needed
 from .reader import POLL_S, SampleBlock, SensorSettings, Source, now_s
 
 LONGEST_SEARCH_S = 5.0
@@ -132,7 +132,7 @@ def _offset_s(pylsl: Any) -> float:
 
 @functools.cache
 def _library() -> Any:
-    with needed("lsl: cannot load liblsl ({error}); pip install 'tactometry[lsl]'"):
+    with library_needed("lsl: cannot load liblsl ({error}); pip install 'tactometry[lsl]'"):
         import pylsl
     if not _has_settings_of_its_own():
         with contextlib.suppress(NotImplementedError):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ...arguments.require import positive
-from ...errors import DeviceFailed, needed
+from ...errors import DeviceFailed, library_needed
 from .counted_samples import CountedSamples
 from .framing import Framing
 from .reader import POLL_S, SampleBlock, SensorSettings, Source, now_s
@@ -86,6 +86,6 @@ def _reason(error: Exception) -> str:
 
 
 def _library() -> Any:
-    with needed("serial line: found no pyserial; pip install 'tactometry[serial]'"):
+    with library_needed("serial line: found no pyserial; pip install 'tactometry[serial]'"):
         import serial
     return serial

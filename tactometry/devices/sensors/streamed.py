@@ -7,7 +7,7 @@ from datetime import date
 
 import numpy as np
 
-from ...arguments.require import expect, given, not_zero
+from ...arguments.require import expect, not_zero, without_none
 from ...errors import InvalidParameter
 from ...signal import FloatArray
 from ..measured import Measured
@@ -99,7 +99,9 @@ class ForceCalibration(Measured):
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        forms = given({name: getattr(self, name) for name in ("newtons_per_count", "polynomial", "table_counts")})
+        forms = without_none(
+            {name: getattr(self, name) for name in ("newtons_per_count", "polynomial", "table_counts")}
+        )
         several = "none or more than one of newtons_per_count, polynomial and table_counts"
         expect(len(forms) == 1, "ForceCalibration", several, "exactly one")
         if self.newtons_per_count is not None:
