@@ -55,6 +55,7 @@ from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
+    FollowedTexture,
     Grating,
     PlayedTexture,
     Sampled,
@@ -93,6 +94,7 @@ STIMULI = {
     "played_velvet": PlayedTexture(
         Velvet(), straight_path_m(-0.1, 0.2, 20e3), sensor=SensorModel(latency_s=0.01), ramp_s=0.05
     ),
+    "texture": FollowedTexture(Grating(1e-3, "sinusoidal"), duration_s=0.2),
     "with_offset": WithOffset(Sine(frequency_hz=60.0, duration_s=0.2), ratio=0.5),
     "time_reversal": TimeReversalStimulus(
         Responses(1e-9 * np.array([[[0.0, 3.0, -2.0, 1.0, 0.5]]]), 1e6), voltage_max_v=1e9, level_unit="dB re 1 um"

@@ -1,17 +1,18 @@
 """From a cell of the design to a condition: the stimulus by its name, and how it is touched."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from tactometry.arguments.require import expect
-from tactometry.config.strict import build, kind_of
-from tactometry.errors import InvalidParameter, nearest
+from tactometry.config.strict import as_table, build, build_kind, kind_of
+from tactometry.errors import InvalidParameter, nearest, rewording
 from tactometry.loading import resolve
 from tactometry.protocols.block_state import Condition
 from tactometry.protocols.tasks.touch import Pressing, Sliding, Touch
 from tactometry.rigs.simulated import Sensation
 from tactometry.signal import Stimulus
+from tactometry.stimuli.electrovibration.textures.kinds import TEXTURES
 from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.trials.cells import cell as cell_text
 
@@ -25,13 +26,16 @@ Factors = Mapping[str, float | str]
 class StimulusKind:
     """Target strings of a stimulus and of the model of what is felt of it, and the fields that both share.
 
-    `stands` says that it is at one place, which a finger that slides would leave.
+    `stands` says that it is at one place, which a finger that slides would leave; `follows`, that only one that slides
+    feels it. `parts` names the kinds that a table within may have, by its key.
     """
 
     stimulus: str
     sensation: str
     shared: tuple[str, ...] = ()
     stands: bool = False
+    follows: bool = False
+    parts: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
 
 
 ELECTROVIBRATION = "tactometry.stimuli.electrovibration.sensation:ElectrovibrationSensation"
@@ -43,6 +47,12 @@ FOCUSING = StimulusKind(
 )
 STIMULI: Mapping[str, StimulusKind] = {
     **{kind: StimulusKind(waveform.target, ELECTROVIBRATION) for kind, waveform in WAVEFORMS.items()},
+    "texture": StimulusKind(
+        "tactometry.stimuli.electrovibration.textures.followed_texture:FollowedTexture",
+        ELECTROVIBRATION,
+        follows=True,
+        parts={"texture": {kind: texture.target for kind, texture in TEXTURES.items()}},
+    ),
     "focus": FOCUSING,
     "pattern": FOCUSING,
     "measured_focus": StimulusKind(
@@ -113,12 +123,17 @@ class Wiring:
             f"'slide' with the stimulus {of['stimulus']['kind']!r}",
             "'press': a finger that slides leaves a focus; take 'hybrid' for a focus and friction at once",
         )
+        resting = "'slide': a finger that rests feels no texture"
+        expect(not kind.follows or touch_class is Sliding, "touch.kind", "'press' with a texture", resting)
         self._check_effect(factors, of, stimulus_class, touch_class)
-        stimulus = build(stimulus_class, _keys(of["stimulus"], factors, stimulus_class), "stimulus")
+        stimulus = _stimulus(kind, _keys(of["stimulus"], factors, stimulus_class), stimulus_class)
         # A touch lasts as long as what is felt: no file states it twice.
         touch: Touch = build(
             touch_class, _keys(of["touch"], factors, touch_class), "touch", duration_s=stimulus.duration_s
         )
+        if kind.follows and isinstance(touch, Sliding):
+            with rewording(lambda words: words.replace(stimulus_class.__name__, "stimulus", 1)):
+                stimulus.check_motion(touch.speed_m_per_s)
         condition = Condition(
             dict(factors),
             self._name(of["stimulus"]["kind"], factors, stimulus_class),
@@ -180,6 +195,17 @@ class Wiring:
 def _keys(table: Mapping[str, Any], factors: Factors, kind: type) -> dict[str, Any]:
     """The keys of a table, with the factors that are fields of what it is read by."""
     return {**without(table, "kind"), **_fields(factors, kind)}
+
+
+def _stimulus(kind: StimulusKind, table: Mapping[str, Any], stimulus_class: Any) -> Any:
+    """A stimulus, its parts first."""
+    parts = {
+        name: build_kind(as_table(table.get(name, {}), f"stimulus.{name}"), f"stimulus.{name}", kinds)
+        for name, kinds in kind.parts.items()
+    }
+    return build(
+        stimulus_class, {name: value for name, value in table.items() if name not in parts}, "stimulus", **parts
+    )
 
 
 def _fields(factors: Factors, kind: Any) -> dict[str, float | str]:

@@ -18,7 +18,8 @@ from tactometry.protocols.procedures.practice import Practice
 from tactometry.questionnaire import Dimension, Item, Questionnaire
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
-from tactometry.stimuli.electrovibration import CoulombFriction, FrictionLag, Layer, Polarity, Skin
+from tactometry.stimuli.electrovibration import CoulombFriction, FrictionLag, Grating, Layer, Polarity, Skin
+from tactometry.stimuli.electrovibration.textures.kinds import TEXTURES
 from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
@@ -115,11 +116,16 @@ def pages() -> dict[Path, str]:
 
 def _stimuli() -> Iterator[tuple[str, KeyTable]]:
     """Kinds that one class reads stand together."""
-    examples = {"focus": _FOCUS, "hybrid": _BOTH, **{kind: wave.example for kind, wave in WAVEFORMS.items()}}
+    examples = {kind: wave.example for kind, wave in WAVEFORMS.items()}
+    examples |= {"focus": _FOCUS, "hybrid": _BOTH, "texture": {}}
     for target in dict.fromkeys(kind.stimulus for kind in STIMULI.values()):
         kinds = [name for name, kind in STIMULI.items() if kind.stimulus == target]
         names = ", ".join(f'"{kind}"' for kind in kinds)
-        yield f"`[stimulus]`, `kind = {names}`", KeyTable(resolve(target), examples[kinds[0]])
+        made = {"texture": Grating(2e-3)} if kinds == ["texture"] else {}
+        parts = STIMULI[kinds[0]].parts
+        yield f"`[stimulus]`, `kind = {names}`", KeyTable(resolve(target), examples[kinds[0]], made, kinds=parts)
+    for kind, texture in TEXTURES.items():
+        yield f'`[stimulus.texture]`, `kind = "{kind}"`', KeyTable(resolve(texture.target), texture.example)
 
 
 def _touch(kind: str) -> KeyTable:

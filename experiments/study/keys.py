@@ -51,6 +51,8 @@ class KeyTable:
         What is made of it, which may refuse more.
     in_levels : tuple of str
         Keys in the unit of the level.
+    kinds : mapping of str to collection of str
+        Keys that hold a table of one of these kinds.
     """
 
     reads: type
@@ -58,6 +60,7 @@ class KeyTable:
     given: Mapping[str, object] = field(default_factory=dict)
     made: Callable[[Any], object] = field(default=lambda built: built)
     in_levels: tuple[str, ...] = ()
+    kinds: Mapping[str, Collection[str]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
@@ -85,7 +88,10 @@ def keys_of(table: KeyTable) -> tuple[Key, ...]:
     hints = typing.get_type_hints(table.reads)
     fields = {name: one for name, one in fields_of(table.reads).items() if name not in table.given}
     keys = [_key(table, one, hints[name]) for name, one in fields.items() if not _in_python_only(hints[name])]
-    return tuple(sorted(keys, key=lambda key: not key.required))
+    of_kinds = (
+        Key(name, "a table", "", f"its `kind` one of {', '.join(kinds)}", "") for name, kinds in table.kinds.items()
+    )
+    return tuple(sorted((*of_kinds, *keys), key=lambda key: not key.required))
 
 
 def _key(table: KeyTable, one: dataclasses.Field[Any], hint: Any) -> Key:

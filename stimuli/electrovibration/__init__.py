@@ -47,6 +47,8 @@ if TYPE_CHECKING:
     from .skin.skin import Skin as Skin
     from .skin.solution import Solution as Solution
     from .skin.stack import Layer as Layer, Stack as Stack
+    from .textures.followed_texture import FollowedTexture as FollowedTexture
+    from .textures.maps import GreyImage as GreyImage, HeightMap as HeightMap
     from .textures.played_texture import (
         PlayedTexture as PlayedTexture,
         SensorModel as SensorModel,

@@ -9,13 +9,28 @@ import numpy as np
 
 from ..arguments.require import expect, lookup
 from ..contact import Contact
+from ..followed import felt_under, straight_way
 from ..gates import SpeedCompliance, compliance, motion
 from ..observers.decisions import Decision, Felt, Observer
 from ..observers.finger import Grip, SimulatedFinger
 from ..safety.limits import Limits
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.answer_rules import value_at
-from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
+from ..session.request import (
+    TRAJECTORY_M,
+    Adjust,
+    Choose,
+    Enter,
+    Facts,
+    Fill,
+    Play,
+    Press,
+    Rate,
+    Record,
+    Show,
+    Slide,
+    Wait,
+)
 from ..signal import Signal, Stimulus
 from ..trials.trial import Trial
 from .emitter import render
@@ -87,9 +102,11 @@ class SimulatedRig(LiveRig):
     def close(self) -> None:
         pass
 
-    def _feel(self, stimulus: str, level: float | None, contact: Contact) -> str | None:
+    def _feel(self, stimulus: str, level: float | None, contact: Contact, grip: Grip | None = None) -> str | None:
         """The digest of what is felt; None of a blank."""
         signal = None if level is None else self._rendered(stimulus, level)
+        if signal is not None and grip is not None:
+            signal = felt_under(self.bank[stimulus], signal, grip.times_s, grip.positions_m)
         level_db = float("-inf") if signal is None else self._sensation_db(stimulus, signal, contact)
         self._felt.append(Felt(stimulus, level_db))
         return None if signal is None else signal.digest()
@@ -118,7 +135,7 @@ class SimulatedRig(LiveRig):
         force = compliance(grip.times_s, grip.forces_n, request.target_n, request.tolerance)
         speed = _speed_compliance(request, grip)
         reason = broken_condition(request, force, speed)
-        digest = self._feel(request.stimulus, request.level, Contact(force.mean_n, grip.speed_m_per_s))
+        digest = self._feel(request.stimulus, request.level, Contact(force.mean_n, grip.speed_m_per_s), grip)
         self._pass(request.hold_s)
         return Touched(
             onset_s=self._pass(request.duration_s),
@@ -174,6 +191,8 @@ class SimulatedRig(LiveRig):
     def _feels(self, request: Adjust, n_steps: int) -> bool:
         signal = self._rendered(request.stimulus, request.level(n_steps))
         contact = Contact(request.target_n or 0.0, request.speed_m_per_s or 0.0)
+        way = straight_way(signal.duration_s, contact.speed_m_per_s, TRAJECTORY_M)
+        signal = felt_under(self.bank[request.stimulus], signal, *way)
         return self.observer.detect(self._sensation_db(request.stimulus, signal, contact), self._rng)
 
     def _wait(self, request: Wait) -> Done:

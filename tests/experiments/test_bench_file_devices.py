@@ -394,7 +394,7 @@ CLAIMED = [
 def test_every_built_in_study_has_its_bench_in_the_docs():
     on_cards = ["time-reversal-threshold", "time-reversal-patterns", "force-loss"]
     assert [study for study, _, _ in CLAIMED] == [
-        *("tutorial", "electrovibration-threshold"),
+        *("tutorial", "electrovibration-threshold", "grating-roughness"),
         *on_cards,
         *on_cards,
         "hybrid-button",

@@ -25,6 +25,11 @@ SMALLER = {
     "force-loss": {
         "[0.1, 0.5, 1.0, 2.0, 4.0]": "[0.5, 2.0]",
     },
+    "grating-roughness": {
+        "period_m = [0.0005, 0.001, 0.002, 0.004]": "period_m = [0.001, 0.002]",
+        '"0.0005" = { stimulus = { texture = { period_m = "0.5 mm" } } }': "",
+        '"0.004" = { stimulus = { texture = { period_m = "4 mm" } } }': "",
+    },
     "hybrid-button": {},
     "time-reversal-patterns": {},
     "time-reversal-threshold": {"repeats = 20": "repeats = 6"},
@@ -82,7 +87,7 @@ def test_it_is_analysed(data_set, capsys):
     assert status == 0, said
     found = json.loads(out)
     assert found["n_participants"] == 2
-    assert any(found[name] for name in ("thresholds", "questionnaires", "loss"))
+    assert any(found[name] for name in ("thresholds", "questionnaires", "loss", "magnitude"))
 
 
 @pytest.mark.parametrize("form", ["psych-ds", "psychopy", "r"])

@@ -18,6 +18,7 @@ from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
+from .way import Way, directions_along
 
 Shape = Literal["square", "sinusoidal", "sawtooth"]
 
@@ -308,24 +309,29 @@ class Velvet:
         path = np.asarray(x_m, dtype=np.float64)
         if path.ndim != 1 or path.size == 0:
             raise InvalidParameter(f"Velvet.x_m: found shape {path.shape}, expected positions (n_times,), at least one")
-        return self._pile(path) * (1 - self.tuft_depth * (1 - np.cos(2 * np.pi * path / self.tuft_period_m)) / 2)
+        return self.after(path, path, None)[0]
 
-    def _pile(self, path: FloatArray) -> FloatArray:
-        direction = _directions(path)
-        target = np.where(direction >= 0, self.with_pile, self.against_pile)
-        turns = np.flatnonzero(np.diff(target)) + 1
-        bounds = np.r_[0, turns, path.size]
-        share, before = np.empty(path.size), float(target[0])
-        for low, high in pairwise(bounds):
-            way_m = np.abs(path[low:high] - path[max(low - 1, 0)])
-            share[low:high] = target[low] + (before - target[low]) * np.exp(-way_m / self.reversal_m)
-            before = float(share[high - 1]) if high > low else before
-        return share
+    def after(self, x_m: FloatArray, y_m: FloatArray, way: Way | None) -> tuple[FloatArray, Way]:
+        """Shares at places `x_m` (n_times,) that follow a way, which is that of `y_m`, and the way then.
 
+        >>> velvet, path_m = Velvet(), np.r_[np.linspace(0, 0.05, 501), np.linspace(0.05, 0, 501)[1:]]
+        >>> first, way = velvet.after(path_m[:700], path_m[:700], None)
+        >>> second, _ = velvet.after(path_m[700:], path_m[700:], way)
+        >>> bool(np.allclose(np.r_[first, second], velvet.force_share_along(path_m), rtol=0, atol=1e-15))
+        True
+        """
+        pile, then = self._pile(y_m, way or Way(float(y_m[0]), 1.0, float(y_m[0]), self.with_pile, self.with_pile))
+        return pile * (1 - self.tuft_depth * (1 - np.cos(2 * np.pi * x_m / self.tuft_period_m)) / 2), then
 
-def _directions(path: FloatArray) -> FloatArray:
-    """1 or -1 at each position, the last one that the finger moved in; 1 before it moves."""
-    steps = np.sign(np.diff(path, prepend=path[:1]))
-    moved = np.where(steps != 0, np.arange(path.size), -1)
-    last = np.maximum.accumulate(moved)
-    return np.where(last >= 0, steps[np.maximum(last, 0)], 1.0)
+    def _pile(self, path: FloatArray, way: Way) -> tuple[FloatArray, Way]:
+        directions = directions_along(path, way)
+        target = np.where(directions > 0, self.with_pile, self.against_pile)
+        turns = np.flatnonzero(np.diff(directions, prepend=way.direction))
+        share, before, turned_m = np.empty(path.size), way.pile, way.turned_m
+        for low, high in pairwise((0, *turns.tolist(), path.size)):
+            if low or turns.size and turns[0] == 0:
+                before = float(share[low - 1]) if low else way.last_pile
+                turned_m = float(path[low - 1]) if low else way.y_m
+            way_m = np.abs(path[low:high] - turned_m)
+            share[low:high] = target[low:high] + (before - target[low:high]) * np.exp(-way_m / self.reversal_m)
+        return share, Way(float(path[-1]), float(directions[-1]), turned_m, before, float(share[-1]))

@@ -1,0 +1,170 @@
+"""A texture as a stimulus of a study: a carrier that a moving finger makes stronger and weaker by where it is."""
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+from math import ceil
+from typing import NamedTuple
+
+import numpy as np
+
+from tactometry.arguments import require
+
+from ...arrays import FloatArray
+from ..waveforms.pieces import Pieces
+from ..waveforms.sine import Sine
+from ..waveforms.waveform import LevelUnit, Ramped, check_nyquist
+from .maps import GreyImage, HeightMap
+from .played_texture import SensorModel, finest_period_m
+from .texture import Bump, Image, Texture, Velvet
+from .way import Way, directions_along, without_jitter
+
+
+class Followed(NamedTuple):
+    """What is remembered of a path: the way of the finger, and the last parts, before they are averaged."""
+
+    way: Way
+    recent: FloatArray
+
+
+@dataclass(frozen=True)
+class FollowedTexture(Ramped):
+    """``V0 sqrt(share(x)) sin(2 pi f_c t)``, where `x` is where the finger is, as it is measured or simulated.
+
+    Parameters
+    ----------
+    texture : Texture or Velvet
+    carrier_hz : float
+        Carrier, below half of `rate_hz`; 2 kHz is an unverified default.
+    duration_s, ramp_s, rate_hz, level_unit
+        As in `Sine`.
+    rise_s : float
+        The envelope is averaged over this time, so that an edge rises no faster: its slope keeps the limits of current.
+        1 ms is an unverified default.
+    turn_m : float
+        A finger has turned when it came back twice so far from where it was farthest; noise of its position turns
+        nothing. 0.1 mm is an unverified default.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its domain.
+
+    Examples
+    --------
+    >>> from .texture import Grating
+    >>> texture = FollowedTexture(Grating(2e-3), duration_s=0.1, rise_s=5e-5)
+    >>> parts, before = texture.parts(np.array([0.5e-3, 1.5e-3]))
+    >>> parts.tolist(), texture.parts(np.array([2.5e-3]), before)[0].tolist()
+    ([1.0, 0.0], [1.0])
+    >>> texture.at(20.0).peak <= 10.0
+    True
+    """
+
+    texture: Texture | Velvet
+    carrier_hz: float = 2_000.0
+    duration_s: float = 1.0
+    ramp_s: float = 0.05
+    rate_hz: float = 20_000.0
+    rise_s: float = 1e-3
+    turn_m: float = 1e-4
+    level_unit: LevelUnit = "dB re 1 V"
+
+    def __post_init__(self) -> None:
+        require.positive("FollowedTexture", carrier_hz=self.carrier_hz, rise_s=self.rise_s, rate_hz=self.rate_hz)
+        require.not_negative("FollowedTexture", turn_m=self.turn_m)
+        super().__post_init__()
+        check_nyquist("FollowedTexture", "carrier_hz", self.carrier_hz, self.rate_hz)
+        short = f"at most duration_s, {self.duration_s:g} s"
+        require.expect(self.rise_s <= self.duration_s, "FollowedTexture.rise_s", f"{self.rise_s:g} s", short)
+
+    @cached_property
+    def _carrier(self) -> Sine:
+        return Sine(self.carrier_hz, self.duration_s, self.ramp_s, self.rate_hz, level_unit=self.level_unit)
+
+    @property
+    def voltage_frequency_hz(self) -> float:
+        return self.carrier_hz
+
+    @property
+    def force_frequency_hz(self) -> float:
+        """0: it follows from the speed of the finger."""
+        return 0.0
+
+    def _unit(self) -> FloatArray:
+        return self._carrier._unit()
+
+    def pieces(self, level: float) -> Pieces:
+        """The carrier where its share is 1."""
+        return self._carrier.pieces(level)
+
+    @property
+    def _n_rise(self) -> int:
+        """Samples over which parts are averaged: no two differ by more than their distance over `rise_s`."""
+        return max(1, ceil(self.rise_s * self.rate_hz * (1 - 1e-12)))
+
+    def parts(self, x_m: FloatArray, before: Followed | None = None) -> tuple[FloatArray, Followed]:
+        """Parts (0..1) of the voltage at places (n_samples,), one a sample: the root of the share, averaged.
+
+        `before` is what the same path gave so far; without it the finger begins here, as if it had been here before.
+        """
+        way = None if before is None else before.way
+        shares, way = self._shares(x_m, way)
+        roots = np.sqrt(shares)
+        n = self._n_rise
+        recent = np.full(n - 1, roots[0]) if before is None else before.recent
+        course = np.concatenate([recent, roots])
+        sums = np.cumsum(np.concatenate([[0.0], course]))
+        return np.clip((sums[n:] - sums[:-n]) / n, 0.0, 1.0), Followed(way, course[course.size - n + 1 :])
+
+    def _shares(self, x_m: FloatArray, way: Way | None) -> tuple[FloatArray, Way]:
+        start_m = float(x_m[0]) if way is None else way.y_m
+        texture = self.texture
+        if not isinstance(texture, Velvet | Bump | HeightMap):
+            return texture.force_share(x_m), Way(float(x_m[-1]))
+        y_m = without_jitter(x_m, start_m, self.turn_m)
+        if isinstance(texture, Velvet):
+            return texture.after(x_m, y_m, way)
+        directions = directions_along(y_m, way or Way(start_m))
+        back = replace(texture, direction=-texture.direction)
+        shares = np.where(directions > 0, texture.force_share(x_m), back.force_share(x_m))
+        return shares, Way(float(y_m[-1]), float(directions[-1]))
+
+    def check_motion(self, speed_m_per_s: float, positions_hz: float | None = None) -> None:
+        """Refuse a speed at which the finest part of the texture passes faster than the carrier or the reports show.
+
+        Raises
+        ------
+        InvalidParameter
+            In one sentence with the cure.
+
+        Examples
+        --------
+        >>> from .texture import Grating
+        >>> FollowedTexture(Grating(1e-4)).check_motion(0.2)
+        Traceback (most recent call last):
+        tactometry.errors.InvalidParameter: FollowedTexture.carrier_hz: found 2000 Hz, expected at least twice the \
+frequency of the texture under the finger (4000 Hz); raise the carrier, slow down or widen the texture
+        """
+        period_m = period_of(self.texture)
+        if period_m is None:
+            return
+        twice_hz = 2 * speed_m_per_s / period_m
+        expected = (
+            f"at least twice the frequency of the texture under the finger ({twice_hz:.6g} Hz); raise the carrier, "
+            "slow down or widen the texture"
+        )
+        fast = self.carrier_hz >= twice_hz * (1 - 1e-9)
+        require.expect(fast, "FollowedTexture.carrier_hz", f"{self.carrier_hz:g} Hz", expected)
+        if positions_hz is not None:
+            SensorModel(positions_hz).check(period_m, speed_m_per_s)
+
+
+def period_of(texture: Texture | Velvet) -> float | None:
+    """The shortest period (m) of a texture of a study, as `finest_period_m`.
+
+    >>> period_of(HeightMap(pixel_m=1e-3, values=(0.0, 1.0)))
+    0.002
+    """
+    if isinstance(texture, GreyImage):
+        return finest_period_m(Image(np.zeros(2), texture.pixel_m))
+    return 2 * texture.pixel_m if isinstance(texture, HeightMap) else finest_period_m(texture)

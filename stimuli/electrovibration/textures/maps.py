@@ -1,0 +1,129 @@
+"""Textures out of a study file: a row of a picture, and heights along a line, written there or in a file beside it."""
+
+import io
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tactometry.arguments import require
+from tactometry.errors import InvalidParameter
+from tactometry.files.durable import read_file
+from tactometry.files.samples import table_of_numbers
+from tactometry.provenance import sha256
+
+from ...arrays import FloatArray
+from .texture import SIGNS, Image
+
+LARGEST_MAP: Final = 2**26
+
+
+@dataclass(frozen=True)
+class Mapped:
+    """Values along a line, or rows of them: here, or in a file, of which `sha256` says that it is still the same.
+
+    Parameters
+    ----------
+    pixel_m : float
+        The distance of two values.
+    values : tuple of float
+        Written here.
+    path : str or None
+        A CSV file of numbers, or a picture (PNG), which is made grey; it is looked for from where the program runs.
+    sha256 : str or None
+        Its digest: a study is its numbers, and those of such a file are part of it.
+    row : int
+        The row of the file that the finger follows, from 0.
+
+    Raises
+    ------
+    InvalidParameter
+        If there are neither or both, the digest is missing (it is told) or another, or the file holds no numbers.
+    InvalidFile
+        If it cannot be read.
+    """
+
+    pixel_m: float
+    values: tuple[float, ...] = ()
+    path: str | None = None
+    sha256: str | None = None
+    row: int = 0
+    _line: FloatArray = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        owner = type(self).__name__
+        require.positive(owner, pixel_m=self.pixel_m)
+        found = "both or none of values and path"
+        require.expect(bool(self.values) != (self.path is not None), owner, found, "one of the two")
+        rows = self._read(owner, self.path) if self.path is not None else np.array([self.values])
+        require.expect(0 <= self.row < len(rows), f"{owner}.row", self.row, "a row that it has, from 0")
+        line = require.finite_array(f"{owner}.values", rows[self.row])
+        require.expect(line.size >= 2, f"{owner}.values", f"{line.size} values", "at least two")
+        object.__setattr__(self, "_line", line)
+
+    def _read(self, owner: str, path: str) -> FloatArray:
+        content = read_file(Path(path), "a picture, or numbers as CSV", LARGEST_MAP)
+        digest = sha256(content)
+        is_this = f"{digest!r}, which is that of {path}; write it, if this is the texture that is meant"
+        require.expect(self.sha256 == digest, f"{owner}.sha256", repr(self.sha256), is_this)
+        try:
+            if Path(path).suffix.lower() == ".csv":
+                return table_of_numbers(io.StringIO(content.decode("utf-8")))
+            return _grey_of_picture(content)
+        except (ValueError, OSError) as error:
+            raise InvalidParameter(f"{owner}.path: {path} cannot be read ({error}), expected CSV or PNG") from None
+
+
+def _grey_of_picture(content: bytes) -> FloatArray:
+    from PIL import Image as Picture  # slow to load
+
+    with Picture.open(io.BytesIO(content)) as picture:
+        return np.asarray(picture.convert("L"), dtype=np.float64) / 255
+
+
+@dataclass(frozen=True)
+class GreyImage(Mapped):
+    """A row of grey levels, 0 (black, no friction) to 1, as `Image`; in a CSV file numbers from 0 to 1 too.
+
+    >>> GreyImage(pixel_m=1e-3, values=(0.0, 1.0, 0.2)).force_share([0.5e-3, 1e-3, 9.0]).tolist()
+    [0.0, 0.5, 0.2]
+    """
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        shares = bool(((self._line >= 0) & (self._line <= 1)).all())
+        extremes = f"values from {self._line.min():g} to {self._line.max():g}"
+        require.expect(shares, "GreyImage.values", extremes, "numbers from 0 to 1")
+
+    def force_share(self, x_m: ArrayLike) -> FloatArray:
+        """Share (0..1) of the full electrostatic force, of the shape of `x_m` (m)."""
+        return Image(self._line, self.pixel_m).force_share(x_m)
+
+
+@dataclass(frozen=True)
+class HeightMap(Mapped):
+    """Heights (of any unit) felt by their slope, as a `Bump` is: ``1/2 + h'(x)/(2 max |h'|)``, 1/2 outside.
+
+    Between two heights the slope is that of the straight line; a finger that comes back meets the opposite one. The
+    slope rule and its scale are unverified defaults.
+
+    >>> HeightMap(pixel_m=1.0, values=(0.0, 2.0, 2.0, 1.0)).force_share([-1.0, 0.5, 1.5, 2.5]).tolist()
+    [0.5, 1.0, 0.5, 0.25]
+    """
+
+    direction: int = 1
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        require.one_of("HeightMap.direction", self.direction, SIGNS)
+        uneven = bool(np.diff(self._line).any())
+        require.expect(uneven, "HeightMap.values", "heights that are all the same", "some that differ")
+
+    def force_share(self, x_m: ArrayLike) -> FloatArray:
+        """Share (0..1) of the full electrostatic force, of the shape of `x_m` (m), for a finger that moves forth."""
+        steps = np.diff(self._line)
+        at = np.floor(np.asarray(x_m, dtype=np.float64) / self.pixel_m).astype(int)
+        slopes = np.where((at >= 0) & (at < steps.size), steps[np.clip(at, 0, steps.size - 1)], 0.0)
+        return np.asarray(0.5 + self.direction * slopes / (2 * np.abs(steps).max()))
