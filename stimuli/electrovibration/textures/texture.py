@@ -329,7 +329,7 @@ class Velvet:
         turns = np.flatnonzero(np.diff(directions, prepend=way.direction))
         share, before, turned_m = np.empty(path.size), way.pile, way.turned_m
         for low, high in pairwise((0, *turns.tolist(), path.size)):
-            if low or turns.size and turns[0] == 0:
+            if low or (turns.size and turns[0] == 0):
                 before = float(share[low - 1]) if low else way.last_pile
                 turned_m = float(path[low - 1]) if low else way.y_m
             way_m = np.abs(path[low:high] - turned_m)
