@@ -92,14 +92,13 @@ def felt_effects(experiment: Experiment) -> list[FeltEffects]:
 
 
 def _explanation(cell: WiredCell, scene: Scene, level: float) -> FeltEffects:
-    (touch,) = scene.contacts
-    contact, signal = Contact(touch.force_n, touch.speed_m_per_s), cell.stimulus.at(level)
-    felt_db, felt = scene.sensation(signal, contact), scene.felt(contact)
+    contact, signal = contact_of(cell), cell.stimulus.at(level)
+    felt_db, felt = scene.sensation(signal, contact), scene.felt()
     off = felt.off()
     idle = (LeftOut(effect.kind, why="no output needs it") for effect in off)
     return FeltEffects(
         cell.condition.stimulus,
-        f"{level:g} {cell.stimulus.level_unit}, {touch.force_n:g} N, {1e3 * touch.speed_m_per_s:g} mm/s",
+        f"{level:g} {cell.stimulus.level_unit}, {_in_words(contact)}",
         tuple(effect.kind for effect in scene.effects if effect not in off),
         (*idle, *_left_out(scene, signal, contact, felt_db)),
         felt.assumed(),
@@ -108,12 +107,23 @@ def _explanation(cell: WiredCell, scene: Scene, level: float) -> FeltEffects:
     )
 
 
+def contact_of(cell: WiredCell) -> Contact:
+    """How the finger meets the surface in a cell of a study."""
+    touch = cell.condition.touch
+    return Contact(getattr(touch, "force_n", 0.0), getattr(touch, "speed_m_per_s", 0.0))
+
+
+def _in_words(contact: Contact) -> str:
+    speed = f", {1e3 * contact.speed_m_per_s:g} mm/s" if contact.speed_m_per_s else ", at rest"
+    return f"{contact.force_n:g} N{speed}"
+
+
 def _left_out(scene: Scene, signal: Signal, contact: Contact, felt_db: float) -> Iterator[LeftOut]:
     """Effects of the surface that are not in the scene, those of what is played left out."""
     named = {effect.kind for effect in scene.effects}
     for kind in scene.surface.effects:
         effect_class = resolve(EFFECTS[kind])
-        if kind not in named and getattr(effect_class, "gives", "") != "waveform":
+        if kind not in named and not effect_class.in_signal:
             yield _change(scene, effect_class, signal, contact, felt_db)
 
 
@@ -127,7 +137,7 @@ def _change(scene: Scene, effect_class: type[Effect], signal: Signal, contact: C
     instead_of = tuple(effect.kind for effect in scene.effects if effect not in others)
     try:
         with_it = replace(scene, effects=(*others, effect_class()))
-        predicted_s = with_it.felt(contact).resolve().predicted_s
+        predicted_s = with_it.felt().resolve().predicted_s
         change_db = with_it.sensation(signal, contact) - felt_db if predicted_s <= LONGEST_S else inf
     except InvalidParameter:
         return LeftOut(kind, instead_of, why="does not go with the others")

@@ -13,7 +13,8 @@ from tactometry.contact import Contact
 from tactometry.errors import nearest, rewording
 from tactometry.protocols.tasks.touch import Sliding, Touch
 from tactometry.signal import Signal
-from tactometry.stimuli.composition.effect import Effect, FingerContact
+from tactometry.stimuli.composition.effect import Effect
+from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.scene import SENSATION, Scene
@@ -23,8 +24,8 @@ from ..scenes import names, path_of
 
 KIND: Final = "electrovibration"
 TONE: Final = ("frequency_hz", "duration_s", "ramp_s")
-CARRIERS: Final[Mapping[str, tuple[str, ...]]] = {"sine": (), "amplitude_modulated": ("carrier_hz", "modulation")}
-"""By the stimuli that a scene plays, the fields that are those of the effect carrier."""
+SILENT: Final = {"frequency_hz": 1.0}
+"""The tone of a panel, whose place is taken by what is played."""
 
 
 @dataclass(frozen=True)
@@ -76,22 +77,15 @@ def felt_scene(table: Mapping[str, Any], kind: str, stimulus: Any, touch: Touch)
         If the table holds what a scene does not know, no scene plays such a stimulus, or it gives no sensation so
         accurately under this touch: one sentence that opens with the key.
     """
-    expected = f"a stimulus of {' or '.join(CARRIERS)}; remove [scene]: what is felt then stands in [sensation]"
-    expect(kind in CARRIERS, "scene", f"a table with the stimulus {kind!r}", expected)
+    expected = "a voltage on one electrode; remove [scene]: what is felt then stands in [sensation]"
+    expect(kind in WAVEFORMS, "scene", f"a table with the stimulus {kind!r}", expected)
     read = build(SceneTable, table, "scene")
     surface, effects = _parts_of_scene(read.name) if read.name else _parts_of_table(read)
-    tone = {name: getattr(stimulus, name) for name in TONE}
-    carrier = {name: getattr(stimulus, name) for name in CARRIERS[kind]}
-    played = (build_kind({"kind": "carrier", **carrier}, "stimulus", EFFECTS),) if carrier else ()
     expect(isinstance(touch, Sliding), "touch.kind", "'press' with a [scene]", "'slide': friction is felt in motion")
-    assert isinstance(touch, Sliding)
-    phase_rad = getattr(stimulus, "phase_rad", 0.0)
-    expect(phase_rad == 0, "stimulus.phase_rad", f"{phase_rad:g}", "0: a scene plays a tone that begins at 0")
     with rewording(_in_study):
-        contacts = (FingerContact(touch.force_n, touch.speed_m_per_s),)
-        panel = build_kind({**surface, **tone}, "surface", SURFACES)
-        scene = Scene(panel, (*effects, *played), (SENSATION,), read.accuracy, contacts)
-        scene.felt(Contact(touch.force_n, touch.speed_m_per_s)).resolve()
+        panel = build_kind({**surface, **SILENT, "duration_s": stimulus.duration_s}, "surface", SURFACES).played()
+        scene = Scene(panel, effects, (SENSATION,), read.accuracy, panel.touches)
+        scene.felt().resolve()
         return FeltScene(scene)
 
 
@@ -104,7 +98,7 @@ def _parts_of_table(read: SceneTable) -> tuple[dict[str, Any], tuple[Effect, ...
     effects = tuple(build_kind(table, f"scene.effects[{n}]", EFFECTS) for n, table in enumerate(read.effects))
     for n, effect in enumerate(effects):
         changes = f"{effect.kind!r}, which changes what is played"
-        expect(not _plays(effect), f"scene.effects[{n}]", changes, "what [stimulus] plays alone; remove it")
+        expect(not effect.in_signal, f"scene.effects[{n}]", changes, "what [stimulus] plays alone; remove it")
     return {"kind": KIND, **read.surface}, effects
 
 
@@ -114,11 +108,7 @@ def _parts_of_scene(name: str) -> tuple[dict[str, Any], tuple[Effect, ...]]:
     kind = scene.surface.kind
     expected = f"one on {KIND!r}, such as 'electrovibration-panel'"
     expect(kind == KIND, "scene.name", f"{name!r}, a scene on {kind!r}", expected)
-    return {"kind": kind, **vars(scene.surface)}, tuple(effect for effect in scene.effects if not _plays(effect))
-
-
-def _plays(effect: Effect) -> bool:
-    return getattr(effect, "gives", "") == "waveform"
+    return {"kind": kind, **vars(scene.surface)}, tuple(effect for effect in scene.effects if not effect.in_signal)
 
 
 def _in_study(refusal: str) -> str:

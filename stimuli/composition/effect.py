@@ -156,6 +156,8 @@ class Effect:
     contradict it, with the reason and the cure. `assumes` says what it takes for granted, in words. `cures` says of
     quantities that nothing gives how to add this effect.
 
+    `in_signal` says that it makes what is played, or the plate that it is learnt on: a signal that is played holds it.
+
     The quantities `reads` go to the value, which makes `gives` of them, in a stage that is called by the kind of the
     effect, or by `stage_name`. Fields named in `positive` and `not_negative` are checked to be so. A module that holds
     an effect imports no physics that the effect alone needs: that is imported in the run.
@@ -185,6 +187,7 @@ class Effect:
     stage_name: ClassVar[str] = ""
     positive: ClassVar[tuple[str, ...]] = ()
     not_negative: ClassVar[tuple[str, ...]] = ()
+    in_signal: ClassVar[bool] = False
 
     def __post_init__(self) -> None:
         require.positive(type(self).__name__, **{name: getattr(self, name) for name in self.positive})
@@ -198,8 +201,8 @@ class Effect:
         return (self.stage(),)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """The same where nothing but what is felt of a signal is asked for, not its course: an effect that is linear
-        may act on the components in their steady state."""
+        """The same where a signal is played and nothing but what is felt of it is asked for: an effect that is linear
+        acts on the components in their steady state, so that no course is computed for a contact."""
         return self.stages(scene)
 
     def stage(self) -> Stage:
@@ -255,19 +258,21 @@ class Surface:
     """What is touched: it brings the stages that hold without any effect.
 
     `effects` holds the kinds that it knows, in the order in which they act, and where their classes are. `given` names
-    the quantities that each run is given. `assumes` says, by slot, what holds as long as no effect fills the slot.
+    the quantities that each run is given, `touches` the fingers that stand for any where a run is given its contact.
+    `assumes` says, by slot, what holds as long as no effect fills the slot.
     """
 
     kind: ClassVar[str]
     effects: ClassVar[Mapping[str, str]]
     given: ClassVar[tuple[str, ...]]
     assumes: ClassVar[Mapping[str, str]]
+    touches: ClassVar[tuple[FingerContact, ...]] = ()
 
     def stages(self, scene: "Demand") -> tuple[Stage, ...]:
         raise NotImplementedError
 
     def played(self) -> "Surface":
-        """The same surface, where each run is given the signal that is played, and nothing else.
+        """The same surface, where each run is given the signal that is played and the finger that feels it.
 
         Raises
         ------

@@ -1,7 +1,7 @@
 """A plan: the stages of a scene in the order in which they run, and the run itself."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import isfinite
@@ -104,7 +104,7 @@ class _Program:
 
 
 def _compile(plan: Plan) -> _Program:
-    constant, varying = _split(plan)
+    constant, varying = _split(plan.stages, plan.given)
     values: dict[str, Any] = {}
     for stage in constant:  # what a stage changes is let go: the motion of a plate may fill half of the memory
         values[stage.gives] = stage.bind()(*(values[need] for need in stage.needs))
@@ -119,14 +119,32 @@ def _compile(plan: Plan) -> _Program:
     return _Program(tuple(values.values()), len(varying), tuple(steps), {name: at[name] for name in plan.outputs})
 
 
-def _split(plan: Plan) -> tuple[list[Stage], list[Stage]]:
+def _split(stages: Sequence[Stage], given: Collection[str]) -> tuple[list[Stage], list[Stage]]:
     """Stages that depend on nothing given, and the others, both in order."""
-    moving = set(plan.given)
-    constant: list[Stage] = []
+    moving = set(given)
+    still: list[Stage] = []
     varying: list[Stage] = []
-    for stage in plan.stages:
+    for stage in stages:
         moves = not moving.isdisjoint(stage.needs)
-        (varying if moves else constant).append(stage)
+        (varying if moves else still).append(stage)
         if moves:
             moving.add(stage.gives)
-    return constant, varying
+    return still, varying
+
+
+def parted(plan: Plan, late: str) -> tuple[Plan, Plan]:
+    """What of a plan does not depend on one of the given quantities, and the rest, which is given the outputs of the
+    former and that quantity.
+
+    >>> double = Stage("double", ("a",), "b", "operator:neg")
+    >>> both = Stage("both", ("b", "c"), "d", "operator:mul")
+    >>> early, rest = parted(Plan((double, both), ("a", "c"), ("d",)), "c")
+    >>> early.outputs, rest.given, rest.run({**early.run({"a": 2.0}), "c": 5.0})
+    (('b',), ('b', 'c'), {'d': -10.0})
+    """
+    early, rest = _split(plan.stages, {late})
+    made = {stage.gives for stage in early}
+    wanted = dict.fromkeys([*(need for stage in rest for need in stage.needs), *plan.outputs])
+    handed = tuple(name for name in wanted if name in made or (name in plan.given and name != late))
+    before = Plan(tuple(early), tuple(name for name in plan.given if name != late), handed)
+    return before, Plan(tuple(rest), (*handed, late), plan.outputs)

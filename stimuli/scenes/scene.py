@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from tactometry.arguments.require import expect
 from tactometry.contact import Contact
@@ -13,7 +13,7 @@ from tactometry.errors import InvalidParameter, nearest
 from ..composition.effect import Demand, Effect, FingerContact, Setting, Stage, Surface
 from .chain import required_stages
 from .compatibility import check_effects
-from .plan import Plan
+from .plan import Plan, parted
 from .result import unit_of
 
 if TYPE_CHECKING:
@@ -21,8 +21,9 @@ if TYPE_CHECKING:
 
 ROUNDING = 1e-9
 SENSATION = "sensation_db"
-N_PLANS = 8
-"""Contacts whose plans are kept: each holds courses of the whole record."""
+N_SIGNALS = 64
+"""Of which what does not depend on a contact is kept: each may hold courses of the whole record."""
+OfSignal = Callable[["Signal"], dict[str, Any] | None]
 
 
 @dataclass(frozen=True)
@@ -98,10 +99,12 @@ class Scene:
         """Level (dB) above the threshold of detection of a signal under a finger, which takes the place of the
         contacts of the scene; ``-inf`` in silence, without contact, and at rest where only a finger that slides feels.
 
+        What depends on the signal alone is computed once for each signal, and settings are chosen once.
+
         Raises
         ------
         InvalidParameter
-            If the scene gives no sensation, or the signal is not its voltage at any level.
+            If the scene gives no sensation, or its surface cannot play the signal.
 
         >>> from tactometry.stimuli.electrovibration import CoulombFriction, Sine
         >>> from tactometry.stimuli.scenes.effects.force_law import ForceLaw
@@ -114,25 +117,37 @@ class Scene:
         >>> round(loud - soft, 6), scene.sensation(Sine(60.0).at(40.0), Contact(1.5))
         (20.0, -inf)
         """
-        if not signal.peak or not self.surface.reaches(contact):
+        of_signal, surface, under_contact = self._felt_plans
+        handed = of_signal(signal)
+        if handed is None or not surface.reaches(contact):
             return -math.inf
-        return float(self._felt_under(contact).run({"signal": signal})[SENSATION])
+        return float(under_contact.run({**handed, "contact": contact})[SENSATION])
 
     @cached_property
-    def _felt_under(self) -> Callable[[Contact], Plan]:
-        """The plan for what a finger feels, resolved once for each contact."""
-        return lru_cache(maxsize=N_PLANS)(lambda contact: self.felt(contact).resolve())
+    def _felt_plans(self) -> "tuple[OfSignal, Surface, Plan]":
+        """What is computed once for a signal, the surface that it is played on, and the rest of the plan."""
+        felt = self.felt()
+        early, rest = parted(felt.resolve(), "contact")
 
-    def felt(self, contact: Contact) -> "Scene":
-        """The scene whose plan gives the sensation of a signal under a contact: its touch, and no other output.
+        def of_signal(signal: "Signal") -> dict[str, Any] | None:
+            handed = early.run({"signal": signal})
+            return handed if signal.peak else None
+
+        return lru_cache(maxsize=N_SIGNALS)(of_signal), felt.surface, rest
+
+    def felt(self) -> "Scene":
+        """The scene whose plan gives the sensation of a signal under a contact, both of which each run is given.
+
+        Effects that make what is played are left out: the signal holds them.
 
         Raises
         ------
         InvalidParameter
             If no signal can be given to the surface.
         """
-        touch = FingerContact(contact.force_n, contact.speed_m_per_s)
-        return replace(self, surface=self.surface.played(), outputs=(SENSATION,), contacts=(touch,))
+        surface = self.surface.played()
+        effects = tuple(effect for effect in self.effects if not effect.in_signal)
+        return replace(self, surface=surface, effects=effects, outputs=(SENSATION,), contacts=surface.touches)
 
     def off(self) -> tuple[Effect, ...]:
         """Effects of the scene of which no output needs a stage."""

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import pi
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,6 +15,9 @@ from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
 from ...composition.effect import Effect, Stage, Surroundings
+
+if TYPE_CHECKING:
+    from tactometry.contact import Contact
 
 
 @dataclass(frozen=True)
@@ -44,13 +47,12 @@ class PowerLawArea(Effect):
         return require.in_range("PowerLawArea.exponent", area_m2)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        settings = {**vars(self), "force_n": scene.contacts[0].force_n}
-        return (Stage("contact_area", (), "area_m2", f"{__name__}:_area_under", settings),)
+        return (Stage("contact_area", ("contact",), "area_m2", f"{__name__}:_area_under", dict(vars(self))),)
 
 
-def _area_under(force_n: float, **law: float) -> float:
-    """The area under a force."""
-    return float(PowerLawArea(**law).area_m2(force_n))
+def _area_under(contact: "Contact", **law: float) -> float:
+    """The area under a finger."""
+    return float(PowerLawArea(**law).area_m2(contact.force_n))
 
 
 @runtime_checkable

@@ -2,21 +2,25 @@
 
 from dataclasses import dataclass, replace
 from math import hypot
-from typing import Self
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
 from tactometry.arguments.checked import checked
+from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
-from ...composition.effect import Quantity, Stage, Surroundings, note
+from ...composition.effect import Effect, Stage, Surroundings, note
+
+if TYPE_CHECKING:
+    from ...perception.detection import Components
 
 
 @dataclass(frozen=True)
-class CoulombFriction(Quantity):
+class CoulombFriction(Effect):
     """``F_f = mu (F_n + F_e)`` with ``mu = mu_1 (F_n/1 N)^exponent``.
 
     A coefficient of 0.5 at 1 N is an unverified default; with an exponent below 0 it falls with load. The load F_n is
@@ -32,6 +36,7 @@ class CoulombFriction(Quantity):
     kind = "friction"
     slot = "friction"
     requires = ("sliding contact",)
+    reads = ("contact",)
     gives = stage_name = "friction_law"
     assumes = ("the finger slides all the time; its coefficient knows no speed far above slip_speed_m_per_s",)
     cures = note(
@@ -82,14 +87,25 @@ class CoulombFriction(Quantity):
             change_n = self.coefficient_at(force_n) * np.asarray(electrostatic_n, dtype=np.float64)
         return require.in_range("CoulombFriction.modulation_n", change_n)
 
+    def __call__(self, contact: Contact) -> Self:
+        """The law of a finger as it slides."""
+        return self.at_speed(contact.speed_m_per_s)
+
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        touch = scene.contacts[0]
-        sliding = self.at_speed(touch.speed_m_per_s)
-        settings = {**vars(sliding), "force_n": touch.force_n}
-        force = Stage("friction", ("electrostatic_force_n",), "friction_force_n", f"{__name__}:friction_n", settings)
-        return sliding.stage(), force
+        needs = ("electrostatic_force_n", "friction_law", "contact")
+        return self.stage(), Stage("friction", needs, "friction_force_n", f"{__name__}:friction_n")
+
+    def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        """A factor of every component of the attraction."""
+        needs = ("attraction_components", "friction_law", "contact")
+        return self.stage(), Stage("friction", needs, "components", f"{__name__}:friction_components")
 
 
-def friction_n(electrostatic_n: FloatArray, force_n: float, **law: float) -> FloatArray:
+def friction_n(electrostatic_n: FloatArray, law: CoulombFriction, contact: Contact) -> FloatArray:
     """Friction under a normal force and an attraction."""
-    return CoulombFriction(**law).coefficient_at(force_n) * (force_n + electrostatic_n)
+    return law.coefficient_at(contact.force_n) * (contact.force_n + electrostatic_n)
+
+
+def friction_components(parts: "Components", law: CoulombFriction, contact: Contact) -> "Components":
+    """Components of the friction that those of an attraction cause."""
+    return replace(parts, amplitudes=law.coefficient_at(contact.force_n) * parts.amplitudes)

@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike
 from tactometry.arguments import require
 from tactometry.arguments.annotations import NotNegative
 from tactometry.arguments.checked import checked
+from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
@@ -55,20 +56,19 @@ class FrictionLag(Effect):
         return 1 / np.hypot(1.0, ratio)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        needs, touch = ("t_s", "voltage", "form", "friction_law"), scene.contacts[0]
-        settings = {**vars(self), "force_n": touch.force_n, "speed_m_per_s": touch.speed_m_per_s}
+        needs = ("t_s", "voltage", "form", "friction_law", "contact")
         target, size = f"{__name__}:scene_friction_n", per_sample(280.0)
-        return (Stage("friction_lag", needs, "friction_force_n", target, settings, size=size),)
+        return (Stage("friction_lag", needs, "friction_force_n", target, dict(vars(self)), size=size),)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         """Of each component in its steady state, as the exact course costs a hundred times as much."""
-        settings = {**vars(self), "speed_m_per_s": scene.contacts[0].speed_m_per_s}
-        return (Stage("friction_lag", ("components",), "components", f"{__name__}:steady", settings),)
+        target = f"{__name__}:steady"
+        return (Stage("friction_lag", ("components", "contact"), "components", target, dict(vars(self))),)
 
 
-def steady(parts: "Components", speed_m_per_s: float, **lag: float) -> "Components":
+def steady(parts: "Components", contact: Contact, **lag: float) -> "Components":
     """Components behind a lag."""
-    gain = FrictionLag(**lag).gain(parts.frequencies_hz, speed_m_per_s)
+    gain = FrictionLag(**lag).gain(parts.frequencies_hz, contact.speed_m_per_s)
     return replace(parts, amplitudes=parts.amplitudes * gain)
 
 
@@ -116,10 +116,10 @@ def lagged_friction_n(
     return np.asarray(mu * force_n + lagging_n)
 
 
-def scene_friction_n(*drive: Any, force_n: float, speed_m_per_s: float, **lag: float) -> FloatArray:
+def scene_friction_n(*drive: Any, **lag: float) -> FloatArray:
     """The lagging friction of a scene."""
-    (*attraction, friction), law = drive, FrictionLag(**lag)
-    return lagged_friction_n(*attraction, lag=law, friction=friction, force_n=force_n, speed_m_per_s=speed_m_per_s)
+    *attraction, friction, contact = drive
+    return lagged_friction_n(*attraction, lag=FrictionLag(**lag), friction=friction, **vars(contact))
 
 
 def _resolved_hz(cutoff_hz: float, t_s: FloatArray) -> float:

@@ -2,16 +2,21 @@
 
 from dataclasses import dataclass, replace
 from math import pi
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings
 from ..waveforms.pieces import Pieces
+
+if TYPE_CHECKING:
+    from ...composition.record import Record
 
 
 @dataclass(frozen=True)
@@ -35,8 +40,14 @@ class CosineGrating(Effect):
         return np.asarray((1 + np.cos(2 * pi * np.asarray(x_m, float) / self.period_m)) / 2)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        settings = {"frequency_hz": self._frequency_hz(scene)}
-        return (Stage("texture", ("unit_voltage",), "unit_voltage", f"{__name__}:modulated", settings),)
+        return (self._stage("unit_voltage", "under_finger"),)
+
+    def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        """Of a voltage that is played, sample by sample."""
+        return (self._stage("record", "sampled_under_finger"),)
+
+    def _stage(self, voltage: str, way: str) -> Stage:
+        return Stage("texture", (voltage, "contact"), voltage, f"{__name__}:{way}", dict(vars(self)))
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
         frequency_hz = self._frequency_hz(scene)
@@ -45,6 +56,17 @@ class CosineGrating(Effect):
     def _frequency_hz(self, scene: Surroundings) -> float:
         """Periods per second under the finger."""
         return scene.contacts[0].speed_m_per_s / self.period_m
+
+
+def under_finger(voltage: Pieces, contact: Contact, period_m: float) -> Pieces:
+    """A voltage under a finger that slides over a grating."""
+    return modulated(voltage, contact.speed_m_per_s / period_m)
+
+
+def sampled_under_finger(record: "Record", contact: Contact, period_m: float) -> "Record":
+    """Samples under a finger that slides over a grating."""
+    share = np.abs(np.cos(pi * contact.speed_m_per_s / period_m * record.t_s))
+    return replace(record, voltage_v=share * record.voltage_v)
 
 
 def modulated(voltage: Pieces, frequency_hz: float) -> Pieces:

@@ -6,7 +6,7 @@ from typing import ClassVar
 
 from ...composition.content import VoltageContent
 from ...composition.effect import Alteration, Stage, Surroundings
-from ..stages.circuit import circuit_stage
+from ..stages.circuit import circuit_stage, of_true_area
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,10 @@ class BodyResistance(Alteration):
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         return self.stage(), circuit_stage(self.kind)
+
+    def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        """The area is no factor: it sets how fast the layers are charged."""
+        return self.stage(), of_true_area()
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
         return VoltageContent(bare_kinks=1.0)

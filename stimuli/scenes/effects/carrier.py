@@ -28,6 +28,7 @@ class Carrier(Effect):
     slot = "carrier"
     positive = ("carrier_hz",)
     reads, gives = ("waveform",), "waveform"
+    in_signal = True
 
     carrier_hz: float = 2_000.0
     modulation: Modulation = "square_root"

@@ -25,6 +25,7 @@ class DcOffset(Effect):
     kind = "dc_offset"
     slot = "offset"
     reads, gives = ("waveform",), "waveform"
+    in_signal = True
 
     ratio: float
 

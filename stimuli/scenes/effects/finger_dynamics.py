@@ -1,12 +1,13 @@
 """The finger pad as mass, spring and damper, which grow with the speed: exact motion, event-exact stick and slip."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import sqrt
 from typing import TYPE_CHECKING, Any
 
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings, note
 from ...composition.sampling import per_sample
+from ..stages.circuit import of_true_area
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
@@ -48,18 +49,26 @@ class FingerDynamics(Effect):
         return VoltageContent(swing_rad_per_s=self.natural_rad_per_s)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        friction, touch = scene.find("friction"), scene.contacts[0]
-        sticks = friction is not None and friction.kind == "dry_friction"
-        settings = {"force_n": touch.force_n, "speed_m_per_s": touch.speed_m_per_s}
+        sticks = _sticks(scene)
         motion = Stage(
             "stick_slip" if sticks else "finger_motion",
-            ("t_s", "voltage", "form", "friction_law"),
+            ("t_s", "voltage", "form", "friction_law", "contact"),
             "motion",
             f"{__name__}:{'stick_and_slip' if sticks else 'slide'}",
-            settings,
             size=per_sample(500.0 if sticks else 250.0),
         )
         return (motion, *(_read(name, quantity) for name, quantity in _outputs(sticks)))
+
+    def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        """The course itself, under the true area: what sticks is no factor."""
+        course = tuple(replace(stage, size=None) for stage in self.stages(scene))
+        return (*course, of_true_area()) if _sticks(scene) else course
+
+
+def _sticks(scene: Surroundings) -> bool:
+    """Whether friction is one that holds a finger."""
+    friction = scene.find("friction")
+    return friction is not None and friction.kind == "dry_friction"
 
 
 def _outputs(sticks: bool) -> tuple[tuple[str, str], ...]:
@@ -73,23 +82,24 @@ def _read(name: str, quantity: str) -> Stage:
     return Stage(quantity, ("motion",), quantity, f"{__name__}:read", {"name": name})
 
 
-def slide(*drive: Any, force_n: float, speed_m_per_s: float) -> "Motion":
+def slide(*drive: Any) -> "Motion":
     """The motion of a finger in full slip."""
     from ...electrovibration.motion.finger import sliding
     from ...electrovibration.motion.pad import Finger
 
-    *attraction, friction = drive
-    return sliding(*attraction, finger=Finger.at_speed(speed_m_per_s), friction=friction, force_n=force_n)
+    *attraction, friction, contact = drive
+    finger = Finger.at_speed(contact.speed_m_per_s)
+    return sliding(*attraction, finger=finger, friction=friction, force_n=contact.force_n)
 
 
-def stick_and_slip(*drive: Any, force_n: float, speed_m_per_s: float) -> "StickSlip":
+def stick_and_slip(*drive: Any) -> "StickSlip":
     """The motion of a finger that sticks and slips."""
     from ...electrovibration.motion.pad import Finger
     from ...electrovibration.motion.stick_slip import Travel, stick_slip
 
-    (*attraction, friction), finger = drive, Finger.at_speed(speed_m_per_s)
-    travel = Travel(speed_m_per_s)
-    return stick_slip(*attraction, finger=finger, friction=friction, force_n=force_n, travel=travel)
+    *attraction, friction, contact = drive
+    finger, travel = Finger.at_speed(contact.speed_m_per_s), Travel(contact.speed_m_per_s)
+    return stick_slip(*attraction, finger=finger, friction=friction, force_n=contact.force_n, travel=travel)
 
 
 def read(motion: "Motion | StickSlip", name: str) -> "FloatArray":

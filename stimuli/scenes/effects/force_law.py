@@ -1,6 +1,6 @@
 """Which of the four laws of the literature gives the electrostatic force; they differ by a factor near 1000."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Literal, get_args
 
 from tactometry.arguments import require
@@ -41,6 +41,11 @@ class ForceLaw(Effect):
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         self._check_terms(scene)
         return super().stages(scene)
+
+    def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        """Under the area that the force is computed for, of which the force of the contact is a multiple."""
+        (drawn,) = self.stages(scene)
+        return (replace(drawn, needs=("skin", "form_area_m2")),)
 
     def __call__(self, skin: "Skin", area_m2: float) -> "ForceForm":
         from ...electrovibration.attraction.force import force_form

@@ -26,5 +26,9 @@ class SkinLeakage(Alteration):
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         return self.stage(), circuit_stage(self.kind)
 
+    def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        """Samples are relaxed exactly, whatever leaks."""
+        return (self.stage(),)
+
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
         return VoltageContent(resistivity_ohm_m=self.corneum_resistivity_ohm_m)

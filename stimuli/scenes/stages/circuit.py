@@ -30,6 +30,16 @@ def circuit_stage(effect: str) -> Stage:
     return Stage("circuit", NEEDS, "unit_layer_voltage_v", f"{__name__}:relaxation", size=size)
 
 
+def of_true_area() -> Stage:
+    """The law of force under the area of the contact, in place of one that is scaled by it."""
+    return Stage("true_area", ("area_m2",), "form_area_m2", f"{__name__}:same")
+
+
+def same(area_m2: float) -> float:
+    """An area under another name."""
+    return area_m2
+
+
 def check_ramp(demand: Demand, effect: str) -> None:
     """Refuse a tone without a ramp: what then relaxes is faster than the tone that the sampling is chosen for."""
     if not demand.surface.ramp_s:

@@ -6,15 +6,27 @@ from math import inf
 import numpy as np
 import pytest
 from scene_cases import default, effect, small_screen
+from scipy.signal import resample
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import FingerContact
-from tactometry.stimuli.electrovibration import AmplitudeModulated, FrictionLag, Sine, Skin, force_form
-from tactometry.stimuli.perception.detection import Components
+from tactometry.stimuli.electrovibration import (
+    AmplitudeModulated,
+    CoulombFriction,
+    FrictionLag,
+    PulseTrain,
+    Sampled,
+    Sine,
+    Skin,
+    Square,
+    force_form,
+)
+from tactometry.stimuli.perception.detection import Components, components
 from tactometry.stimuli.scenes.effects.sensitivity import Sensitivity
 from tactometry.stimuli.scenes.scene import Scene
+from tactometry.stimuli.scenes.stages import record
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 
 FELT = ("force_law", "friction", "sensitivity")
@@ -79,19 +91,49 @@ def test_nothing_is_felt_of_silence():
     assert felt().sensation(Signal(np.zeros((1, 10_000)), 20_000.0, "V"), TOUCH) == -inf
 
 
-OTHERS = {
-    "frequency": Sine(61.0, 0.5),
-    "duration": Sine(60.0, 1.0),
-    "ramps": Sine(60.0, 0.5, ramp_s=0.1),
-    "phase": Sine(60.0, 0.5, phase_rad=0.1),
-    "carrier": AmplitudeModulated(60.0, duration_s=0.5),
+WAVEFORMS = {
+    "another tone": Sine(61.0, 0.3, phase_rad=0.1),
+    "pulses": PulseTrain(60.0, width_s=1e-3, duration_s=0.5),
+    "square": Square(60.0, duration_s=0.5),
+    "noise": Sampled(tuple(np.random.default_rng(7).normal(size=10_000)), rate_hz=20_000.0),
+    "close to half of the rate": Sine(9_000.0, 0.5, rate_hz=20_000.0),
 }
 
 
-@pytest.mark.parametrize("name", OTHERS)
-def test_a_signal_of_another_stimulus_is_refused(name):
-    with pytest.raises(InvalidParameter, match=r"signal: found a voltage .* expected the tone of the scene; state"):
-        felt().sensation(OTHERS[name].at(30.0), TOUCH)
+@pytest.mark.parametrize("name", WAVEFORMS)
+def test_any_voltage_is_felt_as_its_samples_say(name):
+    """Beside the law of force at the samples of a finer record, whose square cannot alias, and the spectrum of that."""
+    signal = WAVEFORMS[name].at(30.0)
+    (voltage_v,) = signal.samples
+    finer_v = resample(voltage_v, 4 * voltage_v.size)
+    form = force_form("sc_layer", Skin(corneum_resistivity_ohm_m=inf), 1e-4)
+    friction_n = CoulombFriction()(TOUCH).coefficient_at(TOUCH.force_n) * form.force_n(
+        form.relaxations.sampled(finer_v, signal.rate_hz)
+    )
+    rate_hz = signal.rate_hz * finer_v.size / voltage_v.size
+    expected_db = Sensitivity()(components(friction_n, rate_hz))
+    assert felt().sensation(signal, TOUCH) == pytest.approx(expected_db, abs=0.1)
+
+
+def test_a_body_and_a_grating_depend_on_the_contact():
+    """No factor of components: beside the course of the same scene, computed for that contact alone."""
+    added = effect("body_resistance", resistance_ohm=3e4), effect("texture", period_m=1e-3), default("contact_area")
+    for kinds in (added[:1], added[1:2], added):
+        scene = replace(felt("skin_leakage"), effects=(*felt("skin_leakage").effects, *kinds))
+        for touch in (FingerContact(0.5, 0.05), FingerContact(2.0, 0.08)):
+            touched = replace(scene, contacts=(touch,), accuracy=2e-2)
+            expected_db = touched.resolve().run({"level_db_re_1v": 30.0})["sensation_db"]
+            signal, contact = Sine(60.0, 0.5, rate_hz=100_000.0).at(30.0), Contact(touch.force_n, touch.speed_m_per_s)
+            assert scene.sensation(signal, contact) == pytest.approx(expected_db, abs=0.01)
+
+
+def test_a_finger_that_sticks_and_slips_is_felt_by_its_course():
+    kinds = ("force_law", "dry_friction", "finger_dynamics", "sensitivity")
+    scene = replace(felt(), effects=tuple(default(kind) for kind in kinds), accuracy=1e-3)
+    touched = replace(scene, contacts=(FingerContact(0.5, 0.05),))
+    expected_db = touched.resolve().run({"level_db_re_1v": 40.0})["sensation_db"]
+    signal = Sine(60.0, 0.5, rate_hz=100_000.0).at(40.0)
+    assert scene.sensation(signal, Contact(0.5, 0.05)) == pytest.approx(expected_db, abs=0.1)
 
 
 def test_a_signal_that_is_no_voltage_is_refused():
@@ -111,11 +153,12 @@ def test_no_signal_is_felt_on_a_plate():
         scene.sensation(Sine(60.0, 0.5).at(30.0), Contact(1.0))
 
 
-def test_a_plan_is_resolved_once_for_a_contact(monkeypatch):
-    scene, resolved = felt(), []
-    kept = Scene.resolve
-    monkeypatch.setattr(Scene, "resolve", lambda self: resolved.append(self.contacts) or kept(self))
+def test_settings_are_chosen_once_and_a_spectrum_is_read_once_for_a_signal(monkeypatch):
+    scene, resolved, read = felt(), [], []
+    kept, spectrum = Scene.resolve, record.components_of
+    monkeypatch.setattr(Scene, "resolve", lambda self: resolved.append(self) or kept(self))
+    monkeypatch.setattr(record, "components_of", lambda *a, **k: read.append(a) or spectrum(*a, **k))
     for level in (20.0, 30.0):
-        for contact in (TOUCH, Contact(1.0, 0.05)):
+        for contact in (TOUCH, Contact(1.0, 0.05), TOUCH):
             scene.sensation(Sine(60.0, 0.5).at(level), contact)
-    assert len(resolved) == 2
+    assert (len(resolved), len(read)) == (1, 2)
