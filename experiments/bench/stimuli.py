@@ -1,5 +1,6 @@
 """The stimuli of a study as a bench plays them: from learnt responses, and switched, where a board has two voltages."""
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from functools import partial
@@ -39,19 +40,51 @@ class OnChannels:
 
 
 @dataclass(frozen=True)
+class CommandedSupply:
+    """A switched stimulus whose supply falls with the level from `highest` on, down to `lowest_part` of what it was.
+
+    Drives are in proportion to their supply: the levels down to there are switched alike, below it bursts and pulses
+    are shorter.
+    """
+
+    stimulus: Stimulus
+    highest: float
+    lowest_part: float
+
+    @property
+    def level_unit(self) -> str:
+        return self.stimulus.level_unit
+
+    def at(self, level: float) -> Signal:
+        in_db = self.level_unit.startswith("dB")
+        part = 10 ** ((level - self.highest) / 20) if in_db else level / self.highest
+        part = min(max(part, self.lowest_part), 1.0)
+        signal = self.stimulus.at(level - 20 * math.log10(part) if in_db else level / part)
+        return Signal(part * signal.samples, signal.rate_hz, signal.unit)
+
+
+@dataclass(frozen=True)
 class Board:
     """What switches between `supply_v`, its negative and off; channels move plates, that of an `electrode` does not.
 
-    Foci get their level by the length of bursts, the carrier of electrovibration by the width of pulses.
+    Foci get their level by the length of bursts, the carrier of electrovibration by the width of pulses; both by the
+    supply first, where it can be commanded down to `lowest_supply_v`.
     """
 
     supply_v: float
     rate_hz: float
     n_channels: int
     electrode: int | None
+    lowest_supply_v: float | None = None
 
-    def switched(self, stimulus: Stimulus) -> Stimulus:
-        """The stimulus as this board makes it; what it cannot make stays as it is, and the output refuses it."""
+    def made(self, stimulus: Stimulus, highest: float) -> Stimulus:
+        """The stimulus as this board makes it up to a level; what it cannot make stays, and the output refuses it."""
+        switched = self._switched(stimulus)
+        if switched is stimulus or self.lowest_supply_v is None:
+            return switched
+        return CommandedSupply(switched, highest, self.lowest_supply_v / self.supply_v)
+
+    def _switched(self, stimulus: Stimulus) -> Stimulus:
         from tactometry.stimuli.electrovibration.waveforms.amplitude_modulated import AmplitudeModulated, of_supply
         from tactometry.stimuli.hybrid import Hybrid, MeasuredHybrid
         from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus
@@ -81,7 +114,8 @@ def board_of(output: OutputPart) -> Board | None:
     settings, gain = output.settings, output.gain
     if not isinstance(settings, PackedSettings) or gain is None:
         return None
-    return Board(gain.load_volts_per_unit, settings.rate_hz, settings.n_channels, settings.electrode)
+    clock_and_channels = settings.rate_hz, settings.n_channels, settings.electrode
+    return Board(gain.load_volts_per_unit, *clock_and_channels, settings.lowest_supply_v)
 
 
 def bank_on(experiment: Experiment, bench: BenchFile) -> Mapping[str, Stimulus]:
@@ -95,22 +129,17 @@ def bank_on(experiment: Experiment, bench: BenchFile) -> Mapping[str, Stimulus]:
     bank, board = bank_of(experiment, bench.time_reversal), board_of(bench.output)
     if board is None:
         return bank
-    return {name: _switch(name, stimulus, _lowest(experiment, name), board) for name, stimulus in bank.items()}
+    return {name: _switch(name, stimulus, experiment.bounds(name), board) for name, stimulus in bank.items()}
 
 
-def _lowest(experiment: Experiment, name: str) -> float:
-    """The lowest level of a procedure with this stimulus."""
-    cells = (cell for cell in experiment.cells.values() if cell.condition.stimulus == name)
-    return min(cell.procedure.rule.bounds[0] for cell in cells)
-
-
-def _switch(name: str, stimulus: Stimulus, lowest: float, board: Board) -> Stimulus:
+def _switch(name: str, stimulus: Stimulus, bounds: tuple[float, float], board: Board) -> Stimulus:
     """As the board makes it, down to the lowest level; the highest is for the output to refuse, as of any other."""
+    lowest, highest = bounds
     with rewording(lambda words: f"output, {name}: {words}; nothing was played"):
-        switched = board.switched(stimulus)
-        if switched is not stimulus:
-            switched.at(lowest)
-        return switched
+        made = board.made(stimulus, highest)
+        if made is not stimulus:
+            made.at(lowest)
+        return made
 
 
 def bank_of(experiment: Experiment, learnt: Learnt | None) -> Mapping[str, Stimulus]:

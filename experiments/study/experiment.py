@@ -82,17 +82,25 @@ class Experiment(SessionPlan):
         highest: dict[str, Strongest] = {}
         for cell in self.cells.values():
             name = cell.condition.stimulus
-            where, level = max(self._highest_levels(cell), key=itemgetter(1))
+            where, _, level = max(self._levels(cell), key=itemgetter(2))
             if name not in highest or level > highest[name].level:
                 highest[name] = Strongest(name, where, level, bank[name])
         return tuple(highest.values())
 
-    def _highest_levels(self, cell: WiredCell) -> Iterator[tuple[str, float]]:
-        yield "procedure", cell.procedure.rule.bounds[1]
+    def bounds(self, stimulus: str) -> tuple[float, float]:
+        """The lowest and the highest level at which a session may ask for a stimulus."""
+        cells = (cell for cell in self.cells.values() if cell.condition.stimulus == stimulus)
+        _, lowest, highest = zip(*(levels for cell in cells for levels in self._levels(cell)), strict=True)
+        return min(lowest), max(highest)
+
+    def _levels(self, cell: WiredCell) -> Iterator[tuple[str, float, float]]:
+        """What asks for levels, the lowest and the highest of it."""
+        yield "procedure", *cell.procedure.rule.bounds
         if self.practice is not None:
-            yield "practice", self.practice.bounds[1]
+            yield "practice", *self.practice.bounds
         for key in self.table.task_kind.own_levels:
-            yield f"task.{key}", getattr(self.task, key)
+            level = getattr(self.task, key)
+            yield f"task.{key}", level, level
 
     def course(self, participant: str, n_session: int, number: int, seed: int) -> Course[tuple[Track, ...]]:
         """The protocol of one session: a pure function of its arguments."""

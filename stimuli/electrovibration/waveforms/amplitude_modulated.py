@@ -204,5 +204,5 @@ def _check_reach(needed: FloatArray, lengths: IntArray, peak_v: float, supply_v:
         raise LimitExceeded(
             f"level: found {peak_v:.4g} V, expected at least {peak_v * np.sqrt(SHORTEST / longest):.4g} V, which "
             f"pulses of {SHORTEST:g} sample at the {supply_v:.4g} V of the supply make; raise the level or the rate of "
-            "the board, or lower its supply"
+            "the board, or lower its supply or command it (lowest_supply_v of an output)"
         )

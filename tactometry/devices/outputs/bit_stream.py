@@ -18,8 +18,9 @@ offset  type  what
 
 The payload of version 1 is one word of signs per sample, ``ceil(n_channels / 8)`` bytes; channel q is bit q mod 8 of
 byte q div 8; the bits beyond the last channel are 0. In version 2 a second word follows it, of which channels are on:
-where its bit is 0, the channel is switched off, and its sign bit is 0. A board plays a stream once it has all of it and
-its checksum is right, and switches its outputs off before it, after its last sample, at the end of the file, and at
+where its bit is 0, the channel is switched off, and its sign bit is 0. A board whose supply can be commanded sets it to
+``voltage_v`` first. A board plays a stream once it has all of it, its checksum is right and its supply is that of the
+header, and switches its outputs off before it, after its last sample, at the end of the file, and at
 once when it reads a stream of no samples, which is how "stop" is said.
 """
 

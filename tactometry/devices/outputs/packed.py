@@ -18,7 +18,7 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from ...arguments.require import positive, whole
+from ...arguments.require import expect, positive, whole
 from ...errors import DeviceFailed, InvalidParameter
 from ...signal import Signal
 from .bit_stream import decode, encode, stop_stream
@@ -154,7 +154,7 @@ def open_line(path: Path, within_s: float) -> BoardLine:
     end_s = time.monotonic() + within_s
     while True:
         try:
-            return BoardLine(path, os.open(path, flags, 0o666))
+            return BoardLine(path, _raw(os.open(path, flags, 0o666)))
         except OSError as error:
             nobody_reads = error.errno == errno.ENXIO and path.is_fifo()
             if not nobody_reads:
@@ -168,6 +168,15 @@ def open_line(path: Path, within_s: float) -> BoardLine:
                 "first; nothing was played"
             )
         time.sleep(LOOK_S)
+
+
+def _raw(file: int) -> int:
+    """The same file; a serial line passes on each byte as it is: a terminal adds a carriage return to a line feed."""
+    if os.name == "posix" and os.isatty(file):
+        import tty
+
+        tty.setraw(file)
+    return file
 
 
 def _n_unread(pipe: int) -> int:
@@ -184,6 +193,8 @@ class PackedSettings:
 
     `electrode` is the channel (from 0) that leads to an electrode, where one does; the others lead to transducers.
     With ``gain`` a bit of 1 is 1 unit: ``volts_per_unit * amplifier_gain`` is what a board's supply puts on a load.
+    `lowest_supply_v` says that the board sets its supply to the ``voltage_v`` of each stream before it plays it, and
+    down to which; without it the supply stays as it is.
     """
 
     connected: ClassVar[bool] = True
@@ -191,9 +202,12 @@ class PackedSettings:
     n_channels: int
     rate_hz: float
     electrode: int | None = None
+    lowest_supply_v: float | None = None
 
     def __post_init__(self) -> None:
         positive("PackedSettings", n_channels=self.n_channels, rate_hz=self.rate_hz)
+        if self.lowest_supply_v is not None:
+            positive("PackedSettings", lowest_supply_v=self.lowest_supply_v)
         if self.electrode is not None:
             whole("PackedSettings", lowest=0, highest=self.n_channels - 1, electrode=self.electrode)
 
@@ -216,6 +230,9 @@ class PackedOutput(AmplifiedDriver):
 
     def __init__(self, settings: PackedSettings, gain: Gain) -> None:
         super().__init__(f"packed {settings.path}", settings.n_channels, settings.rate_hz, gain)
+        self._lowest_v = self.full_scale_v if settings.lowest_supply_v is None else settings.lowest_supply_v
+        supply = f"at most the {self.full_scale_v:.6g} V of the supply"
+        expect(self._lowest_v <= self.full_scale_v, "output.lowest_supply_v", f"{self._lowest_v:.6g} V", supply)
         self._path = Path(settings.path)
         self._line: BoardLine | None = None
         self._is_open = False
@@ -246,15 +263,23 @@ class PackedOutput(AmplifiedDriver):
             emitted = decode(self._stream_of(signal))
         except InvalidParameter as error:
             raise DeviceFailed(f"output {self.name!r}: {error}; nothing was played") from None
-        supply_v = self.full_scale_v
-        # a signal of no samples is "stop" and has no voltage; 1e-9: the supply is a product, the level may be another
-        if signal.samples.size and abs(signal.peak - supply_v) > 1e-9 * supply_v:
-            raise DeviceFailed(
-                f"output {self.name!r}: found a signal of {signal.peak:.6g} V, expected the {supply_v:.6g} V of the "
-                "supply, which one bit cannot scale; take foci or amplitude_modulated, whose level a bench makes by "
-                "bursts and pulses; nothing was played"
-            )
+        # a signal of no samples is "stop" and has no voltage
+        if signal.samples.size:
+            self._check_supply(signal.peak)
+        supply_v = min(max(signal.peak, self._lowest_v), self.full_scale_v)
         return Signal(np.sign(emitted.samples) * supply_v, emitted.rate_hz, "V")
+
+    def _check_supply(self, peak_v: float) -> None:
+        # 1e-9: the supply is a product, the level may be another
+        if self._lowest_v * (1 - 1e-9) <= peak_v <= self.full_scale_v * (1 + 1e-9):
+            return
+        fixed = self._lowest_v == self.full_scale_v
+        supply = f"{self.full_scale_v:.6g} V" if fixed else f"{self._lowest_v:.6g} to {self.full_scale_v:.6g} V"
+        raise DeviceFailed(
+            f"output {self.name!r}: found a signal of {peak_v:.6g} V, expected the {supply} of the supply, which one "
+            "bit cannot scale; take foci or amplitude_modulated, whose level a bench makes by bursts and pulses; "
+            "nothing was played"
+        )
 
     def play(self, signal: Signal) -> float:
         self.final(signal)  # for what it refuses
