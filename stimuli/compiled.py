@@ -1,12 +1,14 @@
 """Loops that numba compiles: the one import of its decorator.
 
 Machine code on disk is found by the types of its arguments. An `entry` takes plain tuples therefore: a named one would
-tie a file that outlives this source to the name of a class in it.
+tie a file that outlives this source to the name of a class in it. `uniform` arguments keep it to one machine code: a
+whole number for a float, or columns for rows, would be compiled anew, which takes seconds.
 """
 
-from collections.abc import Callable
-from typing import TypeVar
+from collections.abc import Callable, Iterable
+from typing import Any, TypeVar
 
+import numpy as np
 from numba import njit
 
 Loop = TypeVar("Loop", bound=Callable[..., object])
@@ -22,3 +24,14 @@ def entry(loop: Loop) -> Loop:
     """A loop that Python calls, as machine code that is kept on disk."""
     made: Loop = njit(cache=True)(loop)
     return made
+
+
+def uniform(values: Iterable[object]) -> tuple[Any, ...]:
+    """The values as a plain tuple: arrays by rows, whole numbers as floats."""
+    return tuple(map(_uniform, values))
+
+
+def _uniform(value: object) -> object:
+    if isinstance(value, np.ndarray):
+        return np.ascontiguousarray(value)
+    return float(value) if isinstance(value, int | np.integer) and not isinstance(value, bool) else value

@@ -5,7 +5,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...arrays import FloatArray, IndexArray
-from ...compiled import compiled, entry
+from ...compiled import compiled, entry, uniform
 from .phases import Heights, Phases
 
 Bare = tuple[Any, ...]
@@ -132,7 +132,7 @@ def march(z: FloatArray, newton: float, plan: DrivenPlan) -> FloatArray:
 
 def respond(newton: float, heights: Heights, plan: DrivenPlan) -> FloatArray:
     """Driven states (n, n_wanted) under the force ``newton u^2``, u the linear form of the circuit's states."""
-    return _respond(newton, tuple(heights), _bare(plan))
+    return _respond(newton, uniform(heights), _bare(plan))
 
 
 def slide(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan) -> FloatArray:
@@ -140,7 +140,7 @@ def slide(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan) -
 
     The heights have a first axis (n_stimuli,).
     """
-    return _slide(newton, tuple(finger), tuple(heights), _bare(plan))
+    return _slide(newton, uniform(finger), uniform(heights), _bare(plan))
 
 
 def _bare(plan: DrivenPlan) -> Bare:

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...arrays import ComplexArray, FloatArray
-from ...compiled import compiled, entry
+from ...compiled import compiled, entry, uniform
 from .compiled_loops import Bare, enter, response_at
 from .phases import Heights, Phases
 
@@ -317,7 +317,8 @@ def flow(
     of slip (0: stuck); rows of the second: time of an event, direction after. The last two are a failure and its time:
     `TOO_MANY` events, `CHATTER` (that many at one instant), or `TOO_LONG`; `most` events and steps are made.
     """
-    return _flow_entry(tuple(heights), tuple(phases), tuple(layers), tuple(steps), tuple(contact), start, most)
+    at = uniform(heights), tuple(phases), tuple(layers), tuple(steps)
+    return _flow_entry(*at, uniform(contact), float(start), most)
 
 
 @entry

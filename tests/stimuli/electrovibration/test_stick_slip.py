@@ -22,7 +22,7 @@ from tactometry.stimuli.electrovibration import (
     stick_slip,
 )
 from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
-from tactometry.stimuli.electrovibration.motion import stick_slip as sticking
+from tactometry.stimuli.electrovibration.motion import power_series, stick_slip as sticking
 from tactometry.stimuli.electrovibration.waveforms.pieces import straight
 
 FINGER, FRICTION = Finger(), DryFriction(0.6, 0.5)
@@ -54,6 +54,15 @@ def test_period_of_stick_and_slip_in_closed_form() -> None:
     assert motion.event_directions.tolist() == [1.0, 0.0] * (len(motion.events_s) // 2) + [1.0] * (
         len(motion.events_s) % 2
     )
+
+
+def test_whole_numbers_and_columns_are_not_compiled_anew() -> None:
+    """Each other type of an argument took seconds."""
+    starts_s, flat = np.array([0.0, 0.05]), np.zeros(2)
+    by_columns = Pieces(starts_s, 0.1, flat, flat, np.array([60.0, 90.0]), np.ones((2, 2), np.complex128, order="F"))
+    run(force_n=1.0)
+    run(by_columns, force_n=1)
+    assert len(power_series._flow_entry.signatures) == 1
 
 
 def leg(pieces: Pieces, form: ForceForm, travel: Travel, force_n: float, way: int, start: list[float], stop: float):
