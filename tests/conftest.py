@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from compile_once import compile_once
 from force_bench import needed
 from hands import SCREEN_PX, Hands
 from hard_cases import only_hard_cases, pytest_addoption, pytest_sessionfinish
@@ -30,6 +31,7 @@ settings.register_profile("once", settings.get_profile("reduced"), max_examples=
 settings.register_profile("soak", deadline=None, max_examples=1000)
 settings.load_profile("soak" if SOAK else "reduced")
 write_in_memory()
+compile_once()
 
 # Every core has a process of its own: threads of linear algebra would wait for each other by spinning, at four times
 # the processor time. Read when numpy is first loaded: by the processes that pytest starts, and by their programs.
@@ -50,10 +52,16 @@ def pytest_xdist_auto_num_workers():
     return (os.cpu_count() or 1) + 1
 
 
-def pytest_collection_finish():
-    """What was collected stays until the end: no collection of garbage goes through it again."""
-    gc.collect()
-    gc.freeze()
+@pytest.hookimpl(wrapper=True)
+def pytest_collection():
+    """What is collected stays until the end: no collection of garbage goes through it, then or later."""
+    gc.disable()
+    try:
+        return (yield)
+    finally:
+        gc.enable()
+        gc.collect()
+        gc.freeze()
 
 
 def pytest_report_header():

@@ -109,7 +109,9 @@ def test_every_repeated_touch_of_other_tasks_is_one(tmp_path):
 # --- digits
 
 
-@pytest.mark.parametrize("factor", [1e-5, 0.01, 1.0, 400.0])
+@pytest.mark.parametrize(
+    "factor", [1e-5, 400.0, *(pytest.param(factor, marks=pytest.mark.slow) for factor in (0.01, 1.0))]
+)
 def test_a_threshold_keeps_three_digits_wherever_it_is_told(tmp_path, capsys, factor):
     """In volts that no table of one decimal place can show."""
     rows = [

@@ -86,6 +86,7 @@ def climbed_from_everywhere(posterior) -> np.ndarray:
     return found.log_density.reshape(len(counts), -1).max(axis=1)
 
 
+@pytest.mark.slow
 def test_the_highest_summit_is_found_in_999_of_1000_unruly_sets() -> None:
     """Against climbs from everywhere; 3 600 sets in the soak (200 of each of 18 kinds)."""
     rng, n, missed = np.random.default_rng(), 200 if SOAK else 3, 0

@@ -72,7 +72,13 @@ def test_little_overdispersion_is_the_binomial() -> None:
     assert beta.gradient == pytest.approx(binomial.gradient, rel=1e-3, abs=1e-3)
 
 
-@pytest.mark.parametrize("name", MATLAB)
+ONE_EACH = ("M_2AFC_norm", "M_YesNo_logistic")
+"""Both tasks; `make check` takes every shape."""
+
+
+@pytest.mark.parametrize(
+    "name", [name if name in ONE_EACH else pytest.param(name, marks=pytest.mark.slow) for name in MATLAB]
+)
 def test_means_and_intervals_of_matlab_psignifit(name: str) -> None:
     """Ends within 2 % of the interval's width; MATLAB's own are about 1 % wide on each side."""
     path = SHARED / "data" / "psignifit_matlab_cases.json"

@@ -7,7 +7,7 @@ import subprocess
 from pathlib import Path
 
 import pytest
-from command_line import call
+from command_line import call, status
 from hypothesis import given, strategies as st
 from patience import LONGEST_PROGRAM_S
 
@@ -61,15 +61,20 @@ def test_validate_names_a_study_that_is_a_path(tmp_path, capsys):
     assert "column 'study': found 'x/../../../../../OUTSIDE', expected the name of a study" in out
 
 
-def test_a_factor_that_is_a_path_stays_in_the_folder_of_the_report(tmp_path, capsys):
-    file = table(tmp_path, factor="../../../OUTSIDE")
-    report, figures = tmp_path / "a/b/r.html", tmp_path / "c/figures"
-    report.parent.mkdir(parents=True)
-    status, said, _ = call(capsys, "analyse", file, "--report", report, "--figures", figures)
-    assert status == 0, said
-    outside = {path for path in files(tmp_path) if not path.is_relative_to(report.parent)}
-    assert {path for path in outside if not path.is_relative_to(figures)} == {file}
-    assert (report.parent / "r_tables/pairs_threshold_..%2F..%2F..%2FOUTSIDE.csv").is_file()
+@pytest.fixture(scope="module")
+def analysed(tmp_path_factory):
+    """A folder with a table of hostile cells, `trials.csv`, its report in `a/b` and its figures in `c/figures`."""
+    folder = tmp_path_factory.mktemp("analysed")
+    file = table(folder, factor="=../../../OUTSIDE", level="=cmd|'/c calc'!A1")
+    (folder / "a/b").mkdir(parents=True)
+    assert status("analyse", file, "--report", folder / "a/b/r.html", "--figures", folder / "c/figures") == 0
+    return folder
+
+
+def test_a_factor_that_is_a_path_stays_in_the_folder_of_the_report(analysed):
+    outside = {path for path in files(analysed) if not path.is_relative_to(analysed / "a/b")}
+    assert {path for path in outside if not path.is_relative_to(analysed / "c/figures")} == {analysed / "trials.csv"}
+    assert (analysed / "a/b/r_tables/pairs_threshold_%3D..%2F..%2F..%2FOUTSIDE.csv").is_file()
 
 
 @given(st.text(), st.text())
@@ -145,11 +150,8 @@ def test_exports_hold_no_formula(tmp_path, form, level):
             )
 
 
-def test_tables_of_an_analysis_hold_no_formula(tmp_path, capsys):
-    file = table(tmp_path, factor="=f", level="=cmd|'/c calc'!A1")
-    status, said, _ = call(capsys, "analyse", file, "--report", tmp_path / "r.html", "--figures", tmp_path / "figures")
-    assert status == 0, said
-    written = [path for path in files(tmp_path) if path.suffix == ".csv" and path != file]
+def test_tables_of_an_analysis_hold_no_formula(analysed):
+    written = [path for path in files(analysed) if path.suffix == ".csv" and path.name != "trials.csv"]
     assert written
     found = [cell for path in written for cell in cells_of(path) if cell.startswith(FORMULA)]
     assert all(float(cell) <= 0 for cell in found)

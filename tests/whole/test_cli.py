@@ -113,12 +113,11 @@ def test_processes_change_no_byte(tmp_path, alone, options):
 def test_a_cluster_changes_no_byte(tmp_path, alone):
     pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
     script = (
-        "import distributed, subprocess, sys\n"
+        "import distributed, sys\n"
+        "from tactometry.cli import main\n"
         "if __name__ == '__main__':\n"
         "    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:\n"
-        "        words = [sys.executable, '-m', 'tactometry', *sys.argv[1:]]\n"
-        "        words += ['--scheduler', cluster.scheduler_address]\n"
-        "        sys.exit(subprocess.run(words).returncode)\n"
+        "        main([*sys.argv[1:], '--scheduler', cluster.scheduler_address])\n"
     )
     (tmp_path / "cluster.py").write_text(script)
     words = [sys.executable, tmp_path / "cluster.py", *SIMULATED, "--out", tmp_path / "d"]
@@ -180,9 +179,9 @@ def test_the_sine_variant_is_one_line_and_its_censored_cells_stay_bounds(tmp_pat
     output(capsys, "new", "electrovibration-threshold", "--out", "sine.toml")
     study = Path("sine.toml").read_text("utf-8")
     Path("sine.toml").write_text(study.replace('kind = "amplitude_modulated"', 'kind = "sine"'), "utf-8")
-    output(capsys, "simulate", "sine.toml", "--participants", 4, "--seed", 2, "--out", "d")
+    output(capsys, "simulate", "sine.toml", "--participants", 3, "--seed", 2, "--out", "d")
     out = output(capsys, "analyse", "d")
-    assert re.search(r" 30 │ .*of 4: \d above the", out)
+    assert re.search(r" 30 │ .*of 3: \d above the", out)
     assert "95 % interval between participants" in out
     assert re.search(r"analysis of variance of values and bounds\s+\(by the rule", out)
     assert re.search(r"values and bounds\s+leaves\s+out\s+frequency\s+=\s+30\s+Hz", out)

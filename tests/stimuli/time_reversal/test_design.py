@@ -74,7 +74,7 @@ def check_laws(thickness_m, side_m, band, n=32, tau_s=TAU_S, ratio=2.0, size_m=(
     ("thickness_m", "side_m", "band"),
     [
         (0.3e-3, 10e-3, BAND),
-        (0.5e-3, 10e-3, Band(36e3, 108e3)),
+        pytest.param(0.5e-3, 10e-3, Band(36e3, 108e3), marks=pytest.mark.slow),
         (1.1e-3, 2e-3, Band(200.0, 60e3)),
         (1.1e-3, 10e-3, BAND),
         (2e-3, 10e-3, BAND),
