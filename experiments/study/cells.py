@@ -27,7 +27,8 @@ class StimulusKind:
     """Target strings of a stimulus and of the model of what is felt of it, and the fields that both share.
 
     `stands` says that it is at one place, which a finger that slides would leave; `follows`, that only one that slides
-    feels it. `parts` names the kinds that a table within may have, by its key.
+    feels it. `parts` names the kinds that a table within may have, by its key. `surface` is the kind of surface that a
+    scene may have under it; empty of what is measured, not felt.
     """
 
     stimulus: str
@@ -36,6 +37,7 @@ class StimulusKind:
     stands: bool = False
     follows: bool = False
     parts: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
+    surface: str = "electrovibration"
 
 
 ELECTROVIBRATION = "tactometry.stimuli.electrovibration.sensation:ElectrovibrationSensation"
@@ -44,6 +46,7 @@ FOCUSING = StimulusKind(
     "tactometry.stimuli.time_reversal.stimulus.sensation:TimeReversalSensation",
     ("setup",),
     stands=True,
+    surface="time_reversal",
 )
 STIMULI: Mapping[str, StimulusKind] = {
     **{kind: StimulusKind(waveform.target, ELECTROVIBRATION) for kind, waveform in WAVEFORMS.items()},
@@ -60,8 +63,14 @@ STIMULI: Mapping[str, StimulusKind] = {
         "tactometry.stimuli.time_reversal.stimulus.sensation:FocusReading",
         FOCUSING.shared,
         stands=True,
+        surface="",
     ),
-    "hybrid": StimulusKind("tactometry.stimuli.hybrid:Hybrid", "tactometry.stimuli.hybrid:HybridSensation", ("setup",)),
+    "hybrid": StimulusKind(
+        "tactometry.stimuli.hybrid:Hybrid",
+        "tactometry.stimuli.hybrid:HybridSensation",
+        ("setup",),
+        surface="hybrid",
+    ),
 }
 TOUCHES: Mapping[str, type[Pressing] | type[Sliding]] = {"press": Pressing, "slide": Sliding}
 
@@ -168,7 +177,8 @@ class Wiring:
         beside = "expected one of the two: the scene's effects hold such keys; remove one"
         if of["sensation"]:
             raise InvalidParameter(f"sensation: found a table beside [scene], {beside}")
-        return felt_scene(of["scene"], of["stimulus"]["kind"], stimulus, touch)
+        scene = felt_scene(of["scene"], kind.surface, stimulus, touch)
+        return self._sensations.setdefault(repr(scene), scene)
 
     def _sensation(self, kind: StimulusKind, table: Mapping[str, Any], stimulus: Any) -> Sensation:
         shared = {name: getattr(stimulus, name) for name in kind.shared}

@@ -8,7 +8,9 @@ from math import inf
 from tactometry.config.strict import fields_of, is_required
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
+from tactometry.followed import felt_under, straight_way
 from tactometry.loading import resolve
+from tactometry.session.request import TRAJECTORY_M
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import Effect
 from tactometry.stimuli.scenes.effects import EFFECTS
@@ -92,7 +94,8 @@ def felt_effects(experiment: Experiment) -> list[FeltEffects]:
 
 
 def _explanation(cell: WiredCell, scene: Scene, level: float) -> FeltEffects:
-    contact, signal = contact_of(cell), cell.stimulus.at(level)
+    contact = contact_of(cell)
+    signal = _played(cell, level, contact.speed_m_per_s)
     felt_db, felt = scene.sensation(signal, contact), scene.felt()
     off = felt.off()
     idle = (LeftOut(effect.kind, why="no output needs it") for effect in off)
@@ -111,6 +114,12 @@ def contact_of(cell: WiredCell) -> Contact:
     """How the finger meets the surface in a cell of a study."""
     touch = cell.condition.touch
     return Contact(getattr(touch, "force_n", 0.0), getattr(touch, "speed_m_per_s", 0.0))
+
+
+def _played(cell: WiredCell, level: float, speed_m_per_s: float) -> Signal:
+    """The signal of a level, under a finger that slides straight on where it follows one."""
+    signal = cell.stimulus.at(level)
+    return felt_under(cell.stimulus, signal, *straight_way(signal.duration_s, speed_m_per_s, TRAJECTORY_M))
 
 
 def _in_words(contact: Contact) -> str:
@@ -136,7 +145,10 @@ def _change(scene: Scene, effect_class: type[Effect], signal: Signal, contact: C
     others = tuple(effect for effect in scene.effects if not _exclude(effect, effect_class))
     instead_of = tuple(effect.kind for effect in scene.effects if effect not in others)
     try:
-        with_it = replace(scene, effects=(*others, effect_class()))
+        added = effect_class()
+        with_it = replace(scene, effects=(*others, added))
+        if added in with_it.felt().off():
+            return LeftOut(kind, instead_of, why="nothing that is felt needs it")
         predicted_s = with_it.felt().resolve().predicted_s
         change_db = with_it.sensation(signal, contact) - felt_db if predicted_s <= LONGEST_S else inf
     except InvalidParameter:

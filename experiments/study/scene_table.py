@@ -3,29 +3,40 @@
 A study states what is played in `[stimulus]` and who touches it in `[touch]`; the scene holds what is between them.
 """
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any, Final
 
 from tactometry.arguments.require import expect
-from tactometry.config.strict import build, build_kind
+from tactometry.config.strict import build, build_kind, check_keys
 from tactometry.contact import Contact
 from tactometry.errors import nearest, rewording
+from tactometry.loading import resolve
 from tactometry.protocols.tasks.touch import Sliding, Touch
 from tactometry.signal import Signal
-from tactometry.stimuli.composition.effect import Effect
-from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
+from tactometry.stimuli.composition.effect import Effect, Surface
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.scene import SENSATION, Scene
 from tactometry.stimuli.scenes.surfaces import SURFACES
+from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
+from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen
+from tactometry.stimuli.scenes.surfaces.played_electrovibration import PlayedElectrovibration
+from tactometry.stimuli.scenes.surfaces.played_hybrid import PlayedHybrid
+from tactometry.stimuli.scenes.surfaces.played_time_reversal import PlayedTimeReversal
 
 from ..scenes import names, path_of
+from .procedure_table import without
 
-KIND: Final = "electrovibration"
+SUCH_AS: Final = {
+    "electrovibration": "electrovibration-panel",
+    "time_reversal": "a4-screen",
+    "hybrid": "hybrid-screen",
+}
 TONE: Final = ("frequency_hz", "duration_s", "ramp_s")
-SILENT: Final = {"frequency_hz": 1.0}
+SILENT: Final = {"kind": "electrovibration", "frequency_hz": 1.0}
 """The tone of a panel, whose place is taken by what is played."""
+Parts = tuple[dict[str, Any], tuple[Effect, ...]]
 
 
 @dataclass(frozen=True)
@@ -68,8 +79,8 @@ class FeltScene:
         return self.scene.sensation(signal, contact)
 
 
-def felt_scene(table: Mapping[str, Any], kind: str, stimulus: Any, touch: Touch) -> FeltScene:
-    """The scene of a table, under a stimulus of a kind and a touch.
+def felt_scene(table: Mapping[str, Any], surface: str, stimulus: Any, touch: Touch) -> FeltScene:
+    """The scene of a table on a kind of surface, under the stimulus that is played there, and a touch.
 
     Raises
     ------
@@ -77,38 +88,80 @@ def felt_scene(table: Mapping[str, Any], kind: str, stimulus: Any, touch: Touch)
         If the table holds what a scene does not know, no scene plays such a stimulus, or it gives no sensation so
         accurately under this touch: one sentence that opens with the key.
     """
-    expected = "a voltage on one electrode; remove [scene]: what is felt then stands in [sensation]"
-    expect(kind in WAVEFORMS, "scene", f"a table with the stimulus {kind!r}", expected)
+    expected = "one that is felt; remove [scene]: what is read then stands in [sensation]"
+    expect(surface in PLAYED, "scene", "a table with a stimulus that is measured", expected)
     read = build(SceneTable, table, "scene")
-    surface, effects = _parts_of_scene(read.name) if read.name else _parts_of_table(read)
-    expect(isinstance(touch, Sliding), "touch.kind", "'press' with a [scene]", "'slide': friction is felt in motion")
+    stated, effects = _parts_of_scene(read.name, surface) if read.name else _parts_of_table(read, surface)
+    rests = surface == "electrovibration" and not isinstance(touch, Sliding)
+    expect(not rests, "touch.kind", "'press' with a [scene]", "'slide': friction is felt in motion")
     with rewording(_in_study):
-        panel = build_kind({**surface, **SILENT, "duration_s": stimulus.duration_s}, "surface", SURFACES).played()
-        scene = Scene(panel, effects, (SENSATION,), read.accuracy, panel.touches)
+        played = PLAYED[surface](stated, stimulus, "surface")
+        scene = Scene(played, effects, (SENSATION,), read.accuracy, played.touches)
         scene.felt().resolve()
         return FeltScene(scene)
 
 
-def _parts_of_table(read: SceneTable) -> tuple[dict[str, Any], tuple[Effect, ...]]:
-    """Surface and effects of the table itself."""
-    kind = read.surface.get("kind", KIND)
-    expect(kind == KIND, "scene.surface.kind", repr(kind), f"{KIND!r}, which the stimulus is played on")
+def _panel(stated: Mapping[str, Any], stimulus: Any, where: str) -> PlayedElectrovibration:
+    """An electrode, whose layers are stated as those of a scene."""
     for name in TONE:
-        expect(name not in read.surface, f"scene.surface.{name}", "what [stimulus] states", "it there alone; remove it")
+        expect(name not in stated, f"{where}.{name}", "what [stimulus] states", "it there alone; remove it")
+    panel: Electrovibration = build_kind({**SILENT, **stated, "duration_s": stimulus.duration_s}, where, SURFACES)
+    return panel.played()
+
+
+def _plate(stated: Mapping[str, Any], stimulus: Any, where: str) -> PlayedTimeReversal:
+    """A plate as the stimulus states it, and where the finger is."""
+    return build(PlayedTimeReversal, without(stated, "kind"), where, setup=stimulus.setup)
+
+
+def _both(stated: Mapping[str, Any], stimulus: Any, where: str) -> PlayedHybrid:
+    """A plate with an electrode."""
+    check_keys(stated, ("kind", "electrovibration", "time_reversal"), where)
+    panel = _panel(stated.get("electrovibration", {}), stimulus, f"{where}.electrovibration")
+    return PlayedHybrid(panel, _plate(stated.get("time_reversal", {}), stimulus, f"{where}.time_reversal"))
+
+
+PLAYED: Final[Mapping[str, Callable[[Mapping[str, Any], Any, str], Surface]]] = {
+    "electrovibration": _panel,
+    "time_reversal": _plate,
+    "hybrid": _both,
+}
+"""By the kind of a surface, how it comes from the table `surface` and a stimulus."""
+
+
+def _parts_of_table(read: SceneTable, surface: str) -> Parts:
+    """Surface and effects of the table itself."""
+    kind = read.surface.get("kind", surface)
+    expect(kind == surface, "scene.surface.kind", repr(kind), f"{surface!r}, which the stimulus is played on")
     effects = tuple(build_kind(table, f"scene.effects[{n}]", EFFECTS) for n, table in enumerate(read.effects))
     for n, effect in enumerate(effects):
-        changes = f"{effect.kind!r}, which changes what is played"
-        expect(not effect.in_signal, f"scene.effects[{n}]", changes, "what [stimulus] plays alone; remove it")
-    return {"kind": KIND, **read.surface}, effects
+        changes = f"{effect.kind!r}, which changes what is played or on what"
+        known = effect.kind in resolve(SURFACES[surface]).effects
+        expect(
+            not (known and effect.in_signal), f"scene.effects[{n}]", changes, "what [stimulus] states alone; remove it"
+        )
+    return read.surface, effects
 
 
-def _parts_of_scene(name: str) -> tuple[dict[str, Any], tuple[Effect, ...]]:
-    """Surface and effects of a built-in scene, but for what a stimulus plays."""
+def _parts_of_scene(name: str, surface: str) -> Parts:
+    """Surface and effects of a built-in scene, but for what a stimulus states."""
     scene = load_scene(path_of(name)).scene
-    kind = scene.surface.kind
-    expected = f"one on {KIND!r}, such as 'electrovibration-panel'"
-    expect(kind == KIND, "scene.name", f"{name!r}, a scene on {kind!r}", expected)
-    return {"kind": kind, **vars(scene.surface)}, tuple(effect for effect in scene.effects if not effect.in_signal)
+    of = getattr(scene.surface, surface, scene.surface)  # of a hybrid screen the side that is played on
+    kind = of.kind
+    expected = f"one on {surface!r}, such as {SUCH_AS[surface]!r}"
+    expect(kind == surface, "scene.name", f"{name!r}, a scene on {kind!r}", expected)
+    levels = tuple(output for output in scene.outputs if output.endswith(SENSATION)) or (SENSATION,)
+    with rewording(_in_study):
+        idle = replace(scene, outputs=levels).off()
+    on_it = (one for one in scene.effects if one.kind in of.effects)
+    return _stated(of), tuple(one for one in on_it if not one.in_signal and one not in idle)
+
+
+def _stated(surface: Surface) -> dict[str, Any]:
+    """What of the surface of a scene a stimulus does not state."""
+    if isinstance(surface, HybridScreen):
+        return {"electrovibration": _stated(surface.electrovibration)}
+    return without(vars(surface), *TONE) if isinstance(surface, Electrovibration) else {}
 
 
 def _in_study(refusal: str) -> str:

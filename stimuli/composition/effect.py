@@ -280,8 +280,8 @@ class Surface:
             If no signal can be given to it.
         """
         raise InvalidParameter(
-            f"surface.kind: found {self.kind!r}, of which no played signal is felt, expected 'electrovibration'; leave "
-            "the scene out"
+            f"surface.kind: found {self.kind!r}, of which no played signal is felt, expected 'electrovibration', or a "
+            "plate as a stimulus states it (PlayedTimeReversal, PlayedHybrid)"
         )
 
     def reaches(self, contact: Contact) -> bool:

@@ -10,11 +10,15 @@ from places import DOCS
 from study_texts import changed
 
 from tactometry.contact import Contact
+from tactometry.errors import InvalidParameter
+from tactometry.experiments.study.cells import STIMULI
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.felt_effects import felt_effects
+from tactometry.experiments.study.scene_table import felt_scene
 from tactometry.experiments.study.study_file import load, parse
 from tactometry.stimuli.electrovibration import ElectrovibrationSensation
 from tactometry.stimuli.scenes.effects import EFFECTS, OF_ELECTROVIBRATION
+from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation
 
 TUTORIAL = load("tutorial")[1].decode()
 EFFECT_LINES = {
@@ -104,7 +108,7 @@ SENTENCES = {
     "accuracy out of reach": (scene(accuracy=1e-12), "loosen the accuracy"),
     "what is played": (
         scene('{ kind = "carrier" }'),
-        "scene.effects[0]: found 'carrier', which changes what is played, expected what [stimulus] plays alone; remove",
+        "scene.effects[0]: found 'carrier', which changes what is played or on what, expected what [stimulus] states",
     ),
     "the tone": (
         scene(surface="{ frequency_hz = 60 }"),
@@ -216,3 +220,110 @@ def test_the_table_of_the_page_is_felt():
     table = page.partition("```toml\n")[2].partition("```")[0]
     (felt,) = felt_effects(wired(f"{TUTORIAL}\n{table}"))
     assert felt.felt[-2:] == ("receptors", "masking")
+
+
+# --- foci, and both at once
+
+PLATE = """
+[scene]
+effects = [{ kind = "finger_load" }, { kind = "focus_detection", reference_m = 8e-6 }]
+"""
+
+
+def of_study(name, more):
+    return wired(load(name)[1].decode() + more)
+
+
+def cell_of(experiment, kind):
+    return next(cell for cell in experiment.cells.values() if cell.condition.stimulus.startswith(kind))
+
+
+@pytest.mark.parametrize("criterion", ["loaded", "unloaded"])
+def test_foci_are_felt_through_a_scene_as_through_the_formula_of_its_effects(criterion):
+    loads = criterion == "loaded"
+    table = PLATE if loads else PLATE.replace('{ kind = "finger_load" }, ', "")
+    cell = cell_of(of_study("time-reversal-threshold", table), "focus")
+    formula = TimeReversalSensation(cell.stimulus.setup, 8e-6, criterion)
+    for contact in (Contact(0.5), Contact(3.0)):
+        signal = cell.stimulus.at(20.0)
+        assert cell.sensation.sensation_db(signal, contact) == pytest.approx(
+            formula.sensation_db(signal, contact), abs=1e-9
+        )
+
+
+def test_a_built_in_scene_of_a_plate_takes_that_of_the_stimulus():
+    (felt,) = felt_effects(of_study("time-reversal-threshold", '\n[scene]\nname = "a4-screen"\n'))
+    assert felt.felt == ("finger_load", "focus_detection")
+    assert felt.assumed[0].startswith("plate, patches and losses as the stimulus states them")
+
+
+def test_a_built_in_scene_of_both_is_felt_on_the_side_that_each_stimulus_is_played_on():
+    experiment = of_study("hybrid-button", '\n[scene]\nname = "hybrid-screen"\n')
+    felt = {one.stimulus.partition(",")[0]: one.felt for one in felt_effects(experiment)}
+    rested = ("finger_load", "focus_detection")
+    slid = ("skin_leakage", "contact_area", "force_law", "friction", "friction_lag", "sensitivity")
+    assert felt == {"focus": rested, "amplitude_modulated": slid, "hybrid": (*rested, *slid)}
+
+
+def test_of_both_the_stronger_one_is_felt_and_friction_by_a_finger_that_slides():
+    experiment = of_study("hybrid-button", '\n[scene]\nname = "hybrid-screen"\n')
+    both, foci = (cell_of(experiment, kind) for kind in ("hybrid", "focus"))
+    friction = cell_of(experiment, "amplitude_modulated").sensation.scene
+    signal = both.stimulus.at(16.0)
+    resting, sliding = (both.sensation.sensation_db(signal, Contact(1.0, speed)) for speed in (0.0, 0.05))
+    of_foci = foci.sensation.sensation_db(both.stimulus.focus.at(16.0), Contact(1.0))
+    of_friction = friction.sensation(
+        both.stimulus.friction.at(16.0 + both.stimulus.electrode_offset_db), Contact(1, 0.05)
+    )
+    assert resting == pytest.approx(of_foci, abs=1e-6)
+    assert sliding == pytest.approx(max(of_foci, of_friction), abs=1e-6)
+
+
+FOCI = load("time-reversal-threshold")[1].decode()
+ON_A_PLATE = {
+    "no threshold": ('effects = [{ kind = "finger_load" }]', "add the effect focus_detection"),
+    "what the stimulus states": (
+        'effects = [{ kind = "shear" }, { kind = "focus_detection" }]',
+        "scene.effects[0]: found 'shear', which changes what is played or on what, expected what [stimulus] states",
+    ),
+    "an effect of the other surface": (
+        'effects = [{ kind = "friction" }, { kind = "focus_detection" }]',
+        "scene.effects[0]: found 'friction', which 'time_reversal' does not know, expected an effect of ",
+    ),
+    "a scene on the other surface": (
+        'name = "electrovibration-panel"',
+        "scene.name: found 'electrovibration-panel', a scene on 'electrovibration', expected one on 'time_reversal', "
+        "such as 'a4-screen'",
+    ),
+    "a scene without a threshold": ('name = "thin-screen"', "add the effect focus_detection"),
+    "a finger beside the plate": (
+        'effects = [{ kind = "focus_detection" }]\nsurface = { finger_x_m = 2.0 }',
+        "scene.surface.finger_x_m, finger_y_m: found (2.0, ",
+    ),
+    "a plate": (
+        'effects = [{ kind = "focus_detection" }]\nsurface = { length_m = 0.1 }',
+        "scene.surface.length_m: found an unknown key",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", ON_A_PLATE)
+def test_a_scene_of_a_plate_that_cannot_be_felt_is_refused(name):
+    keys, sentence = ON_A_PLATE[name]
+    with pytest.raises(InvalidParameter) as refused:
+        wired(f"{FOCI}\n[scene]\n{keys}\n")
+    assert sentence in str(refused.value)
+
+
+def test_a_stimulus_that_is_measured_takes_no_scene():
+    reading = STIMULI["measured_focus"]
+    with pytest.raises(InvalidParameter, match="scene: found a table with a stimulus that is measured, expected one"):
+        felt_scene({"name": "a4-screen"}, reading.surface, None, None)
+
+
+def test_the_plate_of_the_page_is_felt_loaded_and_not():
+    page = (DOCS / "studies.md").read_text("utf-8").partition("On a plate that focuses")[2]
+    table = page.partition("```toml\n")[2].partition("```")[0]
+    told = felt_effects(of_study("time-reversal-threshold", f"\n{table}"))
+    assert [one.felt for one in told] == [("focus_detection",)]
+    assert {one.effect: one.change_db for one in told[0].left_out}["finger_load"] < -1

@@ -17,6 +17,7 @@ class Amplifier(Effect):
 
     kind = "amplifier"
     slot = "amplifier"
+    in_signal = True
     positive = ("cutoff_hz", "order")
 
     cutoff_hz: float = 60e3

@@ -22,6 +22,7 @@ class Losses(Effect):
 
     kind = "attenuation"
     slot = "attenuation"
+    in_signal = True
     reads, gives = ("screen",), "screen"
 
     tau_s: float = 3.5e-3

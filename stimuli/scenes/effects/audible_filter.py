@@ -22,6 +22,7 @@ class AudibleFilter(Effect):
 
     kind = "audible_filter"
     slot = "filter"
+    in_signal = True
     positive = ("cutoff_hz", "flank_hz")
     reads, gives = ("learnt",), "learnt"
 

@@ -30,6 +30,7 @@ class Edges(Alteration):
 
     kind = "edges"
     slot = "edges"
+    in_signal = True
     reads, gives = ("plate",), "plate"
 
     boundary: str

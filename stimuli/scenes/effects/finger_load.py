@@ -12,6 +12,7 @@ from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes
 
 CONTACT = "tactometry.stimuli.scenes.stages.contact"
+UNDER_LOAD = "tactometry.stimuli.scenes.stages.plate:under_load"
 REFERENCE_FORCE_N = 2.0
 
 
@@ -52,6 +53,11 @@ class FingerLoad(Effect):
             at_voltage("contact_displacement", "per_volt_contacts", "contact_displacement_m"),
             at_voltage("contact_force", "per_volt_forces", "contact_force_n"),
         )
+
+    def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        """Of a plate that plays a signal, under the one contact of a run."""
+        needs = ("displacement_m", "setup", "place_m", "contact")
+        return (Stage("finger_load", needs, "displacement_m", UNDER_LOAD, dict(vars(self))),)
 
     def at_rest(self, scene: Surroundings) -> list[Any]:
         """The contacts that rest."""

@@ -22,6 +22,7 @@ class Foci(Effect):
 
     kind = "foci"
     slot = "foci"
+    in_signal = True
     cures = note("add the effect foci", "peaks_m")
 
     x_m: tuple[float, ...]

@@ -1,6 +1,6 @@
 """What a finger feels of foci: the level of the strongest above the threshold of a single one."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import inf, log10
 from typing import TYPE_CHECKING
 
@@ -36,7 +36,12 @@ class FocusDetection(Effect):
         target = f"{__name__}:{'under_finger' if loaded else 'single_event_m_per_v'}"
         return Stage("events", needs, "felt_at_1v_m", target), self.stage()
 
-    def __call__(self, felt_at_1v_m: float, voltage_v: float) -> float:
+    def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        """Of the displacement where the finger is, as a signal makes it."""
+        events = Stage("events", ("t_s", "displacement_m"), "felt_m", f"{__name__}:single_event_m_per_v")
+        return events, replace(self.stage(), needs=("felt_m",))
+
+    def __call__(self, felt_at_1v_m: float, voltage_v: float = 1.0) -> float:
         """Level above threshold at a voltage; ``-inf`` for silence."""
         ratio = felt_at_1v_m * abs(voltage_v) / self.reference_m
         return 20 * log10(ratio) if ratio else -inf

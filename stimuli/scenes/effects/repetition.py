@@ -26,6 +26,7 @@ class Repetition(Effect):
 
     kind = "repetition"
     slot = "repetition"
+    in_signal = True
     reads, gives = ("learnt", "quantiser"), "emission"
     positive = ("repetition_hz", "duration_s")
 

@@ -20,6 +20,7 @@ class Shear(Effect):
 
     kind = "shear"
     slot = "shear"
+    in_signal = True
     positive = ("factor",)
     reads, gives = ("screen",), "screen"
 

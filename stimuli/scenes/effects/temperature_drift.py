@@ -26,6 +26,7 @@ class TemperatureDrift(Effect):
 
     kind = "temperature_drift"
     slot = "drift"
+    in_signal = True
     assumes = ("a warmer plate is softer, and nothing else",)
 
     kelvin: float

@@ -17,6 +17,7 @@ class OneBit(Quantity):
     """The sign, with +1 for 0: the largest focus that a peak voltage allows."""
 
     kind, slot, gives = "one_bit", "quantiser", "quantiser"
+    in_signal = True
 
     def quantise(self, waveform: Matrix, rate_hz: float) -> FloatArray:
         del rate_hz

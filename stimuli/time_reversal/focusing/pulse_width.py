@@ -19,6 +19,7 @@ class PulseWidth(Quantity):
     """Pulse-width modulation with natural sampling: the sign of the waveform minus a triangular carrier."""
 
     kind, slot, gives = "pulse_width", "quantiser", "quantiser"
+    in_signal = True
 
     carrier_hz: Positive
     scale: Positive = 1.0

@@ -33,6 +33,7 @@ class SigmaDelta(Quantity):
     """
 
     kind, slot, gives = "sigma_delta", "quantiser", "quantiser"
+    in_signal = True
 
     order: int = 2
     scale: Positive = 0.7
