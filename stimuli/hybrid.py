@@ -13,6 +13,7 @@ from tactometry.arguments.require import expect, finite, positive
 from tactometry.contact import Contact
 from tactometry.signal import Signal
 
+from .arrays import FloatArray
 from .electrovibration.sensation import ElectrovibrationSensation
 from .electrovibration.waveforms.amplitude_modulated import AmplitudeModulated, pulses
 from .time_reversal.responses.responses import Responses
@@ -184,9 +185,17 @@ class HybridSensation:
             If the signal is not in volt, or its rate or channels are not those of the setup and one electrode.
         """
         foci, friction = _parts(signal)
-        felt = TimeReversalSensation(self.setup, self.reference_m).sensation_db(foci, contact)
+        felt = self._of_foci.sensation_db(foci, contact)
         slid = self.friction.sensation_db(friction, contact) if friction.peak else -inf
         return max(felt, slid)
+
+    def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
+        """(n_samples,): what foci do to a finger at the focus; see `contact_force_n` of `TimeReversalSensation`."""
+        return self._of_foci.contact_force_n(_parts(signal)[0], contact)
+
+    @property
+    def _of_foci(self) -> TimeReversalSensation:
+        return TimeReversalSensation(self.setup, self.reference_m)
 
 
 @lru_cache(maxsize=32)

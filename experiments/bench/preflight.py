@@ -18,6 +18,7 @@ from tactometry.gates import ForceGate
 from tactometry.safety.limits import Limits
 from tactometry.signal import Signal
 
+from ..study.contact_loss import pulled_fingers
 from ..study.dry_run import felt_of
 from ..study.experiment import Experiment, wire
 from ..study.study_file import load
@@ -68,7 +69,8 @@ def _study(study: str) -> tuple[list[Finding], Experiment | None]:
     n = len(experiment.bank)
     words = f"{n} {'stimulus' if n == 1 else 'stimuli'}; the strongest levels are within the study's limits"
     felt = [Finding("scene", "felt", " ".join(map(str.strip, effects.lines))) for effects in felt_of(experiment)]
-    return [Finding("study", study, words, fine=True), *felt], experiment
+    contact = [Finding("finger", f"{finger.force_n:g} N", finger.line) for finger in pulled_fingers(experiment)]
+    return [Finding("study", study, words, fine=True), *felt, *contact], experiment
 
 
 def devices(

@@ -8,11 +8,15 @@ from math import isinf
 from tactometry.errors import InvalidParameter
 
 from ..composition.effect import Stage
+from .lifting import FORCE, PulledFinger, loads_n, pulled_fingers
 from .plan import Plan, predicted_s
+from .result import Result
 from .scene import Scene
 
 COLUMNS = (("stage", 24), ("on", 4), ("why", 30), ("error", 7), ("predicted", 9), ("cold", 7), ("warm", 7))
 WIDTH = 100
+ROUGH = 0.1
+"""Tolerated error of forces that a scene does not ask for."""
 
 Row = tuple[tuple[str, ...], str]
 """A line of the explanation, a cell for each of `COLUMNS`, and the settings that stand below it.
@@ -34,7 +38,8 @@ def explanation(scene: Scene, given: Mapping[str, float]) -> str:
     cold, warm = plan.timed(values), plan.timed(values)  # the first run imports, loads machine code and starts threads
     on = (_on(stage, plan, *times_s) for stage, *times_s in zip(plan.stages, cold, warm, strict=True))
     rows = [*on, *_off(scene)]
-    lines = [*_assumed(scene), "", _line(name.title() for name, _ in COLUMNS), "-" * WIDTH]
+    fingers = [line for finger in pulled_by(scene, plan, values) for line in _wrapped(finger.line)]
+    lines = [*_assumed(scene), *fingers, "", _line(name.title() for name, _ in COLUMNS), "-" * WIDTH]
     for cells, settings in rows:
         lines.append(_line(cells))
         lines += [f"    {text}" for text in textwrap.wrap(settings, WIDTH - 4)]
@@ -53,6 +58,21 @@ def values_for(plan: Plan, given: Mapping[str, float]) -> dict[str, float]:
     if missing:
         raise InvalidParameter(f"given.{missing[0]}: found no such key, expected a number for a run of this scene")
     return {name: given[name] for name in plan.given}
+
+
+def pulled_by(scene: Scene, plan: Plan, given: Mapping[str, float]) -> list[PulledFinger]:
+    """The fingers that load the plate in a plan of a scene, whose forces it need not give; none where they are not to
+    be had. The forces hold to a tenth, or to the accuracy of the scene where that is looser.
+    """
+    if not loads_n(plan).size:
+        return []
+    forces = replace(scene, outputs=(FORCE,), accuracy=max(scene.accuracy, ROUGH), settings={})
+    try:
+        rough = forces.resolve()
+    except InvalidParameter:  # a record may be too long for forces, and not for what is asked for
+        return []
+    values = values_for(rough, given)
+    return pulled_fingers(Result(rough.run(values), rough, values, 0.0))
 
 
 def _on(stage: Stage, plan: Plan, cold_s: float, warm_s: float) -> Row:
@@ -80,7 +100,11 @@ def _off(scene: Scene) -> list[Row]:
 
 
 def _assumed(scene: Scene) -> list[str]:
-    return textwrap.wrap(f"taken for granted: {'; '.join(scene.assumed())}", WIDTH, subsequent_indent="    ")
+    return _wrapped(f"taken for granted: {'; '.join(scene.assumed())}")
+
+
+def _wrapped(text: str) -> list[str]:
+    return textwrap.wrap(text, WIDTH, subsequent_indent="    ")
 
 
 def error_in_words(plan: Plan) -> str:

@@ -1,6 +1,6 @@
 """`tactometry scene`."""
 
-from dataclasses import replace
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +10,7 @@ import numpy as np
 from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.scenes import explain as plans
 from tactometry.stimuli.scenes.file import SceneFile, load_scene
-from tactometry.stimuli.scenes.lifting import pulls_n
+from tactometry.stimuli.scenes.lifting import PulledFinger, pulled_fingers
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.result import Result, compute
 
@@ -48,8 +48,9 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
     if movie is not None:
         _film(scene_file, movie)
     if not explain:
-        record = _record(result)
-        say(_text(scene_file, record, result), record)
+        pulled = pulled_fingers(result) or plans.pulled_by(scene_file.scene, plan, given)
+        record = _record(result, pulled)
+        say(_text(scene_file, record, result, pulled), record)
 
 
 def _result(plan: Plan, given: dict[str, float], cache: Path | None) -> Result:
@@ -93,7 +94,7 @@ def _film(scene_file: SceneFile, path: Path) -> None:
         write_film(result, scene_file.title, path)
 
 
-def _record(result: Result) -> dict[str, Any]:
+def _record(result: Result, pulled: list[PulledFinger]) -> dict[str, Any]:
     """Numbers as they are, of a course its extremes and its length."""
 
     def summary(value: Any) -> Any:
@@ -107,7 +108,8 @@ def _record(result: Result) -> dict[str, Any]:
         "outputs": outputs,
         "units": {name: result.unit(name) for name in outputs},
         "given": dict(result.given),
-        "pulls_n": pulls_n(result).tolist(),
+        "pulls_n": [max(finger.pull_n - finger.force_n, 0.0) for finger in pulled],
+        "contact": [asdict(finger) for finger in pulled],
         "predicted_error": result.plan.error,
         "elapsed_s": result.elapsed_s,
         "prepared_s": result.prepared_s,
@@ -120,7 +122,7 @@ def _record(result: Result) -> dict[str, Any]:
     }
 
 
-def _text(scene_file: SceneFile, record: dict[str, Any], result: Result) -> str:
+def _text(scene_file: SceneFile, record: dict[str, Any], result: Result, pulled: list[PulledFinger]) -> str:
     lines = [scene_file.title] if scene_file.title else []
     for name, value in record["outputs"].items():
         unit = result.unit(name)
@@ -128,16 +130,8 @@ def _text(scene_file: SceneFile, record: dict[str, Any], result: Result) -> str:
         lines.append(f"{name:<24}{words} {unit}".rstrip())
     error = plans.error_in_words(result.plan)
     times = f"{result.prepared_s:.3g} s to prepare, {result.elapsed_s:.2g} s a run"
-    return "\n".join([*lines, *_lift_notes(record), f"predicted error {error}, {times}"])
-
-
-def _lift_notes(record: dict[str, Any]) -> list[str]:
-    return [
-        f"note: finger {n} pulls by up to {pull_n:.2g} N more than presses it: a real one would lift off, which no "
-        "effect computes; in Python `one_sided_contact` of tactometry.stimuli.time_reversal.lift_off does"
-        for n, pull_n in enumerate(record["pulls_n"], 1)
-        if pull_n
-    ]
+    lifted = [finger.line for finger in pulled if finger.lifts_off]
+    return "\n".join([*lines, *lifted, f"predicted error {error}, {times}"])
 
 
 def _range(value: Any) -> str:

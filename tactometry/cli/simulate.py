@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from tactometry.experiments.sessions.simulation import Simulation, simulate as sessions_of
+from tactometry.experiments.study.contact_loss import pulled_fingers
 from tactometry.experiments.study.dry_run import felt_of
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load, parse
@@ -64,8 +65,11 @@ def _sensations(content: bytes, study: str) -> tuple[list[str], dict[str, Any]]:
     felt = felt_of(experiment)
     formulas = {type(cell.sensation).__name__ for cell in experiment.cells.values()}
     by_formula = [f"felt by the formula {', '.join(sorted(formulas))}: the study states no [scene]"]
-    lines = [line for effects in felt for line in effects.lines]
-    return lines or by_formula, {"felt": [asdict(effects) for effects in felt]}
+    pulled = pulled_fingers(experiment)
+    lines = [line for effects in felt for line in effects.lines] or by_formula
+    told = {"felt": [asdict(effects) for effects in felt]}
+    contact = {"contact": [asdict(finger) for finger in pulled]} if pulled else {}
+    return [*lines, *(finger.line for finger in pulled)], {**told, **contact}
 
 
 @subcommand("demo --out demo --seed 1")

@@ -353,14 +353,20 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         },
             "warmed": {"screen": SCREEN, "kelvin": 5.0, "shift_per_k": -5e-5},
         },
+        "stimulus.contact_force": {
+            "contact_force_n": {"setup": SETUP, "signal": AT_SETUP, "load": PlateLoad(0.1, 0.1, 9.0)},
+        },
         "stimulus.sensation": {
-            "FocusReading.sensation_db": {"self": FocusReading(SETUP), "signal": AT_SETUP, "contact": Contact(2.0)},
+            **{
+                f"FocusReading.{name}": {"self": FocusReading(SETUP), "signal": AT_SETUP, "contact": Contact(2.0)}
+                for name in ("sensation_db", "contact_force_n")
+            },
             "displacement_at_focus_m": {"setup": SETUP, "signal": AT_SETUP, "loads": [PlateLoad(0.1, 0.1, 9.0)]},
             **{
                 f"TimeReversalSensation.{name}": {
                     "self": TimeReversalSensation(SETUP), "signal": AT_SETUP, "contact": Contact(2.0),
                 }
-                for name in ("sensation_db", "displacement_m")
+                for name in ("sensation_db", "displacement_m", "contact_force_n")
             },
             "loaded_displacement": {"free_m": BUMP, "setup": SETUP, "load": PlateLoad(0.1, 0.1, 9.0)},
             "events": {"displacement_m": BUMP, "rate_hz": 1e3},

@@ -20,6 +20,7 @@ from ..finger import FINGER_DIAMETER_M, FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Co
 from ..focusing.focusing import emitted
 from ..responses.load import PlateLoad, Receptances, SprungMass, contact_transfer, contour
 from ..responses.responses import Point, impulse_responses, values_at
+from .contact_force import contact_force_n
 from .setup import Setup
 
 Places = tuple[Point, ...]
@@ -108,6 +109,11 @@ class TimeReversalSensation:
             return free
         return loaded_displacement(free, self.setup, self._finger(contact.force_n))
 
+    def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
+        """(n_samples,): what a linear contact does to the finger on top of its force; see `contact_force_n`."""
+        self._check(signal)
+        return contact_force_n(self.setup, signal, self._finger(contact.force_n))
+
     def _finger(self, force_n: float) -> PlateLoad:
         finger = Fingertip(self.resistance_n_s_per_m, self.mass_kg, self.stiffness_n_per_m, self.exponent)
         return finger.load(self._place, force_n)
@@ -172,6 +178,12 @@ class FocusReading:
         loads = Contactor(self.contactor, self.diameter_m).loads(self.setup.screen.plate, self.place_m, contact.force_n)
         amplitude_m = float(np.abs(displacement_at_focus_m(self.setup, signal, loads)).max(initial=0.0))
         return -inf if amplitude_m == 0 else float(20 * np.log10(amplitude_m / READING_M))
+
+    def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
+        """(n_samples,): what a linear contact does to a finger on top of its force; nothing of tips on a disc."""
+        if self.contactor != "finger":
+            return np.zeros(0)
+        return contact_force_n(self.setup, signal, Fingertip().load(self.place_m, contact.force_n))
 
 
 def _place_m(setup: Setup, x_m: float | None, y_m: float | None) -> Point:

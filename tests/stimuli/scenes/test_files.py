@@ -5,6 +5,7 @@ import math
 import tomllib
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from click.testing import CliRunner
 from command_line import status
@@ -15,7 +16,7 @@ from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.scenes import names, path_of
 from tactometry.loading import resolve
 from tactometry.stimuli.scenes.effects import EFFECTS
-from tactometry.stimuli.scenes.explain import explanation
+from tactometry.stimuli.scenes.explain import explanation, pulled_by
 from tactometry.stimuli.scenes.file import load_scene, scene_of
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.result import compute
@@ -208,12 +209,32 @@ def test_a_finger_that_a_linear_contact_pulls_is_said_to_lift_off(tmp_path, caps
         contact = f"[[contacts]]\nforce_n = {force_n}\n"
         file.write_text(f'accuracy = 0.1\noutputs = ["t_s", "contact_force_n"]\n{plate}{contact}{rest}')
         assert status("scene", file) == 0
-        assert ("note: finger 1 pulls by up to" in capsys.readouterr().out) == (force_n < 1)
+        assert ("finger 1 lifts off: at 29.5 dB re 1 V the plate would pull it" in capsys.readouterr().out) == (
+            force_n < 1
+        )
         assert status("scene", file, "--json") == 0
         told = json.loads(capsys.readouterr().out)
         pulled[force_n] = told["pulls_n"][0]
         assert pulled[force_n] == pytest.approx(max(-told["outputs"]["contact_force_n"]["min"] - force_n, 0.0))
     assert pulled[0.01] > 0 == pulled[20.0]
+
+
+def test_a_finger_is_told_to_lift_off_where_its_force_is_not_asked_for():
+    found = load_scene(path_of("a4-screen"))
+    peak_alone = replace(found.scene, outputs=("peak_m",), accuracy=0.1)
+    (pulled,) = pulled_by(peak_alone, peak_alone.resolve(), found.given)
+    assert pulled.lifts_off
+    assert pulled.force_n == 2.0
+    # a contact whose force is 10 N s/m times the speed of the plate under it, as the course of the plate has it
+    course = replace(found.scene, outputs=("t_s", "focus_displacement_m"))
+    told = course.resolve().run(found.given)
+    speed_m_per_s = np.gradient(told["focus_displacement_m"], told["t_s"])
+    assert pulled.pull_n == pytest.approx(-10.0 * speed_m_per_s.min(), rel=0.05)
+    first_v = 10 ** (pulled.first_db_re_1v / 20)
+    assert first_v == pytest.approx(found.given["voltage_v"] * 2.0 / pulled.pull_n)
+    said = explanation(replace(course, accuracy=0.1), found.given)
+    assert "finger 1 lifts off: at 29.5 dB re 1 V the plate would pull it by 9" in said
+    assert "contact is\n    lost from 16." in said
 
 
 def test_one_more_digit_is_priced_by_the_plan_of_a_tenth():

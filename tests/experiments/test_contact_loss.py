@@ -1,0 +1,102 @@
+"""Studies tell which fingers the plate throws off, and from which level on; beside a contact that can open."""
+
+import json
+
+import numpy as np
+import pytest
+from command_line import output
+from scipy.signal import resample
+
+from tactometry.contact import Contact
+from tactometry.experiments.study.contact_loss import pulled_fingers
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load, parse
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.focusing.focusing import emitted
+from tactometry.stimuli.time_reversal.lift_off import one_sided_contact
+from tactometry.stimuli.time_reversal.stimulus.contact_force import FINER
+from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
+from tactometry.stimuli.time_reversal.stimulus.setup import Setup
+
+SETUP = "setup = { n_transducers = 8, modes_to_hz = 22e3, rate_hz = 50e3, learnt_s = 3e-3, tau_s = 1.5e-3 }"
+THRESHOLD = load("time-reversal-threshold")[1].decode()
+PLAYED = f'pattern = "P0"\n{SETUP}\nf_max_hz = 20e3\nvoltage_max_v = 2e3'
+SMALL = THRESHOLD.replace('pattern = "P0"', PLAYED).replace("voltage_peak_v = 200.0", "voltage_peak_v = 2e3")
+TIMES = 32
+"""Steps of the contact for one sample of the drive: 71 to a period of the highest mode."""
+
+
+def wired(text):
+    return wire(parse(text.encode(), "s.toml"), "s.toml")
+
+
+@pytest.fixture(scope="module")
+def study():
+    return wired(SMALL)
+
+
+def contact_course(study, level, force_n):
+    """The finger at the focus as one that can lift off, stepped in time."""
+    cell = next(iter(study.cells.values()))
+    setup, signal = cell.stimulus.setup, cell.stimulus.at(level)
+    n_played = int(np.flatnonzero(signal.samples.any(axis=0))[-1]) + 1
+    free_m = emitted(signal, setup.responses_at(*setup.focus_m))[0]
+    fine_m, rate_hz = resample(free_m, TIMES * len(free_m)), TIMES * setup.rate_hz
+    kept = fine_m[: TIMES * (n_played + 50)]
+    return one_sided_contact(setup.screen, setup.focus_m, kept, rate_hz, setup.modes_to_hz, force_n)
+
+
+def test_the_first_level_that_is_told_is_where_a_contact_begins_to_open(study):
+    for finger in pulled_fingers(study)[::2]:
+        assert finger.lifts_off
+        below, above = (contact_course(study, finger.first_level + step, finger.force_n) for step in (-0.3, 0.3))
+        assert not below.apart.any()
+        assert above.apart.any()
+
+
+def test_the_force_of_a_contact_that_holds_is_that_of_its_steps_in_time(study):
+    cell = next(iter(study.cells.values()))
+    signal = cell.stimulus.at(-20.0)
+    force = cell.sensation.contact_force_n(signal, Contact(2.0))
+    stepped = contact_course(study, -20.0, 2.0).contact_force_n - 2.0
+    by_step = np.interp((np.arange(len(stepped)) - 0.5) / TIMES, np.arange(len(force)) / FINER, force)
+    assert stepped == pytest.approx(by_step, abs=1e-2 * np.abs(force).max())
+
+
+def test_every_pressing_force_has_one_sentence_in_dry_run_and_explanation(tmp_path, capsys):
+    file = tmp_path / "s.toml"
+    file.write_text(SMALL.replace("levels = [10.0", "levels = [-30.0, 10.0"))
+    said = output(capsys, "run", file, "--participant", "P01", "--dry-run")
+    assert said.count("contact is lost: at 30 dB re 1 um (focus) the plate would pull a finger of ") == 3
+    record = json.loads(output(capsys, "run", file, "--participant", "P01", "--dry-run", "--json"))
+    assert [finger["force_n"] for finger in record["contact"]] == [0.5, 1.5, 3.0]
+    firsts = [finger["first_level"] for finger in record["contact"]]
+    assert firsts == sorted(firsts)
+    simulated = ("simulate", file, "--participants", 1, "--seed", 1, "--out", tmp_path / "d", "--explain")
+    assert output(capsys, *simulated).count("so that it lifts off, from ") == 3
+
+
+def test_a_check_tells_whether_contact_is_lost(tmp_path):
+    from tactometry.experiments.bench.preflight import _study
+
+    file = tmp_path / "s.toml"
+    faint = SMALL.replace("levels = [30.0]", "levels = [-30.0]")
+    file.write_text(faint.replace("levels = [10.0, 14.0, 18.0, 22.0, 26.0, 30.0]", "levels = [-40.0, -30.0]"))
+    findings, _ = _study(str(file))
+    assert [finding.part for finding in findings] == ["study", "finger", "finger", "finger"]
+    assert all(finding.found.startswith("contact holds: at -30 dB re 1 um (focus)") for finding in findings[1:])
+
+
+def test_levels_that_are_lengths_of_bursts_have_a_first_level_too():
+    at_supply = wired(SMALL.replace("f_max_hz = 20e3", "f_max_hz = 20e3\nsupply_v = 1.5e3"))
+    *_, firm = pulled_fingers(at_supply)
+    cell = next(iter(at_supply.cells.values()))
+    force = cell.sensation.contact_force_n(cell.stimulus.at(firm.first_level), Contact(firm.force_n))
+    assert -force.min() == pytest.approx(firm.force_n, rel=0.1)  # a burst is a whole number of samples
+
+
+def test_nothing_is_told_of_a_study_without_a_plate_nor_of_tips():
+    assert pulled_fingers(wire(load("tutorial")[0], "tutorial")) == []
+    tip, finger = (FocusReading(Setup(n_transducers=1), contactor=kind) for kind in ("soft", "finger"))
+    played = Signal(np.ones((1, 9)), 250e3, "V")
+    assert tip.contact_force_n(played, Contact(2.0)).size == 0 < finger.contact_force_n(played, Contact(2.0)).size
