@@ -108,8 +108,9 @@ def ends_of(table: pd.DataFrame, dependent: str, low: str, high: str) -> Array:
     """
     y, bottom, top = (numbers(table, name) for name in (dependent, low, high))
     known = ~np.isnan(y)
-    bottom = np.where(known, y, np.where(np.isnan(bottom), -np.inf, bottom))
-    top = np.where(known, y, np.where(np.isnan(top), np.inf, top))
+    bottom = np.where(np.isnan(bottom), -np.inf, bottom)
+    top = np.where(np.isnan(top), np.inf, top)
+    bottom, top = np.where(known, y, bottom), np.where(known, y, top)
     bad = ~(bottom <= top) | (known & np.isinf(y))
     row = int(bad.argmax())
     found = f"the bounds {bottom[row]:g} and {top[row]:g}"
@@ -144,7 +145,8 @@ def _layout(
     place = np.ravel_multi_index(list(codes), shape)
     order, n = np.unique(place, return_counts=True)
     if (n > 1).any():
-        row = table.iloc[int(np.flatnonzero(place == order[n.argmax()])[0])]
+        rows = np.flatnonzero(place == order[n.argmax()])
+        row = table.iloc[int(rows[0])]
         cell = ", ".join(f"{name} = {row[name]}" for name in keys[: len(codes)])
         raise InvalidParameter(f"{cell}: found {n.max()} values, expected one in each cell, as bounds have no mean")
     laid = np.tile([-np.inf, np.inf], (int(np.prod(shape)), 1))  # a cell without a row may hold any value
@@ -154,7 +156,8 @@ def _layout(
 
 
 def _refuse_unknown(design: BoundedDesign) -> None:
-    known = np.stack([design.data.known[design.data.group == g].sum(axis=0) for g in range(len(design.groups))])
+    group, is_known = design.data.group, design.data.known
+    known = np.stack([is_known[group == g].sum(axis=0) for g in range(len(design.groups))])
     for names, n in zip(design.cells(), known.ravel(), strict=True):
         cell = ", ".join(f"{name} = {level}" for name, level in names.items()) or "table"
         found = f"{n} known value{'s' if n != 1 else ''}"
@@ -213,7 +216,8 @@ class _Presence:
     def complete(self, chosen: Subset) -> Bools:
         """The participants who have a value at all chosen levels."""
         n = len(self.subjects)
-        return np.asarray(self.has[np.ix_(range(n), *chosen)].reshape(n, -1).all(axis=1))
+        has_chosen = self.has[np.ix_(range(n), *chosen)]
+        return np.asarray(has_chosen.reshape(n, -1).all(axis=1))
 
     def part(self, chosen: Subset, complete: Bools) -> SubDesign:
         """The table at the chosen levels, of the participants who are `complete`."""
@@ -256,12 +260,12 @@ def largest_known(
     by_subject = table.drop_duplicates(subject).set_index(subject)
     group = np.zeros(len(subjects)) if between is None else pd.factorize(by_subject.loc[subjects, between])[0]
     n_known = np.stack([has[group == g].sum(axis=0) for g in np.unique(group)]).min(axis=0)
-    sizes = {
-        chosen: _n_cells(chosen) for chosen in _subsets(presence.levels) if n_known[np.ix_(*chosen)].min() >= at_least
-    }
-    if not sizes:
+    subsets = _subsets(presence.levels)
+    held = [chosen for chosen in subsets if n_known[np.ix_(*chosen)].min() >= at_least]
+    if not held:
         return None
-    return presence.part(max(sizes, key=lambda chosen: sizes[chosen]), np.ones(len(subjects), dtype=bool))
+    everybody = np.ones(len(subjects), dtype=bool)
+    return presence.part(max(held, key=_n_cells), everybody)
 
 
 def _n_cells(chosen: Subset) -> int:
@@ -274,8 +278,10 @@ def _subsets(levels: Sequence[Sequence[object]]) -> list[Subset]:
     n_subsets = np.prod([2.0 ** len(names) - 1 for names in levels])
     if n_subsets > MAX_SUBSETS:
         return [tuple(tuple(range(len(names))) for names in levels)]
-    by_factor = [
-        [places for size in range(len(names), 0, -1) for places in combinations(range(len(names)), size)]
-        for names in levels
-    ]
+    by_factor = [_selections(len(names)) for names in levels]
     return [chosen for chosen in product(*by_factor) if _n_cells(chosen) > 1]
+
+
+def _selections(n: int) -> list[tuple[int, ...]]:
+    """Some of n places, the largest selections first: of equal choices the first is taken."""
+    return [places for size in range(n, 0, -1) for places in combinations(range(n), size)]

@@ -154,13 +154,15 @@ def _wald_test(fit: StrataFit, stratum: int, of_groups: Array, name: str) -> Tes
     """Wald's F of the contrasts of a stratum, of all groups together or between them."""
     contrasts = fit.data.strata[stratum]
     weights = np.kron(of_groups, contrasts)
-    estimate, covariance = weights @ fit.means.ravel(), weights @ fit.of_means @ weights.T * fit.inflation
+    estimate = weights @ fit.means.ravel()
+    covariance = weights @ fit.of_means @ weights.T * fit.inflation
     first, second = len(weights), len(contrasts) * fit.df_of(stratum)
     error = float(fit.variances[stratum]) * fit.inflation
     if fit.variances[stratum] <= LEAST_VARIANCE * fit.variances.max():
         error = 0.0
     f = float(estimate @ np.linalg.solve(covariance, estimate)) / first
-    shape = Sphericity(None, None, *epsilons(contrasts @ fit.pooled @ contrasts.T, fit.df_of(stratum)), singular=False)
+    corrections = epsilons(contrasts @ fit.pooled @ contrasts.T, fit.df_of(stratum))
+    shape = Sphericity(None, None, *corrections, singular=False)
     # Back from F to sums of squares, which every other analysis of variance gives to the table.
     return Tested(name, f * first * error, error * second, (first, second), shape)
 
@@ -238,13 +240,15 @@ def _contrasts(model: CensoredAnova, factor: str, by: str | None) -> list[CellCo
 def _differences(model: CensoredAnova, factor: str, average: Array) -> list[tuple[dict[str, object], Array]]:
     """Of all pairs of levels, the weights (cell,) of their difference in a mean of weights `average`."""
     place = model.design.factors.index(factor)
-    levels, by_level = model.design.levels[place], np.moveaxis(average.reshape(model.fit.data.n_levels), place, 0)
+    levels = model.design.levels[place]
+    by_level = np.moveaxis(average.reshape(model.fit.data.n_levels), place, 0)
     pairs = []
     for i, j in combinations(range(len(levels)), 2):
         weights = np.zeros_like(by_level)
         weights[j], weights[i] = by_level[j], -by_level[i]
+        names: dict[str, object] = {"a": levels[i], "b": levels[j]}
         # The mean weighs every level 1 / n, a difference weighs two of them 1.
-        pairs.append(({"a": levels[i], "b": levels[j]}, np.moveaxis(weights, 0, place).ravel() * len(levels)))
+        pairs.append((names, np.moveaxis(weights, 0, place).ravel() * len(levels)))
     return pairs
 
 
@@ -259,26 +263,32 @@ def _averages(model: CensoredAnova, by: str | None) -> list[tuple[dict[str, obje
         return [({by: name}, whole.ravel(), g) for g, name in enumerate(groups)]
     place = model.design.factors.index(by)
     shape = [-1 if axis == place else 1 for axis in range(len(n_levels))]
-    masks = np.eye(n_levels[place])
-    return [
-        ({by: level}, (whole * mask.reshape(shape) * n_levels[place]).ravel(), None)
-        for level, mask in zip(model.design.levels[place], masks, strict=True)
-    ]
+    averages: list[tuple[dict[str, object], Array, int | None]] = []
+    for level, mask in zip(model.design.levels[place], np.eye(n_levels[place]), strict=True):
+        at_level = whole * mask.reshape(shape) * n_levels[place]
+        averages.append(({by: level}, at_level.ravel(), None))
+    return averages
 
 
 def _contrast(anova: CensoredAnova, cell: Array, group: int | None, keys: Mapping[str, object]) -> CellContrast:
     """Of conditions in one group, or in the plain mean of all groups."""
     fit, n_groups = anova.fit, len(anova.fit.means)
-    of_groups = np.full(n_groups, 1 / n_groups) if group is None else np.eye(n_groups)[group]
-    moments, df = (fit.pooled, fit.df) if group is None else (fit.moments[group], fit.data.sizes[group] - 1)
-    weights, own_variance = np.kron(of_groups, cell), max(float(cell @ moments @ cell), 0.0)
+    if group is None:
+        of_groups = np.full(n_groups, 1 / n_groups)
+        moments, df = fit.pooled, float(fit.df)
+    else:
+        of_groups = np.eye(n_groups)[group]
+        moments, df = fit.moments[group], float(fit.data.sizes[group] - 1)
+    weights = np.kron(of_groups, cell)
+    contrast_variance = max(float(cell @ moments @ cell), 0.0)
     variance, model = float(weights @ fit.of_means @ weights), float(cell @ fit.model @ cell)
     # What is left of the information: the variance that all values known would leave, over the one there is.
-    kept = min(1.0, model * float(np.sum(of_groups**2 / fit.data.sizes)) / variance)
+    complete = model * float(np.sum(of_groups**2 / fit.data.sizes))
+    kept = min(1.0, complete / variance)
     # The model shares a variance within a stratum; the contrast has its own.
-    error = float(np.sqrt(variance * own_variance / model))
-    estimate, sd = float(weights @ fit.means.ravel()), float(np.sqrt(own_variance))
-    return CellContrast(keys, estimate, error, float(df) * kept, sd)
+    error = float(np.sqrt(variance * contrast_variance / model))
+    estimate = float(weights @ fit.means.ravel())
+    return CellContrast(keys, estimate, error, df * kept, float(np.sqrt(contrast_variance)))
 
 
 def _row(contrast: CellContrast, scale: float, interval: float) -> dict[str, object]:
@@ -292,7 +302,8 @@ def _row(contrast: CellContrast, scale: float, interval: float) -> dict[str, obj
 
 
 def _t_test(estimate: float, error: float, df: float, scale: float, interval: float) -> dict[str, float]:
-    t, half = estimate / error, float(student.isf((1 - interval) / 2, df)) * error
+    t = estimate / error
+    half = float(student.isf((1 - interval) / 2, df)) * error
     ends = {"difference_low": (estimate - half) * scale, "difference_high": (estimate + half) * scale}
     return ends | {"t": t, "df": df, "p_unc": 2 * float(student.sf(abs(t), df))}
 
@@ -300,14 +311,16 @@ def _t_test(estimate: float, error: float, df: float, scale: float, interval: fl
 def _group_row(model: CensoredAnova, cell: Array, places: Sequence[int], interval: float) -> dict[str, object]:
     fit, scale, k = model.fit, model.design.scale, len(cell)
     n = fit.data.sizes[list(places)]
-    blocks = [fit.of_means[g * k : (g + 1) * k, g * k : (g + 1) * k] for g in places]
-    own_variances = np.array([cell @ fit.moments[g] @ cell for g in places])
-    variances = own_variances * np.array([cell @ block @ cell for block in blocks]) / float(cell @ fit.model @ cell)
+    of_group = [slice(g * k, (g + 1) * k) for g in places]
+    group_variances = np.array([cell @ fit.moments[g] @ cell for g in places])
+    of_means = np.array([cell @ fit.of_means[rows, rows] @ cell for rows in of_group])
+    # As in `_contrast`: the model shares a variance, each group has its own.
+    variances = group_variances * of_means / float(cell @ fit.model @ cell)
     first, second = (float(cell @ fit.means[g]) for g in places)
     error = np.sqrt(variances.sum())
     df = variances.sum() ** 2 / float(np.sum(variances**2 / (n - 1)))  # Welch and Satterthwaite's
     difference = second - first
-    pooled_sd = np.sqrt(np.sum((n - 1) * own_variances) / (n.sum() - 2))
+    pooled_sd = np.sqrt(np.sum((n - 1) * group_variances) / (n.sum() - 2))
     size = difference / pooled_sd * (1 - 3 / (4 * n.sum() - 9))  # Hedges' correction of Cohen's d
     counts = {"a": model.design.groups[places[0]], "b": model.design.groups[places[1]]}
     counts |= {"difference": difference * scale, "n_a": int(n[0]), "n_b": int(n[1])}

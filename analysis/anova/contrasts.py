@@ -135,7 +135,8 @@ def sphericity(covariance: Array, df: int, n_conditions: int) -> Sphericity:
     if df < p or eigenvalues[0] <= RANK_TOLERANCE * eigenvalues[-1]:
         return Sphericity(None, None, *shape, singular=True)
     log_w = float(np.sum(np.log(eigenvalues))) - p * np.log(float(eigenvalues.sum()) / p)
-    return Sphericity(float(np.exp(log_w)), _mauchly_p(log_w, p, df, n_conditions), *shape, singular=False)
+    mauchly_p = _mauchly_p(log_w, p, df, n_conditions)
+    return Sphericity(float(np.exp(log_w)), mauchly_p, *shape, singular=False)
 
 
 def epsilons(covariance: Array, df: float) -> tuple[float, float, float]:

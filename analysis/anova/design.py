@@ -110,8 +110,10 @@ def within_design(
     n_values = np.bincount(place, minlength=int(np.prod(shape))).reshape(shape)
     if not n_values.all():
         _refuse_holes(n_values, levels, (subject, *within), dependent)
-    y, size = data[dependent].to_numpy(), size_of(data[dependent].to_numpy())
-    values = size * (np.bincount(place, y / size, minlength=n_values.size).reshape(shape) / n_values)
+    y = data[dependent].to_numpy()
+    size = size_of(y)
+    sums = np.bincount(place, y / size, minlength=n_values.size).reshape(shape)
+    values = size * (sums / n_values)
     rounding = RELATIVE_ZERO * float(np.abs(values).max())
     return WithinDesign(values, tuple(within), levels[1:], levels[0], _average_note(n_values), rounding)
 
@@ -203,7 +205,8 @@ def refuse_constant(spread: float, size: float, dependent: str) -> None:
 
 def _refuse_holes(n_values: Indices, levels: Sequence[Sequence[object]], names: Sequence[str], dependent: str) -> None:
     holes = np.argwhere(n_values == 0)
-    first = ", ".join(f"{name} = {values[i]}" for name, values, i in zip(names, levels, holes[0], strict=True))
+    axes = zip(names, levels, holes[0], strict=True)
+    first = ", ".join(f"{name} = {values[i]}" for name, values, i in axes)
     whose = ", ".join(dict.fromkeys(str(levels[0][i]) for i in holes[:, 0]))
     raise UndefinedStatistic(
         f"{dependent}: found no value for {first} ({len(holes)} missing cell{'s' if len(holes) > 1 else ''}, of "

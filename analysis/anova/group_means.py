@@ -66,8 +66,10 @@ def bounds_of(estimates: pd.DataFrame, dependent: str) -> pd.DataFrame:
     unknown = estimates[dependent].isna()
     ends = {}
     for name, column in zip((LOW, HIGH), BOUNDS.get(dependent, ("", "")), strict=True):
-        held = estimates[column].astype(float) if column in estimates.columns else pd.Series(np.nan, estimates.index)
-        ends[name] = held.where(unknown)
+        bounds = pd.Series(np.nan, estimates.index)
+        if column in estimates.columns:
+            bounds = estimates[column].astype(float)
+        ends[name] = bounds.where(unknown)
     return estimates.assign(**ends)
 
 
@@ -123,7 +125,8 @@ def _group(
     is_whole = len(known) == len(rows)
     if model is not None:
         row |= {name: float(model[name]) for name in (MEANS[4:] if is_whole else MEANS)}
-    row |= {"method": "" if row["mean"] is None else "t" if is_whole or model is None else MODEL}
+    method = "t" if is_whole or model is None else MODEL
+    row |= {"method": "" if row["mean"] is None else method}
     row |= {"n": len(known), "n_below": n_below, "n_above": n_above}
     row["n_missing"] = len(rows) - len(known) - n_below - n_above
     return row | {"text": _text(row, len(rows), "the levels" if dependent in LEVELS else "a bound")}
@@ -136,7 +139,8 @@ def _text(row: Mapping[str, Any], n: int, where: str) -> str:
         beside.append(f"{row['n_missing']} missing")
     if row["mean"] is None:
         return f"of {n}: {', '.join(beside)}" if beside else f"none ({n} missing)"
-    counts = ", ".join([f"n = {row['n']}", *(["all alike"] if row["sd"] == 0 else []), *beside])
+    alike = ["all alike"] if row["sd"] == 0 else []
+    counts = ", ".join([f"n = {row['n']}", *alike, *beside])
     return f"{interval_text(row['mean'], row['mean_low'], row['mean_high'])} ({counts})"
 
 

@@ -90,7 +90,8 @@ def art_contrasts(
     # Without all cell means, then with those of the joined factor alone: what is ranked holds no other effect.
     ranks = _ranks(design.values - cell_means + joined)
     kept = tuple(levels for name, levels in zip(design.factors, design.levels, strict=True) if name in contrast)
-    names = pd.MultiIndex.from_product(kept).map(lambda key: key[0] if len(key) == 1 else ", ".join(map(str, key)))
+    cells = pd.MultiIndex.from_product(kept)
+    names = cells.map(lambda key: key[0] if len(key) == 1 else ", ".join(map(str, key)))
     wide = pd.DataFrame(ranks.mean(axis=axes).reshape(design.n, -1), columns=names)
     long = wide.rename_axis("participant").reset_index().melt("participant", var_name="condition", value_name="rank")
     return pairs(long, dependent="rank", factor="condition", subject="participant")

@@ -109,7 +109,9 @@ def all_together(result: pd.DataFrame, correction: str, interval: float) -> pd.D
     df = result["df"].astype(float).to_numpy()
     wider = student.isf((1 - interval) / 2 / n_tested, df) / student.isf((1 - interval) / 2, df)
     low, high = (result[f"difference_{end}"].astype(float) for end in ("low", "high"))
-    half, middle = (high / 2 - low / 2) * wider, low / 2 + high / 2  # halved first: a sum of large ends may overflow
+    # Halved first: a sum of large ends may overflow.
+    half = (high / 2 - low / 2) * wider
+    middle = low / 2 + high / 2
     _insert_behind(result, "difference_high", "simultaneous_high", middle + half)
     _insert_behind(result, "difference_high", "simultaneous_low", middle - half)
     _insert_behind(result, "p_unc", "p_corr", adjusted_p(result["p_unc"], correction))
@@ -146,11 +148,11 @@ def compare(
     size, levels = size_of(design.values), design.levels[0]
     places: list[dict[str, object]] = [{}] if by is None else [{by: level} for level in design.levels[1]]
     values = design.values.reshape(design.n, len(levels), -1) / size
-    compared = [
-        Pair(place | {"a": levels[i], "b": levels[j]}, (values[:, i, k], values[:, j, k]), size)
-        for k, place in enumerate(places)
-        for i, j in combinations(range(len(levels)), 2)
-    ]
+    compared = []
+    for k, place in enumerate(places):
+        for i, j in combinations(range(len(levels)), 2):
+            keys = place | {"a": levels[i], "b": levels[j]}
+            compared.append(Pair(keys, (values[:, i, k], values[:, j, k]), size))
     return compared, list(design.notes)
 
 
@@ -159,13 +161,13 @@ def _against(compared: Sequence[Pair], reference: object, factor: str) -> list[P
     levels = {pair.keys[side] for pair in compared for side in ("a", "b")}
     names = ", ".join(sorted(map(str, levels)))
     expect(reference in levels, "reference", f"{factor} = {reference}", f"one of {names}")
-    turned = [
-        replace(pair, keys=pair.keys | {"a": reference, "b": pair.keys["a"]}, values=pair.values[::-1])
-        if pair.keys["b"] == reference
-        else pair
-        for pair in compared
-    ]
+    turned = [_turned(pair) if pair.keys["b"] == reference else pair for pair in compared]
     return [pair for pair in turned if pair.keys["a"] == reference]
+
+
+def _turned(pair: Pair) -> Pair:
+    keys = pair.keys | {"a": pair.keys["b"], "b": pair.keys["a"]}
+    return replace(pair, keys=keys, values=pair.values[::-1])
 
 
 def _row(pair: Pair, interval: float) -> dict[str, object]:
@@ -177,9 +179,10 @@ def _row(pair: Pair, interval: float) -> dict[str, object]:
     sd = float(d.std(ddof=1))
     t = mean / sd * np.sqrt(n)
     half = float(student.ppf((1 + interval) / 2, n - 1)) * sd / np.sqrt(n)
-    low, high = dz_interval(t, n, interval)
     ends = ((mean - half) * pair.size, (mean + half) * pair.size)
-    tested = (*ends, t, 2 * float(student.sf(abs(t), n - 1)), mean / sd, low, high, bayes_factor(t, n))
+    p = 2 * float(student.sf(abs(t), n - 1))
+    dz_low, dz_high = dz_interval(t, n, interval)
+    tested = (*ends, t, p, mean / sd, dz_low, dz_high, bayes_factor(t, n))
     return row | dict(zip(_TESTED, tested, strict=True)) | {"status": "ok"}
 
 
@@ -212,16 +215,19 @@ def bayes_factor(t: float, n_first: int, n_second: int | None = None) -> float:
     n, df = float(n_first), n_first - 1
     if n_second is not None:
         n, df = n_first * n_second / (n_first + n_second), n_first + n_second - 2
-    log_null = -(df + 1) / 2 * float(np.log1p(t**2 / df))
+    log_null = -(df + 1) / 2 * float(np.log1p(t**2 / df))  # of the null hypothesis: what the integral is divided by
     if abs(t) <= MOST_T and -log_null <= MOST_LOG:
         return float(pingouin.bayesfactor_ttest(float(t), n_first, n_second, paired=n_second is None))
     # Far out pingouin's search of all g misses the peak, which lies about n g r^2 = t^2 / df; in log g it is a hill
     # between exponential slopes, of which plain sums are exact.
-    log_g = float(np.log(t**2 / (df * n * BAYES_SCALE**2))) + np.arange(-60.0, 60.0, LOG_STEP)
+    log_peak = float(np.log(t**2 / (df * n * BAYES_SCALE**2)))
+    log_g = log_peak + np.arange(-60.0, 60.0, LOG_STEP)
     k = 1 + n * BAYES_SCALE**2 * np.exp(log_g)
-    height = -(df + 1) / 2 * np.log1p(t**2 / (df * k)) - 0.5 * (np.log(2 * np.pi * k) + log_g + np.exp(-log_g))
+    log_likelihood = -(df + 1) / 2 * np.log1p(t**2 / (df * k))
+    height = log_likelihood - 0.5 * (np.log(2 * np.pi * k) + log_g + np.exp(-log_g))
+    log_integral = logsumexp(height) + np.log(LOG_STEP)
     with np.errstate(over="ignore"):
-        return float(np.exp(logsumexp(height) + np.log(LOG_STEP) - log_null))
+        return float(np.exp(log_integral - log_null))
 
 
 def _rank_row(pair: Pair) -> dict[str, object]:
@@ -230,8 +236,9 @@ def _rank_row(pair: Pair) -> dict[str, object]:
     moved = d[d != 0]
     if not len(moved):
         return row | {"w": None, "p_unc": None, "r": None, "status": "zero_error"}
-    is_tied = len(np.unique(np.abs(moved))) < len(moved)  # the exact distribution is that of ranks without ties
-    test = wilcoxon(moved, method="exact" if len(moved) <= 50 and not is_tied else "approx")
+    is_tied = len(np.unique(np.abs(moved))) < len(moved)
+    has_exact = len(moved) <= 50 and not is_tied  # the exact distribution is that of ranks without ties
+    test = wilcoxon(moved, method="exact" if has_exact else "approx")
     ranks = pd.Series(np.abs(moved)).rank().to_numpy()
     r = float(np.sum(ranks * np.sign(moved)) / ranks.sum())
     return row | {"w": float(test.statistic), "p_unc": float(test.pvalue), "r": r, "status": "ok"}
@@ -319,10 +326,12 @@ def two_one_sided(
     difference: float, error: float, df: float, bound: float, alpha: float, unit: float
 ) -> dict[str, float]:
     """The tests of a difference with a standard error, both in multiples of `unit`; without one it is what it is."""
-    half, t_low, t_high, p = 0.0, np.inf, -np.inf, float(abs(difference) >= bound / unit)
+    half, t_low, t_high = 0.0, np.inf, -np.inf
+    p = float(abs(difference) >= bound / unit)
     if error > 0:
         half = float(student.isf(alpha, df)) * error
-        t_low, t_high = (difference + bound / unit) / error, (difference - bound / unit) / error
+        t_low = (difference + bound / unit) / error
+        t_high = (difference - bound / unit) / error
         p = max(float(student.sf(t_low, df)), float(student.cdf(t_high, df)))
     ends = {"low": (difference - half) * unit, "high": (difference + half) * unit}
     return {"difference": difference * unit, **ends, "t_low": t_low, "t_high": t_high, "p": p}
@@ -378,4 +387,5 @@ def interaction_orders(effects: pd.DataFrame, factors: Sequence[str]) -> list[tu
     """
     significant = set(effects.loc[effects["p_CM_corr"] < ALPHA, "Source"])
     # An interaction is named once, in the order of the factors; which order the pair has does not matter.
-    return [pair for pair in permutations(factors, 2) if {" * ".join(pair), " * ".join(pair[::-1])} & significant]
+    orders = permutations(factors, 2)
+    return [pair for pair in orders if {" * ".join(pair), " * ".join(pair[::-1])} & significant]

@@ -89,7 +89,8 @@ def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, 
     found = f"{n_groups.max()} groups of the participant {n_groups.idxmax()}"
     expect((n_groups == 1).all(), between, found, "one; name it as a factor within")
     group_of = rows.drop_duplicates(subject).set_index(subject)[between].to_dict()
-    of, names = pd.factorize(np.array([group_of[code] for code in participants]), sort=True)
+    by_participant = np.array([group_of[code] for code in participants])
+    of, names = pd.factorize(by_participant, sort=True)
     sizes = np.bincount(of)
     _refuse_small(between, dict(zip(names.tolist(), sizes.tolist(), strict=True)))
     return Groups(of, sizes.astype(np.float64), tuple(names.tolist()))
@@ -98,19 +99,23 @@ def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, 
 def _refuse_small(between: str, sizes: Mapping[object, int]) -> None:
     """Refuse fewer than two groups, and a group of one."""
     refuse_one(between, len(sizes), "group")
-    smallest, expected = min(sizes, key=lambda name: sizes[name]), f"at least {MIN_GROUP} a group"
-    holds, where = sizes[smallest] >= MIN_GROUP, f"{between} = {smallest}"
-    expect_defined(holds, DesignStatus.TOO_FEW_PARTICIPANTS, where, "one participant", expected)
+    smallest = min(sizes, key=lambda name: sizes[name])
+    where, expected = f"{between} = {smallest}", f"at least {MIN_GROUP} a group"
+    is_enough = sizes[smallest] >= MIN_GROUP
+    expect_defined(is_enough, DesignStatus.TOO_FEW_PARTICIPANTS, where, "one participant", expected)
 
 
 def _between_ss(scores: Array, groups: Groups) -> float:
-    return float(groups.sizes @ np.sum((groups.means(scores) - scores.mean(axis=0)) ** 2, axis=1))
+    away = groups.means(scores) - scores.mean(axis=0)
+    return float(groups.sizes @ np.sum(away**2, axis=1))
 
 
 def _between(scores: Array, groups: Groups, name: str) -> Tested:
-    ss_error, n_groups = float(np.sum(groups.errors(scores) ** 2)), len(groups.sizes)
-    no_shape = Sphericity(None, None, 1.0, 1.0, 1.0, singular=False)
-    return Tested(name, _between_ss(scores, groups), ss_error, (n_groups - 1, len(scores) - n_groups), no_shape)
+    ss_error = float(np.sum(groups.errors(scores) ** 2))
+    n_groups = len(groups.sizes)
+    df = (n_groups - 1, len(scores) - n_groups)
+    no_shape = Sphericity(None, None, 1.0, 1.0, 1.0, singular=False)  # one score per participant: nothing to be unequal
+    return Tested(name, _between_ss(scores, groups), ss_error, df, no_shape)
 
 
 def _within_and_interaction(name: str, scores: Array, n_conditions: int, groups: Groups, between: str) -> list[Tested]:
@@ -122,10 +127,10 @@ def _within_and_interaction(name: str, scores: Array, n_conditions: int, groups:
     # Groups weigh alike, however large: n_groups^2 / sum(1 / size) participants stand behind the plain mean.
     ss = float(mean @ mean) * n_groups**2 / float(np.sum(1 / groups.sizes))
     ss_error = float(np.sum(errors**2))
-    return [
-        Tested(name, ss, ss_error, (p, p * df), shape),
-        Tested(f"{between} * {name}", _between_ss(scores, groups), ss_error, (p * (n_groups - 1), p * df), shape),
-    ]
+    effect = Tested(name, ss, ss_error, (p, p * df), shape)
+    interaction_df = (p * (n_groups - 1), p * df)
+    interaction = Tested(f"{between} * {name}", _between_ss(scores, groups), ss_error, interaction_df, shape)
+    return [effect, interaction]
 
 
 def group_pairs(
@@ -161,11 +166,10 @@ def group_pairs(
     keys = [subject, between, *([by] if by else [])]
     rows = finite_rows(table, [dependent, *keys], dependent, "group_pairs")
     means = rows.groupby(keys, sort=True, observed=True)[dependent].mean().reset_index()
-    compared = [
-        dict(zip(keys[2:], level, strict=True)) | row
-        for level, at_level in parts(means, keys[2:])
-        for row in _rows(at_level, dependent, between, interval)
-    ]
+    compared = []
+    for level, at_level in parts(means, keys[2:]):
+        place: dict[str, object] = dict(zip(keys[2:], level, strict=True))
+        compared += [place | row for row in _rows(at_level, dependent, between, interval)]
     return all_together(pd.DataFrame(compared), correction, interval)
 
 

@@ -64,7 +64,8 @@ class BoundedValues:
     @cached_property
     def strata(self) -> tuple[Array, ...]:
         """Orthonormal contrasts (contrast, cell) of each stratum, participants first."""
-        return tuple(contrasts(self.n_levels, places) for places in [(), *effect_places(len(self.n_levels))])
+        of_strata = [(), *effect_places(len(self.n_levels))]
+        return tuple(contrasts(self.n_levels, places) for places in of_strata)
 
     def matrix(self, variances: Array) -> Array:
         """The covariance (cell, cell) with these variances of the strata; its inverse with their reciprocals."""
@@ -128,9 +129,9 @@ class StrataFit:
     def df_of(self, stratum: int) -> float:
         """Degrees of freedom of each contrast of a stratum: `df`, less what bounds leave open about its variance
         (Satterthwaite: twice the square of a variance over the variance of its estimate)."""
-        n = self.means.size
+        place = self.means.size + stratum
         # The covariance is that of the logarithm of the variance, so that its square is divided out already.
-        df = 2 / float(self.covariance[n + stratum, n + stratum]) / len(self.data.strata[stratum])
+        df = 2 / float(self.covariance[place, place]) / len(self.data.strata[stratum])
         return min(df / self.inflation, float(self.df))
 
 
@@ -158,8 +159,10 @@ def fit_strata(data: BoundedValues) -> StrataFit:
 
 
 def _change(new: tuple[Array, Array], old: tuple[Array, Array]) -> float:
-    size = np.sqrt(new[1].max())
-    return max(float(np.abs(new[0] - old[0]).max() / size), float(np.abs(np.log(new[1] / old[1])).max()))
+    (means, variances), (old_means, old_variances) = new, old
+    of_means = float(np.abs(means - old_means).max() / np.sqrt(variances.max()))
+    of_variances = float(np.abs(np.log(variances / old_variances)).max())
+    return max(of_means, of_variances)
 
 
 def _start(data: BoundedValues) -> tuple[Array, Array]:
@@ -200,14 +203,18 @@ def _points(data: BoundedValues, means: Array, variances: Array) -> list[Points]
 def _points_of_one(low: Array, high: Array, mean: Array, covariance: Array) -> Points:
     """The density of the known values, then the others given them."""
     known = low == high
-    of_known, both = covariance[np.ix_(known, known)], covariance[np.ix_(known, ~known)]
-    away, onto = low[known] - mean[known], np.linalg.solve(of_known, both).T
+    of_known = covariance[np.ix_(known, known)]
+    both = covariance[np.ix_(known, ~known)]
+    away = low[known] - mean[known]
+    onto = np.linalg.solve(of_known, both).T  # regression of the others on the known values
     square = float(away @ np.linalg.solve(of_known, away))
-    log_density = -0.5 * (float(np.linalg.slogdet(of_known)[1]) + square + len(of_known) * LOG_TWO_PI)
+    log_determinant = float(np.linalg.slogdet(of_known)[1])
+    log_density = -0.5 * (log_determinant + square + len(of_known) * LOG_TWO_PI)
     if known.all():
         return Points(low[None], np.ones(1), log_density)
     spread = np.asarray(covariance[np.ix_(~known, ~known)] - onto @ both, dtype=np.float64)
-    others = truncated_normal(mean[~known] + onto @ away, spread, low[~known], high[~known])
+    conditional_mean = mean[~known] + onto @ away
+    others = truncated_normal(conditional_mean, spread, low[~known], high[~known])
     values = np.empty((len(others.weights), len(low)))
     values[:, known], values[:, ~known] = low[known], others.values
     return Points(values, others.weights, log_density + others.log_chance)
@@ -221,7 +228,8 @@ def _information(data: BoundedValues, points: Sequence[Points], means: Array, va
     for of_one, place in zip(points, data.group, strict=True):
         of_group = np.arange(place * n_cells, (place + 1) * n_cells)
         at = np.concatenate([of_group, np.arange(means.size, len(whole))])
-        whole[np.ix_(at, at)] += _information_of_one(data, of_one.values - means[place], of_one.weights, variances)
+        away = of_one.values - means[place]
+        whole[np.ix_(at, at)] += _information_of_one(data, away, of_one.weights, variances)
     return whole
 
 
@@ -253,7 +261,8 @@ def truncated_normal(mean: Array, covariance: Array, low: Array, high: Array) ->
     steps, log_weights = np.zeros(even.shape), np.zeros(len(even))
     for j, sd in enumerate(np.diagonal(root)):
         middle = mean[j] + steps[:, :j] @ root[j, :j]
-        steps[:, j], log_chance = _one(even[:, j], (low[j] - middle) / sd, (high[j] - middle) / sd)
+        bottom, top = (low[j] - middle) / sd, (high[j] - middle) / sd
+        steps[:, j], log_chance = _one(even[:, j], bottom, top)
         log_weights += log_chance
     largest = log_weights.max()
     weights = np.exp(log_weights - largest)  # a chance far out in a tail is below the floats
@@ -278,6 +287,7 @@ def _one(even: Array, low: Array, high: Array) -> tuple[Array, Array]:
     bottom, top = log_ndtr(low), log_ndtr(high)
     with np.errstate(invalid="ignore"):
         log_chance = top + log1mexp(np.maximum(top - bottom, SMALLEST))
-    log_share = np.minimum(np.logaddexp(bottom, log_chance + np.log(even)), 0.0)
+    log_share = np.logaddexp(bottom, log_chance + np.log(even))
+    log_share = np.minimum(log_share, 0.0)  # rounding may lead above a share of 1
     values = np.clip(ndtri_exp(log_share), low, high)  # rounding may lead beyond an end
     return np.where(flipped, -values, values), log_chance

@@ -77,7 +77,8 @@ def repeated_measures(
     scaled, scale = scaled_design(design, dependent)
     tested = effects(scaled)
     between = participant_scores(scaled)
-    residual = float(np.sum((between - between.mean()) ** 2)) + sum(effect.ss_error for effect in tested)
+    of_participants = float(np.sum((between - between.mean()) ** 2))
+    residual = of_participants + sum(effect.ss_error for effect in tested)
     return with_notes(effect_table(tested, residual, scale, interval), design, tested)
 
 
@@ -144,7 +145,11 @@ def _effect_row(effect: Tested, residual: float, interval: float) -> dict[str, o
     effect with intervals."""
     first, second = effect.df
     shape = effect.sphericity
-    is_spherical = first == 1 or (None if shape.p is None else shape.p > 0.05)
+    is_spherical: bool | None = True  # one contrast has nothing to be unequal to
+    mauchly_p = 1.0
+    if first > 1:
+        is_spherical = None if shape.p is None else shape.p > 0.05
+        mauchly_p = np.nan if shape.p is None else shape.p
     size = dict.fromkeys(SIZES, np.nan)
     if effect.has_error:
         df = (first * shape.chi_muller, second * shape.chi_muller)
@@ -162,7 +167,7 @@ def _effect_row(effect: Tested, residual: float, interval: float) -> dict[str, o
         "eps": shape.greenhouse_geisser,
         "sphericity": is_spherical,
         "W_spher": np.nan if shape.w is None else shape.w,
-        "p_spher": 1.0 if first == 1 else np.nan if shape.p is None else shape.p,
+        "p_spher": mauchly_p,
         "eps_HF": shape.huynh_feldt,
         "p_HF_corr": effect.p(shape.huynh_feldt),
         "eps_CM": shape.chi_muller,

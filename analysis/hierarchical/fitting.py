@@ -114,11 +114,13 @@ def fit_hierarchical(
     if not used.any():
         return _no_data(tuple(conditions), interval)
     answers = (x[used], k[used], n[used])
-    catch = np.array([np.broadcast_to(count, n.shape)[used] for count in (n_false_alarms, n_catch)], dtype=np.float64)
+    by_row = [np.broadcast_to(count, n.shape)[used] for count in (n_false_alarms, n_catch)]
+    catch = np.array(by_row, dtype=np.float64)
     known = {"shape": curve, "guess_rate": guess_rate, "lapse_rate": lapse_rate, "rate_beta": rate_beta}
     known |= dict(zip(("n_false_alarms", "n_catch"), catch.max(axis=1), strict=True))
     known["scale_free_width"] = scale_free_width
-    study = StudyCounts.of(names[used], factors, width_by, answers, catch if np.ndim(n_catch) else None, **known)
+    of_cells = catch if np.ndim(n_catch) else None  # one number is that of all participants together
+    study = StudyCounts.of(names[used], factors, width_by, answers, of_cells, **known)
     # By now the levels are logarithms, over which a Weibull function is a Gumbel function.
     alone = single_fits(study, "gumbel" if shape == "weibull" else shape)
     return _fit(alone, interval, width_varies=not alone.separated)
@@ -151,26 +153,27 @@ def _fit(alone: Alone, interval: float, *, width_varies: bool) -> HierarchicalFi
     status = _status(kept, model, mixed_fit)
     if status == GroupStatus.NOT_CONVERGED:
         return _without_model(alone, status, interval)
-    n, group_reach, own_reach = study.n_participants, *reaches(study.n_participants, interval)
-    inflation = float(np.sqrt(n / (n - 1))) if n > 1 else 1.0
-    of_group = ParameterPlace.unknown(study.n_conditions).replaced(
-        alone.with_threshold, means(kept, mixed_fit, inflation)
-    )
-    of_cells = ParameterPlace.unknown(study.n_conditions, n).replaced(alone.with_threshold, cells(model, mixed_fit))
+    n = study.n_participants
+    group_reach, participant_reach = reaches(n, interval)
+    inflation = float(np.sqrt(n / (n - 1))) if n > 1 else 1.0  # to the restricted likelihood's
+    chosen = alone.with_threshold
+    of_group = ParameterPlace.unknown(study.n_conditions).replaced(chosen, means(kept, mixed_fit, inflation))
+    of_cells = ParameterPlace.unknown(study.n_conditions, n).replaced(chosen, cells(model, mixed_fit))
     angles = zip(study.shared, model.parts(mixed_fit.parameters)[1], strict=True)
-    rates = {where: float(rate_of(np.array(angle))[0]) for where, angle in angles}
+    rates = {place: float(rate_of(np.array(angle))[0]) for place, angle in angles}
+    note = "; ".join(filter(None, (status.note, "" if width_varies else ONE_WIDTH)))
     components, correlation = _components(kept, model, mixed_fit)
     all_means, covariance, width_group = _means_of_all(alone, kept, mixed_fit, inflation)
     return HierarchicalFit(
         conditions=condition_table(alone, of_group, group_reach),
-        participants=participant_table(alone, of_cells, own_reach),
+        participants=participant_table(alone, of_cells, participant_reach),
         components=components,
         correlation=correlation,
         lapse_rate=rates.get(LAPSE, study.lapse_rate),
         guess_rate=rates.get(GUESS, study.guess_rate),
         log_likelihood=mixed_fit.log_marginal,
         status=status,
-        note="; ".join(filter(None, (status.note, "" if width_varies else ONE_WIDTH))),
+        note=note,
         factors=tuple(study.conditions.columns),
         n_participants=n,
         interval=interval,
@@ -184,7 +187,8 @@ def _maximum(model: ClusteredModel, at: Array) -> MixedFit:
     """From scales as they are, then smaller and larger ones, until one start converges."""
     n = len(model.basis)
     for factor in START_FACTORS:
-        mixed_fit = maximise(model, np.concatenate([at[: len(at) - n], factor * at[len(at) - n :]]))
+        means, scales = at[: len(at) - n], at[len(at) - n :]
+        mixed_fit = maximise(model, np.concatenate([means, factor * scales]))
         if _has_converged(mixed_fit):
             break
     return mixed_fit
@@ -204,8 +208,9 @@ def _means_of_all(
     places = np.concatenate([alone.with_threshold, study.n_conditions + np.arange(kept.n_groups)])
     n, free = study.n_conditions + kept.n_groups, len(places)
     # Thresholds are stretched to the unit of the levels; logarithms of widths are shifted to it.
-    scale = np.where(np.arange(n) < study.n_conditions, study.spread, 1.0)
-    offset = np.where(np.arange(n) < study.n_conditions, study.centre, np.log(study.spread))
+    is_threshold = np.arange(n) < study.n_conditions
+    scale = np.where(is_threshold, study.spread, 1.0)
+    offset = np.where(is_threshold, study.centre, np.log(study.spread))
     means, covariance = np.zeros(n), np.zeros((n, n))
     means[places] = mixed_fit.parameters[:free]
     covariance[np.ix_(places, places)] = inflation**2 * mixed_fit.covariance[:free, :free]
@@ -232,7 +237,8 @@ def _status(study: StudyCounts, model: ClusteredModel, mixed_fit: MixedFit) -> G
         return GroupStatus.ONE_PARTICIPANT
     scale = model.scale(model.parts(mixed_fit.parameters)[2])
     kept = 2 if study.width_varies else 1
-    between, deviations = np.linalg.svd(scale[:kept, :kept], compute_uv=False), np.abs(np.diagonal(scale)[2:])
+    between = np.linalg.svd(scale[:kept, :kept], compute_uv=False)
+    deviations = np.abs(np.diagonal(scale)[2:])
     smallest = min(between.min(), deviations.min(initial=np.inf))
     return GroupStatus.SINGULAR if smallest < ZERO_SD else GroupStatus.OK
 
@@ -250,11 +256,13 @@ def _components(
     units = (study.spread, 1.0, study.spread, 1.0)
     sd_or_0 = np.where(sd > ZERO_SD, sd, 0.0)
     # Not strict: one condition has no deviations of cells, and one group of widths none of their widths.
-    named = {name: float(unit * sd_or_0[place]) for name, unit, place in zip(COMPONENTS, units, kinds, strict=False)}
+    columns = zip(COMPONENTS, units, kinds, strict=False)
+    named = {name: float(unit * sd_or_0[place]) for name, unit, place in columns}
     if not study.width_varies:
         named.pop("log_width")
-    correlated = study.n_participants >= CORRELATED_FROM and min(sd[:2]) > ZERO_SD
-    return MappingProxyType(named), float(covariance[0, 1] / (sd[0] * sd[1])) if correlated else None
+    is_correlated = study.n_participants >= CORRELATED_FROM and min(sd[:2]) > ZERO_SD
+    correlation = float(covariance[0, 1] / (sd[0] * sd[1])) if is_correlated else None
+    return MappingProxyType(named), correlation
 
 
 __all__ = ["Contrast", "FactorEffect", "GroupStatus", "HierarchicalFit", "fit_hierarchical"]

@@ -22,7 +22,9 @@ START_RATE = 0.03
 def rate_of(angle: Array) -> tuple[Array, Array, Array]:
     """A rate in [0, 0.5] by an angle without bounds, and its two derivatives: even about 0, as a scale's is."""
     half = LARGEST_RATE / 2
-    return half * (1 - np.cos(2 * angle)), 2 * half * np.sin(2 * angle), 4 * half * np.cos(2 * angle)
+    rate = half * (1 - np.cos(2 * angle))
+    slope, bent = 2 * half * np.sin(2 * angle), 4 * half * np.cos(2 * angle)
+    return rate, slope, bent
 
 
 def angle_rad(probability: float) -> float:
@@ -69,7 +71,9 @@ def _basis(study: StudyCounts, size: int) -> Array:
 def start_scales(model: ClusteredModel) -> Array:
     """theta at the start."""
     diagonals = np.diagonal(model.basis, axis1=1, axis2=2)
-    kinds = [0, 1, *[2 + k // max(1, model.fixed.shape[1]) for k in range(model.basis.shape[1] - 2)]]
+    n_deviations, n_conditions = model.basis.shape[1] - 2, max(1, model.fixed.shape[1])
+    kinds = [0, 1, *(2 + k // n_conditions for k in range(n_deviations))]
+    # A scale beside the diagonal is a covariance, which begins at 0.
     return np.array([START_SD[kinds[diagonal.argmax()]] if diagonal.any() else 0.0 for diagonal in diagonals])
 
 
@@ -122,12 +126,14 @@ def _prior(study: StudyCounts) -> Callable[[Array], tuple[float, Array]]:
             at_m, by_m, _ = log_threshold((m - low) / reach - 0.5)
             at_v, by_v, _ = log_width(v - np.log(wide), narrow, scale_free=True)
         at_v, by_v = at_v + v, by_v + 1.0  # a density of the log width, flat in it
-        total, slopes = float(at_m.sum() + at_v.sum()), [by_m / reach, by_v]
+        total = float(at_m.sum() + at_v.sum())
+        slopes = [by_m / reach, by_v]
         for angle, place in zip(angles, study.shared, strict=True):
             rate, slope, _ = rate_of(angle)
             n_yes, n_no = (np.array(float(n)) for n in answers[place])
             value, by_rate, _ = log_rate(rate, n_yes, n_no, study.rate_beta)
-            total, slopes = total + float(value), [*slopes, np.atleast_1d(by_rate * slope)]
+            total += float(value)
+            slopes.append(np.atleast_1d(by_rate * slope))
         return total, np.concatenate(slopes)
 
     return log_prior
@@ -136,8 +142,9 @@ def _prior(study: StudyCounts) -> Callable[[Array], tuple[float, Array]]:
 def start(study: StudyCounts, model: ClusteredModel, thresholds: Array, log_widths: Array) -> Array:
     """Parameters (n_parameters,) from a threshold and a log width of each condition."""
     low, high, gap = study.ranges()
-    inside = np.clip(thresholds, low - 0.2 * (high - low), high + 0.2 * (high - low))
-    floor = np.log(1.5 * gap)
-    groups = [np.maximum(log_widths, floor)[study.width_group == g].mean() for g in range(study.n_groups)]
+    reach = 0.2 * (high - low)
+    inside = np.clip(thresholds, low - reach, high + reach)
+    wide = np.maximum(log_widths, np.log(1.5 * gap))  # off the smallest spacing, where the width's prior ends
+    groups = [wide[study.width_group == g].mean() for g in range(study.n_groups)]
     angles = [angle_rad(START_RATE)] * len(study.shared)
     return np.concatenate([inside, groups, angles, start_scales(model)])

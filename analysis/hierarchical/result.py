@@ -111,7 +111,8 @@ class HierarchicalFit:
         row = self._rows(np.array([[weights.get(key, 0.0) for key in keys]]), of)[0]
         estimate, df = float(row @ self.means), self.n_participants - 1
         error = float(np.sqrt(row @ self.covariance @ row))
-        reach, t = float(t_distribution.ppf((1 + self.interval) / 2, df)) * error, estimate / error
+        reach = float(t_distribution.ppf((1 + self.interval) / 2, df)) * error
+        t = estimate / error
         p = 2 * float(t_distribution.sf(abs(t), df))
         return Contrast(estimate, error, estimate - reach, estimate + reach, t, df, p)
 
@@ -136,11 +137,13 @@ class HierarchicalFit:
         asked = f"{of!r} over {', '.join(factors)}"
         expect(has_own_widths, "of", asked, "conditions whose widths are their own (width_by)")
         differences, df = rows @ self.means, len(rows)
-        f = float(differences @ np.linalg.solve(rows @ self.covariance @ rows.T, differences)) / df
+        covariance = rows @ self.covariance @ rows.T
+        f = float(differences @ np.linalg.solve(covariance, differences)) / df
         if not self.components.get(f"{of}_cell"):
             return FactorEffect(f, df, np.inf, float(chi2.sf(df * f, df)))
         df_error, epsilon = df * (self.n_participants - 1), self._epsilon(weights, of)
-        return FactorEffect(f, df, df_error, float(f_distribution.sf(f, epsilon * df, epsilon * df_error)), epsilon)
+        p = float(f_distribution.sf(f, epsilon * df, epsilon * df_error))
+        return FactorEffect(f, df, df_error, p, epsilon)
 
     def _epsilon(self, weights: Array, of: str) -> float:
         """Chi and Muller's, of the participants who have an estimate in every condition; the least there is without
@@ -164,7 +167,8 @@ class HierarchicalFit:
         expect(of in ("threshold", "log_width"), "of", repr(of), "'threshold' or 'log_width'")
         is_fitted = self.n_participants > 1 and len(self.means) > 0
         expect(is_fitted, "participants", self.n_participants, "two or more with a fit")
-        lost = self.conditions.loc[(weights != 0).any(axis=0) & self.conditions["threshold"].isna().to_numpy()]
+        is_missing = self.conditions["threshold"].isna().to_numpy()
+        lost = self.conditions.loc[(weights != 0).any(axis=0) & is_missing]
         names = ", ".join(str(tuple(row)) for row in lost[[*self.factors, "status"]].itertuples(index=False))
         expect(not names, "conditions", f"no mean threshold for {names}", "conditions with one")
         is_bounded = of == "log_width" and bool(self.conditions["width"].isna().all())
@@ -181,12 +185,13 @@ class HierarchicalFit:
         is_complete = len(self.conditions) == int(np.prod([len(values) for values in levels]))
         asked = f"{', '.join(factors) or 'none'} over {len(self.conditions)} conditions"
         known = f"factors of {', '.join(self.factors)} with every combination of their levels"
-        expect(len(factors) > 0 and {*factors} <= {*self.factors} and is_complete, "factors", asked, known)
-        # Differences of the levels of a factor that is asked about, the mean over those of any other.
-        by_factor = [
-            np.diff(np.eye(len(values)), axis=0) if name in factors else np.full((1, len(values)), 1 / len(values))
-            for name, values in zip(self.factors, levels, strict=True)
-        ]
+        are_known = len(factors) > 0 and {*factors} <= {*self.factors}
+        expect(are_known and is_complete, "factors", asked, known)
+        by_factor = []
+        for name, values in zip(self.factors, levels, strict=True):
+            # Differences of the levels of a factor that is asked about, the mean over those of any other.
+            differences, mean = np.diff(np.eye(len(values)), axis=0), np.full((1, len(values)), 1 / len(values))
+            by_factor.append(differences if name in factors else mean)
         weights = reduce(np.kron, by_factor)
         order = {key: place for place, key in enumerate(product(*levels))}
         return np.asarray(weights[:, [order[key] for key in self._keys()]])

@@ -36,7 +36,8 @@ class Alone:
             if any(has_threshold(one) for one in (*cell, together)):
                 statuses.append(Status.SEPARATED if self.separated else Status.OK)
             else:
-                statuses.append(Status(of_cells.pop() if len(of_cells) == 1 else together.status))
+                agreed = of_cells.pop() if len(of_cells) == 1 else together.status
+                statuses.append(Status(agreed))
         return statuses
 
     @property
@@ -44,7 +45,7 @@ class Alone:
         """The conditions with a threshold."""
         return np.flatnonzero([status in (Status.OK, Status.SEPARATED) for status in self.statuses()])
 
-    def own_bounds(self) -> Array:
+    def cell_bounds(self) -> Array:
         """Of each cell (n_conditions, n_participants, 2), NaN for none."""
         ends = [[(one.interval_low, one.interval_high) for one in cell] for cell in self.cells]
         return np.array(ends, dtype=np.float64)
@@ -64,7 +65,8 @@ class Alone:
             at = ends.get(together.status, middle)[c]  # the end of the levels beyond which the answers put it
             threshold.append(np.mean([one.threshold for one in fits]) if fits else at)
             widths = [np.log(one.width) for one in fits if one.width is not None]
-            width.append(np.mean(widths) if widths else np.log(max((high - low)[c] / 2, 1e-9)))
+            half_range = max((high - low)[c] / 2, 1e-9)  # one level has no range
+            width.append(np.mean(widths) if widths else np.log(half_range))
         return np.array(threshold), np.array(width)
 
 
@@ -79,12 +81,10 @@ def single_fits(study: StudyCounts, shape: str) -> Alone:
     alarms, catch = np.swapaxes(study.own_catch, 1, 2)
     of_cells = [rows.reshape(n * c, -1) for rows in by_condition]
     of_conditions = [rows.reshape(c, -1) for rows in by_condition]
-    cells = _fits(study, shape, of_cells, alarms.ravel(), catch.ravel())
-    return Alone(
-        study,
-        tuple(cells[i * n : (i + 1) * n] for i in range(c)),
-        _fits(study, shape, of_conditions, alarms.sum(axis=1), catch.sum(axis=1)),
-    )
+    fits = _fits(study, shape, of_cells, alarms.ravel(), catch.ravel())
+    cells = tuple(fits[i * n : (i + 1) * n] for i in range(c))
+    together = _fits(study, shape, of_conditions, alarms.sum(axis=1), catch.sum(axis=1))
+    return Alone(study, cells, together)
 
 
 def _fits(study: StudyCounts, shape: str, counts: list[Array], alarms: Array, catch: Array) -> tuple[ThresholdFit, ...]:

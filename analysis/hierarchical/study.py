@@ -13,7 +13,7 @@ from tactometry.psychometric import Shape
 
 from ..arrays import Array, Indices
 from ..mixed_models.glmm import lay_out
-from ..threshold.counts import normalise
+from ..threshold.counts import POOLED_BELOW, normalise
 from ..threshold.likelihood import GUESS, LAPSE
 from ..threshold.prior import BETA_B
 
@@ -59,11 +59,14 @@ class StudyCounts:
         """From rows of a level each; `own_catch` are the false alarms and catch trials (2, n_rows) of their cells."""
         keys = pd.DataFrame(dict(factors))
         conditions = keys.drop_duplicates().sort_values(list(factors)).reset_index(drop=True)
-        place = conditions.reset_index().merge(keys.reset_index(), on=list(factors)).sort_values("index_y")["index_x"]
+        both = conditions.reset_index().merge(keys.reset_index(), on=list(factors))
+        place = both.sort_values("index_y")["index_x"]  # of each row's condition, in the order of the rows again
         who, participant = np.unique(names, return_inverse=True)
-        cell, n_cells = participant * len(conditions) + place.to_numpy(), len(who) * len(conditions)
-        centre, spread = _scale(answers[0])
-        columns = _counts_of_cells(cell, n_cells, ((answers[0] - centre) / spread, *answers[1:]))
+        cell = participant * len(conditions) + place.to_numpy()
+        n_cells = len(who) * len(conditions)
+        levels, n_yes, n_trials = answers
+        centre, spread = _scale(levels)
+        columns = _counts_of_cells(cell, n_cells, ((levels - centre) / spread, n_yes, n_trials))
         u, k, n = (rows.reshape(len(who), len(conditions), -1) for rows in columns)
         group = conditions.groupby(list(width_by), sort=True).ngroup() if width_by else np.zeros(len(conditions))
         catch = np.zeros((2, n_cells))
@@ -122,10 +125,12 @@ def _counts_of_cells(cell: Indices, n_cells: int, columns: tuple[Array, Array, A
     """Rows as (n_cells, n_rows of the largest cell), equal levels of a cell pooled."""
     counts = normalise(*lay_out(cell, *columns, n_clusters=n_cells))
     # Back from each cell's own scale to that of the study, which the means of conditions need.
-    u = np.where(counts.n_trials > 0, counts.centre[:, None] + counts.spread[:, None] * counts.u, 0.0)
+    u = counts.centre[:, None] + counts.spread[:, None] * counts.u
+    u = np.where(counts.n_trials > 0, u, 0.0)
     return u, counts.n_yes, counts.n_trials
 
 
 def _gap(levels: Array, reach: float) -> float:
-    gaps = [b - a for a, b in pairwise(np.unique(levels)) if b - a > 1e-9 * reach]
-    return float(min(gaps, default=reach or 1.0))
+    gaps = [upper - lower for lower, upper in pairwise(np.unique(levels))]
+    wide = [gap for gap in gaps if gap > POOLED_BELOW * reach]
+    return float(min(wide, default=reach or 1.0))

@@ -7,7 +7,7 @@ import pandas as pd
 from scipy.special import ndtri
 from scipy.stats import t as t_distribution
 
-from ..arrays import Array, Rows
+from ..arrays import Array, Bools, Rows
 from ..mixed_models.laplace import ClusteredModel, MixedFit, inner_mode, precision_of
 from ..threshold.likelihood import LOG_WIDTH, THRESHOLD
 from ..threshold.status import Status
@@ -50,7 +50,8 @@ class ParameterPlace(Rows):
 
     def ends(self, reach: float) -> Array:
         """Of the intervals of the thresholds (..., 2)."""
-        return np.asarray(self.threshold[..., None] + reach * self.threshold_se[..., None] * np.array([-1.0, 1.0]))
+        half = reach * self.threshold_se[..., None]
+        return np.asarray(self.threshold[..., None] + half * np.array([-1.0, 1.0]))
 
 
 def means(study: StudyCounts, mixed_fit: MixedFit, inflation: float) -> ParameterPlace:
@@ -65,32 +66,34 @@ def cells(model: ClusteredModel, mixed_fit: MixedFit) -> ParameterPlace:
     bring: means, rates and variances (Kass and Steffey 1989, J. Am. Stat. Assoc. 84, 717-726).
     """
     inner, n_free = mixed_fit.inner, model.n_fixed + model.n_shared
-    d, hessian = 2, inner.at.hessian
+    d, hessian = 2, inner.at.hessian  # two predictors of a cell: its threshold and its log width
     precision = precision_of(inner.loads, model.curvature(inner.points))
     spread = np.linalg.solve(precision[:, None], np.swapaxes(inner.loads, 2, 3))
     inside = np.einsum("csaq,csqa->csa", inner.loads, spread)
     # A parameter moves a cell's predictors directly, and by the mode of the effects, which follows it.
-    direct = np.concatenate([model.fixed, np.zeros((*model.fixed.shape[:3], model.n_shared))], axis=3)
+    nothing = np.zeros((*model.fixed.shape[:3], model.n_shared))
+    direct = np.concatenate([model.fixed, nothing], axis=3)
     pushed = np.einsum("csab,csbp->csap", hessian[..., :d, :d], direct)
     pushed[..., model.n_fixed :] += hessian[..., :d, d:]
-    pull = np.linalg.solve(precision, np.einsum("csaq,csap->cqp", inner.loads, pushed))
+    by_effects = np.einsum("csaq,csap->cqp", inner.loads, pushed)
+    pull = np.linalg.solve(precision, by_effects)
     along = direct + np.einsum("csaq,cqp->csap", inner.loads, pull)
     along = np.concatenate([along, _along_scales(model, mixed_fit, n_free)], axis=3)
-    variance = inside + np.einsum("csap,pr,csar->csa", along, mixed_fit.covariance, along, optimize=True)
-    eta, se = np.swapaxes(inner.points[..., :d], 0, 1), np.swapaxes(np.sqrt(variance), 0, 1)
+    brought = np.einsum("csap,pr,csar->csa", along, mixed_fit.covariance, along, optimize=True)
+    eta = np.swapaxes(inner.points[..., :d], 0, 1)
+    se = np.swapaxes(np.sqrt(inside + brought), 0, 1)
     return ParameterPlace(eta[..., THRESHOLD], se[..., THRESHOLD], eta[..., LOG_WIDTH], se[..., LOG_WIDTH])
 
 
 def _along_scales(model: ClusteredModel, mixed_fit: MixedFit, n_free: int) -> Array:
     """How the points of the cells move with each scale, (n_clusters, n_slots, 2, n_theta), by central differences."""
-    moved = np.zeros((*mixed_fit.inner.points.shape[:2], 2, len(mixed_fit.parameters) - n_free))
+    parameters, effects = mixed_fit.parameters, mixed_fit.inner.effects
+    moved = np.zeros((*mixed_fit.inner.points.shape[:2], 2, len(parameters) - n_free))
     for j in range(moved.shape[-1]):
-        step = SCALE_STEP * max(abs(mixed_fit.parameters[n_free + j]), SCALE_STEP)
-        change = step * (np.arange(len(mixed_fit.parameters)) == n_free + j)
-        ahead, behind = (
-            inner_mode(model, mixed_fit.parameters + side * change, mixed_fit.inner.effects).points[..., :2]
-            for side in (1, -1)
-        )
+        step = SCALE_STEP * max(abs(parameters[n_free + j]), SCALE_STEP)  # a scale may be 0, a step may not
+        change = step * (np.arange(len(parameters)) == n_free + j)
+        ahead = inner_mode(model, parameters + change, effects).points[..., :2]
+        behind = inner_mode(model, parameters - change, effects).points[..., :2]
         moved[..., j] = (ahead - behind) / (2 * step)
     return moved
 
@@ -112,22 +115,26 @@ def participant_table(alone: Alone, place: ParameterPlace, reach: float) -> pd.D
     there is none, but their own bound; others are drawn to the group."""
     study, rows = alone.study, place.by_participant()
     single = [cell[p] for p in range(study.n_participants) for cell in alone.cells]
-    status = [
-        Status.OK if one.status == Status.SEPARATED and not none else one.status
-        for one, none in zip(single, np.isnan(rows.threshold), strict=True)
-    ]
-    own_bounds = alone.own_bounds().swapaxes(0, 1).reshape(-1, 2)  # participant by participant, as the rows are
+    status = np.array([one.status for one in single], dtype=object)
+    # Drawn to the group, a cell whose answers are one step has a width.
+    status[(status == Status.SEPARATED) & ~np.isnan(rows.threshold)] = Status.OK
+    cell_bounds = alone.cell_bounds().swapaxes(0, 1).reshape(-1, 2)  # participant by participant, as the rows are
     is_censored = np.isin(status, CENSORED)
-    table = _table(study, rows, status, np.where(is_censored[:, None], own_bounds, rows.ends(reach)), reach)
-    keys = study.conditions.loc[np.tile(np.arange(study.n_conditions), study.n_participants)].reset_index(drop=True)
+    ends = np.where(is_censored[:, None], cell_bounds, rows.ends(reach))
+    table = _table(study, rows, status.tolist(), ends, reach)
+    n_trials = study.n_trials.sum(axis=2).ravel().astype(int)
+    conditions = np.tile(np.arange(study.n_conditions), study.n_participants)
+    keys = study.conditions.loc[conditions].reset_index(drop=True)
     keys.insert(0, "participant", np.repeat(study.participants, study.n_conditions))
-    return pd.concat([keys, table.assign(n_trials=study.n_trials.sum(axis=2).ravel().astype(int))], axis=1)
+    return pd.concat([keys, table.assign(n_trials=n_trials)], axis=1)
 
 
 def _status_of_mean(status: Status, threshold: float, low: float, high: float) -> Status:
     if np.isnan(threshold):
         return status
-    return Status.BELOW if threshold < low else Status.ABOVE if threshold > high else status
+    if threshold < low:
+        return Status.BELOW
+    return Status.ABOVE if threshold > high else status
 
 
 def _table(study: StudyCounts, place: ParameterPlace, status: list[Status], ends: Array, reach: float) -> pd.DataFrame:
@@ -138,21 +145,29 @@ def _table(study: StudyCounts, place: ParameterPlace, status: list[Status], ends
     steps = reach * place.log_width_se[:, None] * np.array([-1.0, 0.0, 1.0])
     with np.errstate(over="ignore"):
         widths = study.spread * np.exp(place.log_width[:, None] + steps)
+    narrow, width, wide = widths.T
     columns = {
-        "threshold": np.where(has_number, study.level(place.threshold), np.nan),
-        "standard_error": np.where(has_number, study.spread * place.threshold_se, np.nan),
-        "interval_low": np.where(has_low, study.level(ends[:, 0]), np.nan),
-        "interval_high": np.where(has_high, study.level(ends[:, 1]), np.nan),
-        "width": np.where(has_number, widths[:, 1], np.nan),
-        "width_low": np.where(has_number, widths[:, 0], np.nan),
-        "width_high": np.where(has_number & np.isfinite(widths[:, 2]), widths[:, 2], np.nan),
+        "threshold": _where(has_number, study.level(place.threshold)),
+        "standard_error": _where(has_number, study.spread * place.threshold_se),
+        "interval_low": _where(has_low, study.level(ends[:, 0])),
+        "interval_high": _where(has_high, study.level(ends[:, 1])),
+        "width": _where(has_number, width),
+        "width_low": _where(has_number, narrow),
+        "width_high": _where(has_number & np.isfinite(wide), wide),
         "status": [one.value for one in status],
     }
     return pd.DataFrame(columns)
+
+
+def _where(is_known: Bools, values: Array) -> Array:
+    """The values that are known, NaN in place of the others."""
+    return np.where(is_known, values, np.nan)
 
 
 def reaches(n_participants: int, interval: float) -> tuple[float, float]:
     """Standard errors to an interval's end: of the group's means (t, n - 1 degrees of freedom), of a participant."""
     share = (1 + interval) / 2
     normal = float(ndtri(share))
-    return (float(t_distribution.ppf(share, n_participants - 1)) if n_participants > 1 else normal), normal
+    if n_participants == 1:
+        return normal, normal
+    return float(t_distribution.ppf(share, n_participants - 1)), normal

@@ -135,22 +135,22 @@ class _Censored:
 
     def _start(self) -> Array:
         """Least squares through the middles or bounds; half of the residual variance to each side."""
-        y = _middle(np.stack([self.low.ravel(), self.high.ravel()], axis=1)).reshape(self.low.shape)
+        ends = np.stack([self.low.ravel(), self.high.ravel()], axis=1)
+        y = _middle(ends).reshape(self.low.shape)
         beta = np.linalg.lstsq(self.x[self.used], y[self.used], rcond=None)[0]
-        sd = max(float((y - self.x @ beta)[self.used].std()), 0.01) / np.sqrt(2)
+        residuals = (y - self.x @ beta)[self.used]
+        sd = max(float(residuals.std()), 0.01) / np.sqrt(2)
         return np.concatenate([beta, [np.log(sd), sd]])
 
     def log_likelihood(self, points: Array) -> Expansion:
         """At points (..., 2) of mean and log standard deviation."""
         eta, log_sd = points[..., 0], points[..., 1]
-        chance, exact = _interval(self.low, self.high, eta, log_sd), _value(self.low, eta, log_sd)
+        of_intervals = _interval(self.low, self.high, eta, log_sd)
+        of_values = _value(self.low, eta, log_sd)
         is_known = self.low == self.high
-        return Expansion(
-            *(
-                np.where(_like(is_known, of_value), of_value, of_interval) * _like(self.used, of_value)
-                for of_value, of_interval in zip(vars(exact).values(), vars(chance).values(), strict=True)
-            )
-        )
+        pairs = zip(vars(of_values).values(), vars(of_intervals).values(), strict=True)
+        merged = [np.where(_like(is_known, exact), exact, chance) for exact, chance in pairs]
+        return Expansion(*(values * _like(self.used, values) for values in merged))
 
 
 def _like(mask: Bools, values: Array) -> Bools:
@@ -163,9 +163,10 @@ def _value(y: Array, eta: Array, log_sd: Array) -> Expansion:
     y = np.where(np.isfinite(y), y, 0.0)
     inverse = np.exp(-log_sd)
     z = (y - eta) * inverse
+    log_density = -0.5 * z * z - log_sd - LOG_ROOT_TWO_PI
     gradient = np.stack([z * inverse, z * z - 1], axis=-1)
-    mixed = -2 * z * inverse
-    return Expansion(-0.5 * z * z - log_sd - LOG_ROOT_TWO_PI, gradient, _square(-(inverse**2), mixed, -2 * z * z))
+    hessian = _square(-(inverse**2), -2 * z * inverse, -2 * z * z)
+    return Expansion(log_density, gradient, hessian)
 
 
 def _interval(low: Array, high: Array, eta: Array, log_sd: Array) -> Expansion:
@@ -177,8 +178,11 @@ def _interval(low: Array, high: Array, eta: Array, log_sd: Array) -> Expansion:
     # At an infinite end the density is 0: the end's place must not make NaN of its product with it.
     a, b = (np.where(np.isfinite(end), end, 0.0) for end in (a, b))
     by_a, by_b = -ratio_a, ratio_b
-    aa, ab, bb = a * ratio_a - ratio_a**2, ratio_a * ratio_b, -b * ratio_b - ratio_b**2
-    gradient = np.stack([-(by_a + by_b) * inverse, -(a * by_a + b * by_b)], axis=-1)
+    aa = a * ratio_a - ratio_a**2
+    ab = ratio_a * ratio_b
+    bb = -b * ratio_b - ratio_b**2
+    by_eta, by_log_sd = -(by_a + by_b) * inverse, -(a * by_a + b * by_b)
+    gradient = np.stack([by_eta, by_log_sd], axis=-1)
     curved = np.minimum(aa + 2 * ab + bb, 0.0) * inverse**2  # log-concave, also where all digits are lost
     mixed = (by_a + by_b + a * aa + (a + b) * ab + b * bb) * inverse
     by_log_sd_twice = a * by_a + b * by_b + a * a * aa + 2 * a * b * ab + b * b * bb
@@ -186,7 +190,8 @@ def _interval(low: Array, high: Array, eta: Array, log_sd: Array) -> Expansion:
 
 
 def _square(first: Array, mixed: Array, second: Array) -> Array:
-    return np.stack([np.stack([first, mixed], axis=-1), np.stack([mixed, second], axis=-1)], axis=-2)
+    rows = [np.stack([first, mixed], axis=-1), np.stack([mixed, second], axis=-1)]
+    return np.stack(rows, axis=-2)
 
 
 def _log_chance(a: Array, b: Array) -> Array:
@@ -195,7 +200,8 @@ def _log_chance(a: Array, b: Array) -> Array:
     low, high = np.where(flipped, -b, a), np.where(flipped, -a, b)
     upper = log_ndtr(high)
     with np.errstate(invalid="ignore"):
-        return np.where(high > low, upper + log1mexp(np.maximum(upper - log_ndtr(low), 1e-300)), 0.0)
+        difference = np.maximum(upper - log_ndtr(low), 1e-300)  # log1mexp has no value at 0
+        return np.where(high > low, upper + log1mexp(difference), 0.0)
 
 
 def _refuse_unheld(ends: Array, matrix: ModelDesign) -> None:
@@ -204,7 +210,8 @@ def _refuse_unheld(ends: Array, matrix: ModelDesign) -> None:
         return
     endless = endless_direction(ends, matrix.x)
     if endless is not None:
-        raise _endless(matrix.names[int(np.argmax(np.abs(endless)))])
+        steepest = int(np.argmax(np.abs(endless)))
+        raise _endless(matrix.names[steepest])
     found = "known values that the terms and participants explain without error"
     has_error = not leaves_no_error(ends, matrix.x, matrix.groups)
     expect(has_error, "censored_model", found, "more known values, or fewer terms")
@@ -266,7 +273,8 @@ def leaves_no_error(ends: Array, x: Array, groups: Indices) -> bool:
     participants = np.unique(groups[known])
     if known.sum() <= len(participants):
         return False  # one value each: the variance between participants alone makes their density finite
-    y, intercepts = ends[known, 0], np.equal.outer(groups[known], participants).astype(np.float64)
+    y = ends[known, 0]
+    intercepts = np.equal.outer(groups[known], participants).astype(np.float64)
     every = np.concatenate([x[known], intercepts], axis=1)
-    left = y - every @ np.linalg.lstsq(every, y, rcond=None)[0]
-    return bool(np.abs(left).max() <= ZERO * np.abs(y).max())
+    residual = y - every @ np.linalg.lstsq(every, y, rcond=None)[0]
+    return bool(np.abs(residual).max() <= ZERO * np.abs(y).max())

@@ -124,7 +124,8 @@ def fit_glmm(
     if not used.any():
         return MixedEstimate(MixedStatus.NO_DATA)
     columns = {name: np.broadcast_to(np.asarray(column, float), x.shape[1:])[used] for name, column in fixed.items()}
-    design = _Design.of(columns, random, names[used], (k[0, used], (n - k)[0, used]), correlated=correlated)
+    answers = (k[0, used], (n - k)[0, used])
+    design = _Design.of(columns, random, names[used], answers, correlated=correlated)
     return design.fit(SHAPES[shape], (guess_rate, lapse_rate), n_nodes, expected=expected)
 
 
@@ -192,7 +193,8 @@ class _Design:
 
         fixed = self.fixed[:, :, None, :]
         # One participant has no variance between participants: no scale is looked for.
-        basis = triangular_basis(len(places) if len(self.participants) > 1 else 0, len(places))
+        n_varied = len(places) if len(self.participants) > 1 else 0
+        basis = triangular_basis(n_varied, len(places))
         if not self.correlated:
             basis = basis[basis.trace(axis1=1, axis2=2) > 0]
         return ClusteredModel(
@@ -208,17 +210,20 @@ class _Design:
         random_scale = self.scale[[self.names.index(name) for name in self.random]]
         modes = mixed_fit.inner.effects @ model.scale(theta).T / random_scale
         sigma = model.scale(theta) @ model.scale(theta).T
-        sd = np.sqrt(np.diagonal(sigma)) if len(theta) else np.full(n, np.nan)
+        has_sd = len(theta) > 0
+        sd = np.sqrt(np.diagonal(sigma)) if has_sd else np.full(n, np.nan)
         with np.errstate(divide="ignore", invalid="ignore"):
             correlation = sigma / np.outer(sd, sd)
-        has_sd = len(theta) > 0
+        standard_errors = np.sqrt(np.diagonal(covariance)) / self.scale
+        by_effect = dict(zip(self.random, (sd / random_scale).tolist(), strict=True))
+        has_correlation = has_sd and (sd > ZERO_SD).all()
         return MixedEstimate(
             status,
             self._named(beta / self.scale),
-            self._named(np.sqrt(np.diagonal(covariance)) / self.scale),
+            self._named(standard_errors),
             covariance / np.outer(self.scale, self.scale),
-            dict(zip(self.random, (sd / random_scale).tolist(), strict=True)) if has_sd else None,
-            correlation if has_sd and (sd > ZERO_SD).all() else None,
+            by_effect if has_sd else None,
+            correlation if has_correlation else None,
             MappingProxyType(dict(zip(self.participants, modes, strict=True))),
             mixed_fit.log_marginal,
         )
@@ -231,8 +236,9 @@ class _Design:
             return MixedStatus.NOT_CONVERGED
         if len(self.participants) == 1:
             return MixedStatus.ONE_PARTICIPANT
-        smallest = np.linalg.svd(model.scale(theta), compute_uv=False).min() if len(theta) else np.inf
-        return MixedStatus.SINGULAR if smallest < ZERO_SD else MixedStatus.OK
+        scales = np.linalg.svd(model.scale(theta), compute_uv=False)
+        is_singular = len(theta) > 0 and scales.min() < ZERO_SD
+        return MixedStatus.SINGULAR if is_singular else MixedStatus.OK
 
     def _named(self, values: Array) -> Mapping[str, float]:
         return MappingProxyType(dict(zip(self.names, values.tolist(), strict=True)))

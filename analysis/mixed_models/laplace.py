@@ -89,7 +89,8 @@ class ClusteredModel:
 
     def points(self, offset: Array, loads: Array, effects: Array, shared: Array) -> Array:
         eta = offset + np.einsum("csdq,cq->csd", loads, effects)
-        return np.concatenate([eta, np.broadcast_to(shared, (*eta.shape[:2], len(shared)))], axis=-1)
+        of_units = np.broadcast_to(shared, (*eta.shape[:2], len(shared)))
+        return np.concatenate([eta, of_units], axis=-1)
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,8 @@ class MixedFit:
 def inner_mode(model: ClusteredModel, parameters: Array, start: Array | None = None) -> Inner:
     """Damped Newton steps of all clusters at once, each with its own damping."""
     beta, shared, theta = model.parts(parameters)
-    loads, offset = model.random @ model.scale(theta), model.fixed @ beta
+    loads = model.random @ model.scale(theta)
+    offset = model.fixed @ beta
     effects = np.zeros((loads.shape[0], loads.shape[-1])) if start is None else start
     damping = np.zeros(len(effects))
     here = _at(model, offset, loads, effects, shared)
@@ -132,8 +134,10 @@ def inner_mode(model: ClusteredModel, parameters: Array, start: Array | None = N
         step, decrement = _inner_step(here, damping)
         there = _at(model, offset, loads, here.effects + step, shared)
         # A negative decrement is that of an indefinite Hessian, whose step leads away from a summit.
-        better = (decrement >= 0) & (there.value >= here.value - 1e-12 * (1 + np.abs(here.value)))
-        damping = np.where(better, damping / 10, np.maximum(10 * damping, 1e-2 * _diagonal(here.precision)))
+        rounding = 1e-12 * (1 + np.abs(here.value))
+        better = (decrement >= 0) & (there.value >= here.value - rounding)
+        more = np.maximum(10 * damping, 1e-2 * _diagonal(here.precision))
+        damping = np.where(better, damping / 10, more)
         damping[damping < 1e-8] = 0.0  # only Newton's own step squares the error, and may end the search below
         here = there if better.all() else there.where(better, here)
         near = np.abs(decrement) <= SMALL_INNER_DECREMENT * (1 + np.abs(here.value))
@@ -190,15 +194,17 @@ def log_marginal(model: ClusteredModel, parameters: Array, inner: Inner) -> tupl
     moved = np.einsum("csaq,cq->csa", inner.loads, pull)
     total = first + drift[..., :d] + np.einsum("csab,csb->csa", hessian, moved)
     # Lambda enters thrice: by eta, by the gradient whose zero the mode is, and by H itself.
-    by_scale = np.einsum("csaq,csa,cr->qr", model.random, total, inner.effects, optimize=True)
-    by_scale += np.einsum("csaq,csa,cr->qr", model.random, first, pull, optimize=True)
-    by_scale -= np.einsum("csaq,csab,csrb->qr", model.random, w, spread, optimize=True)
+    by_eta = np.einsum("csaq,csa,cr->qr", model.random, total, inner.effects, optimize=True)
+    by_mode = np.einsum("csaq,csa,cr->qr", model.random, first, pull, optimize=True)
+    by_determinant = np.einsum("csaq,csab,csrb->qr", model.random, w, spread, optimize=True)
+    by_scale = by_eta + by_mode - by_determinant
     by_fixed = np.einsum("csap,csa->p", model.fixed, total)
-    by_shared = (inner.at.gradient + drift)[..., d:].sum(axis=(0, 1))
-    by_shared = by_shared + np.einsum("csa,csap->p", moved, inner.at.hessian[..., :d, d:])
+    directly = (inner.at.gradient + drift)[..., d:].sum(axis=(0, 1))
+    by_shared = directly + np.einsum("csa,csap->p", moved, inner.at.hessian[..., :d, d:])
     gradient = np.concatenate([by_fixed, by_shared, np.tensordot(model.basis, by_scale, axes=2)])
     sign, log_determinant = np.linalg.slogdet(precision)
-    value = float((inner.value - 0.5 * log_determinant).sum()) if (sign > 0).all() else ILL
+    is_definite = (sign > 0).all()
+    value = float((inner.value - 0.5 * log_determinant).sum()) if is_definite else ILL
     return with_prior(model, parameters, value, gradient)
 
 
@@ -207,7 +213,8 @@ def with_prior(model: ClusteredModel, parameters: Array, value: float, gradient:
     n = model.n_fixed + model.n_shared
     if model.log_prior is not None:
         extra, slope = model.log_prior(parameters[:n])
-        value, gradient = value + extra, np.concatenate([gradient[:n] + slope, gradient[n:]])
+        value = value + extra
+        gradient = np.concatenate([gradient[:n] + slope, gradient[n:]])
     return (value if np.isfinite(value) else ILL), gradient
 
 
@@ -254,8 +261,9 @@ def maximise(model: ClusteredModel, start: Array, marginal: Marginal = log_margi
         parameters, hessian = start, _hessian(objective, start)
         for _ in range(MAX_RESTARTS):
             # scipy raises for a matrix that is not definite, and begins at the unit matrix for None.
-            first = symmetric_inverse(hessian)[0]
-            options: Any = {"gtol": GRADIENT_TOLERANCE, "hess_inv0": first if _is_definite(first) else None}
+            inverse, _ = symmetric_inverse(hessian)
+            first = inverse if _is_definite(inverse) else None
+            options: Any = {"gtol": GRADIENT_TOLERANCE, "hess_inv0": first}
             parameters = minimize(objective, parameters, jac=True, method="BFGS", options=options).x
             parameters, hessian = _newton_steps(objective, parameters)
             value, gradient = objective(parameters)
@@ -282,7 +290,8 @@ def _newton_steps(objective: _Objective, parameters: Array) -> tuple[Array, Arra
         hessian = _hessian(objective, parameters)
         trial = parameters - symmetric_inverse(hessian)[0] @ gradient
         new_value, new_gradient = objective(trial)
-        if not (np.abs(new_gradient).max() < 0.9 * np.abs(gradient).max() and new_value <= value + 1e-9):
+        is_flatter = np.abs(new_gradient).max() < 0.9 * np.abs(gradient).max()
+        if not (is_flatter and new_value <= value + 1e-9):
             break
         parameters, value, gradient = trial, new_value, new_gradient
         if np.abs(gradient).max() < GRADIENT_TOLERANCE:
@@ -293,10 +302,11 @@ def _newton_steps(objective: _Objective, parameters: Array) -> tuple[Array, Arra
 def _hessian(objective: _Objective, parameters: Array) -> Array:
     """Central differences of the exact gradient."""
     steps = DIFFERENCE * np.maximum(1.0, np.abs(parameters))
-    columns = [
-        (objective(parameters + step * unit)[1] - objective(parameters - step * unit)[1]) / (2 * step)
-        for step, unit in zip(steps, np.eye(len(parameters)), strict=True)
-    ]
+    columns = []
+    for step, unit in zip(steps, np.eye(len(parameters)), strict=True):
+        _, ahead = objective(parameters + step * unit)
+        _, behind = objective(parameters - step * unit)
+        columns.append((ahead - behind) / (2 * step))
     matrix = np.array(columns)
     return np.asarray((matrix + matrix.T) / 2)
 
@@ -305,7 +315,8 @@ def symmetric_inverse(hessian: Array) -> tuple[Array, float]:
     """The inverse with each eigenvalue (at a diagonal of 1) by its size, at least `FLATTEST`; and the smallest."""
     scale = np.sqrt(np.maximum(np.abs(np.diagonal(hessian)), FLATTEST))
     values, vectors = np.linalg.eigh(hessian / np.outer(scale, scale))
-    inverse = (vectors / np.maximum(np.abs(values), FLATTEST)) @ vectors.T
+    sizes = np.maximum(np.abs(values), FLATTEST)
+    inverse = (vectors / sizes) @ vectors.T
     inverse = inverse / np.outer(scale, scale)
     return np.asarray((inverse + inverse.T) / 2), float(values.min())
 
@@ -326,12 +337,14 @@ def log_marginal_by_quadrature(
         at = model.log_likelihood(model.points(offset, inner.loads, effects, shared))
         density = at.value.sum(axis=1) - 0.5 * np.square(effects).sum(axis=1)
         # The weights are those of integrals with a factor exp(-x^2), which is taken out again.
-        terms.append(density + x @ x + np.log(weights[list(places)]).sum())
+        log_weight = np.log(weights[list(places)]).sum()
+        terms.append(density + x @ x + log_weight)
         slopes.append(_slope(model, at, effects))
     total = np.logaddexp.reduce(terms, axis=0)
     half_log_det = 0.5 * np.linalg.slogdet(inner.precision)[1]
     value = float((total - half_log_det - 0.5 * n * np.log(np.pi)).sum())
-    gradient = np.einsum("nc,ncp->p", np.exp(np.array(terms) - total), slopes)
+    shares = np.exp(np.array(terms) - total)
+    gradient = np.einsum("nc,ncp->p", shares, slopes)
     return with_prior(model, parameters, value, gradient)
 
 

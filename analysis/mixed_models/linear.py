@@ -140,7 +140,8 @@ def _checked_rows(
     expect(len(set(columns)) == len(columns), "mixed_model", ", ".join(columns), "each column once")
     data = finite_rows(table, columns, dependent, "mixed_model")
     for name in covariates:
-        data[name] = finite_rows(data, [name, *(c for c in columns if c != name)], name, "mixed_model")[name]
+        others = [column for column in columns if column != name]
+        data[name] = finite_rows(data, [name, *others], name, "mixed_model")[name]
     n = data[subject].nunique()
     expect(n >= 2, subject, f"{n} participant", "at least 2 for a mixed model")
     return data
@@ -208,19 +209,22 @@ def model_design(
     for r in range(1, (len(single) if interactions else 1) + 1):
         for term in combinations(single, r):
             added = _products([single[name] for name in term])
-            terms[" * ".join(term)] = tuple(range(len(columns), len(columns) + len(added)))
+            first = len(columns)
+            terms[" * ".join(term)] = tuple(range(first, first + len(added)))
             columns |= added
             averaged += _products([centred[name] for name in term]).values()
     x = np.stack(list(columns.values()), axis=1)
     _refuse_dependent(x, list(columns), terms)
-    y, groups = data[dependent].to_numpy(dtype=np.float64), pd.factorize(data[subject])[0]
+    y = data[dependent].to_numpy(dtype=np.float64)
+    groups, _ = pd.factorize(data[subject])
     return ModelDesign(y, groups, x, tuple(columns), terms, np.stack(averaged, axis=1))
 
 
 def _centred(codes: Mapping[str, Array]) -> dict[str, Array]:
     """About the mean of a factor's levels, each counted once."""
     different = np.unique(np.stack(list(codes.values()), axis=1), axis=0)
-    return {name: column - mean for (name, column), mean in zip(codes.items(), different.mean(axis=0), strict=True)}
+    means = different.mean(axis=0)
+    return {name: column - mean for (name, column), mean in zip(codes.items(), means, strict=True)}
 
 
 def _codes(data: pd.DataFrame, name: str, base: object) -> dict[str, Array]:
@@ -228,9 +232,8 @@ def _codes(data: pd.DataFrame, name: str, base: object) -> dict[str, Array]:
     refuse_one(name, len(levels), "value")
     first = levels[0] if base is None else base
     expect(first in levels, "base", f"{name} = {base}", f"one of {', '.join(map(str, levels))}")
-    return {
-        f"{name} = {level}": (data[name] == level).to_numpy().astype(np.float64) for level in levels if level != first
-    }
+    others = [level for level in levels if level != first]
+    return {f"{name} = {level}": (data[name] == level).to_numpy().astype(np.float64) for level in others}
 
 
 def _products(factors: Sequence[Mapping[str, Array]]) -> dict[str, Array]:
@@ -298,7 +301,8 @@ def _fit(y: Array, design: ModelDesign) -> InterceptFit:
     )
     inside = _at(float(np.exp(summit.x)), y, design)
     alone = _at(0.0, y, design)  # a ratio of 0 has no logarithm
-    return inside if best > 0 and inside.log_likelihood > alone.log_likelihood else alone
+    is_higher = best > 0 and inside.log_likelihood > alone.log_likelihood
+    return inside if is_higher else alone
 
 
 def _at(ratio: float, y: Array, design: ModelDesign) -> InterceptFit:
@@ -308,13 +312,18 @@ def _at(ratio: float, y: Array, design: ModelDesign) -> InterceptFit:
     sizes = np.bincount(design.groups)
     share = 1 - (1 + sizes * ratio) ** -0.5
     both = np.column_stack([design.x, y])
-    left = both - (share[:, None] * _group_means(both, design.groups))[design.groups]
+    taken_off = share[:, None] * _group_means(both, design.groups)
+    left = both - taken_off[design.groups]
     x_left, y_left = left[:, :p], left[:, p]
     q, r = np.linalg.qr(x_left)
     estimates = np.linalg.solve(r, q.T @ y_left)
-    residual = max(float(np.sum((y_left - x_left @ estimates) ** 2)) / (n - p), SMALLEST)
+    ss_residual = float(np.sum((y_left - x_left @ estimates) ** 2))
+    residual = max(ss_residual / (n - p), SMALLEST)
     inverse = np.linalg.inv(r)
-    log_determinant = 2 * float(np.sum(np.log(np.abs(np.diagonal(r))))) + float(np.sum(np.log1p(sizes * ratio)))
+    # Of X'X (restricted likelihood), and of the covariance of each participant's values.
+    of_terms = 2 * float(np.sum(np.log(np.abs(np.diagonal(r)))))
+    of_participants = float(np.sum(np.log1p(sizes * ratio)))
+    log_determinant = of_terms + of_participants
     log_likelihood = -0.5 * ((n - p) * (np.log(2 * np.pi * residual) + 1) + log_determinant)
     sds = float(np.sqrt(ratio * residual)), float(np.sqrt(residual))
     return InterceptFit(estimates, residual * inverse @ inverse.T, *sds, float(log_likelihood))
@@ -367,6 +376,8 @@ def _terms(design: ModelDesign, fit: InterceptFit) -> pd.DataFrame:
     for name, columns in design.terms.items():
         term = list(columns)
         df1, df2 = len(term), int(design.df[term].min())
-        f = float(estimates[term] @ np.linalg.solve(covariance[np.ix_(term, term)], estimates[term])) / df1
-        rows.append({"term": name, "df1": df1, "df2": df2, "F": f, "p": float(fisher.sf(f, df1, df2))})
+        of_term = covariance[np.ix_(term, term)]
+        f = float(estimates[term] @ np.linalg.solve(of_term, estimates[term])) / df1
+        p = float(fisher.sf(f, df1, df2))
+        rows.append({"term": name, "df1": df1, "df2": df2, "F": f, "p": p})
     return pd.DataFrame(rows)

@@ -108,16 +108,20 @@ def _linear(shape: Shape, z: Array, guess: Array, lapse: Array, answers: tuple[A
     kk_yes, kk_no = k_yes / yes, k_no / no
     first, second = k_yes - k_no, kk_yes + kk_no  # along psi, the second with its sign turned
     steep = span * pdf
+    value = n_yes * np.log(yes) + n_no * np.log(no)
+    zz = first * bend(steep, shape.score(z)) - second * steep * steep
+    # first and second joined by yes + no = 1: what is left does not cancel, however small a chance is
+    z_lapse = pdf * (kk_no * (1 - guess) - kk_yes * guess)
+    z_guess = pdf * (kk_no * lapse - kk_yes * (1 - lapse))
     by = ByPoint(
-        value=n_yes * np.log(yes) + n_no * np.log(no),
+        value=value,
         z=first * steep,
-        zz=first * bend(steep, shape.score(z)) - second * steep * steep,
+        zz=zz,
         lapse=-first * cdf,
-        # first and second joined by yes + no = 1: what is left does not cancel, however small a chance is
-        z_lapse=pdf * (kk_no * (1 - guess) - kk_yes * guess),
+        z_lapse=z_lapse,
         lapse_lapse=-second * cdf * cdf,
         guess=first * sf,
-        z_guess=pdf * (kk_no * lapse - kk_yes * (1 - lapse)),
+        z_guess=z_guess,
         guess_guess=-second * sf * sf,
         lapse_guess=second * cdf * sf,
     )
@@ -130,13 +134,15 @@ def expected_information(shape: Shape, z: Array, guess: Array, lapse: Array, n_t
     span = 1 - guess - lapse
     variance = (guess + span * cdf) * (lapse + span * sf)
     with np.errstate(all="ignore"):
-        return np.asarray(np.where(variance > 0, n_trials * np.square(span * pdf) / variance, 0.0))
+        information = n_trials * np.square(span * pdf) / variance
+        return np.asarray(np.where(variance > 0, information, 0.0))
 
 
 def _logarithmic(shape: Shape, z: Array, guess: Array, lapse: Array, n_yes: Array, n_no: Array) -> ByPoint:
     yes, no = (_one_answer(shape, z, guess, lapse, answer) for answer in (1, 0))
     value = weighted(n_yes, yes[0]) + weighted(n_no, no[0])
-    return ByPoint(value, *(n_yes * a + n_no * b for a, b in zip(yes[1:], no[1:], strict=True)))
+    derivatives = zip(yes[1:], no[1:], strict=True)
+    return ByPoint(value, *(n_yes * of_yes + n_no * of_no for of_yes, of_no in derivatives))
 
 
 def _one_answer(shape: Shape, z: Array, guess: Array, lapse: Array, answer: int) -> tuple[Array, ...]:
@@ -149,10 +155,14 @@ def _one_answer(shape: Shape, z: Array, guess: Array, lapse: Array, answer: int)
     by_z, by_l, by_g = sign * steep, -sign * up, sign * down
     by_zz = sign * bend(steep, shape.score(z)) - steep * steep
     # As in `_linear`: the cross terms keep the asymptote alone, and nothing cancels.
-    log_at_guess, log_at_lapse = (np.log(guess), np.log1p(-lapse)) if answer else (np.log1p(-guess), np.log(lapse))
+    if answer:
+        log_at_guess, log_at_lapse = np.log(guess), np.log1p(-lapse)
+    else:
+        log_at_guess, log_at_lapse = np.log1p(-guess), np.log(lapse)
     by_zl = -sign * density * _ratio(log_at_guess, log_chance)
     by_zg = -sign * density * _ratio(log_at_lapse, log_chance)
-    return log_chance, by_z, by_zz, by_l, by_zl, -up * up, by_g, by_zg, -down * down, up * down
+    by_ll, by_gg, by_lg = -up * up, -down * down, up * down
+    return log_chance, by_z, by_zz, by_l, by_zl, by_ll, by_g, by_zg, by_gg, by_lg
 
 
 def bend(steep: Array, score: Array) -> Array:

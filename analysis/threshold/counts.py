@@ -53,7 +53,9 @@ def count_arrays(
     InvalidParameter
         Naming the row (and the data set) of the first value that cannot be used.
     """
-    x, k, n = (_numbers(name, v) for name, v in (("levels", levels), ("n_correct", n_correct), ("n_trials", n_trials)))
+    x = _numbers("levels", levels)
+    k = _numbers("n_correct", n_correct)
+    n = _numbers("n_trials", n_trials)
     try:
         x, k, n = (np.atleast_2d(v) for v in np.broadcast_arrays(x, k, n))
     except ValueError:
@@ -63,13 +65,15 @@ def count_arrays(
     expect(x.ndim == 2, "levels", f"{x.ndim} dimensions", "(data set, level)")
     used = n != 0
     # Each test is the negation of what is expected, so that NaN, which fulfils nothing, is refused too.
-    _refuse("n_trials", n, used & ~(np.isfinite(n) & (n > 0) & (n == np.floor(n))), "a whole number, 0 or more")
+    is_size = np.isfinite(n) & (n > 0) & (n == np.floor(n))
+    _refuse("n_trials", n, used & ~is_size, "a whole number, 0 or more")
     _refuse("levels", x, used & ~np.isfinite(x), "a finite number")
     _refuse("levels", x, used & (np.abs(x) > LARGEST), f"at most {LARGEST:g} in size")
     if logarithms:
         _refuse("levels", x, used & ~(x > 0), "a level above 0 (it is a logarithm that is fitted)")
         x = np.log(np.where(used, x, 1.0))
-    _refuse("n_correct", k, used & ~((k >= 0) & (k == np.floor(k))), "a whole number, 0 or more")
+    is_count = (k >= 0) & (k == np.floor(k))
+    _refuse("n_correct", k, used & ~is_count, "a whole number, 0 or more")
     _refuse("n_correct", k, used & (k > n), "at most the number of trials of the row")
     return np.where(used, x, 0.0), np.where(used, k, 0.0), np.where(used, n, 0.0)
 
@@ -104,14 +108,16 @@ def normalise(x: Array, k: Array, n: Array, *, robust_range: bool = False) -> Co
     x, k, n = (np.take_along_axis(values, order, 1) for values in (x, k, n))
     used = n > 0
     low, high = _tukey_range(x, n, *_ends(x, used)) if robust_range else _ends(x, used)
-    centre, spread = low + (high - low) / 2, np.where(high > low, high - low, 1.0)
+    centre = low + (high - low) / 2
+    spread = np.where(high > low, high - low, 1.0)
     u = np.where(used, (x - centre[:, None]) / spread[:, None], 0.0)
     u, k, n = _pool(u, k, n)
     return Counts(u, k, n, centre, spread, _smallest_gap(u, n), (n > 0).sum(axis=1))
 
 
 def _ends(x: Array, used: Bools) -> tuple[Array, Array]:
-    low, high = np.where(used, x, np.inf).min(axis=1), np.where(used, x, -np.inf).max(axis=1)
+    low = np.where(used, x, np.inf).min(axis=1)
+    high = np.where(used, x, -np.inf).max(axis=1)
     return np.where(np.isfinite(low), low, 0.0), np.where(np.isfinite(high), high, 0.0)
 
 
@@ -127,7 +133,8 @@ def _tukey_range(x: Array, n: Array, low: Array, high: Array) -> tuple[Array, Ar
     reach = 1.5 * (third - first)
     # Where most trials stand at one level there is no interquartile range, and fences would leave that level alone.
     kept = (reach > 0) & (n.sum(axis=1) > 0)
-    return np.where(kept, np.maximum(low, first - reach), low), np.where(kept, np.minimum(high, third + reach), high)
+    inner, outer = np.maximum(low, first - reach), np.minimum(high, third + reach)
+    return np.where(kept, inner, low), np.where(kept, outer, high)
 
 
 def _pool(u: Array, k: Array, n: Array) -> tuple[Array, Array, Array]:
@@ -141,7 +148,8 @@ def _pool(u: Array, k: Array, n: Array) -> tuple[Array, Array, Array]:
     pooled = [np.zeros_like(u) for _ in range(3)]
     for total, value in zip(pooled, (u * n, k, n), strict=True):
         np.add.at(total, (rows, place[used]), value[used])
-    return np.divide(pooled[0], pooled[2], out=pooled[0], where=pooled[2] > 0), pooled[1], pooled[2]
+    sums, k, n = pooled
+    return np.divide(sums, n, out=sums, where=n > 0), k, n
 
 
 def _smallest_gap(u: Array, n: Array) -> Array:

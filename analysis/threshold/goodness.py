@@ -86,13 +86,15 @@ def statistics(shape: Shape, counts: Counts, theta: Array, answers: Sequences) -
     log_yes, log_no = log_chances(shape, counts.u, theta)
     psi, variance = np.exp(log_yes), np.exp(log_yes + log_no)  # psi (1 - psi), also where psi rounds to 1
     k, n = counts.n_yes, counts.n_trials
-    deviance = saturated_log_likelihood(counts) - (weighted(k, log_yes) + weighted(n - k, log_no)).sum(axis=1)
+    log_likelihood = (weighted(k, log_yes) + weighted(n - k, log_no)).sum(axis=1)
+    deviance = saturated_log_likelihood(counts) - log_likelihood
     off = answers.n_yes - answers.n_trials * psi[:, None]
     spread = answers.n_trials * variance[:, None]
     away = psi - _mean(psi, n * variance)
     bend = _bend(counts.u, k - n * psi, n * variance)
     trend = _trend(off.sum(axis=2), spread.sum(axis=2))
-    dispersion = (_dispersion(off, spread, np.ones_like(away)) + _dispersion(off, spread, away)) / 2
+    plain, by_rate = _dispersion(off, spread, np.ones_like(away)), _dispersion(off, spread, away)
+    dispersion = (plain + by_rate) / 2
     return np.stack((2 * deviance, bend, trend, dispersion), axis=1)
 
 
@@ -100,8 +102,9 @@ def _bend(u: Array, off: Array, variance: Array) -> Array:
     """z of the residuals' sum, weighted with the part of the squared level that no line explains: threshold and width
     take up what does not bend."""
     away = u - _mean(u, variance)
-    line = _mean(away**3, variance) / np.maximum(_mean(away**2, variance), SMALLEST_VARIANCE)
-    return _z(away**2 - _mean(away**2, variance) - line * away, off, variance)
+    square = _mean(away**2, variance)
+    line = _mean(away**3, variance) / np.maximum(square, SMALLEST_VARIANCE)
+    return _z(away**2 - square - line * away, off, variance)
 
 
 def _trend(off: Array, variance: Array) -> Array:
@@ -133,7 +136,8 @@ def _draws(posterior: LogPosterior, theta: Array, answers: Sequences, n_draws: i
     same = np.repeat(np.arange(len(counts)), n_draws)
     chance = np.minimum(np.exp(log_chances(shape, counts.u, theta)[0]), 1.0)
     trials = answers.n_trials.astype(np.int64)
-    yes = rng.binomial(trials[:, None], chance[:, None, None], (len(counts), n_draws, *trials.shape[1:]))
+    size = (len(counts), n_draws, *trials.shape[1:])
+    yes = rng.binomial(trials[:, None], chance[:, None, None], size)
     drawn = Sequences(yes.reshape(-1, *trials.shape[1:]).astype(np.float64), answers.n_trials[same])
     alarms = rng.binomial(posterior.prior.n_catch.astype(np.int64)[same], theta[same, GUESS]).astype(np.float64)
     redrawn = posterior.redrawn(same, drawn.n_yes.sum(axis=1), alarms)

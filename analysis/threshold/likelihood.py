@@ -63,7 +63,8 @@ def saturated_log_likelihood(counts: Counts) -> Array:
 def constant_log_likelihood(k: Array, n: Array) -> Array:
     """Of k in n answers at their own rate k / n; 0 without trials."""
     with np.errstate(divide="ignore", invalid="ignore"):
-        return weighted(k, np.log(k / n)) + weighted(n - k, np.log((n - k) / n))
+        rest = n - k
+        return weighted(k, np.log(k / n)) + weighted(rest, np.log(rest / n))
 
 
 def _z(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array]:
@@ -104,12 +105,14 @@ def _chain(by: ByPoint, to_m: Array, to_v: Array) -> Expansion:
     zz, mv, vv = _sums(by.zz, zz_v, zz_v * to_v)
     zl, vl, ll = _sums(by.z_lapse, by.z_lapse * to_v, by.lapse_lapse)
     zg, vg, gg, lg = _sums(by.z_guess, by.z_guess * to_v, by.guess_guess, by.lapse_guess)
-    mv = (mv - z1) * to_m  # z itself bends along v: d2z/dm dv = -dz/dm, and below d2z/dv2 = -dz/dv
+    # z itself bends along v: d2z/dm dv = -dz/dm, and d2z/dv2 = -dz/dv.
+    mv, vv = (mv - z1) * to_m, vv - zv
+    mm, ml, mg = zz * to_m * to_m, zl * to_m, zg * to_m
     rows = (
-        (zz * to_m * to_m, mv, zl * to_m, zg * to_m),
-        (mv, vv - zv, vl, vg),
-        (zl * to_m, vl, ll, lg),
-        (zg * to_m, vg, lg, gg),
+        (mm, mv, ml, mg),
+        (mv, vv, vl, vg),
+        (ml, vl, ll, lg),
+        (mg, vg, lg, gg),
     )
     gradient = np.stack([z1 * to_m, zv, lapse, guess], axis=-1)
     return Expansion(by.value.sum(axis=-1), gradient, _matrix(rows))
@@ -123,7 +126,8 @@ def chance_information(shape: Shape, counts: Counts, theta: Array) -> Array:
     """Fisher's information (n, 2, 2) of threshold and log width."""
     z, to_m, to_v = _z(shape, counts.u, theta)
     info = expected_information(shape, z, *_rates(theta), counts.n_trials)
-    to_m, one, by_v, vv = to_m[..., 0], *_sums(info, info * to_v, info * to_v * to_v)
+    one, by_v, vv = _sums(info, info * to_v, info * to_v * to_v)
+    to_m = to_m[..., 0]
     mm, mv = one * to_m * to_m, by_v * to_m
     return _matrix(((mm, mv), (mv, vv)))
 
@@ -134,14 +138,17 @@ def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, A
     guess, lapse = _rates(theta)
     cdf, sf, pdf = (np.exp(log_part(z)) for log_part in (shape.log_cdf, shape.log_sf, shape.log_pdf))
     span, nothing = 1 - guess - lapse, np.zeros_like(z)
-    steep, bent = span * pdf, span * bend(pdf, shape.score(z))
+    steep = span * pdf
+    bent = span * bend(pdf, shape.score(z))
+    mm = bent * to_m * to_m
     mv = bent * to_m * to_v - steep * to_m
+    vv = bent * to_v * to_v - steep * to_v
     # Either rate takes as much from the span: the cross terms of lapse and guess are the same. Along the rates psi is
     # straight.
     ml, vl = -pdf * to_m, -pdf * to_v
     rows = [
-        [bent * to_m * to_m, mv, ml, ml],
-        [mv, bent * to_v * to_v - steep * to_v, vl, vl],
+        [mm, mv, ml, ml],
+        [mv, vv, vl, vl],
         [ml, vl, nothing, nothing],
         [ml, vl, nothing, nothing],
     ]
@@ -159,7 +166,8 @@ def log_weight(p: Array, q: Array, k: Array | float, n: Array | float, eta: floa
     if eta < BINOMIAL_BELOW:
         return np.asarray(k * np.log(p) + (n - k) * np.log(q))
     nu = np.asarray(1 / eta**2 - 1)
-    a, b = nu * np.maximum(p, SMALLEST_CHANCE), nu * np.maximum(q, SMALLEST_CHANCE)
+    a = nu * np.maximum(p, SMALLEST_CHANCE)
+    b = nu * np.maximum(q, SMALLEST_CHANCE)
     return _log_beta_ratio(k, n, a, b, nu)
 
 
@@ -169,19 +177,23 @@ def _log_beta_ratio(k: Array | float, n: Array | float, a: Array, b: Array, nu: 
     return np.asarray(yes + gammaln(n - k + b) - gammaln(b) + gammaln(nu) - gammaln(n + nu))
 
 
+def _trigamma_rise(x: Array, count: Array) -> Array:
+    """From x to x + count; exactly 0 without a count."""
+    return np.where(count > 0, polygamma(1, count + x) - polygamma(1, x), 0.0)
+
+
 def overdispersed_expansion(shape: Shape, counts: Counts, theta: Array, eta: Array) -> Expansion:
     """The log-likelihood at eta (n_sets,), with gradient and Hessian along (threshold, log width, lapse,
     guess)."""
     p, q, by, by_by = curvature_of_chances(shape, counts.u, theta)
     k, n = counts.n_yes, counts.n_trials
     nu = (1 / np.square(eta) - 1)[:, None]
-    a, b = nu * np.maximum(p, SMALLEST_CHANCE), nu * np.maximum(q, SMALLEST_CHANCE)
+    a = nu * np.maximum(p, SMALLEST_CHANCE)
+    b = nu * np.maximum(q, SMALLEST_CHANCE)
     value = _log_beta_ratio(k, n, a, b, nu)
     # Along psi of each level, where a rises and b falls; then the chain rule from psi to the parameters.
     first = nu * (psi(k + a) - psi(a) - psi(n - k + b) + psi(b))
-    second = nu**2 * sum(
-        np.where(count > 0, polygamma(1, count + x) - polygamma(1, x), 0.0) for count, x in ((k, a), (n - k, b))
-    )
+    second = nu**2 * (_trigamma_rise(a, k) + _trigamma_rise(b, n - k))
     gradient = np.einsum("nl,nli->ni", first, by)
     steep = np.einsum("nl,nli,nlj->nij", second, by, by)
     bent = np.einsum("nl,nlij->nij", first, by_by)

@@ -98,7 +98,8 @@ class LogPosterior(Rows):
         used = self._levels_of_one()
         m, width = axes[THRESHOLD][:, None], np.exp(axes[LOG_WIDTH])
         down, up = self.shape.rise
-        inside = np.stack([m + up * width - used.min(), used.max() - (m - down * width)])
+        below, above = m + up * width - used.min(), used.max() - (m - down * width)
+        inside = np.stack([below, above])
         step = axes[THRESHOLD][1] - axes[THRESHOLD][0]
         # A cell through which the edge runs counts in part, so that the shares do not jump with the grid.
         return np.asarray(np.clip(0.5 - inside / step, 0, 1))

@@ -125,7 +125,8 @@ class Fitting:
         # A profile may never fall as far as an end: such answers hold no interval, though the mode is regular.
         rests &= np.isfinite(curved.threshold).all(axis=1)
         lost = (status == Status.OK) & ~rests
-        status = np.where(lost, np.where(step.is_best, Status.SEPARATED, Status.FLAT), status)
+        of_step = np.where(step.is_best, Status.SEPARATED, Status.FLAT)
+        status = np.where(lost, of_step, status)
         estimates = curved.where(rests, of_posterior)
         if self.method in ON_LIKELIHOOD:
             # Any place between the two levels is as likely: the climb's end among them would be chance.
@@ -235,7 +236,8 @@ def _profile_end(posterior: LogPosterior, mode: Mode, floor: Array, side: float)
         above, start = _is_above(posterior, outer, start, floor)
         if not (above & (np.abs(outer) < FARTHEST)).any():
             break
-        inner, outer = np.where(above, outer, inner), np.where(above, outer + side * reach, outer)
+        inner = np.where(above, outer, inner)
+        outer = np.where(above, outer + side * reach, outer)
         reach = 2 * reach
     endless = above
     # Every climb begins where the last one ended: neighbouring thresholds have neighbouring summits.
@@ -264,10 +266,12 @@ def bootstrap(
     counts = posterior.counts
     for i, theta in enumerate(mode.theta):
         chance = np.exp(log_chances(posterior.shape, counts.u[i], theta)[0])
-        drawn = rng.binomial(counts.n_trials[i].astype(np.int64), np.minimum(chance, 1.0), (n_resamples, len(chance)))
+        size = (n_resamples, len(chance))
+        drawn = rng.binomial(counts.n_trials[i].astype(np.int64), np.minimum(chance, 1.0), size)
         alarms = rng.binomial(int(posterior.prior.n_catch[i]), theta[GUESS], n_resamples)
         redrawn = posterior.redrawn(np.full(n_resamples, i), drawn.astype(np.float64), alarms.astype(np.float64))
-        refits = climb(redrawn, np.broadcast_to(theta, (n_resamples, len(theta)))).theta[:, THRESHOLD]
+        start = np.broadcast_to(theta, (n_resamples, len(theta)))
+        refits = climb(redrawn, start).theta[:, THRESHOLD]
         away = refits - theta[THRESHOLD]
         n_below = np.sum(away < -SAME) + 0.5 * np.sum(np.abs(away) <= SAME)
         # Half a draw more on each side keeps the bias finite where all draws lie on one side.

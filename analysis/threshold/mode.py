@@ -71,7 +71,8 @@ def _second_starts(posterior: LogPosterior, mode: Mode) -> Starts:
     df = np.maximum(posterior.counts.n_levels - len(posterior.prior.free), 1)
     poor = np.flatnonzero(posterior.deviance(mode.theta) > POOR_FIT * df)
     _, halves = grid_starts(posterior[poor])
-    return Starts(poor[halves.sets], halves.theta).joined(step_starts(posterior, mode.log_density - STEP_MARGIN))
+    steps = step_starts(posterior, mode.log_density - STEP_MARGIN)
+    return Starts(poor[halves.sets], halves.theta).joined(steps)
 
 
 def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None) -> Mode:
@@ -80,7 +81,8 @@ def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None)
     sets, n_sets = starts.sets, len(posterior)
     modes = climb(posterior[sets], starts.theta)
     if known is not None:
-        modes, sets = known.joined(modes), np.concatenate([np.arange(n_sets), sets])
+        modes = known.joined(modes)
+        sets = np.concatenate([np.arange(n_sets), sets])
     highest = np.full(n_sets, -np.inf)
     np.maximum.at(highest, sets, modes.log_density)
     equal = np.flatnonzero(modes.log_density >= highest[sets] - EQUAL)
@@ -100,7 +102,8 @@ def climb(posterior: LogPosterior, start: Array, *, small_decrement: float = SMA
         trial = posterior.prior.tied(np.clip(at + step, low, high))
         there = climbing.expansion(trial)
         better = there.value >= here.value - ROUNDING * np.abs(here.value)
-        at, here = np.where(better[:, None], trial, at), there.where(better, here)
+        at = np.where(better[:, None], trial, at)
+        here = there.where(better, here)
         damping = np.where(better, np.maximum(damping / 10, 1e-12), damping * 8)
         is_endless = (decrement < ENDLESS_GAIN) & (np.abs(step[:, LOG_WIDTH]) > ENDLESS_STEP)
         small = small_decrement * np.maximum(1.0, np.abs(here.value))
@@ -117,7 +120,9 @@ def climb(posterior: LogPosterior, start: Array, *, small_decrement: float = SMA
 
 def _is_held(theta: Array, gradient: Array, low: Array, high: Array) -> Bools:
     """Fixed parameters, and those on a bound with the density rising beyond it."""
-    return np.asarray((low == high) | ((theta <= low) & (gradient <= 0)) | ((theta >= high) & (gradient >= 0)))
+    at_low = (theta <= low) & (gradient <= 0)
+    at_high = (theta >= high) & (gradient >= 0)
+    return np.asarray((low == high) | at_low | at_high)
 
 
 def _step(here: Expansion, held: Bools, damping: Array) -> tuple[Array, Array]:
@@ -138,9 +143,12 @@ def convex_solve(matrix: Array, right: Array, damping: Array) -> Array:
     array([[0., 1.]])
     """
     p = right.shape[1]
-    scale = np.sqrt(np.abs(np.diagonal(matrix, axis1=1, axis2=2)) + SMALLEST_CURVATURE).T
-    a = [[matrix[:, i, j] / (scale[i] * scale[j]) for j in range(p)] for i in range(p)]
-    x, pivots = [right[:, i] / scale[i] for i in range(p)], []
+    diagonal = np.abs(np.diagonal(matrix, axis1=1, axis2=2))
+    scale = np.sqrt(diagonal + SMALLEST_CURVATURE).T
+    # The systems lie along the last axis: each step below is then one of neighbours in memory.
+    a = np.ascontiguousarray(np.moveaxis(matrix, 0, 2)) / (scale[:, None] * scale)
+    x = [right[:, i] / scale[i] for i in range(p)]
+    pivots = []
     for j in range(p):
         pivots.append(np.maximum(np.abs(a[j][j]), 1e-8) + damping)
         for i in range(j + 1, p):
@@ -149,7 +157,8 @@ def convex_solve(matrix: Array, right: Array, damping: Array) -> Array:
             for k in range(i, p):
                 a[i][k] = a[i][k] - factor * a[j][k]
     for j in reversed(range(p)):
-        x[j] = (x[j] - sum(a[j][k] * x[k] for k in range(j + 1, p))) / pivots[j]
+        solved = sum(a[j][k] * x[k] for k in range(j + 1, p))
+        x[j] = (x[j] - solved) / pivots[j]
     return np.stack([x[i] / scale[i] for i in range(p)], axis=1)
 
 
@@ -176,7 +185,8 @@ def _laplace(posterior: LogPosterior, theta: Array) -> Mode:
     held = _is_held(theta, here.gradient, low, high) | (theta <= low) | (theta >= high)
     inverse = _convex_inverse(_without(-here.hessian, held), np.zeros(len(theta)))
     covariance = np.where(held[:, :, None] | held[:, None, :], 0.0, inverse)
-    return Mode(theta, here.value, covariance, np.asarray(~held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)))
+    on_bound = held[:, [THRESHOLD, LOG_WIDTH]].any(axis=1)
+    return Mode(theta, here.value, covariance, np.asarray(~on_bound))
 
 
 def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
@@ -191,7 +201,8 @@ def find_overdispersed_mode(posterior: LogPosterior) -> tuple[Mode, Array]:
     best = densities.argmax(axis=1)
     low, high = nodes[np.maximum(best - 1, 0)], np.append(nodes, LARGEST_ETA)[best + 1]
     for _ in range(N_GOLDEN):
-        left, right = high - GOLDEN * (high - low), low + GOLDEN * (high - low)
+        reach = GOLDEN * (high - low)
+        left, right = high - reach, low + reach
         to_left = at(left).log_density >= at(right).log_density
         low, high = np.where(to_left, low, left), np.where(to_left, right, high)
     eta = (low + high) / 2

@@ -110,12 +110,15 @@ def _find_box(posterior: LogPosterior, mode: Mode) -> _Box:
     """The smallest box, up to a node, outside of which the density is negligible."""
     ends = _Box(*posterior.prior.bounds())
     reach = np.where(mode.sd > 0, START_SD * mode.sd, np.inf)
-    box = _Box(np.maximum(mode.theta - reach, ends.low), np.minimum(mode.theta + reach, ends.high))
+    low, high = mode.theta - reach, mode.theta + reach
+    box = _Box(np.maximum(low, ends.low), np.minimum(high, ends.high))
     open_sets = np.arange(len(posterior))
     for _ in range(MAX_SEARCHES):
         old = box[open_sets]
-        new = _next_box(old, ends[open_sets], _profiles(posterior[open_sets], old), mode.log_density[open_sets])
-        moved = (np.abs(new.low - old.low) + np.abs(new.high - old.high)) > 0.2 * (old.high - old.low)
+        profiles = _profiles(posterior[open_sets], old)
+        new = _next_box(old, ends[open_sets], profiles, mode.log_density[open_sets])
+        shift = np.abs(new.low - old.low) + np.abs(new.high - old.high)
+        moved = shift > 0.2 * (old.high - old.low)
         box = box.replaced(open_sets, new)
         open_sets = open_sets[moved.any(axis=1)]
         if not len(open_sets):
@@ -134,7 +137,8 @@ def _profiles_of_one(posterior: LogPosterior, box: _Box) -> list[Array]:
     axes = posterior.prior.search_axes(box.low[0], box.high[0], SEARCH_NODES)
     eta = posterior.prior.overdispersion
     etas = (0.0,) if eta is None else (float(eta[0]), *ETA_SEARCH)
-    density = np.maximum.reduce([_log_density_grid(posterior, axes, eta) + log_prior_of(eta) for eta in etas])
+    by_eta = [_log_density_grid(posterior, axes, eta) + log_prior_of(eta) for eta in etas]
+    density = np.maximum.reduce(by_eta)
     return [density.max(axis=others(place)) for place in range(N_PARAMETERS)]
 
 
@@ -151,8 +155,10 @@ def _next_box(box: _Box, ends: _Box, profiles: list[Array], best: Array) -> _Box
         start, stop, n_steps = box.low[:, place], box.high[:, place], profile.shape[1] - 1
         size = stop - start
         step = size / n_steps
-        inside = profile > np.maximum(best, profile.max(axis=1))[:, None] - NEGLIGIBLE
-        first, last = inside.argmax(axis=1), n_steps - inside[:, ::-1].argmax(axis=1)
+        highest = np.maximum(best, profile.max(axis=1))  # coarse nodes may miss the mode
+        inside = profile > highest[:, None] - NEGLIGIBLE
+        first = inside.argmax(axis=1)
+        last = n_steps - inside[:, ::-1].argmax(axis=1)
         # A face that still holds density moves out; another one in to the first negligible node, which bounds the rest.
         start_moved = np.where(first == 0, start - 0.6 * size, start + (first - 1) * step)
         stop_moved = np.where(last == n_steps, stop + 0.6 * size, start + (last + 1) * step)
@@ -202,16 +208,16 @@ def _log_likelihood_grid(posterior: LogPosterior, axes: list[Array], eta: float)
         log_cdf, log_sf = (log_part(z)[..., None, None] for log_part in (shape.log_cdf, shape.log_sf))
         yes, no = log_mixture(log_cdf, log_sf, guess, lapse)
         k, rest = (count[:, None, None, None, None] for count in (k, n - k))
-        return np.asarray((weighted(k, yes) + weighted(rest, no)).sum(axis=0))
+        by_level = weighted(k, yes) + weighted(rest, no)
+        return np.asarray(by_level.sum(axis=0))
     cdf, sf, _ = (share[..., None, None] for share in linear(shape, z))
     span = 1 - guess - lapse
     if eta < BINOMIAL_BELOW:
         # With asymptotes above 0 each chance is a sum of positive parts and may pass through the linear scale.
         return _log_chances(cdf, guess, span, k) + _log_chances(sf, lapse, span, n - k)
-    by_level = (
-        log_weight(guess + span * cdf[i], lapse + span * sf[i], float(k[i]), float(n[i]), eta) for i in range(len(k))
-    )
-    return np.asarray(sum(by_level))
+    levels = zip(cdf, sf, k.tolist(), n.tolist(), strict=True)
+    weights = (log_weight(guess + span * up, lapse + span * down, n_yes, size, eta) for up, down, n_yes, size in levels)
+    return np.asarray(sum(weights))
 
 
 def _log_chances(parts: Array, floor: Array, span: Array, count: Array) -> Array:
@@ -243,7 +249,8 @@ def _log_products(parts: Array, floor: Array, span: Array) -> Array:
         for factor in factors:
             symmetric[1:] += factor * symmetric[:-1]
         power = np.arange(len(factors) + 1)[:, None]
-        total += np.log(symmetric.T @ (floors ** power[::-1] * spans**power))
+        monomials = floors ** power[::-1] * spans**power
+        total += np.log(symmetric.T @ monomials)
     return total.reshape(*parts.shape[1:3], *span.shape)
 
 
@@ -265,7 +272,8 @@ def _marginal_densities(
     curve, rates = mass.sum(axis=(2, 3)), mass.sum(axis=(0, 1))
     along = [curve.sum(axis=1), curve.sum(axis=0), rates.sum(axis=1), rates.sum(axis=0)]
     nodes = [axes[THRESHOLD], np.exp(axes[LOG_WIDTH]), axes[LAPSE], axes[GUESS]]
-    mean = prior.tied(np.array([(a * x).sum() / a.sum() for a, x in zip(along, nodes, strict=True)]))
+    means = [(share * x).sum() / share.sum() for share, x in zip(along, nodes, strict=True)]
+    mean = prior.tied(np.array(means))
     log_total = float(highest + np.log(curve.sum()) + prior.log_cell(low, high, curve.shape))
     beyond = (posterior.beyond_levels(axes) * curve).sum(axis=(1, 2)) / curve.sum()
     mean_eta = float((along_eta * etas[0]).sum() / along_eta.sum())
@@ -275,10 +283,12 @@ def _marginal_densities(
 def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array:
     """The central interval's lower end, the median and its upper end (n_sets, 3) of densities (n_sets, n_nodes) on
     equidistant nodes from `low` to `high`, by the integral of their cubic splines."""
-    shares, n_nodes = np.array([(1 - interval) / 2, 0.5, (1 + interval) / 2]), density.shape[1]
+    shares = np.array([(1 - interval) / 2, 0.5, (1 + interval) / 2])
+    n_nodes = density.shape[1]
     fine = np.linspace(0, n_nodes - 1, 40 * n_nodes)
     integral = CubicSpline(np.arange(n_nodes), density, axis=1).antiderivative()(fine)
     # A spline may dip below 0 between two nodes, and what is inverted below has to rise.
     cumulated = np.maximum.accumulate(integral, axis=1)
     places = np.array([np.interp(shares * row[-1], row, fine) for row in cumulated])
-    return np.asarray(low[:, None] + (high - low)[:, None] * places / (n_nodes - 1))
+    above_low = (high - low)[:, None] * places / (n_nodes - 1)
+    return np.asarray(low[:, None] + above_low)

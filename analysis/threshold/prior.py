@@ -83,7 +83,8 @@ class Prior(Rows):
     def bounds(self) -> tuple[Array, Array]:
         """Lowest and highest parameters, each (n_sets, 4); 0 for a guess rate that is `tied`."""
         n = self.gap.shape[0]
-        low, high = np.zeros((n, N_PARAMETERS)), np.full((n, N_PARAMETERS), LARGEST_RATE)
+        low = np.zeros((n, N_PARAMETERS))
+        high = np.full((n, N_PARAMETERS), LARGEST_RATE)
         reach = FURTHEST if self.on_curve else 20.0
         low[:, THRESHOLD], high[:, THRESHOLD] = -reach, reach
         low[:, LOG_WIDTH] = np.log(self.narrowest) - (0.0 if self.on_curve else 12.0)
@@ -119,10 +120,11 @@ class Prior(Rows):
 
     def search_axes(self, low: Array, high: Array, sizes: Sequence[int]) -> list[Array]:
         """Coarse nodes of one data set along each parameter; one node for a fixed parameter."""
-        return [
-            np.linspace(max(low[place], FLOOR[place]), high[place], n) if place in self.free else low[place, None]
-            for place, n in enumerate(sizes)
-        ]
+        axes = []
+        for place, n in enumerate(sizes):
+            nodes = np.linspace(max(low[place], FLOOR[place]), high[place], n)
+            axes.append(nodes if place in self.free else low[place, None])
+        return axes
 
     def log_cell(self, low: Array, high: Array, sizes: Sequence[int]) -> float:
         """The logarithm of the volume of a cell of a grid of one data set; the weights of a free rate sum to 2."""
@@ -181,11 +183,9 @@ def _log_cos2(angle: Array, rate: Array | float) -> tuple[Array, Array, Array]:
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         value = 2 * np.log(np.cos(np.minimum(angle, np.pi / 2)))
         cos = np.maximum(np.cos(angle), 1e-8)  # finite derivatives at the end, where the density is 0
-    return (
-        np.where(angle < np.pi / 2, value, -np.inf),
-        -2 * rate * np.sin(angle) / cos,
-        -2 * np.square(rate) / cos**2,
-    )
+    first = -2 * rate * np.sin(angle) / cos
+    second = -2 * np.square(rate) / cos**2
+    return np.where(angle < np.pi / 2, value, -np.inf), first, second
 
 
 def log_threshold(m: Array) -> tuple[Array, Array, Array]:
@@ -200,9 +200,12 @@ def log_width(v: Array, gap: Array, *, scale_free: bool = False) -> tuple[Array,
     precedence."""
     w = np.exp(v)
     wide, narrow = w >= 1, (w < 1) & (w < 2 * gap)
-    at_wide = _log_cos2(np.pi / 4 * (np.maximum(w, 1) - 1), np.pi / 4)
-    at_narrow = _log_cos2(np.pi / 2 * np.clip((2 * gap - w) / gap, 0, 2), -np.pi / (2 * gap))
-    value, by_w, by_ww = (np.where(wide, a, np.where(narrow, b, 0.0)) for a, b in zip(at_wide, at_narrow, strict=True))
+    above = np.maximum(w, 1) - 1
+    at_wide = _log_cos2(np.pi / 4 * above, np.pi / 4)
+    below = np.clip((2 * gap - w) / gap, 0, 2)
+    at_narrow = _log_cos2(np.pi / 2 * below, -np.pi / (2 * gap))
+    ends = zip(at_wide, at_narrow, strict=True)
+    value, by_w, by_ww = (np.where(wide, at_top, np.where(narrow, at_foot, 0.0)) for at_top, at_foot in ends)
     slope = 1.0 if scale_free else 0.0  # flat in v is 1 / w, or -v in logarithms, as a density of w
     return value - slope * v, by_w * w - slope, by_ww * w * w + by_w * w
 

@@ -74,7 +74,8 @@ def _marginals_on_grid(posterior: LogPosterior, mode: Mode, interval: float) -> 
     threshold = quantiles(along[THRESHOLD], m[:1], m[-1:], interval)
     width = np.exp(quantiles(along[LOG_WIDTH], v[:1], v[-1:], interval))
     values = zip(along, (m, np.exp(v), lapse, guess), strict=True)
-    mean = prior.tied(np.stack([(mass @ x) / mass.sum(axis=1) for mass, x in values], axis=1))
+    means = [(mass @ x) / mass.sum(axis=1) for mass, x in values]
+    mean = prior.tied(np.stack(means, axis=1))
     log_evidence = log_total - prior.log_mass()
     shared = Marginals(mean, threshold, width, np.zeros(len(mean)), log_evidence, beyond)
     return shared, _is_resolved(prior, grid, along)
@@ -96,7 +97,8 @@ def _sizes(mode: Mode, reach: Array) -> list[int]:
     for place, most in zip((THRESHOLD, LOG_WIDTH), MOST_NODES, strict=True):
         known = sd[sd[:, place] > 0, place]  # a mode on a bound has none
         typical = float(np.quantile(known, TYPICAL)) if len(known) else 1.0
-        sizes.append(int(np.clip(reach[place] / (STEP_SD * typical), FEWEST_NODES, most)))
+        n_steps = reach[place] / (STEP_SD * typical)
+        sizes.append(int(np.clip(n_steps, FEWEST_NODES, most)))
     return sizes
 
 
@@ -151,7 +153,9 @@ def _ends(posterior: LogPosterior, mode: Mode, grid: Grid) -> tuple[Array, Array
     low, high = (mode.theta - around).min(axis=0), (mode.theta + around).max(axis=0)
     for place, nodes in enumerate(grid.nodes):
         along = np.flatnonzero(inside.any(axis=others(place)))
-        first, last = (max(along[0] - 1, 0), min(along[-1] + 1, len(nodes) - 1)) if len(along) else (0, -1)
+        first, last = 0, -1  # without density on any node the whole axis is kept
+        if len(along):
+            first, last = max(along[0] - 1, 0), min(along[-1] + 1, len(nodes) - 1)
         low[place] = max(min(low[place], nodes[first]), nodes[0])
         high[place] = min(max(high[place], nodes[last]), nodes[-1])
     return low, high
@@ -161,14 +165,17 @@ def marginal_masses(posterior: LogPosterior, grid: Grid) -> tuple[list[Array], A
     """Along each parameter the masses (n_sets, n_nodes) of every data set, the logarithms of their integrals (n_sets,),
     and the shares (n_sets, 2) beyond the levels."""
     n_m, n_v, n_lapse, n_guess = grid.sizes
+    n_curves, n_rates = n_m * n_v, n_lapse * n_guess
     beyond = posterior.beyond_levels(grid.nodes).reshape(2, -1).T
     chunks = []
     for _, density in _densities(posterior, grid):
         highest = density.max(axis=1, keepdims=True)
-        mass = np.exp((density - highest).astype(np.float32)).reshape(len(density), n_m * n_v, n_lapse * n_guess)
-        ones = np.ones(n_lapse * n_guess, dtype=np.float32)
-        flat, rates = mass @ ones, mass.sum(axis=1).reshape(-1, n_lapse, n_guess)
-        curve, total = flat.reshape(-1, n_m, n_v), flat.sum(axis=1, dtype=np.float64)
+        below_highest = (density - highest).astype(np.float32)
+        mass = np.exp(below_highest).reshape(len(density), n_curves, n_rates)
+        flat = mass @ np.ones(n_rates, dtype=np.float32)
+        rates = mass.sum(axis=1).reshape(-1, n_lapse, n_guess)
+        curve = flat.reshape(-1, n_m, n_v)
+        total = flat.sum(axis=1, dtype=np.float64)
         along = (curve.sum(axis=2), curve.sum(axis=1), rates.sum(axis=2), rates.sum(axis=1))
         log_total = highest[:, 0] + np.log(total) + grid.log_cell
         chunks.append((*along, log_total, flat @ beyond / total[:, None]))
@@ -189,4 +196,5 @@ def _spread(mass: Array, nodes: Array) -> Array:
     """Standard deviation (n_sets,) of masses (n_sets, n_nodes)."""
     share = mass / mass.sum(axis=1, keepdims=True)
     mean = share @ nodes
-    return np.asarray(np.sqrt(np.maximum((share * np.square(nodes - mean[:, None])).sum(axis=1), 0.0)))
+    variance = (share * np.square(nodes - mean[:, None])).sum(axis=1)
+    return np.asarray(np.sqrt(np.maximum(variance, 0.0)))

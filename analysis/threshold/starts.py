@@ -70,15 +70,16 @@ def grid_starts(posterior: LogPosterior) -> tuple[Starts, Starts]:
 def _nodes(prior: Prior, one: Counts) -> tuple[tuple[int, int, int], Array]:
     """Nodes (n_widths * n_thresholds * n_rates, 4) for the levels of one data set, and those numbers."""
     narrow = min(max(1.3 * float(one.gap[0]), NARROWEST_NODE), 1.5)
-    free = RATES[2 if LAPSE in prior.free and GUESS in prior.free else 1]
-    axes = (  # widths first: `_tops` looks along them before the thresholds
-        np.linspace(np.log(narrow), np.log(WIDEST_NODE), N_WIDTHS).tolist(),
-        _places(one.u[0, one.n_trials[0] > 0]).tolist(),
-        free if prior.lapse_rate is None else [prior.lapse_rate],
-        free if GUESS in prior.free else [prior.guess_rate or 0.0],
-    )
-    sizes = (len(axes[0]), len(axes[1]), len(axes[2]) * len(axes[3]))
-    return sizes, prior.tied(np.array(list(product(*axes)))[:, [1, 0, 2, 3]])
+    has_two_rates = LAPSE in prior.free and GUESS in prior.free
+    rates = RATES[2 if has_two_rates else 1]
+    log_widths = np.linspace(np.log(narrow), np.log(WIDEST_NODE), N_WIDTHS).tolist()
+    thresholds = _places(one.u[0, one.n_trials[0] > 0]).tolist()
+    lapses = rates if prior.lapse_rate is None else [prior.lapse_rate]
+    guesses = rates if GUESS in prior.free else [prior.guess_rate or 0.0]
+    sizes = (len(log_widths), len(thresholds), len(lapses) * len(guesses))
+    # Widths first: `_tops` looks along them before the thresholds. A parameter vector begins with the threshold.
+    nodes = np.array(list(product(log_widths, thresholds, lapses, guesses)))
+    return sizes, prior.tied(nodes[:, [1, 0, 2, 3]])
 
 
 def _places(levels: Array) -> Array:
@@ -88,7 +89,8 @@ def _places(levels: Array) -> Array:
     if len(inside) > MOST_PLACES or not len(inside):
         inside = np.linspace(-0.5, 0.5, MOST_PLACES)
     both = np.concatenate([-BEYOND, BEYOND])
-    return np.unique(np.concatenate([inside, both[(both < inside.min()) | (both > inside.max())]]))
+    outside = both[(both < inside.min()) | (both > inside.max())]
+    return np.unique(np.concatenate([inside, outside]))
 
 
 def _density(chances: list[Array], counts: Counts) -> Array:
@@ -104,12 +106,15 @@ def _tops(sets: Indices, density: Array, nodes: Array) -> tuple[Starts, Starts]:
     ridge = np.take_along_axis(density, rate[..., None], axis=3)[..., 0]
     high = ridge >= ridge.max(axis=(1, 2), keepdims=True) - LOW
     i, v, m = np.nonzero(_is_top(ridge) & high)
+    summits = Starts(sets[i], nodes[v, m, rate[i, v, m]])
     every, middle = np.arange(len(sets)), ridge.shape[1] // 2
     halves = []
     for first, half in ((0, ridge[:, :middle]), (middle, ridge[:, middle:])):
-        v_half, m_half = np.divmod(half.reshape(len(sets), -1).argmax(axis=1), ridge.shape[2])
-        halves.append(nodes[first + v_half, m_half, rate[every, first + v_half, m_half]])
-    return Starts(sets[i], nodes[v, m, rate[i, v, m]]), Starts(np.tile(sets, 2), np.concatenate(halves))
+        best = half.reshape(len(sets), -1).argmax(axis=1)
+        v_half, m_half = np.divmod(best, ridge.shape[2])
+        v_best = first + v_half
+        halves.append(nodes[v_best, m_half, rate[every, v_best, m_half]])
+    return summits, Starts(np.tile(sets, 2), np.concatenate(halves))
 
 
 def _is_top(ridge: Array) -> Bools:
@@ -118,8 +123,9 @@ def _is_top(ridge: Array) -> Bools:
     padded = np.pad(ridge, ((0, 0), (1, 1), (1, 1)), constant_values=-np.inf)
     top = np.ones(ridge.shape, dtype=bool)
     for i, j in ((0, 1), (1, -1), (1, 0), (1, 1)):  # each with its opposite, of which one has to be exceeded
-        top &= ridge >= padded[:, 1 + i : a + 1 + i, 1 + j : b + 1 + j]
-        top &= ridge > padded[:, 1 - i : a + 1 - i, 1 - j : b + 1 - j]
+        ahead = padded[:, 1 + i : a + 1 + i, 1 + j : b + 1 + j]
+        behind = padded[:, 1 - i : a + 1 - i, 1 - j : b + 1 - j]
+        top &= (ridge >= ahead) & (ridge > behind)
     return top
 
 
@@ -130,7 +136,8 @@ def step_starts(posterior: LogPosterior, at_least: Array) -> Starts:
     steps = (_steps_between(posterior), _steps_at(posterior))
     density, theta = (np.concatenate(both, axis=1) for both in zip(*steps, strict=True))
     best = np.argsort(-density, axis=1)[:, :N_STEPS]
-    sets, place = np.nonzero(np.take_along_axis(density, best, axis=1) >= at_least[:, None])
+    densest = np.take_along_axis(density, best, axis=1)
+    sets, place = np.nonzero(densest >= at_least[:, None])
     return Starts(sets, theta[sets, best[sets, place]])
 
 
@@ -142,7 +149,8 @@ def _spacings(counts: Counts) -> Array:
 
 def _steep_width(counts: Counts, spacing: Array) -> Array:
     """That of a steep start in a spacing, off the smallest spacing, where the width's prior ends."""
-    return np.maximum(1.5 * counts.gap[:, None], STEEP * np.where(np.isfinite(spacing), spacing, 1.0))
+    finite = np.where(np.isfinite(spacing), spacing, 1.0)
+    return np.maximum(1.5 * counts.gap[:, None], STEEP * finite)
 
 
 def _steps_between(posterior: LogPosterior) -> tuple[Array, Array]:
@@ -150,7 +158,8 @@ def _steps_between(posterior: LogPosterior) -> tuple[Array, Array]:
     u, spacing = posterior.counts.u, _spacings(posterior.counts)
     cut = np.arange(1, u.shape[1])
     density, lapse, guess = _asymptotes(posterior, cut, cut)
-    middle, width = (u[:, 1:] + u[:, :-1]) / 2, _steep_width(posterior.counts, spacing)
+    middle = (u[:, 1:] + u[:, :-1]) / 2
+    width = _steep_width(posterior.counts, spacing)
     theta = np.stack([middle, np.log(width), lapse, guess], axis=-1)
     return np.where(np.isfinite(spacing), density, -np.inf), theta
 
@@ -160,12 +169,14 @@ def _steps_at(posterior: LogPosterior) -> tuple[Array, Array]:
     shape, counts = posterior.shape, posterior.counts
     u, k, n = counts.u, counts.n_yes, counts.n_trials
     spacing, outer = _spacings(counts), np.full((len(counts), 1), np.inf)
-    nearest = np.minimum(np.hstack([outer, spacing]), np.hstack([spacing, outer]))
+    to_lower, to_upper = np.hstack([outer, spacing]), np.hstack([spacing, outer])
+    nearest = np.minimum(to_lower, to_upper)
     at = np.arange(u.shape[1])
     density, lapse, guess = _asymptotes(posterior, at, at + 1)
     rate = np.divide(k, n, out=np.full_like(k, 0.5), where=n > 0)
     # A rate on an asymptote would put the threshold infinitely far away.
-    share = np.clip((rate - guess) / np.maximum(1 - guess - lapse, 1e-9), 0.03, 0.97)
+    span = np.maximum(1 - guess - lapse, 1e-9)
+    share = np.clip((rate - guess) / span, 0.03, 0.97)
     shift = (shape.at(np.log(share), np.log1p(-share)) - shape.z50) / shape.z_width
     width = _steep_width(counts, nearest)
     theta = np.stack([u - shift * width, np.log(width), lapse, guess], axis=-1)
@@ -179,13 +190,14 @@ def _asymptotes(posterior: LogPosterior, below: Indices, above: Indices) -> tupl
     # At i: answers and trials of all levels before level i.
     k, n = (np.hstack([none, np.cumsum(count, axis=1)]) for count in (counts.n_yes, counts.n_trials))
     alarms, catch = prior.n_false_alarms[:, None], prior.n_catch[:, None]
+    k_low, n_low = k[:, below], n[:, below]
     n_up = n[:, -1:] - n[:, above]
     misses = n_up - (k[:, -1:] - k[:, above])
-    guess = _rate(k[:, below] + alarms, n[:, below] + catch, prior.guess_rate, prior.rate_beta)
+    guess = _rate(k_low + alarms, n_low + catch, prior.guess_rate, prior.rate_beta)
     lapse = _rate(misses, n_up, prior.lapse_rate, prior.rate_beta)
     if prior.equal_asymptotes:
-        guess = lapse = _rate(k[:, below] + misses, n[:, below] + n_up, None, prior.rate_beta)
-    density = _log_chance(k[:, below], n[:, below], guess) + _log_chance(misses, n_up, lapse)
+        guess = lapse = _rate(k_low + misses, n_low + n_up, None, prior.rate_beta)
+    density = _log_chance(k_low, n_low, guess) + _log_chance(misses, n_up, lapse)
     if GUESS in prior.free:
         density = density + log_rate(guess, alarms, catch - alarms, prior.rate_beta)[0]
     if prior.lapse_rate is None:
@@ -195,9 +207,13 @@ def _asymptotes(posterior: LogPosterior, below: Indices, above: Indices) -> tupl
 
 def _rate(k: Array, n: Array, fixed: float | None, beta: float) -> Array:
     """The mode of a rate under its prior, or the one that is known."""
-    return np.full(k.shape, fixed) if fixed is not None else np.clip(k / (n + beta - 1), 1e-6, LARGEST_RATE)
+    if fixed is not None:
+        return np.full(k.shape, fixed)
+    mode = k / (n + beta - 1)  # of Beta(1 + k, beta + n - k)
+    return np.clip(mode, 1e-6, LARGEST_RATE)
 
 
 def _log_chance(k: Array, n: Array, rate: Array) -> Array:
     with np.errstate(divide="ignore"):
-        return np.maximum(weighted(k, np.log(rate)) + weighted(n - k, np.log1p(-rate)), FLOOR)
+        log_chance = weighted(k, np.log(rate)) + weighted(n - k, np.log1p(-rate))
+    return np.maximum(log_chance, FLOOR)

@@ -88,9 +88,10 @@ def stand_as_after_a_track(counts: Counts) -> Bools:
     stimuli are even."""
     n, n_levels = counts.n_trials.sum(axis=1), np.maximum(counts.n_levels, 1)
     even = np.maximum(n / n_levels, 1.0)[:, None]
-    square = np.where(counts.n_trials > 0, (counts.n_trials - even) ** 2 / even, 0.0).sum(axis=1)
-    uneven = chi2.sf(square, np.maximum(n_levels - 1, 1)) < UNEVEN
-    return np.asarray(uneven | ((n_levels > FEW) & (n < 2 * n_levels)))
+    squares = np.where(counts.n_trials > 0, (counts.n_trials - even) ** 2 / even, 0.0)
+    is_uneven = chi2.sf(squares.sum(axis=1), np.maximum(n_levels - 1, 1)) < UNEVEN
+    is_scattered = (n_levels > FEW) & (n < 2 * n_levels)
+    return np.asarray(is_uneven | is_scattered)
 
 
 Statuses = NDArray[np.object_]
@@ -116,12 +117,13 @@ def statuses(posterior: LogPosterior, shares: Array, step: StepFit) -> list[Stat
     k, n = counts.n_yes.sum(axis=1), counts.n_trials.sum(axis=1)
     falls, status = _falls(counts), []
     for i in range(len(counts)):
+        outside = _outside(shares[i], k[i], n[i], _guess(posterior.prior, i))
         tests = (
             (n[i] == 0, Status.NO_DATA),
             (counts.n_levels[i] == 1, Status.TOO_FEW_LEVELS),
             (falls[i], Status.NON_MONOTONE),
             (k[i] == n[i], Status.BELOW),
-            (shares[i, 0] < HELD, _outside(shares[i], k[i], n[i], _guess(posterior.prior, i))),
+            (shares[i, 0] < HELD, outside),
             (step.is_between[i], Status.SEPARATED),
             (counts.n_levels[i] == 2, Status.TOO_FEW_LEVELS),
         )
@@ -185,7 +187,8 @@ def _isotonic_log_likelihood(counts: Counts) -> Array:
             p = isotonic_regression(k / n, weights=n).x
             with np.errstate(divide="ignore"):
                 # A weighted mean of ones may round to above 1, where log1p has no value.
-                fitted[i] = (weighted(k, np.log(p)) + weighted(n - k, np.log1p(-np.minimum(p, 1)))).sum()
+                log_no = np.log1p(-np.minimum(p, 1))
+                fitted[i] = (weighted(k, np.log(p)) + weighted(n - k, log_no)).sum()
     return fitted
 
 
@@ -205,7 +208,8 @@ def best_step(posterior: LogPosterior, likeliest: Mode) -> StepFit:
     is_between = between.max(axis=1) >= best - TOLERATED
     rows, gap = np.arange(len(counts)), between.argmax(axis=1)
     last = counts.u.shape[1] - 1
-    middle = (counts.u[rows, np.maximum(gap - 1, 0)] + counts.u[rows, np.minimum(gap, last)]) / 2
+    below, above = counts.u[rows, np.maximum(gap - 1, 0)], counts.u[rows, np.minimum(gap, last)]
+    middle = (below + above) / 2
     place = np.where(is_between, middle, counts.u[rows, at_level.argmax(axis=1)])
     return StepFit(is_best, is_best & is_between, place)
 
@@ -216,12 +220,14 @@ def _step_likelihoods(counts: Counts, likeliest: Mode) -> tuple[Array, Array]:
     k, n = counts.n_yes, counts.n_trials
     lapse, guess = likeliest.theta[:, LAPSE, None], likeliest.theta[:, GUESS, None]
     with np.errstate(divide="ignore"):
-        below = _finite_log(weighted(k, np.log(guess)) + weighted(n - k, np.log1p(-guess)))
-        above = _finite_log(weighted(k, np.log1p(-lapse)) + weighted(n - k, np.log(lapse)))
+        at_guess = weighted(k, np.log(guess)) + weighted(n - k, np.log1p(-guess))
+        at_lapse = weighted(k, np.log1p(-lapse)) + weighted(n - k, np.log(lapse))
+    below, above = _finite_log(at_guess), _finite_log(at_lapse)
     none = np.zeros((len(counts), 1))
     left = np.hstack([none, np.cumsum(below, axis=1)])  # at i: the levels before i, on the lower asymptote
     right = np.hstack([np.cumsum(above[:, ::-1], axis=1)[:, ::-1], none])  # those from i on, on the upper one
-    return left[:, :-1] + constant_log_likelihood(k, n) + right[:, 1:], left + right
+    at_level = left[:, :-1] + constant_log_likelihood(k, n) + right[:, 1:]
+    return at_level, left + right
 
 
 def _finite_log(log_chance: Array) -> Array:
@@ -238,8 +244,10 @@ def verdict_shares(posterior: LogPosterior, marginals: Marginals) -> Array:
         # A rise below all levels leaves them on the ceiling, one above all levels leaves them to guesses.
         below = np.logaddexp(curves[:, 1], np.log(CEILING_WEIGHT) + ceiling)
         above = np.logaddexp(curves[:, 2], np.log(GUESSES_WEIGHT) + guesses)
-        explanations = np.stack([curves[:, 0], below, above, np.log(CONSTANT_WEIGHT) + constant], axis=1)
-        return np.asarray(np.exp(explanations - logsumexp(explanations, axis=1, keepdims=True)))
+        no_rise = np.log(CONSTANT_WEIGHT) + constant
+        explanations = np.stack([curves[:, 0], below, above, no_rise], axis=1)
+        total = logsumexp(explanations, axis=1, keepdims=True)
+        return np.asarray(np.exp(explanations - total))
 
 
 def constant_evidence(counts: Counts, prior: Prior) -> tuple[Array, Array, Array]:
@@ -266,7 +274,8 @@ def _log_mean_chance(prior: Prior, rate: float | None, k: Array, rest: Array) ->
     """Log chance of k answers at a rate and the rest at its complement, averaged over the prior of a free rate."""
     if rate is None:
         a, b = k + 1, rest + prior.rate_beta
-        return _log_beta(a, b) + _logarithm(np.asarray(betainc(a, b, LARGEST_RATE))) - prior.log_rate_mass
+        share = np.asarray(betainc(a, b, LARGEST_RATE), dtype=np.float64)  # a free rate ends there, before 1
+        return _log_beta(a, b) + _logarithm(share) - prior.log_rate_mass
     with np.errstate(divide="ignore"):
         return np.asarray(weighted(k, np.log(rate)) + weighted(rest, np.log1p(-rate)))
 
