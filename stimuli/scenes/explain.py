@@ -8,7 +8,7 @@ from math import isinf
 from tactometry.errors import InvalidParameter
 
 from ..composition.effect import Stage
-from .lifting import FORCE, PulledFinger, loads_n, pulled_fingers
+from .lifting import FORCE, OPENED, PulledFinger, loads_n, pulled_fingers
 from .plan import Plan, predicted_s
 from .result import Result
 from .scene import Scene
@@ -61,12 +61,14 @@ def values_for(plan: Plan, given: Mapping[str, float]) -> dict[str, float]:
 
 
 def pulled_by(scene: Scene, plan: Plan, given: Mapping[str, float]) -> list[PulledFinger]:
-    """The fingers that load the plate in a plan of a scene, whose forces it need not give; none where they are not to
-    be had. The forces hold to a tenth, or to the accuracy of the scene where that is looser.
+    """The fingers that load the plate in a plan of a scene, as linear contacts, whose forces it need not give; none
+    where they are not to be had. The forces hold to a tenth, or to the accuracy of the scene where that is looser.
     """
     if not loads_n(plan).size:
         return []
-    forces = replace(scene, outputs=(FORCE,), accuracy=max(scene.accuracy, ROUGH), settings={})
+    linear = tuple(effect for effect in scene.effects if effect.kind != OPENED)
+    accuracy = max(scene.accuracy, ROUGH)
+    forces = replace(scene, effects=linear, outputs=(FORCE,), accuracy=accuracy, settings={})
     try:
         rough = forces.resolve()
     except InvalidParameter:  # a record may be too long for forces, and not for what is asked for

@@ -9,7 +9,7 @@ from ..arrays import FloatArray
 from .plan import Plan
 from .result import Result
 
-FORCE, LOAD = "contact_force_n", "finger_load"
+FORCE, LOAD, OPENED = "contact_force_n", "finger_load", "lift_off"
 
 
 @dataclass(frozen=True)
@@ -52,8 +52,8 @@ def loads_n(plan: Plan) -> FloatArray:
 
 
 def pulled_fingers(result: Result) -> list[PulledFinger]:
-    """The fingers of which a result has the force; none without it."""
-    if FORCE not in result.values:
+    """The fingers of which a result has the force of a linear contact; none without it."""
+    if FORCE not in result.values or any(stage.name == OPENED for stage in result.plan.stages):
         return []
     lowest = np.atleast_2d(result.values[FORCE]).min(axis=1)
     pressed = zip(loads_n(result.plan), lowest, strict=True)

@@ -5,20 +5,27 @@ bears N = F + f >= 0 and z >= u, one of them with equality (Signorini's conditio
 skin sinks back by itself, R z' + k z = -F. The plate answers f by its compliance, a convolution.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.arguments.annotations import Positive, Vector
 from tactometry.arguments.checked import checked
+from tactometry.arguments.require import positive, shape
 from tactometry.errors import InvalidParameter
 
 from ..arrays import FloatArray
 from .finger import REFERENCE_FORCE_N, Fingertip
+from .responses.load import PlateLoad
 from .responses.responses import Point, impulse_responses
 from .screen.screen import Screen
 from .screen.transducer import PointForce
+
+PASSES: Final = 4
+"""Over contacts that hear of each other within a step, by less than a fiftieth a pass."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,6 +43,13 @@ class ContactCourse:
     def apart(self) -> NDArray[np.bool_]:
         """Where contact is lost."""
         return np.asarray(self.contact_force_n == 0.0)
+
+
+@dataclass(frozen=True, eq=False)
+class ContactCourses(ContactCourse):
+    """The same of several fingers on one plate, (n_contacts, n_samples) each, under `force_n` (n_contacts,)."""
+
+    force_n: FloatArray
 
 
 @checked
@@ -74,37 +88,75 @@ def one_sided_contact(
     (True, False)
     """
     skin = (finger or Fingertip()).load(at_m, force_n)
-    if skin.mass_kg > 0 or skin.resistance_n_s_per_m == 0:
-        raise InvalidParameter(
-            f"one_sided_contact.finger: found a mass of {skin.mass_kg} kg and a resistance of "
-            f"{skin.resistance_n_s_per_m} N s/m, expected no mass and a resistance above 0"
-        )
-    towards_new = skin.resistance_n_s_per_m * rate_hz + skin.stiffness_n_per_m / 2
-    towards_old = skin.resistance_n_s_per_m * rate_hz - skin.stiffness_n_per_m / 2
-    compliance = _midpoint_compliance(screen, at_m, len(free_m), rate_hz, f_max_hz)
-    return _march(free_m, compliance, force_n, towards_new, towards_old)
+    both = one_sided_contacts(screen, free_m[None], [skin], np.array([force_n]), rate_hz, f_max_hz)
+    return ContactCourse(both.displacement_m[0], both.skin_m[0], both.contact_force_n[0])
 
 
-def _midpoint_compliance(screen: Screen, at_m: Point, n: int, rate_hz: float, f_max_hz: float) -> FloatArray:
-    """(n,): the displacement (m/N) half a step, one and a half, ... after a force has begun that lasts one step."""
-    alone = replace(screen, sources=(PointForce(*at_m),))
-    heard = impulse_responses(alone, [at_m], rate_hz=2 * rate_hz, duration_s=n / rate_hz, f_max_hz=f_max_hz)
-    return np.asarray(2 * heard.samples[0, 0, 1::2])  # a unit sample there is half of a step
+@checked
+def one_sided_contacts(
+    screen: Screen,
+    free_m: FloatArray,
+    loads: Sequence[PlateLoad],
+    force_n: Vector,
+    rate_hz: Positive,
+    f_max_hz: float,
+    still_m_per_n: FloatArray | None = None,
+) -> ContactCourses:
+    """What fingers that lift off make of the displacements (n_contacts, n_samples) of the free plate, as
+    `one_sided_contact`; forces of one move the plate under all.
+
+    Parameters
+    ----------
+    still_m_per_n : (n_contacts, n_contacts) array, optional
+        Static compliance of what is above `f_max_hz`; by default none.
+
+    Raises
+    ------
+    InvalidParameter
+        If a finger has a mass, or no resistance.
+    """
+    shape("one_sided_contacts.free_m", free_m, (len(loads), None))
+    shape("one_sided_contacts.force_n", force_n, (len(loads),))
+    positive("one_sided_contacts", force_n=float(force_n.min(initial=1.0)))
+    for skin in loads:
+        if skin.mass_kg > 0 or skin.resistance_n_s_per_m == 0:
+            raise InvalidParameter(
+                f"one_sided_contact.finger: found a mass of {skin.mass_kg} kg and a resistance of "
+                f"{skin.resistance_n_s_per_m} N s/m, expected no mass and a resistance above 0"
+            )
+    places = [(skin.x_m, skin.y_m) for skin in loads]
+    compliance = _midpoint_compliance(screen, places, free_m.shape[1], rate_hz, f_max_hz)
+    compliance[:, :, 0] += 0.0 if still_m_per_n is None else still_m_per_n
+    damping = rate_hz * np.array([skin.resistance_n_s_per_m for skin in loads])
+    spring = np.array([skin.stiffness_n_per_m for skin in loads]) / 2
+    return _march(free_m, compliance, force_n, damping + spring, damping - spring)
+
+
+def _midpoint_compliance(
+    screen: Screen, places: Sequence[Point], n: int, rate_hz: float, f_max_hz: float
+) -> FloatArray:
+    """(n_places, n_places, n): displacement (m/N) half a step, one and a half, ... after a force of one step begins."""
+    alone = replace(screen, sources=tuple(PointForce(*place) for place in places))
+    heard = impulse_responses(alone, places, rate_hz=2 * rate_hz, duration_s=n / rate_hz, f_max_hz=f_max_hz)
+    return np.asarray(2 * heard.samples[..., 1::2])  # a unit sample there is half of a step
 
 
 def _march(
-    free_m: FloatArray, compliance: FloatArray, force_n: float, towards_new: float, towards_old: float
-) -> ContactCourse:
+    free_m: FloatArray, compliance: FloatArray, force_n: FloatArray, towards_new: FloatArray, towards_old: FloatArray
+) -> ContactCourses:
     """f = towards_new z - towards_old z_before in each step, z = u or f = -F."""
-    n = len(free_m)
-    plate, skin, answer = (np.zeros(n) for _ in range(3))
-    plate[:1] = skin[:1] = free_m[:1]
-    backwards = compliance[::-1]
+    k, n = free_m.shape
+    plate, skin, answer = (np.zeros((k, n)) for _ in range(3))
+    plate[:, :1] = skin[:, :1] = free_m[:, :1]
+    backwards, now = np.ascontiguousarray(compliance[:, :, ::-1]), compliance[:, :, 0]
+    own, others = now.diagonal(), now - np.diag(now.diagonal())
     for i in range(1, n):
         # forces of the steps before, the last of them one and a half steps ago
-        left = free_m[i] - backwards[n - i : n - 1] @ answer[1:i]
-        together = (towards_new * left - towards_old * skin[i - 1]) / (1 + towards_new * compliance[0])
-        answer[i] = max(together, -force_n)
-        plate[i] = left - compliance[0] * answer[i]
-        skin[i] = (answer[i] + towards_old * skin[i - 1]) / towards_new
-    return ContactCourse(plate, skin, force_n + answer)
+        left = free_m[:, i] - np.einsum("abj,bj->a", backwards[:, :, n - i : n - 1], answer[:, 1:i])
+        for _ in range(PASSES if k > 1 else 1):
+            alone = left - others @ answer[:, i]
+            together = (towards_new * alone - towards_old * skin[:, i - 1]) / (1 + towards_new * own)
+            answer[:, i] = np.maximum(together, -force_n)
+        plate[:, i] = left - now @ answer[:, i]
+        skin[:, i] = (answer[:, i] + towards_old * skin[:, i - 1]) / towards_new
+    return ContactCourses(plate, skin, force_n[:, None] + answer, force_n)

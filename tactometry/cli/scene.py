@@ -130,7 +130,9 @@ def _text(scene_file: SceneFile, record: dict[str, Any], result: Result, pulled:
         lines.append(f"{name:<24}{words} {unit}".rstrip())
     error = plans.error_in_words(result.plan)
     times = f"{result.prepared_s:.3g} s to prepare, {result.elapsed_s:.2g} s a run"
-    lifted = [finger.line for finger in pulled if finger.lifts_off]
+    opened = scene_file.scene.find("lift_off") is not None
+    cure = "" if opened else "; the effect 'lift_off' follows it"
+    lifted = [f"{finger.line}{cure}" for finger in pulled if finger.lifts_off]
     return "\n".join([*lines, *lifted, f"predicted error {error}, {times}"])
 
 

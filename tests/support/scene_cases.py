@@ -112,6 +112,7 @@ TIME_REVERSAL: Mapping[str, tuple[dict[str, object], tuple[str, ...], str]] = {
     "pulse_width": ({"carrier_hz": 15e3}, (), "focus_displacement_m"),
     "repetition": ({"duration_s": 15e-3}, (), "focus_displacement_m"),
     "finger_load": ({}, (), "contact_displacement_m"),
+    "lift_off": ({}, ("finger_load",), "contact_force_n"),
     "movie": ({"n_frames": 3, "span_s": 1e-4}, (), "movie_m"),
     "airborne_sound": ({}, ("attenuation",), "sound_level_dba"),
     "drive_energy": ({}, (), "energy_j"),

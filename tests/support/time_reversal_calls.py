@@ -127,6 +127,10 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "hertz_stiffness_n_per_m": {"force_n": 1.0, "radius_m": 1e-3, "modulus_pa": 1e9},
         },
         "lift_off": {
+            "one_sided_contacts": {
+                "screen": SCREEN, "free_m": BUMP[None], "loads": [PlateLoad(0.1, 0.1, 9.0)], "force_n": [1.0],
+                "rate_hz": 1e4, "f_max_hz": 1e3,
+            },
             "one_sided_contact": {
                 "screen": SCREEN, "at_m": (0.1, 0.1), "free_m": BUMP, "rate_hz": 1e4, "force_n": 2.0,
                 "finger": Fingertip(), **LOW,

@@ -38,6 +38,7 @@ OF_TIME_REVERSAL: Mapping[str, str] = {
     "pulse_width": "tactometry.stimuli.time_reversal.focusing.pulse_width:PulseWidth",
     "repetition": "tactometry.stimuli.scenes.effects.repetition:Repetition",
     "finger_load": "tactometry.stimuli.scenes.effects.finger_load:FingerLoad",
+    "lift_off": "tactometry.stimuli.scenes.effects.lift_off:LiftOff",
     "movie": "tactometry.stimuli.scenes.effects.movie:Movie",
     "airborne_sound": "tactometry.stimuli.scenes.effects.airborne_sound:AirborneSound",
     "drive_energy": "tactometry.stimuli.scenes.effects.drive_energy:DriveEnergy",

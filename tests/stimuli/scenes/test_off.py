@@ -32,6 +32,8 @@ OWNERS = {
     "perception.temporal_summation": {"focus_detection"},
     "scenes.stages.spectrum": {"sensitivity", "receptors"},
     "scenes.stages.contact": {"finger_load"},
+    "scenes.stages.open_contact": {"lift_off"},
+    "time_reversal.lift_off": {"lift_off"},
     "scenes.stages.map": {"movie"},
     "time_reversal.finger": {"finger_load", "focus_detection"},
     "time_reversal.focusing.pattern": {"repetition"},

@@ -36,6 +36,7 @@ from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
+from tactometry.stimuli.time_reversal.lift_off import one_sided_contact
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
 from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses
@@ -114,6 +115,21 @@ def test_a_finger_is_that_of_the_loaded_responses(fine):
     np.testing.assert_allclose(got["contact_displacement_m"][0], got["focus_displacement_m"], atol=1e-12)
     velocity = np.gradient(got["contact_displacement_m"][0], got["t_s"])
     np.testing.assert_allclose(got["contact_force_n"][0], 10.0 * velocity, atol=1e-2 * 10.0 * np.abs(velocity).max())
+
+
+def test_a_finger_that_is_thrown_off_is_that_of_a_solution_in_time(fine):
+    whole, signal, focus = fine
+    responses = impulse_responses(whole, [(0.05, 0.04)], rate_hz=960e3, duration_s=12e-3, f_max_hz=120e3)
+    free_m = emitted(signal, responses)[0]
+    expected = one_sided_contact(whole, (0.05, 0.04), free_m, 960e3, 120e3, 0.05)
+    thrown = (LOSSY, PATCHES, ONE_BIT, effect("finger_load"), effect("lift_off"))
+    outputs = ("t_s", "contact_displacement_m", "contact_lost_s")
+    got = run(replace(screen(*thrown, outputs=outputs, accuracy=1e-3), contacts=(FingerContact(0.05),)))
+    at_s = (np.arange(focus - 3000, focus + 900) - focus) / 960e3
+    course = np.interp(at_s, got["t_s"], got["contact_displacement_m"][0])
+    within = slice(focus - 3000, focus + 900)
+    assert course == pytest.approx(expected.displacement_m[within], abs=5e-3 * np.abs(free_m).max())
+    assert got["contact_lost_s"] == pytest.approx([expected.apart.sum() / 960e3], rel=0.1)
 
 
 @pytest.mark.parametrize("voltage_v", [0.0, -30.0])

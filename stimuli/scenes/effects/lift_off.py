@@ -1,0 +1,69 @@
+"""Fingers at rest that the plate throws off: they press, and never pull."""
+
+from dataclasses import dataclass
+from itertools import count
+from math import pi
+from typing import Any
+
+from tactometry.arguments.require import expect
+
+from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
+from ..stages.truncation import cut_of, n_frequencies, n_modes
+
+OPEN_CONTACT = "tactometry.stimuli.scenes.stages.open_contact"
+OF_MOTION, OF_FORCE = 0.013, 0.1
+"""Errors of a step in which the top of the band turns by a radian: they fall with its power of 4/3, and its square; at
+least 1.7 times those of a small screen with a finger of 2 N."""
+FEWEST = 2
+
+
+@dataclass(frozen=True)
+class LiftOff(Effect):
+    """The fingers of `finger_load` as contacts that open where they would pull, and close where skin and plate meet.
+
+    The finger has no mass. Each run is solved in time for its voltage, as `one_sided_contact` does; what reads the
+    plate reads it under these fingers, and is no longer in proportion to the voltage.
+
+    >>> LiftOff().slot
+    'lift_off'
+    """
+
+    kind = "lift_off"
+    slot = "lift_off"
+    requires = ("load",)
+    cures = note("add the effects finger_load and lift_off", "contact_lost_s")
+    assumes = ("a finger that is thrown off has no mass, sinks back by itself and meets the plate without a rebound",)
+
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        load: Any = scene.find("load")
+        n = len(load.at_rest(scene))
+        opened = Stage("lift_off", ("motion", "voltage_v"), "motion", f"{OPEN_CONTACT}:opened_motion", size=self._size)
+        answers = f"{OPEN_CONTACT}:contact_answers"
+        return (
+            opened,
+            Stage("contact_forces", ("motion", "oversampling"), "per_volt_forces", answers, {"n": n}),
+            Stage("lost_contact", ("motion",), "contact_lost_s", f"{OPEN_CONTACT}:lost_s"),
+        )
+
+    def _size(self, demand: Demand) -> Size:
+        load: Any = demand.find("load")
+        mass_kg = load.mass_kg
+        expect(mass_kg == 0, "FingerLoad.mass_kg", mass_kg, "0 beside lift_off: two masses that meet have no law here")
+        x_m, y_m = zip(*load.places_m(demand), strict=True)
+        forces_n = tuple(touch.force_n for touch in load.at_rest(demand))
+        finer = next(n for n in count(FEWEST) if self._error(demand, n) <= demand.error)
+        settings = {"x_m": x_m, "y_m": y_m, "force_n": forces_n, **vars(load), "finer": finer}
+        return Size(settings, self._error(demand, finer), self._n_operations(demand, len(x_m), finer))
+
+    def _error(self, demand: Demand, finer: int) -> float:
+        turned_rad = 2 * pi * demand.surface.band_max_hz / demand.surface.rate_hz / finer
+        of_force = OF_FORCE * turned_rad**2 if "contact_force_n" in demand.outputs else 0.0
+        return float(OF_MOTION * turned_rad ** (4 / 3) + of_force)
+
+    def _n_operations(self, demand: Demand, n_contacts: int, finer: int) -> float:
+        ends = demand.once(cut_of)
+        n_times = n_frequencies(demand, ends)
+        n_steps = n_contacts * n_times * demand.surface.rate_hz / (2 * ends.heard_to_hz) * finer
+        return float(
+            0.5 * n_steps**2 + 2e4 * n_steps + 120.0 * n_contacts * n_modes(demand, ends.modes_to_hz) * n_times
+        )
