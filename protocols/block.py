@@ -180,4 +180,6 @@ def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: Tria
         speed_in_band=touch.speed_in_band,
         invalid_reason=outcome.invalid_reason,
         n_gaps=outcome.n_gaps,
+        positions_digest=None if is_catch else touch.positions_digest,
+        positions_late=None if is_catch else touch.positions_late,
     )

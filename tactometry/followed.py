@@ -1,11 +1,20 @@
 """Signals that a moving finger weakens: how strong each sample is follows from where the finger is."""
 
-from typing import Any, Protocol, runtime_checkable
+import hashlib
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Final, Protocol, runtime_checkable
 
 import numpy as np
 
 from .gates import triangle
 from .signal import FloatArray, Signal, Stimulus
+
+KEPT_S: Final = 1.0
+"""So much of a path is kept: what a driver asks for is younger."""
+HELD_S: Final = 0.1
+"""A finger is taken to be where it was last for so long; later nobody knows where it is, as of a silent sensor of force
+(unverified default)."""
 
 
 @runtime_checkable
@@ -15,14 +24,93 @@ class FollowsFinger(Stimulus, Protocol):
     No two samples of the part differ by more than their distance over `rise_s`.
     """
 
-    rise_s: float
+    @property
+    def rise_s(self) -> float: ...
 
     def parts(self, x_m: FloatArray, before: Any = None) -> tuple[FloatArray, Any]:
         """Parts (0..1) of the voltage at places (n_samples,) along the path, one a sample of the signal, and what is to
-        be remembered of them: `before` for the places that come next."""
+        be remembered of them: `before` for the places that come next. Nothing of it where a place is NaN."""
 
     def check_motion(self, speed_m_per_s: float, positions_hz: float | None = None) -> None:
         """Refuse a speed at which the texture passes faster than the carrier shows, or than positions are reported."""
+
+
+class FingerPath:
+    """The last of a finger's path along its first axis: told by a sensor's thread, asked for by that of an output.
+
+    Examples
+    --------
+    >>> path = FingerPath()
+    >>> path.hear(np.array([0.0, 0.1]), np.array([[0.0, 5.0], [0.01, 5.0]]))
+    >>> path.at(np.array([-0.1, 0.05, 0.15, 0.3])).tolist()
+    [nan, 0.005, 0.01, nan]
+    """
+
+    def __init__(self) -> None:
+        self._kept: tuple[FloatArray, FloatArray] = np.empty(0), np.empty(0)
+
+    def hear(self, times_s: FloatArray, positions_m: FloatArray) -> None:
+        """Samples with stamps (s); those that are lost, or not later than the last one, are left out."""
+        if not times_s.size:
+            return
+        kept_s, kept_m = self._kept
+        places_m = positions_m[:, 0]
+        later = np.isfinite(places_m) & (times_s > (kept_s[-1] if kept_s.size else -np.inf))
+        later &= times_s >= np.maximum.accumulate(times_s)
+        times_s, places_m = times_s[later], places_m[later]
+        if times_s.size:
+            first = int(np.searchsorted(kept_s, times_s[-1] - KEPT_S))
+            # as one: the other thread reads both at once
+            self._kept = np.concatenate([kept_s[first:], times_s]), np.concatenate([kept_m[first:], places_m])
+
+    @property
+    def last_s(self) -> float:
+        """The last stamp; before the first, minus infinity."""
+        times_s, _ = self._kept
+        return float(times_s[-1]) if times_s.size else -np.inf
+
+    def at(self, times_s: FloatArray) -> FloatArray:
+        """Places (m) at times (s): on lines between samples, the last one for `HELD_S`; NaN where not known."""
+        kept_s, kept_m = self._kept
+        if not kept_s.size:
+            return np.full(times_s.shape, np.nan)
+        known = (times_s >= kept_s[0]) & (times_s <= kept_s[-1] + HELD_S)
+        return np.where(known, np.interp(times_s, kept_s, kept_m), np.nan)
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedSignal(Signal):
+    """The strongest samples of a stimulus, with the path of the finger that weakens them as they are played."""
+
+    stimulus: FollowsFinger
+    path: FingerPath
+
+    @cached_property
+    def _digest(self) -> str:
+        """Another than that of its samples: what holds for them alone is not found for it in a cache."""
+        strongest = Signal(self.samples, self.rate_hz, self.unit).digest()
+        return hashlib.sha256(f"{strongest} under a finger, {self.stimulus.rise_s!r}".encode()).hexdigest()[:16]
+
+
+@dataclass(frozen=True)
+class Course:
+    """What a signal became under a finger.
+
+    Parameters
+    ----------
+    signal : Signal
+        What was emitted.
+    latency_s : float
+        From a place of the finger to the voltage that answers it.
+    late, unknown : float
+        Parts (0..1) of the samples whose place was not there in time, so that the last one stood for it, and of those
+        of which nobody knew the place.
+    """
+
+    signal: Signal
+    latency_s: float
+    late: float
+    unknown: float
 
 
 def felt_under(stimulus: Stimulus, signal: Signal, times_s: FloatArray, positions_m: FloatArray) -> Signal:
@@ -46,3 +134,13 @@ def straight_way(duration_s: float, speed_m_per_s: float, length_m: float) -> tu
     turns_s = np.arange(0.0, duration_s, length_m / speed_m_per_s) if speed_m_per_s else np.zeros(1)
     times_s = np.append(turns_s, duration_s)
     return times_s, triangle(speed_m_per_s * times_s, length_m)
+
+
+def path_lines(times_s: FloatArray, positions_m: FloatArray) -> bytes:
+    """Times and places, a line each, to the microsecond and the nanometre.
+
+    >>> path_lines(np.array([0.001]), np.array([0.05]))
+    b'0.001000\\t0.050000000\\n'
+    """
+    pairs = zip(times_s.tolist(), positions_m.tolist(), strict=True)
+    return "".join(f"{time_s:.6f}\t{position_m:.9f}\n" for time_s, position_m in pairs).encode()

@@ -22,11 +22,11 @@ from ..study.contact_loss import pulled_fingers
 from ..study.dry_run import felt_of
 from ..study.experiment import Experiment, wire
 from ..study.study_file import load
-from .bench_file import BenchFile
+from .bench_file import BenchFile, Devices
 from .calibration import tone
 from .finding import Finding, duration, findings_of
 from .preflight_computer import computer, disk, display, existing
-from .stimuli import bank_on
+from .stimuli import bank_on, check_followed
 
 LISTEN_S = 2.0
 RATE_TOLERANCE = 0.02
@@ -83,6 +83,7 @@ def devices(
     if connected.force is not None:
         yield from findings_of("force", _force(connected.force))
     yield from findings_of("output", _gate(bench))
+    yield from findings_of("position", _followed(connected, bench, experiment))
     yield from findings_of("output", _output_findings(connected.output, bench, limits, experiment, hands_off=hands_off))
 
 
@@ -138,6 +139,13 @@ def _gate(bench: BenchFile) -> Iterator[Finding]:
     bench.check_gate()
     for words in bench.cautions:
         yield Finding("output", "caution", words)
+
+
+def _followed(connected: Devices, bench: BenchFile, experiment: Experiment | None) -> Iterator[Finding]:
+    """Whether the textures of a study can follow the finger; nothing is said of a study without one."""
+    if experiment is not None:
+        check_followed(experiment, bench, connected, bank_on(experiment, bench))
+    yield from ()
 
 
 def _output_findings(

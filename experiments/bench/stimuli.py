@@ -9,12 +9,15 @@ from typing import Any
 
 import numpy as np
 
-from tactometry.errors import rewording
-from tactometry.rigs.emitter import render
+from tactometry.arguments.require import expect
+from tactometry.devices.outputs.output import expect_following
+from tactometry.errors import InvalidParameter, rewording
+from tactometry.followed import FollowsFinger
+from tactometry.rigs.emitter import NO_POSITION, render
 from tactometry.signal import Signal, Stimulus
 
 from ..study.experiment import Experiment
-from .bench_file import BenchFile, Learnt, OutputPart
+from .bench_file import BenchFile, Devices, Learnt, OutputPart
 
 
 @dataclass(frozen=True)
@@ -189,3 +192,29 @@ def learnt_facts(learnt: Learnt | None) -> dict[str, str | None]:
     when = " ".join(str(said[key]) for key in ("measured_on", "measured_by") if key in said)
     digest = sha256(path.read_bytes())
     return {"responses": path.name, "responses_sha256": digest, "responses_measured": when or None}
+
+
+def check_followed(experiment: Experiment, bench: BenchFile, devices: Devices, bank: Mapping[str, Stimulus]) -> None:
+    """Refuse a texture where nothing tells where the finger is, or the output cannot follow it.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no position sensor, it is a recording, or too slow for the texture at the speed of the touch.
+    DeviceFailed
+        If the output takes no signal that follows a finger.
+    """
+    driver = devices.output.driver
+    for condition in experiment.conditions if driver.emits else ():
+        stimulus = bank[condition.stimulus]
+        if not isinstance(stimulus, FollowsFinger):
+            continue
+        if devices.position is None or bench.position is None:
+            raise InvalidParameter(NO_POSITION)
+        recording = f"{bench.position.sensor!r}, a recording, which knows of no finger"
+        is_live = bench.sensors[bench.position.sensor].settings.live or not driver.connected
+        expect(is_live, "position.sensor", recording, "a sensor; nothing was played")
+        expect_following(driver)
+        sensor = f"sensors.{bench.position.sensor}"
+        with rewording(lambda words, sensor=sensor: words.replace("SensorModel", sensor, 1)):  # type: ignore[misc]
+            stimulus.check_motion(condition.speed_m_per_s or 0.0, devices.position.reader.source.rate_hz)

@@ -29,7 +29,7 @@ def _equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog") ->
     from tactometry.rigs.device_rig import Equipment
 
     from ..bench.bench_file import device_facts
-    from ..bench.stimuli import bank_on, learnt_facts
+    from ..bench.stimuli import bank_on, check_followed, learnt_facts
 
     devices = bench.devices(experiment.study.limits, date.today())
     for caution in bench.cautions:
@@ -37,6 +37,7 @@ def _equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog") ->
     bank, learnt = bank_on(experiment, bench), learnt_facts(bench.time_reversal)
     for strongest in experiment.strongest(bank):
         check_format(strongest.signal, devices.output.driver)
+    check_followed(experiment, bench, devices, bank)
     if devices.output.limits is not None:
         devices.output.count_on(log.exposure(devices.output.limits.duty_window_s))
     return Equipment(

@@ -9,6 +9,7 @@ from operator import itemgetter
 from tactometry.arguments.require import at_most, expect
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import rewording
+from tactometry.followed import FollowsFinger
 from tactometry.observers.decisions import Observer
 from tactometry.observers.kinds import Population, population_of
 from tactometry.protocols.block_state import Condition, Track
@@ -139,6 +140,7 @@ class Experiment(SessionPlan):
         """The columns that apply, of those that not every study has."""
         study, kind = self.study, self.table.task_kind
         slides = any(condition.speed_m_per_s is not None for condition in self.conditions)
+        follows = any(isinstance(stimulus, FollowsFinger) for stimulus in self.bank.values())
         applies = {
             "track": bool(study.plan.interleave) or kind.n_together is not None,
             "catch": self.task.takes_catch_trials,
@@ -146,6 +148,7 @@ class Experiment(SessionPlan):
             "speed_target_m_per_s": slides,
             "practice": bool(study.practice),
             "speed_in_band": slides,
+            **dict.fromkeys(("positions_digest", "positions_late"), follows),
             **dict.fromkeys(TASKS[self.table.kind].columns, True),
         }
         always = ("attempt", "level_delivered", "speed_mean_m_per_s", "rig", "invalid_reason", "n_gaps")

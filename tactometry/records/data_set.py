@@ -54,6 +54,9 @@ class Session:
     def events(self, root: Path) -> Path:
         return root / "journals" / f"{self.stem}_events.tsv"
 
+    def positions(self, root: Path) -> Path:
+        return root / "journals" / f"{self.stem}_positions.tsv"
+
     def trials(self, root: Path) -> Path:
         return root / "data" / f"{self.stem}_data.csv"
 

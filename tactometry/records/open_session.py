@@ -13,7 +13,7 @@ import msgspec
 
 from ..arguments.require import expect
 from ..errors import InvalidFile, count_of
-from ..files.durable import drafts, read_file, replace_file, write_whole
+from ..files.durable import drafts, open_private, read_file, replace_file, write_whole
 from ..provenance import sha256
 from ..safety.limits import Exposure
 from ..session.event import COLUMNS, Event, decode_event, events_tsv
@@ -28,6 +28,8 @@ from .head import FORMAT, as_kept, columns_in, heads
 from .journal import Entry, abortion
 from .open_journal import Journal
 
+POSITIONS_HEADER: Final = b"positions_digest\ttime_s\tposition_m\n"
+"""Times from the place that the first sample of the stimulus followed."""
 _STIMULUS: Final = b'{"event":"stimulus"'
 
 
@@ -154,6 +156,17 @@ class OpenSession:
         with self._writing:
             self.journal.note(event)
             self._tell(event)
+
+    def keep_path(self, digest: str, lines: bytes) -> None:
+        """Add the path of a finger to the file of positions, a line for each place, before its touch is recorded."""
+        path = self._session.positions(self._root)
+        header = b"" if path.exists() else POSITIONS_HEADER
+        body = b"".join(digest.encode() + b"\t" + line + b"\n" for line in lines.splitlines())
+        file = open_private(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+        try:
+            write_whole(file, header + body, path, durable=False)
+        finally:
+            os.close(file)
 
     def _tell(self, event: Event) -> None:
         if self._events_file < 0:

@@ -10,6 +10,7 @@ from ..devices.outputs.guarded import Guarded
 from ..devices.outputs.output import RAMP_S
 from ..devices.sensors.streamed import StreamedSensor
 from ..errors import DeviceFailed, ended_by_signal
+from ..followed import FingerPath
 from ..safety.limits import FORCE_PEAK_N, Limits
 from ..session.answer import Done, Played, Touched
 from ..session.event import EventLog
@@ -98,7 +99,8 @@ class DeviceRig(LiveRig):
         self._screen, self._equipment, self._texts = screen, equipment, texts
         self._terminal = terminal = terminal or ExperimenterTerminal()
         limits, output = equipment.limits, equipment.output
-        self._emitter = Emitter(equipment.bank, output, limits, equipment.ramp_s)
+        self._path = None if equipment.position is None else FingerPath()
+        self._emitter = Emitter(equipment.bank, output, limits, equipment.ramp_s, self._path)
         pause_page = layout.message_page(texts.message("pause"), "", screen.aspect)
         self._supervisor = Supervisor(screen, terminal, log, self._emitter.mute, pause_page)
         output.subscribe(self._supervisor.note_stimulus)
@@ -112,6 +114,7 @@ class DeviceRig(LiveRig):
             pause=self._pause,
             say=terminal.add,
             force_peak_n=FORCE_PEAK_N if limits is None else limits.force_peak_n,
+            keep_path=_nowhere if log is None else log.keep_path,
         )
         self._tally = Tally()
         self.closed = False
@@ -125,6 +128,8 @@ class DeviceRig(LiveRig):
                 device.open()
         if self._equipment.sensor is not None:
             self._equipment.sensor.subscribe(self._setup.release.hear)
+        if self._path is not None and self._equipment.position is not None:
+            self._equipment.position.subscribe(self._path.hear)
 
     @contextmanager
     def _closed_on_failure(self) -> Iterator[None]:
@@ -209,3 +214,7 @@ class DeviceRig(LiveRig):
     def _in_session(self, felt: Felt) -> Felt:
         """An answer whose onset was on `time.perf_counter`, with that in the session."""
         return replace(felt, onset_s=self._session_s(felt.onset_s))
+
+
+def _nowhere(digest: str, lines: bytes) -> None:
+    """Where no log is kept, no path is."""

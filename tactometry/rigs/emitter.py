@@ -4,14 +4,21 @@ import functools
 import threading
 import time
 from collections.abc import Mapping
+from typing import Final
 
 from ..arguments.require import expect, lookup
 from ..devices.deadline import BEGIN_WITHIN_S
 from ..devices.outputs.guarded import Guarded
 from ..devices.outputs.output import LONGEST_WORD_S, RAMP_S, with_ramps
-from ..errors import DeviceFailed
+from ..errors import DeviceFailed, InvalidParameter
+from ..followed import Course, FingerPath, FollowedSignal, FollowsFinger
 from ..safety.limits import Limits
 from ..signal import Signal, Stimulus
+
+NO_POSITION: Final = (
+    "position: found none, expected the sensor that tells where the finger is, as a texture follows it; state "
+    "[position] in the bench file, with its sensor; nothing was played"
+)
 
 
 def render(bank: Mapping[str, Stimulus], name: str, level: float, limits: Limits | None, ramp_s: float = 0.0) -> Signal:
@@ -33,12 +40,20 @@ def render(bank: Mapping[str, Stimulus], name: str, level: float, limits: Limits
 
 
 class Emitter:
-    """Renders stimuli of a bank, holds them against the limits of study and output, and plays them."""
+    """Renders stimuli of a bank, holds them against the limits of study and output, and plays them.
+
+    Those that follow a finger are given its `path`.
+    """
 
     def __init__(
-        self, bank: Mapping[str, Stimulus], output: Guarded, limits: Limits | None, ramp_s: float = RAMP_S
+        self,
+        bank: Mapping[str, Stimulus],
+        output: Guarded,
+        limits: Limits | None,
+        ramp_s: float = RAMP_S,
+        path: FingerPath | None = None,
     ) -> None:
-        self._bank, self._output, self._limits, self._ramp_s = bank, output, limits, ramp_s
+        self._bank, self._output, self._limits, self._ramp_s, self._path = bank, output, limits, ramp_s, path
         self._playing = threading.Lock()
         self._muted = False
 
@@ -52,10 +67,23 @@ class Emitter:
         LimitExceeded, DeviceFailed
             If a limit is missing or passed, or the output cannot play it.
         """
-        signal = render(self._bank, name, level, self._limits, self._ramp_s)
+        signal = self._followed(name, render(self._bank, name, level, self._limits, self._ramp_s))
         # the guard checks once more when it plays: here, so that nothing is refused with a finger already on the plate
         self._output.check(signal)
         return signal
+
+    def _followed(self, name: str, signal: Signal) -> Signal:
+        """With the path of the finger, where the stimulus follows it and is emitted."""
+        stimulus = self._bank[name]
+        if not isinstance(stimulus, FollowsFinger) or not self._output.emits:
+            return signal
+        if self._path is None:
+            raise InvalidParameter(NO_POSITION)
+        return FollowedSignal(signal.samples, signal.rate_hz, signal.unit, stimulus, self._path)
+
+    def course(self, signal: Signal | None) -> Course | None:
+        """What became of the signal that was emitted last, where it followed a finger."""
+        return self._output.course() if isinstance(signal, FollowedSignal) else None
 
     def for_interval(self, name: str, level: float | None, duration_s: float) -> Signal | None:
         """As `final`, for an interval of `duration_s`; None for a blank.
@@ -84,7 +112,10 @@ class Emitter:
 
     def digest(self, signal: Signal | None) -> str | None:
         """The digest of what was emitted; None where nothing was."""
-        return signal.digest() if signal is not None and self._output.emits else None
+        if signal is None or not self._output.emits:
+            return None
+        course = self.course(signal)
+        return signal.digest() if course is None else course.signal.digest()
 
     def emit(self, signal: Signal | None) -> float:
         """Begin to play, or to play nothing: the onset on `time.perf_counter`, s."""

@@ -145,6 +145,7 @@ class SimulatedRig(LiveRig):
             valid=reason is None,
             invalid_reason=reason,
             n_gaps=None,
+            positions_digest=None,
             **compliance_fields(force, speed),
         )
 

@@ -91,8 +91,11 @@ class Limits:
         _check("voltage_peak_v", "a peak of", signal.peak, self.voltage_peak_v, "V", "lower the level")
         _check("duration_s", "a signal of", signal.duration_s, self.longest_s, "s", "shorten it")
 
-    def check_load(self, signal: Signal, load: Load) -> None:
+    def check_load(self, signal: Signal, load: Load, rise_s: float = math.inf) -> None:
         """Refuse a signal that passes a limit of the load, or a load whose limits nobody stated.
+
+        A finite `rise_s` says that its samples are weakened as it plays, from all to nothing in `rise_s` at the
+        fastest.
 
         Raises
         ------
@@ -101,10 +104,10 @@ class Limits:
         """
         self.check_stated(load)
         if self.current_peak_a is not None:
-            peak_a = load.current_peak_a(signal)
+            peak_a = load.current_peak_a(signal, rise_s)
             _check("current_peak_a", "a peak of", peak_a, self.current_peak_a, "A", "lower the level or its slopes")
         if self.charge_peak_c is not None:
-            peak_c = load.charge_peak_c(signal)
+            peak_c = load.charge_peak_c(signal, rise_s)
             _check("charge_peak_c", "a peak of", peak_c, self.charge_peak_c, "C", "lower the level or shorten it")
         if self.displacement_peak_m is not None:
             peak_m = load.displacement_peak_m(signal)

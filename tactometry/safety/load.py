@@ -50,22 +50,41 @@ class Load:
         sound = gains is None or all(0 < gain < math.inf for gain in gains)
         expect(sound, "Load.displacement_m_per_v", gains, "finite numbers above 0")
 
-    def current_peak_a(self, signal: Signal) -> float:
-        """Largest abs(C dv/dt + v/R) on any channel, A."""
+    def current_peak_a(self, signal: Signal, rise_s: float = math.inf) -> float:
+        """Largest abs(C dv/dt + v/R) on any channel, A.
+
+        Of a signal whose samples are weakened as it plays, by parts that change from 0 to 1 in `rise_s` at the fastest,
+        a bound: (g v)' is g v' + g' v.
+        """
         before, after, slope = _lines(signal)
         # along a straight line the current is one too: its largest value is at an end
         ends = [self.capacitance_f * slope + v / self.leak_resistance_ohm for v in (before, after)]
-        return float(np.max(np.abs(ends), initial=0.0))
+        return float(np.max(np.abs(ends), initial=0.0)) + self.capacitance_f * signal.peak / rise_s
 
-    def charge_peak_c(self, signal: Signal) -> float:
-        """Largest abs(C v + integral of v/R) on any channel, C: the charge that has passed since the start."""
+    def charge_peak_c(self, signal: Signal, rise_s: float = math.inf) -> float:
+        """Largest abs(C v + integral of v/R) on any channel, C: the charge that has passed since the start.
+
+        With a finite `rise_s`, as for the current, a bound: that of all charge with one sign.
+        """
         before, after, _ = _lines(signal)
+        if math.isfinite(rise_s):
+            return self.capacitance_f * signal.peak + self._passed_at_most_c(signal)
         passed = np.cumsum((before + after) / (2 * signal.rate_hz * self.leak_resistance_ohm), axis=1)
         at_samples = self.capacitance_f * after + passed
         return float(np.max(np.abs([at_samples, self._turning_c(signal, at_samples)]), initial=0.0))
 
-    def charge_net_c(self, signal: Signal) -> float:
-        """Largest abs(integral of v/R) over the whole signal on any channel, C: what has passed through the leak."""
+    def _passed_at_most_c(self, signal: Signal) -> float:
+        """The integral of abs(v)/R on the channel where it is largest, C."""
+        sums_v = np.abs(signal.samples).sum(axis=1)
+        return float(np.max(sums_v, initial=0.0)) / (signal.rate_hz * self.leak_resistance_ohm)
+
+    def charge_net_c(self, signal: Signal, rise_s: float = math.inf) -> float:
+        """Largest abs(integral of v/R) over the whole signal on any channel, C: what has passed through the leak.
+
+        With a finite `rise_s`, as for the current, a bound.
+        """
+        if math.isfinite(rise_s):
+            return self._passed_at_most_c(signal)
         before, after, _ = _lines(signal)
         passed = np.sum((before + after) / (2 * signal.rate_hz * self.leak_resistance_ohm), axis=1)
         return float(np.max(np.abs(passed), initial=0.0))

@@ -29,6 +29,8 @@ class Touched:
     `force_in_band` is the part (0..1) of the samples whose running mean was inside the band, `speed_in_band` that of
     the speeds. `valid` is false if the touch broke its conditions or the experimenter asked for a repetition, for
     `invalid_reason`: the protocol then asks again. `n_gaps` counts the gaps of the output; None where it cannot tell.
+    Of a stimulus that followed the finger `positions_digest` is that of the places, `positions_late` the part (0..1) of
+    the samples whose place came too late.
     """
 
     onset_s: float
@@ -42,6 +44,8 @@ class Touched:
     speed_in_band: float | None = None
     invalid_reason: Reason | None = None
     n_gaps: int | None = None
+    positions_digest: str | None = None
+    positions_late: float | None = None
 
 
 class Answer:

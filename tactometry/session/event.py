@@ -101,6 +101,9 @@ class EventLog(Protocol):
 
     def note(self, event: Event) -> None: ...
 
+    def keep_path(self, digest: str, lines: bytes) -> None:
+        """Keep times (s) and places (m) of a finger, a line each, under their digest."""
+
 
 def _cell(value: Fact) -> str:
     if value is None:

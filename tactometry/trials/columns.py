@@ -69,6 +69,8 @@ OPTIONAL = (
     Column("speed_in_band", "Part (0 to 1) of the stimulus in which the speed was in the target band"),
     Column("invalid_reason", f"Why the trial is not valid: one of {', '.join(REASONS)}; empty: it is"),
     Column("n_gaps", "Gaps of the output during the stimuli of the trial; empty where the output cannot tell"),
+    Column("positions_digest", "Digest of the finger's positions that a texture followed; empty in simulation"),
+    Column("positions_late", "Part (0 to 1) of the stimulus in which positions came too late, and the last one held"),
 )
 _DERIVED = (
     "source row yes is_catch x status threshold interval_low interval_high pse jnd width width_low width_high "

@@ -79,12 +79,13 @@ RULES: Mapping[str, CellRule] = {
     **dict.fromkeys(("level", "level_delivered", "level_measured", "standard_level"), _ANY),
     **dict.fromkeys(("onset_s", "latency_s", "force_mean_n", "force_sd_n"), _POSITIVE),
     **dict.fromkeys(("speed_target_m_per_s", "speed_mean_m_per_s"), _POSITIVE),
-    **dict.fromkeys(("force_in_band", "speed_in_band"), _PART),
+    **dict.fromkeys(("force_in_band", "speed_in_band", "positions_late"), _PART),
     **dict.fromkeys(("correct", "catch", "practice", "valid"), _FLAG),
     "task": CellRule(f"one of {', '.join(TASKS)}", one_of_texts(*TASKS)),
     "timestamp_utc": CellRule("a time in ISO 8601", is_time),
     "rig": CellRule(f"one of {', '.join(RIGS)}", one_of_texts(*RIGS)),
     "invalid_reason": CellRule(f"one of {', '.join(REASONS)}, or nothing", one_of_texts(*REASONS)),
+    "positions_digest": CellRule("16 hexadecimal digits", lambda text: re.fullmatch(r"[0-9a-f]{16}", text) is not None),
     "n_gaps": CellRule("a whole number from 0", lambda text: re.fullmatch(r"\d+", text) is not None),
 }
 NUMBERS = tuple(name for name, rule in RULES.items() if rule in (_ANY, _POSITIVE, _PART))

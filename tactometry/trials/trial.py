@@ -76,6 +76,8 @@ class Trial:
     speed_in_band: float | None = None
     invalid_reason: Reason | None = None
     n_gaps: int | None = None
+    positions_digest: str | None = None
+    positions_late: float | None = None
     extra: Mapping[str, Value] = field(default_factory=dict)
 
     @property

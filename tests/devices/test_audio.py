@@ -18,7 +18,8 @@ from hard_cases import hard_case
 from patience import LONGEST_PROGRAM_S, LONGEST_WAIT_S
 from sound_server import heard_part, played
 
-from tactometry.devices.outputs.audio import AudioOutput, AudioSettings, FrameFeed
+from tactometry.devices.outputs.audio import AudioOutput, AudioSettings
+from tactometry.devices.outputs.frame_feed import FrameFeed
 from tactometry.devices.outputs.gain import Gain
 from tactometry.errors import DeviceFailed
 from tactometry.experiments.bench.bench_file import parse_bench

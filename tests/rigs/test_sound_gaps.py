@@ -13,7 +13,8 @@ from force_bench import BENCH, study_in
 from tables import trial_rows
 from window_sitting import any_keys, sit, tactometry
 
-from tactometry.devices.outputs.audio import AudioOutput, AudioSettings, FrameFeed
+from tactometry.devices.outputs.audio import AudioOutput, AudioSettings
+from tactometry.devices.outputs.frame_feed import FrameFeed
 from tactometry.devices.outputs.gain import Gain
 from tactometry.experiments.data_sets.validation import validate
 

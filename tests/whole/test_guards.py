@@ -24,7 +24,7 @@ numpy scipy pandas matplotlib numba llvmlite statsmodels pingouin sklearn seabor
 joblib dask distributed h5py psychopy psychtoolbox pyglet
 """
 HEAVY = frozenset((*WORDS.split(), *DRIVEN))
-IMPORTED_AS = {"pyserial": "serial", "imageio-ffmpeg": "imageio_ffmpeg"}
+IMPORTED_AS = {"pyserial": "serial", "imageio-ffmpeg": "imageio_ffmpeg", "pillow": "PIL"}
 
 
 def imports(tree: ast.Module) -> Iterator[str]:

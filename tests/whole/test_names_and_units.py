@@ -29,6 +29,7 @@ BARE = {
     "rate_beta": "a parameter of a beta distribution",
     "log_rate_mass": "of a density of a rate",
     "force_in_band": "a share of samples; the pinned name of a column",
+    "positions_late": "a share of samples; the name of a column",
     "speed_in_band": "a share of samples; the pinned name of a column",
     "width": "of a psychometric function, in the unit of its level; a pinned name",
     "widths": "of psychometric functions, in the unit of their level",

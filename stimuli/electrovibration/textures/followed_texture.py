@@ -6,6 +6,7 @@ from math import ceil
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tactometry.arguments import require
 
@@ -106,10 +107,12 @@ class FollowedTexture(Ramped):
         """Parts (0..1) of the voltage at places (n_samples,), one a sample: the root of the share, averaged.
 
         `before` is what the same path gave so far; without it the finger begins here, as if it had been here before.
+        Where a place is NaN, nobody knows where the finger is: nothing is played.
         """
         way = None if before is None else before.way
-        shares, way = self._shares(x_m, way)
-        roots = np.sqrt(shares)
+        known = np.isfinite(x_m)
+        shares, way = self._shares(x_m if known.all() else _filled(x_m, known, way), way)
+        roots = np.sqrt(np.where(known, shares, 0.0))
         n = self._n_rise
         recent = np.full(n - 1, roots[0]) if before is None else before.recent
         course = np.concatenate([recent, roots])
@@ -145,7 +148,7 @@ class FollowedTexture(Ramped):
         tactometry.errors.InvalidParameter: FollowedTexture.carrier_hz: found 2000 Hz, expected at least twice the \
 frequency of the texture under the finger (4000 Hz); raise the carrier, slow down or widen the texture
         """
-        period_m = period_of(self.texture)
+        period_m = shortest_period_m(self.texture)
         if period_m is None:
             return
         twice_hz = 2 * speed_m_per_s / period_m
@@ -159,10 +162,21 @@ frequency of the texture under the finger (4000 Hz); raise the carrier, slow dow
             SensorModel(positions_hz).check(period_m, speed_m_per_s)
 
 
-def period_of(texture: Texture | Velvet) -> float | None:
+def _filled(x_m: FloatArray, known: NDArray[np.bool_], way: Way | None) -> FloatArray:
+    """Places with the last one that is known where they are not, for what is remembered of them.
+
+    >>> _filled(np.array([np.nan, 1.0, np.nan]), np.array([False, True, False]), None).tolist()
+    [0.0, 1.0, 1.0]
+    """
+    padded_m = np.concatenate([[0.0 if way is None else way.y_m], np.where(known, x_m, 0.0)])
+    at = np.maximum.accumulate(np.where(known, np.arange(1, x_m.size + 1), 0))
+    return np.asarray(padded_m[at])
+
+
+def shortest_period_m(texture: Texture | Velvet) -> float | None:
     """The shortest period (m) of a texture of a study, as `finest_period_m`.
 
-    >>> period_of(HeightMap(pixel_m=1e-3, values=(0.0, 1.0)))
+    >>> shortest_period_m(HeightMap(pixel_m=1e-3, values=(0.0, 1.0)))
     0.002
     """
     if isinstance(texture, GreyImage):

@@ -3,10 +3,9 @@
 import contextlib
 import functools
 import json
-import math
 import subprocess
-import threading
 import time
+from collections import deque
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final, Literal
 
@@ -15,15 +14,22 @@ from numpy.typing import NDArray
 
 from ...arguments.require import expect, not_negative, positive
 from ...errors import DeviceFailed
+from ...followed import Course, FollowedSignal
 from ...signal import Signal
 from ..clock_map import ClockMap
 from ..portaudio import FULL_SCALE, end_stream, library, refuse_default
+from .frame_feed import DryRuns, FollowingFeed, FrameFeed
 from .gain import Gain, SignalChain, required_gain
 from .output import LONGEST_WORD_S, AmplifiedDriver
 
 FADE_S = 1e-3
 """A stop falls to zero within this time, or within a block where that is shorter (unverified default)."""
 LONGEST_START_S = 2.0
+N_LEADS: Final = 400
+"""Blocks whose lead is remembered: two seconds, as `block_s` is by default."""
+POSITION_AGE_S: Final = 0.005
+"""How old the last place of a finger may be when it is needed: an interval of the sensor, its way to us, and turns of
+threads (unverified default)."""
 WORD_S = 1e-3
 SHARED: Final = ("pulse", "pipewire", "jack", "dmix")
 SHARED_INTERFACES: Final = ("MME", "Windows DirectSound", "Windows WASAPI", "Core Audio", "JACK", "PulseAudio")
@@ -33,113 +39,14 @@ SERVERS: Final = ("pulse", "pipewire")
 ASKED_WITHIN_S: Final = 2.0
 
 
-class FrameFeed:
-    """The frames of one signal, handed out in order; after the last, and after `stop`, there are none.
-
-    `take` is called by the device's thread, all else by the one that plays.
-
-    Parameters
-    ----------
-    frames : (n_frames, n_channels) array
-        As the device takes them.
-    n_fade : int
-        Frames over which a stop falls to zero, within one block.
-    """
-
-    def __init__(self, frames: NDArray[Any], n_fade: int) -> None:
-        self._frames, self._n_fade = frames, n_fade
-        self._at = 0
-        self._stopping = False
-        self.onset_s = 0.0
-        self.n_gaps = 0
-        self.begun, self.ended = threading.Event(), threading.Event()
-
-    @property
-    def finished(self) -> bool:
-        return self._at >= len(self._frames)
-
-    def is_torn_by(self, dry_s: float, rate_hz: float) -> bool:
-        """Whether a device that ran dry at `dry_s` did so in the midst of these frames, not before or after them."""
-        return self.begun.is_set() and dry_s < self.onset_s + len(self._frames) / rate_hz
-
-    def stop(self) -> None:
-        """The next block falls to zero and is the last."""
-        self._stopping = True
-
-    def take(self, n_frames: int) -> NDArray[Any]:
-        """The next frames, at most `n_frames`.
-
-        Examples
-        --------
-        >>> course = FrameFeed(np.full((6, 1), 8.0), n_fade=4)
-        >>> course.take(2).ravel().tolist()
-        [8.0, 8.0]
-        >>> course.stop()
-        >>> course.take(10).ravel().tolist(), course.take(10).ravel().tolist()
-        ([8.0, 6.0, 4.0, 2.0], [])
-        >>> short = FrameFeed(np.full((6, 1), 8.0), n_fade=4)
-        >>> short.stop()
-        >>> short.take(2).ravel().tolist()
-        [8.0, 4.0]
-        """
-        stopping = self._stopping  # read once: the thread that plays may set it meanwhile
-        n_taken = min(n_frames, self._n_fade) if stopping else n_frames
-        piece = self._frames[self._at : self._at + n_taken]
-        self._at = len(self._frames) if stopping else self._at + n_taken
-        if self.finished:
-            self.ended.set()
-        return _fade(piece) if stopping else piece
-
-
-def _fade(piece: NDArray[Any]) -> NDArray[Any]:
-    envelope = 1 - np.arange(len(piece)) / len(piece)
-    falling: NDArray[Any] = piece * envelope[:, None]
-    return falling.astype(piece.dtype)  # whole numbers are cut towards zero
-
-
-class DryRuns:
-    """When a stream ran dry: fed with each block that the device asks for.
-
-    It did where the device tells so, and where it asks for a block later than the ones before lasted: sound servers
-    forget to tell. How long they last is believed of a device that has `least_lead_s` in hand; one that takes samples
-    as fast as they come has not.
-
-    Examples
-    --------
-    >>> dry = DryRuns(least_lead_s=0.02)
-    >>> dry.after(now_s=1.0, lead_s=0.05, block_s=0.01, underflow=False)
-    >>> dry.after(now_s=1.4, lead_s=0.0, block_s=0.01, underflow=False)
-    1.06
-    >>> dry.after(now_s=1.4, lead_s=0.01, block_s=0.01, underflow=True), dry.n_gaps
-    (None, 1)
-    """
-
-    def __init__(self, least_lead_s: float) -> None:
-        self.n_gaps = 0
-        self.dry_s = math.inf
-        """When what the device has runs out, s on `time.perf_counter`; infinite where that is not believed."""
-        self._least_lead_s = least_lead_s
-        self._was_dry = False
-
-    def after(self, *, now_s: float, lead_s: float, block_s: float, underflow: bool) -> float | None:
-        """When the gap before this block began, which leaves the device `lead_s` from now; None where there was none.
-
-        A device tells of one gap with several blocks in a row.
-        """
-        is_dry = underflow or now_s > self.dry_s
-        began_s = min(self.dry_s, now_s) if is_dry and not self._was_dry else None
-        self.n_gaps += began_s is not None
-        self._was_dry = is_dry
-        self.dry_s = now_s + lead_s + block_s if lead_s >= self._least_lead_s else math.inf
-        return began_s
-
-
 @dataclass(frozen=True)
 class AudioSettings:
     """The sound card by name; `channels` are its outlets, from 0, in the order of the signal's.
 
     `block_s` and `latency_s` trade a quick stop against gaps in the sound: a stop takes at most a block and the
     latency. Both are unverified defaults. `shared` allows a device that other programs play to as well.
+    `position_latency_s` is from a place of the finger to the voltage of a texture there; None: the longest lead that
+    the device took of late, a block, and `POSITION_AGE_S`.
     """
 
     connected: ClassVar[bool] = True
@@ -150,11 +57,14 @@ class AudioSettings:
     block_s: float = 0.005
     latency_s: float = 0.05
     shared: bool = False
+    position_latency_s: float | None = None
 
     def __post_init__(self) -> None:
         refuse_default("AudioSettings", self.device)
         positive("AudioSettings", rate_hz=self.rate_hz, block_s=self.block_s)
         not_negative("AudioSettings", latency_s=self.latency_s)
+        if self.position_latency_s is not None:
+            not_negative("AudioSettings", position_latency_s=self.position_latency_s)
         once = len(set(self.channels)) == len(self.channels) > 0 and min(self.channels) >= 0
         outlets = "at least one outlet, each from 0 and named once"
         expect(once, "AudioSettings.channels", list(self.channels), outlets)
@@ -169,6 +79,8 @@ class AudioSettings:
 class AudioOutput(AmplifiedDriver):
     """An output stream that runs as long as the output is open: zeros, and the frames of one signal at a time."""
 
+    follows = True
+
     def __init__(self, settings: AudioSettings, gain: Gain) -> None:
         super().__init__(f"audio {settings.device}", len(settings.channels), settings.rate_hz, gain)
         self._settings = settings
@@ -177,6 +89,7 @@ class AudioOutput(AmplifiedDriver):
         self._course: FrameFeed | None = None
         self._n_frames, self._dry = 0, DryRuns(settings.latency_s / 2)
         self._clocks = ClockMap()
+        self._leads_s: deque[float] = deque(maxlen=N_LEADS)
         self._numbers = functools.lru_cache(maxsize=1)(self._round_to_zero)
         """What the card gets, (n_channels, n_samples); the last signal's is kept, so that `play` begins at once."""
 
@@ -185,6 +98,7 @@ class AudioOutput(AmplifiedDriver):
         return {
             "device": self._device,
             "output_latency_s": latency_s,
+            "position_latency_s": None if latency_s is None else round(self._position_latency_s(), 6),
             "n_underruns": self._dry.n_gaps,
             "clock_offset_s": self._clocks.offset_s,
         }
@@ -240,13 +154,33 @@ class AudioOutput(AmplifiedDriver):
         if self._stream is None or not self._stream.active:
             raise DeviceFailed(f"output {self.name!r}: it is not open, or stopped by itself; nothing was played")
         n_fade = max(1, round(FADE_S * self.rate_hz))
-        course = FrameFeed(self._frames(self._numbers(signal)), n_fade)
+        frames = self._frames(self._numbers(signal))
+        if isinstance(signal, FollowedSignal):
+            course: FrameFeed = FollowingFeed(frames, n_fade, signal, self._position_latency_s())
+        else:
+            course = FrameFeed(frames, n_fade)
         self._let_end()
         self._course = course
         if signal.samples.size and not course.begun.wait(LONGEST_START_S):
             course.stop()
             raise self._silent()
         return course.onset_s
+
+    def _position_latency_s(self) -> float:
+        """From a place of the finger to the voltage that answers it: the card's longest lead of late covers the bursts
+        in which a sound server asks for blocks."""
+        stated_s, longest_lead_s = self._settings.position_latency_s, max(list(self._leads_s), default=0.0)
+        return longest_lead_s + self._settings.block_s + POSITION_AGE_S if stated_s is None else stated_s
+
+    def course(self) -> Course | None:
+        feed = self._course
+        if not isinstance(feed, FollowingFeed):
+            return None
+        feed.ended.wait(LONGEST_START_S)
+        numbers = feed.frames()[:, list(self._settings.channels)].T
+        full_scale = FULL_SCALE[self._settings.sample_format]
+        volts = self._gain.to_volts(numbers.astype(np.float64) / full_scale, self.rate_hz)
+        return Course(volts, feed.latency_s, feed.late, feed.unknown)
 
     def _let_end(self) -> None:
         """What plays falls to zero before another signal begins."""
@@ -269,6 +203,7 @@ class AudioOutput(AmplifiedDriver):
         course = self._course  # read once: `play` puts another in its place while this runs in PortAudio's thread
         lead_s = max(0.0, times.outputBufferDacTime - times.currentTime)
         block_s = n_frames / self.rate_hz
+        self._leads_s.append(lead_s)
         underflow = bool(status.output_underflow)
         gap_s = self._dry.after(now_s=now_s, lead_s=lead_s, block_s=block_s, underflow=underflow)
         if course is not None and gap_s is not None:

@@ -1,12 +1,14 @@
 """The guard before every driver: nothing reaches a load that its limits do not allow."""
 
 import functools
+import math
 import threading
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 
 from ...errors import LimitExceeded
+from ...followed import Course, FollowedSignal
 from ...safety.limits import Exposure, Limits
 from ...safety.load import Load
 from ...signal import Signal
@@ -82,7 +84,7 @@ class Guarded:
             If the signal must not or cannot be played; nothing was.
         """
         limits, final = self.check(signal)
-        charge_c = 0.0 if self.load is None else self.load.charge_net_c(final)
+        charge_c = 0.0 if self.load is None else self.load.charge_net_c(final, _rise_s(signal))
         limits.check_exposure(self._exposure, self.clock(), final.duration_s, charge_c)
         onset_s = self.driver.play(signal)
         with self._counting:
@@ -110,8 +112,12 @@ class Guarded:
         final = self.driver.final(signal)
         limits.check(final)
         if self.load is not None:
-            limits.check_load(final, self.load)
+            limits.check_load(final, self.load, _rise_s(signal))
         return final
+
+    def course(self) -> Course | None:
+        """What the last signal became, where it followed a finger."""
+        return self.driver.course()
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
         """Gaps of the last signal, as its driver tells them."""
@@ -139,3 +145,8 @@ class Guarded:
                 "state it in the bench file; nothing was played"
             )
         return self.limits
+
+
+def _rise_s(signal: Signal) -> float:
+    """How fast a signal that follows a finger may rise from nothing to all; infinite of another."""
+    return signal.stimulus.rise_s if isinstance(signal, FollowedSignal) else math.inf

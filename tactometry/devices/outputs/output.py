@@ -10,6 +10,7 @@ import numpy as np
 
 from ...arguments.require import not_negative
 from ...errors import DeviceFailed
+from ...followed import Course, FollowedSignal
 from ...signal import Signal
 from .gain import Gain, SignalChain
 
@@ -39,6 +40,8 @@ class Driver(ABC):
         The largest voltage that it can put on the load.
     n_channels, rate_hz : int, float, optional
         None for a driver that takes any.
+    follows : bool
+        Whether it asks a signal that follows a finger where that is, sample by sample.
     """
 
     name: str
@@ -48,6 +51,7 @@ class Driver(ABC):
     full_scale_v: float = math.inf
     n_channels: int | None = None
     rate_hz: float | None = None
+    follows: bool = False
 
     def facts(self) -> dict[str, str | int | float | None]:
         """What the journal says of the device after it was opened, and of what went wrong since."""
@@ -70,6 +74,10 @@ class Driver(ABC):
 
         The signal is finite: after its last sample the output is at zero without being told.
         """
+
+    def course(self) -> Course | None:
+        """What the last signal became, where it followed a finger; waited for until it is over."""
+        return None
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
         """Gaps since the last signal began, up to its end; None where the device cannot tell.
@@ -160,6 +168,8 @@ def check_format(signal: Signal, output: Driver) -> None:
     DeviceFailed
         If it is not.
     """
+    if isinstance(signal, FollowedSignal):
+        expect_following(output)
     of_signal = {"n_channels": signal.samples.shape[0], "rate_hz": signal.rate_hz}
     for name, value in of_signal.items():
         expected = getattr(output, name)
@@ -168,6 +178,21 @@ def check_format(signal: Signal, output: Driver) -> None:
                 f"output {output.name!r}: found a signal with {name} {value:g}, expected {expected:g}; "
                 f"{REMEDIES[name]}; nothing was played"
             )
+
+
+def expect_following(output: Driver) -> None:
+    """Refuse a texture where the output takes no signal that follows a finger.
+
+    Raises
+    ------
+    DeviceFailed
+        If it does not.
+    """
+    if output.emits and not output.follows:
+        raise DeviceFailed(
+            f"output {output.name!r}: found a texture, whose signal follows the finger, expected one that is known "
+            "when it begins; play it through kind = 'audio'; nothing was played"
+        )
 
 
 def with_ramps(signal: Signal, ramp_s: float) -> Signal:

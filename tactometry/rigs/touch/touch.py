@@ -1,5 +1,6 @@
 """One touch of the finger while a stimulus plays, with and without a force sensor."""
 
+import hashlib
 import math
 import time
 from collections.abc import Callable
@@ -7,7 +8,8 @@ from contextlib import ExitStack
 from dataclasses import dataclass, replace
 
 from ...devices.sensors.streamed import StreamedSensor
-from ...gates import ForceGate, SpeedGate
+from ...followed import HELD_S, Course, path_lines
+from ...gates import VALID_PART, ForceGate, SpeedGate
 from ...safety.limits import FORCE_PEAK_N
 from ...session.answer import Touched
 from ...session.request import Press, Slide
@@ -139,6 +141,9 @@ class TouchCourse:
     def _answer(
         self, signal: Signal | None, onset_s: float, reason: Reason | None, n_gaps: int | None, **kept: float | None
     ) -> Touched:
+        course = self.setup.emitter.course(signal)
+        if course is not None and course.unknown > 1 - VALID_PART:
+            reason = reason or "sensor_lost"
         return Touched(
             onset_s,
             self.setup.emitter.level_delivered(self.request.level),
@@ -146,8 +151,19 @@ class TouchCourse:
             valid=reason is None,
             invalid_reason=reason,
             n_gaps=n_gaps,
+            positions_digest=None if course is None else self._positions_digest(onset_s, course),
+            positions_late=None if course is None else round(course.late, 6),
             **kept,
         )
+
+    def _positions_digest(self, onset_s: float, course: Course) -> str:
+        """The digest of the places that a texture followed, which are kept under it."""
+        begin_s = onset_s - course.latency_s
+        times_s, positions_m = self.places.between(begin_s - HELD_S, begin_s + course.signal.duration_s)
+        lines = path_lines(times_s - begin_s, positions_m[:, 0] if positions_m.ndim == 2 else positions_m)
+        digest = hashlib.sha256(lines).hexdigest()[:16]
+        self.setup.keep_path(digest, lines)
+        return digest
 
     def _play_gated(self, signal: Signal | None, sensor: StreamedSensor) -> tuple[Touched, float | None]:
         """Play once the force is held in motion, and stop when the finger stops or leaves, or a sensor is lost.

@@ -26,7 +26,10 @@ Pause = Callable[[str, Callable[[], bool]], None]
 
 @dataclass(frozen=True)
 class TouchSetup:
-    """Screen, output and sensors of a rig; `say` tells the experimenter. Above `force_peak_n` nothing plays."""
+    """Screen, output and sensors of a rig; `say` tells the experimenter. Above `force_peak_n` nothing plays.
+
+    `keep_path` keeps the places that a texture followed, under their digest.
+    """
 
     presenter: Presenter
     emitter: Emitter
@@ -36,6 +39,7 @@ class TouchSetup:
     pause: Pause
     say: Callable[[str], None]
     force_peak_n: float
+    keep_path: Callable[[str, bytes], None] = lambda digest, lines: None
 
 
 def silence(sensor: StreamedSensor | None) -> str:

@@ -1,0 +1,158 @@
+"""The frames that a sound card asks for: of one signal, of one that follows a finger, and when the card ran dry."""
+
+import math
+import threading
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...followed import FollowedSignal
+
+
+class FrameFeed:
+    """The frames of one signal, handed out in order; after the last, and after `stop`, there are none.
+
+    `take` is called by the device's thread, all else by the one that plays.
+
+    Parameters
+    ----------
+    frames : (n_frames, n_channels) array
+        As the device takes them.
+    n_fade : int
+        Frames over which a stop falls to zero, within one block.
+    """
+
+    def __init__(self, frames: NDArray[Any], n_fade: int) -> None:
+        self._frames, self._n_fade = frames, n_fade
+        self._at = 0
+        self._stopping = False
+        self.onset_s = 0.0
+        self.n_gaps = 0
+        self.begun, self.ended = threading.Event(), threading.Event()
+
+    @property
+    def finished(self) -> bool:
+        return self._at >= len(self._frames)
+
+    def is_torn_by(self, dry_s: float, rate_hz: float) -> bool:
+        """Whether a device that ran dry at `dry_s` did so in the midst of these frames, not before or after them."""
+        return self.begun.is_set() and dry_s < self.onset_s + len(self._frames) / rate_hz
+
+    def stop(self) -> None:
+        """The next block falls to zero and is the last."""
+        self._stopping = True
+
+    def take(self, n_frames: int) -> NDArray[Any]:
+        """The next frames, at most `n_frames`.
+
+        Examples
+        --------
+        >>> course = FrameFeed(np.full((6, 1), 8.0), n_fade=4)
+        >>> course.take(2).ravel().tolist()
+        [8.0, 8.0]
+        >>> course.stop()
+        >>> course.take(10).ravel().tolist(), course.take(10).ravel().tolist()
+        ([8.0, 6.0, 4.0, 2.0], [])
+        >>> short = FrameFeed(np.full((6, 1), 8.0), n_fade=4)
+        >>> short.stop()
+        >>> short.take(2).ravel().tolist()
+        [8.0, 4.0]
+        """
+        stopping = self._stopping  # read once: the thread that plays may set it meanwhile
+        n_taken = min(n_frames, self._n_fade) if stopping else n_frames
+        begin, piece = self._at, self._frames[self._at : self._at + n_taken]
+        self._at = len(self._frames) if stopping else self._at + n_taken
+        emitted = self._emitted(_fade(piece) if stopping else piece, begin)
+        if self.finished:
+            self.ended.set()
+        return emitted
+
+    def _emitted(self, piece: NDArray[Any], begin: int) -> NDArray[Any]:
+        """What becomes of a piece, whose first frame has the number `begin`."""
+        del begin
+        return piece
+
+
+class FollowingFeed(FrameFeed):
+    """The frames of a signal that follows a finger, each by where it was `latency_s` before the frame leaves the card.
+
+    A place that has not come by then is the last one that did.
+    """
+
+    def __init__(self, frames: NDArray[Any], n_fade: int, signal: FollowedSignal, latency_s: float) -> None:
+        super().__init__(frames, n_fade)
+        self._signal, self.latency_s = signal, latency_s
+        self._before: Any = None
+        self._pieces: list[NDArray[Any]] = []
+        self._n_late = self._n_unknown = 0
+
+    def _emitted(self, piece: NDArray[Any], begin: int) -> NDArray[Any]:
+        if not len(piece):
+            return piece
+        path = self._signal.path
+        times_s = self.onset_s - self.latency_s + np.arange(begin, begin + len(piece)) / self._signal.rate_hz
+        places_m = path.at(times_s)
+        self._n_late += len(piece) - int(np.searchsorted(times_s, path.last_s, side="right"))
+        self._n_unknown += int(np.count_nonzero(np.isnan(places_m)))
+        parts, self._before = self._signal.stimulus.parts(places_m, self._before)
+        emitted: NDArray[Any] = (piece * parts[:, None]).astype(piece.dtype)  # whole numbers are cut towards zero
+        self._pieces.append(emitted)
+        return emitted
+
+    def frames(self) -> NDArray[Any]:
+        """What was emitted, (n_frames, n_channels)."""
+        return np.concatenate(self._pieces) if self._pieces else self._frames[:0]
+
+    @property
+    def late(self) -> float:
+        """The part (0..1) of the frames whose place had not come."""
+        return self._n_late / max(1, sum(map(len, self._pieces)))
+
+    @property
+    def unknown(self) -> float:
+        """The part (0..1) of the frames of which nobody knew the place."""
+        return self._n_unknown / max(1, sum(map(len, self._pieces)))
+
+
+def _fade(piece: NDArray[Any]) -> NDArray[Any]:
+    envelope = 1 - np.arange(len(piece)) / len(piece)
+    falling: NDArray[Any] = piece * envelope[:, None]
+    return falling.astype(piece.dtype)  # whole numbers are cut towards zero
+
+
+class DryRuns:
+    """When a stream ran dry: fed with each block that the device asks for.
+
+    It did where the device tells so, and where it asks for a block later than the ones before lasted: sound servers
+    forget to tell. How long they last is believed of a device that has `least_lead_s` in hand; one that takes samples
+    as fast as they come has not.
+
+    Examples
+    --------
+    >>> dry = DryRuns(least_lead_s=0.02)
+    >>> dry.after(now_s=1.0, lead_s=0.05, block_s=0.01, underflow=False)
+    >>> dry.after(now_s=1.4, lead_s=0.0, block_s=0.01, underflow=False)
+    1.06
+    >>> dry.after(now_s=1.4, lead_s=0.01, block_s=0.01, underflow=True), dry.n_gaps
+    (None, 1)
+    """
+
+    def __init__(self, least_lead_s: float) -> None:
+        self.n_gaps = 0
+        self.dry_s = math.inf
+        """When what the device has runs out, s on `time.perf_counter`; infinite where that is not believed."""
+        self._least_lead_s = least_lead_s
+        self._was_dry = False
+
+    def after(self, *, now_s: float, lead_s: float, block_s: float, underflow: bool) -> float | None:
+        """When the gap before this block began, which leaves the device `lead_s` from now; None where there was none.
+
+        A device tells of one gap with several blocks in a row.
+        """
+        is_dry = underflow or now_s > self.dry_s
+        began_s = min(self.dry_s, now_s) if is_dry and not self._was_dry else None
+        self.n_gaps += began_s is not None
+        self._was_dry = is_dry
+        self.dry_s = now_s + lead_s + block_s if lead_s >= self._least_lead_s else math.inf
+        return began_s

@@ -1,0 +1,189 @@
+"""A texture in a session: a UDP sensor tells where the finger is, and a sound server plays what the place asks for."""
+
+import importlib.util
+import io
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from command_line import call
+from emulated import Emulator
+from tables import trial_rows
+from texture_bench import (
+    POSITION,
+    RELEASED,
+    console_session,
+    paths_in,
+    stretches,
+    texture_bench,
+    texture_study,
+)
+
+from tactometry.devices.outputs.frame_feed import FollowingFeed
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.errors import LimitExceeded
+from tactometry.experiments.bench.bench_file import load_bench
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import parse
+from tactometry.followed import FingerPath, FollowedSignal, felt_under
+from tactometry.safety.limits import Limits
+from tactometry.safety.load import Load
+from tactometry.signal import Signal
+from tactometry.stimuli.electrovibration import FollowedTexture, Grating, Region
+
+FULL_SCALE_V = 100.0
+
+
+def stimulus_of(study):
+    return next(iter(wire(parse(study.read_bytes(), "s.toml"), "s.toml").bank.values()))
+
+
+@pytest.fixture
+def needed():
+    if importlib.util.find_spec("sounddevice") is None:
+        pytest.skip("no sounddevice: extra audio")
+
+
+def numbers_of(stimulus, path):
+    """What the card should get (n_frames,) under the finger of a path, as whole numbers of 16 bits."""
+    strongest = stimulus.at(34.0)
+    k = np.trunc(strongest.samples / FULL_SCALE_V * 32767)
+    return np.trunc(felt_under(stimulus, Signal(k, strongest.rate_hz, "V"), *path).samples[0])
+
+
+def alike(record, wanted, threshold):
+    """Whether both are the same from the first sample above a threshold to the last: positions are kept rounded."""
+    ends = (np.flatnonzero(np.abs(samples) > threshold)[[0, -1]] for samples in (record, wanted))
+    record, wanted = (samples[first : last + 1] for samples, (first, last) in zip((record, wanted), ends, strict=True))
+    return len(record) == len(wanted) and np.abs(record - wanted).max() <= 2
+
+
+def test_what_the_sink_hears_is_what_the_measured_positions_ask_for(needed, sink, tmp_path, capsys):
+    study, device = texture_study(tmp_path), Emulator("udp", tmp_path, profile=RELEASED)
+    sink.begin()
+    try:
+        # on a busy computer positions come late: so long after them none is missing
+        bench = texture_bench(tmp_path, device.udp_port, more="position_latency_s = 0.2")
+        bench.write_text(bench.read_text().replace("\nlatency_s = 0.02", "\nlatency_s = 0.1"))
+        status, _, errors = console_session(study, bench, tmp_path / "d", sink.env)
+        frames = sink.end()
+    finally:
+        device.close()
+    assert status == 0, errors
+    rows, paths = trial_rows(tmp_path / "d"), paths_in(tmp_path / "d")
+    heard = stretches(frames)
+    touched = [row for row in rows if row["positions_digest"]]
+    assert len(heard) == len(touched) >= 2, rows
+    stimulus, n_like = stimulus_of(study), 0
+    for row, record in zip(touched, heard, strict=True):
+        wanted = numbers_of(stimulus, paths[row["positions_digest"]])
+        if row["valid"] == "1" and row["positions_late"] == "0":
+            n_like += any(alike(record[:, 0].astype(float), wanted, threshold) for threshold in (100, 150, 200))
+    assert n_like >= 1, rows
+    assert validate(tmp_path / "d").defects == ()
+    assert call(capsys, "replay", tmp_path / "d")[0] == 0
+    assert call(capsys, "analyse", tmp_path / "d", "--report", tmp_path / "r.html")[0] == 0
+    journal = next((tmp_path / "d" / "journals").glob("*.jsonl")).read_text().splitlines()
+    assert json.loads(journal[0])["facts"]["output_position_latency_s"] == 0.2
+
+
+NO_SENSOR = "position: found none, expected the sensor that tells where the finger is, as a texture follows it"
+REFUSED = {
+    "no position": ({"position": ""}, {}, 2, NO_SENSOR),
+    "a file": (
+        {"position": POSITION},
+        {'kind = "audio"': 'kind = "file"\nfolder = "played"'},
+        3,
+        "found a texture, whose signal follows the finger, expected one that is known when it begins; play it through",
+    ),
+    "too slow": (
+        {"position": POSITION},
+        {"rate_hz = 1000\n": "rate_hz = 40\n"},
+        2,
+        "sensors.hand.rate_hz: found 40.0 reports per second, expected more than 50 for a period of 0.002 m at 0.05",
+    ),
+}
+
+
+@pytest.mark.parametrize(("how", "changes", "status", "words"), REFUSED.values(), ids=REFUSED)
+def test_a_bench_that_cannot_follow_is_refused_before_anything_is_opened(
+    tmp_path, capsys, monkeypatch, how, changes, status, words
+):
+    study, bench = texture_study(tmp_path), texture_bench(tmp_path, 9, **how)
+    text = bench.read_text()
+    for old, new in changes.items():
+        assert old in text
+        text = text.replace(old, new)
+    if "folder" in text:  # a file has no gain, device or latency
+        begin, end = text.index('device = "pulse"'), text.index("[output.load]")
+        text = text[:begin] + "rate_hz = 48000\n" + text[end:]
+    bench.write_text(text)
+    monkeypatch.setattr("sys.stdin", io.StringIO(""))
+    monkeypatch.setattr("tactometry.experiments.bench.bench_file.BenchFile.check_gate", lambda bench: None)
+    monkeypatch.setattr("tactometry.devices.outputs.gain.Gain.check", lambda *words: None)
+    words_of = ("run", study, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", tmp_path / "d")
+    found, said, _ = call(capsys, *words_of)
+    assert (found, words in said) == (status, True), said
+
+
+def feed(texture, positions, stamps_s, **keys):
+    """A feed of a constant voltage whose first frame leaves at 1 s; the finger was at these positions."""
+    stimulus = FollowedTexture(texture, duration_s=0.1, ramp_s=0.0, **keys)
+    path = FingerPath()
+    path.hear(np.asarray(stamps_s), np.asarray(positions)[:, None])
+    signal = FollowedSignal(np.full((1, 2000), 1.0), 20e3, "V", stimulus, path)
+    made = FollowingFeed(np.full((2000, 1), 1000.0), 20, signal, latency_s=0.05)
+    made.onset_s = 1.0
+    return made
+
+
+def test_a_frame_follows_the_place_of_its_latency_before():
+    made = feed(Region(0.01, 0.03), [0.0, 0.02], [0.9, 1.1], rise_s=5e-5)
+    emitted = np.concatenate([made.take(n)[:, 0] for n in (7, 993, 500, 500)])
+    # 0.01 m at 1.0 s is heard 50 ms later: 1000 frames behind the onset
+    assert emitted[:999].max() == 0.0
+    assert emitted[1001:].min() == 1000.0
+    assert (made.late, made.unknown) == (0.0, 0.0)
+
+
+def test_a_place_that_has_not_come_is_the_last_one_and_then_nobody_knows():
+    made = feed(Region(-1.0, 1.0), [0.0, 0.0], [0.8, 0.86], rise_s=5e-5)
+    emitted = made.take(2000)[:, 0]
+    # the first frame is that of 0.95 s; a place is held for 0.1 s, up to 0.96 s: 200 frames
+    assert made.late == 1.0
+    assert made.unknown == pytest.approx(0.9, abs=2e-3)
+    assert emitted[:199].min() == 1000.0
+    assert emitted[203:].max() == 0.0
+
+
+def test_no_path_drives_more_current_or_charge_than_the_guard_allows():
+    rng = np.random.default_rng(3)
+    stimulus = FollowedTexture(Grating(1e-3), rate_hz=48e3, duration_s=0.2, carrier_hz=500.0, rise_s=5e-4)
+    strongest, load = stimulus.at(40.0), Load("electrode", 1e-9, 1e7)
+    most_a, most_c = (of(strongest, stimulus.rise_s) for of in (load.current_peak_a, load.charge_peak_c))
+    for _ in range(20):
+        times_s = np.arange(0.0, 0.2, 1e-3)
+        wild = felt_under(stimulus, strongest, times_s, np.cumsum(rng.normal(0.0, 1e-3, times_s.size)))
+        assert load.current_peak_a(wild) <= most_a
+        assert load.charge_peak_c(wild) <= most_c
+        assert load.charge_net_c(wild) <= load.charge_net_c(strongest, stimulus.rise_s)
+    assert most_a > load.current_peak_a(strongest)
+    limits = Limits(200.0, duration_s=1.0, current_peak_a=load.current_peak_a(strongest), duty=1.0, session_s=60.0)
+    limits.check_load(strongest, load)
+    with pytest.raises(LimitExceeded, match="current_peak_a"):
+        limits.check_load(strongest, load, stimulus.rise_s)
+
+
+def test_the_guard_knows_a_signal_that_follows_from_its_strongest_samples(tmp_path):
+    bench = load_bench(texture_bench(tmp_path, 9))
+    stimulus = FollowedTexture(Grating(1e-3), rate_hz=48e3)
+    plain = stimulus.at(30.0)
+    followed = FollowedSignal(plain.samples, plain.rate_hz, plain.unit, stimulus, FingerPath())
+    assert followed != plain
+    tight = replace(bench.limits, current_peak_a=bench.output.load.current_peak_a(plain) * (1 + 1e-9))
+    guarded = Guarded(bench.output.settings.driver(bench.output.gain), tight, bench.output.load)
+    guarded.check(plain)
+    with pytest.raises(LimitExceeded, match="current_peak_a"):
+        guarded.check(followed)

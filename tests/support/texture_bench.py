@@ -1,0 +1,109 @@
+"""A bench on which a texture follows a finger that a UDP sensor measures, into a sound server; a study on it."""
+
+import subprocess
+import sys
+
+import numpy as np
+from benches import gain_toml
+from patience import LONGEST_PROGRAM_S
+from study_texts import changed
+
+from tactometry.experiments.study.study_file import load
+
+METRES_PER_COUNT = 5e-5
+"""Of the emulator's count of its samples, of which it takes a thousand a second: the finger moves at 50 mm/s."""
+RELEASED = "0.5:30,3:100"
+
+BENCH = """
+[screen]
+fullscreen = false
+[output]
+kind = "audio"
+device = "pulse"
+shared = true
+rate_hz = 48000
+sample_format = "int16"
+latency_s = 0.02
+{more}
+{gain}
+[output.load]
+kind = "electrode"
+capacitance_f = "1 nF"
+[limits]
+voltage_peak_v = 80.0
+duration_s = 30.0
+current_peak_a = "5 mA"
+duty = 1.0
+session_s = "1 h"
+[sensors.hand]
+kind = "udp"
+address = "127.0.0.1"
+port = {port}
+rate_hz = 1000
+[force]
+sensor = "hand"
+channel = 2
+newtons_per_count = 0.01
+"""
+POSITION = f"""
+[position]
+sensor = "hand"
+channels = [0]
+metres_per_count = {METRES_PER_COUNT}
+"""
+SHORT = {
+    "period_m = [0.0005, 0.001, 0.002, 0.004]": "period_m = [0.002]",
+    '"0.0005" = { stimulus = { texture = { period_m = "0.5 mm" } } }\n': "",
+    '"0.001" = { stimulus = { texture = { period_m = "1 mm" } } }\n': "",
+    '"0.004" = { stimulus = { texture = { period_m = "4 mm" } } }\n': "",
+    "levels = [22, 28, 34, 40, 46]": "levels = [34]",
+    'duration_s = "1 s"': 'duration_s = "500 ms"\nrate_hz = 48000',
+    "catch_rate = 0.1": "catch_rate = 0.0",
+    "repeats = 4": "repeats = 2",
+    "voltage_peak_v = 200.0": "voltage_peak_v = 80.0",
+}
+
+
+def texture_study(folder, changes=None):
+    """A file with a short study of a square grating of 2 mm: 25 periods a second at 50 mm/s."""
+    text = changed(load("grating-roughness")[1].decode(), SHORT | (changes or {}))
+    (folder / "texture.toml").write_text(text, encoding="utf-8")
+    return folder / "texture.toml"
+
+
+def texture_bench(folder, port, position=POSITION, more=""):
+    gain = gain_toml("audio pulse, int16", system_volume=1.0)
+    (folder / "bench.toml").write_text(BENCH.format(port=port, gain=gain, more=more) + position, encoding="utf-8")
+    return folder / "bench.toml"
+
+
+def console_session(study, bench, out, env, n_answers=50):
+    """A session at a console, whose participant answers 1 each time: its status, output and errors."""
+    words = ["run", study, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", out]
+    command = [sys.executable, "-m", "tactometry", *map(str, words)]
+    done = subprocess.run(
+        command,
+        input="1\n" * n_answers,
+        capture_output=True,
+        text=True,
+        env=env,
+        timeout=LONGEST_PROGRAM_S,
+        check=False,
+    )
+    return done.returncode, done.stdout, done.stderr
+
+
+def paths_in(root):
+    """The paths that the textures of a data set followed, by their digests: times (s) and places (m)."""
+    (file,) = (root / "journals").glob("*_positions.tsv")
+    rows = [line.split("\t") for line in file.read_text().splitlines()[1:]]
+    digests = dict.fromkeys(digest for digest, _, _ in rows)
+    return {name: np.array([[float(t), float(x)] for digest, t, x in rows if digest == name]).T for name in digests}
+
+
+def stretches(frames, least=4800):
+    """The parts of a record (n_frames, n_channels) between silences of at least so many frames."""
+    heard = np.flatnonzero(frames.any(axis=1))
+    cuts = np.flatnonzero(np.diff(heard) > least)
+    firsts, lasts = np.r_[heard[:1], heard[cuts + 1]], np.r_[heard[cuts], heard[-1:]]
+    return [frames[first : last + 1] for first, last in zip(firsts, lasts, strict=True)]
