@@ -23,7 +23,9 @@ from texture_bench import (
 from tactometry.devices.outputs.frame_feed import FollowingFeed
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.errors import LimitExceeded
-from tactometry.experiments.bench.bench_file import load_bench
+from tactometry.experiments.bench.bench_file import Devices, load_bench
+from tactometry.experiments.bench.finding import findings_of
+from tactometry.experiments.bench.preflight import _followed
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
@@ -83,6 +85,15 @@ def test_what_the_sink_hears_is_what_the_measured_positions_ask_for(needed, sink
             n_like += any(alike(record[:, 0].astype(float), wanted, threshold) for threshold in (100, 150, 200))
     assert n_like >= 1, rows
     assert validate(tmp_path / "d").defects == ()
+    (positions,) = (tmp_path / "d" / "journals").glob("*_positions.tsv")
+    kept = positions.read_bytes()
+    positions.write_bytes(kept[:-3] + b"9\n")
+    (defect,) = validate(tmp_path / "d").defects
+    assert "found another path than the one that was followed under" in str(defect)
+    positions.unlink()
+    (defect,) = validate(tmp_path / "d").defects
+    assert f"found no such file, expected the positions of {len(touched)} trials" in str(defect)
+    positions.write_bytes(kept)
     assert call(capsys, "replay", tmp_path / "d")[0] == 0
     assert call(capsys, "analyse", tmp_path / "d", "--report", tmp_path / "r.html")[0] == 0
     journal = next((tmp_path / "d" / "journals").glob("*.jsonl")).read_text().splitlines()
@@ -126,6 +137,14 @@ def test_a_bench_that_cannot_follow_is_refused_before_anything_is_opened(
     words_of = ("run", study, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", tmp_path / "d")
     found, said, _ = call(capsys, *words_of)
     assert (found, words in said) == (status, True), said
+
+
+def test_check_tells_of_a_bench_that_cannot_follow(tmp_path):
+    study, bench = texture_study(tmp_path), load_bench(texture_bench(tmp_path, 9, position=""))
+    experiment = wire(parse(study.read_bytes(), "s.toml"), "s.toml")
+    connected = Devices(Guarded(bench.output.settings.driver(bench.output.gain), bench.limits), None, None, {})
+    (finding,) = findings_of("position", _followed(connected, bench, experiment))
+    assert (finding.fine, finding.found.startswith(NO_SENSOR)) == (False, True)
 
 
 def feed(texture, positions, stamps_s, **keys):
