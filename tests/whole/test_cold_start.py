@@ -18,7 +18,7 @@ from tactometry.stimuli.scenes.file import load_scene
 DRAWING_AND_TABLES = {"matplotlib", "pandas", "statsmodels", "pingouin"}
 NEVER = {
     ("scene", "electrovibration-panel"): {*DRAWING_AND_TABLES, "scipy.signal", "scipy.optimize", "scipy.stats"},
-    ("scene", "a4-screen"): DRAWING_AND_TABLES,
+    ("scene", "a4-screen"): {*DRAWING_AND_TABLES, "scipy.signal", "scipy.optimize", "scipy.stats"},
     ("studies",): {*DRAWING_AND_TABLES, "numba", "scipy"},
 }
 ASK = """

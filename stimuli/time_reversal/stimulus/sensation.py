@@ -232,12 +232,40 @@ def events(displacement_m: Vector, rate_hz: Positive) -> tuple[FloatArray, Float
     >>> events(np.array([0, 1.0, 0, 0, -3.0, 0, 0, 2.0, 0]), 1000.0)
     (array([0.004, 0.007]), array([3., 2.]))
     """
-    from scipy.signal import find_peaks
-
     magnitude = np.abs(np.concatenate([[0.0], displacement_m, [0.0]]))
     apart = max(round(APART_S * rate_hz), 1)
-    index: IntArray = find_peaks(magnitude, height=FAINT * magnitude.max(), distance=apart)[0]
+    index = peaks(magnitude, FAINT * magnitude.max(), apart)
     return np.asarray((index - 1) / rate_hz, float), np.asarray(magnitude[index])
+
+
+def peaks(x: FloatArray, height: float, apart: int) -> IntArray:
+    """Where `x` has maxima of at least `height`, the middle of a flat one; of those nearer than `apart` the highest.
+
+    ``scipy.signal.find_peaks`` finds the same ones, and takes longer to load than a scene to compute.
+
+    >>> peaks(np.array([0, 1.0, 0, 2, 2, 2, 0, 1.5, 0]), 1.0, 4).tolist()
+    [4]
+    """
+    high = np.flatnonzero(x[1:-1] >= height) + 1
+    rises, ends = high[x[high - 1] < x[high]], high[x[high + 1] != x[high]]
+    next_end = np.searchsorted(ends, rises)
+    rises, next_end = rises[next_end < len(ends)], next_end[next_end < len(ends)]  # the last may stay up to the end
+    last = ends[next_end]
+    falls = x[last + 1] < x[last]
+    places = (rises[falls] + last[falls]) // 2
+    return np.asarray(places[np.array(_highest(places, x[places], apart), bool)])
+
+
+def _highest(places: IntArray, heights: FloatArray, apart: int) -> list[bool]:
+    """Which of the ascending places are kept, when each, from the highest on, takes those nearer than `apart` away."""
+    first = np.searchsorted(places, places - apart, side="right").tolist()
+    behind = np.searchsorted(places, places + apart, side="left").tolist()
+    kept = [True] * len(places)
+    for i in np.argsort(heights)[::-1].tolist():
+        if kept[i]:
+            kept[first[i] : behind[i]] = [False] * (behind[i] - first[i])
+            kept[i] = True
+    return kept
 
 
 @checked

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings, strategies as st
+from scipy.signal import find_peaks
 
 from tactometry.config.strict import build
 from tactometry.contact import Contact
@@ -26,6 +27,7 @@ from tactometry.stimuli.time_reversal.stimulus.sensation import (
     events,
     felt_amplitude_m,
     loaded_displacement,
+    peaks,
 )
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
@@ -166,6 +168,19 @@ def test_events_nearer_than_a_millisecond_or_below_half_the_largest_are_none():
     assert (times_s.tolist(), peaks_m.tolist()) == ([5e-4], [2.0])
     times_s, peaks_m = events(np.array([0, 2.0, 0, 0.9, 0, 1.1, 0]), 1e3)
     assert (times_s.tolist(), peaks_m.tolist()) == ([1e-3, 5e-3], [2.0, 1.1])
+
+
+@given(
+    x=st.lists(st.integers(0, 5), min_size=1, max_size=60),
+    scale=st.floats(1e-12, 1e12),
+    height=st.floats(0, 5),
+    apart=st.integers(1, 12),
+)
+def test_peaks_are_those_of_scipy(x, scale, height, apart):
+    """Few values, so that many are equal and flat."""
+    signal = scale * np.array([0, *x, 0])
+    expected, _ = find_peaks(signal, height=scale * height, distance=apart)
+    np.testing.assert_array_equal(peaks(signal, scale * height, apart), expected)
 
 
 def test_a_setup_gives_its_shear_factor_and_the_place_of_its_patches_to_the_screen():
