@@ -182,4 +182,6 @@ def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: Tria
         n_gaps=outcome.n_gaps,
         positions_digest=None if is_catch else touch.positions_digest,
         positions_late=None if is_catch else touch.positions_late,
+        separation_m=outcome.separation_m,
+        error_m=outcome.error_m,
     )

@@ -75,6 +75,7 @@ from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen
 from tactometry.stimuli.time_reversal.responses.responses import Responses
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus
+from tactometry.stimuli.time_reversal.stimulus.placed_foci import Place, PlacedFoci
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 LIMITS = Limits(voltage_peak_v=200.0)
@@ -101,6 +102,13 @@ STIMULI = {
     ),
     "focus_train": FocusTrain(
         Setup(n_transducers=2, modes_to_hz=10e3, rate_hz=25e3), pattern="P1", f_max_hz=10e3, voltage_max_v=1e9
+    ),
+    "foci": PlacedFoci(
+        Setup(n_transducers=2, modes_to_hz=10e3, rate_hz=25e3),
+        f_max_hz=10e3,
+        voltage_max_v=1e9,
+        places={"index": Place(0.1), "middle": Place(0.12)},
+        place="index + middle",
     ),
     "hybrid": Hybrid(
         FocusTrain(Setup(n_transducers=2, modes_to_hz=10e3, rate_hz=25e3), f_max_hz=10e3, voltage_max_v=1e9),

@@ -71,6 +71,13 @@ STIMULI: Mapping[str, StimulusKind] = {
         ("setup",),
         surface="hybrid",
     ),
+    "foci": StimulusKind(
+        "tactometry.stimuli.time_reversal.stimulus.placed_foci:PlacedFoci",
+        "tactometry.stimuli.time_reversal.stimulus.placed_foci:FingersSensation",
+        ("setup", "places"),
+        stands=True,
+        surface="",
+    ),
 }
 TOUCHES: Mapping[str, type[Pressing] | type[Sliding]] = {"press": Pressing, "slide": Sliding}
 

@@ -1,5 +1,6 @@
 """From the numbers of a study to stimuli, sessions and simulated participants."""
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
@@ -8,14 +9,14 @@ from operator import itemgetter
 
 from tactometry.arguments.require import at_most, expect
 from tactometry.config.quantity import unit_suffix, units
-from tactometry.errors import rewording
+from tactometry.errors import count_of, rewording
 from tactometry.followed import FollowsFinger
 from tactometry.observers.decisions import Observer
 from tactometry.observers.kinds import Population, population_of
 from tactometry.protocols.block_state import Condition, Track
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
 from tactometry.protocols.session import session
-from tactometry.protocols.tasks.task import AsksForm, Task
+from tactometry.protocols.tasks.task import AsksForm, Place, Task
 from tactometry.questionnaire import Questionnaire, questionnaires_of
 from tactometry.records.description import StudyDescription
 from tactometry.rigs.simulated import Sensation, SimulatedRig
@@ -28,7 +29,7 @@ from tactometry.trials.tasks import TASKS
 
 from .cells import WiredCell, Wiring
 from .procedure_table import practice_of
-from .session_plan import Key, SessionPlan, all_cells, crossing_of, key_of, stream
+from .session_plan import Key, SessionPlan, all_cells, crossing_of, key_of, places_of, stream
 from .study_file import Study
 from .task_table import DECISIONS, TaskTable, form_of, task_of
 
@@ -139,6 +140,7 @@ class Experiment(SessionPlan):
     def _optional(self) -> list[str]:
         """The columns that apply, of those that not every study has."""
         study, kind = self.study, self.table.task_kind
+        are_placed = any(map(places_of, self.bank.values()))
         slides = any(condition.speed_m_per_s is not None for condition in self.conditions)
         follows = any(isinstance(stimulus, FollowsFinger) for stimulus in self.bank.values())
         applies = {
@@ -150,6 +152,7 @@ class Experiment(SessionPlan):
             "speed_in_band": slides,
             **dict.fromkeys(("positions_digest", "positions_late"), follows),
             **dict.fromkeys(TASKS[self.table.kind].columns, True),
+            **dict.fromkeys(TASKS[self.table.kind].of_places, are_placed),
         }
         always = ("attempt", "level_delivered", "speed_mean_m_per_s", "rig", "invalid_reason", "n_gaps")
         return [*always, *(name for name, yes in applies.items() if yes)]
@@ -171,6 +174,7 @@ def wire(study: Study, where: str) -> Experiment:
     with rewording(lambda words: f"{where}, {words}"):
         experiment = _build(study)
         _check_forces(experiment)
+        _check_places(experiment)
         for strongest in experiment.strongest():
             _check_signal(study.limits, strongest)
         for cell in experiment.cells.values():
@@ -213,6 +217,19 @@ def _check_forces(experiment: Experiment) -> None:
             continue
         with _within_limits(f"touch.force_n: found {request.target_n:g} N"):
             experiment.study.limits.check_force(request.target_n, request.tolerance)
+
+
+def _check_places(experiment: Experiment) -> None:
+    """Whether the alternatives of each trial are at places of their own, if they are at places at all."""
+    over = experiment.table.over
+    together: dict[Key, list[frozenset[Place]]] = defaultdict(list)
+    for key, cell in experiment.cells.items():
+        rest = tuple(item for item in key if item[0] != over)
+        together[rest].extend(filter(None, [frozenset(places_of(cell.stimulus))]))
+    for alternatives in together.values() if over else ():
+        n, n_apart = len(alternatives), len(set(alternatives))
+        found = f"{n} alternatives of {over!r} at {counted(n_apart, 'place')}"
+        expect(n == n_apart, "task.over", found, "no more answers than places; give each a place of its own")
 
 
 def _check_signal(limits: Limits, strongest: Strongest) -> None:

@@ -21,6 +21,7 @@ from tactometry.safety.limits import Limits
 from tactometry.stimuli.electrovibration import CoulombFriction, FrictionLag, Grating, Layer, Polarity, Skin
 from tactometry.stimuli.electrovibration.textures.kinds import TEXTURES
 from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
+from tactometry.stimuli.time_reversal.stimulus.placed_foci import Place
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 from .cells import ELECTROVIBRATION, STIMULI, TOUCHES
@@ -40,10 +41,13 @@ _TOP = {
 _TOUCH = {"force_n": 1.0, "hold_s": 0.3, "timeout_s": 10.0}
 _TOUCHES: Final[Mapping[str, Mapping[str, object]]] = {"press": _TOUCH, "slide": {**_TOUCH, "speed_m_per_s": 0.05}}
 _FOCUS = {"setup": {"n_transducers": 4, "modes_to_hz": 4e3, "rate_hz": 10e3}, "f_max_hz": 3e3}
+_PLACES: Final[Mapping[str, object]] = {"index": {"x_m": 0.1}, "middle": {"x_m": 0.12}}
 _BOTH = {
     "focus": _FOCUS,
     "friction": {"frequency_hz": 120.0, "carrier_hz": 1e3, "duration_s": 0.5, "rate_hz": 10e3},
 }
+OF_SETUP: Final = ("focus", "measured_focus", "foci", "hybrid")
+"""A kind for each model of what is felt of a screen."""
 _ITEM = {"id": "Q1", "dimension": "D", "order": 1, "statement": {"en": "It."}}
 _FORM = {
     "title": "A", "low": 0.0, "high": 10.0, "steps": 11, "score_low": 0.0, "score_high": 10.0, "items": [_ITEM],
@@ -60,6 +64,7 @@ def study_tables() -> Iterator[tuple[str, KeyTable]]:
     yield "The file itself", KeyTable(Study, _TOP)
     yield from _stimuli()
     yield "`[stimulus.setup]`", KeyTable(Setup)
+    yield "`[stimulus.places.NAME]`", KeyTable(Place)
     yield from ((f'`[touch]`, `kind = "{kind}"`', _touch(kind)) for kind in TOUCHES)
     yield "`[task]`, every kind", KeyTable(BlockOptions)
     yield from ((f'`[task]`, `kind = "{kind}"`', table) for kind, table in _tasks())
@@ -77,7 +82,7 @@ def study_tables() -> Iterator[tuple[str, KeyTable]]:
     yield "`[sensation.friction]`", KeyTable(CoulombFriction)
     yield "`[sensation.lag]`", KeyTable(FrictionLag)
     yield "`[sensation.polarity]`", KeyTable(Polarity, {"positive_share": 0.5})
-    yield from ((f"`[sensation]`, `{kind}`", _sensation_table(kind)) for kind in ("focus", "measured_focus", "hybrid"))
+    yield from ((f"`[sensation]`, `{kind}`", _sensation_table(kind)) for kind in OF_SETUP)
     yield from _observers()
     yield "`[finger]`", KeyTable(SimulatedFinger)
     yield "`[analysis]`", KeyTable(AnalysisPlan)
@@ -117,7 +122,8 @@ def pages() -> dict[Path, str]:
 def _stimuli() -> Iterator[tuple[str, KeyTable]]:
     """Kinds that one class reads stand together."""
     examples = {kind: wave.example for kind, wave in WAVEFORMS.items()}
-    examples |= {"focus": _FOCUS, "hybrid": _BOTH, "texture": {}}
+    examples |= {"focus": _FOCUS, "foci": {**_FOCUS, "places": _PLACES, "place": "index"}}
+    examples |= {"hybrid": _BOTH, "texture": {}}
     for target in dict.fromkeys(kind.stimulus for kind in STIMULI.values()):
         kinds = [name for name, kind in STIMULI.items() if kind.stimulus == target]
         names = ", ".join(f'"{kind}"' for kind in kinds)
@@ -146,7 +152,11 @@ def _observers() -> Iterator[tuple[str, KeyTable]]:
 
 
 def _sensation_table(kind: str) -> KeyTable:
-    return KeyTable(resolve(STIMULI[kind].sensation), given={"setup": Setup(**_FOCUS["setup"])})  # type: ignore[arg-type]
+    known = {
+        "setup": Setup(**_FOCUS["setup"]),  # type: ignore[arg-type]
+        "places": {name: Place(**place) for name, place in _PLACES.items()},  # type: ignore[arg-type]
+    }
+    return KeyTable(resolve(STIMULI[kind].sensation), given={name: known[name] for name in STIMULI[kind].shared})
 
 
 def _rows(keys: Iterable[Key]) -> str:

@@ -27,6 +27,7 @@ PROBES: Mapping[type, tuple[object, ...]] = {
 OF_EXAMPLE = (
     (r" \([^()]*\)", ""),  # a remark, or the number of another key
     (r"[:;].*", ""),
+    (r"^one of index, middle$", "the places"),
     (r"-?[\d.e+]+, (?=[a-z]+(_[a-z]+)+$)", ""),  # the number of the key that is named behind it
     (r" of -?[\d.e+]+ (s|m)\b", ""),
     (r"^at most [\d.]+ s for biphasic pulses at [\d.]+ Hz$", "at most half of the period if biphasic"),

@@ -13,8 +13,9 @@ from tactometry.protocols import Block, Condition, Track
 from tactometry.protocols.order import Crossing, combinations
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.protocols.session import Inquiry, Part
-from tactometry.protocols.tasks.task import Alternative
+from tactometry.protocols.tasks.task import Alternative, Place
 from tactometry.questionnaire import Questionnaire
+from tactometry.signal import Stimulus
 from tactometry.trials.cells import cell as cell_text
 
 from .cells import WiredCell
@@ -159,8 +160,13 @@ class SessionPlan:
             yield ", ".join(filter(None, (name, labels))), chosen_over
 
     def _alternative(self, factors: Factors, over: str, level: float | str) -> Alternative:
-        condition = self.cells[key_of({**factors, over: level})].condition
-        return Alternative(condition.stimulus, cell_text(level), {over: level})
+        cell = self.cells[key_of({**factors, over: level})]
+        return Alternative(cell.condition.stimulus, cell_text(level), {over: level}, places_of(cell.stimulus))
+
+
+def places_of(stimulus: Stimulus) -> tuple[Place, ...]:
+    """Where a stimulus is made, of those that are made at places."""
+    return getattr(stimulus, "places_made_m", ())
 
 
 def all_cells(study: Study) -> list[dict[str, float | str]]:

@@ -15,14 +15,19 @@ from tactometry.trials.trial import Reason
 
 from .touch import Touch, feel_in_turn, nth
 
+Place = tuple[float, float]
+"""Coordinates of a point (m)."""
+
 
 @dataclass(frozen=True)
 class Alternative:
-    """One of the stimuli that a trial has to choose among: its name, what the participant reads, its factors."""
+    """One of the stimuli that a trial has to choose among: its name, what the participant reads, its factors, and where
+    it is made, if it is made at places."""
 
     stimulus: str
     label: str
     factors: Mapping[str, float | str] = field(default_factory=dict)
+    places_m: tuple[Place, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -53,7 +58,7 @@ class TrialOutcome:
 
     `stimulus` is the touch whose delivered level counts; `success` is what the procedure is told (None: nothing);
     `factors` are those that the trial itself chose; `rule` stands in the column `procedure` in place of the
-    procedure's name.
+    procedure's name. `separation_m` and `error_m` are distances between alternatives that have places.
     """
 
     touches: tuple[Touched, ...]
@@ -64,6 +69,8 @@ class TrialOutcome:
     standard_level: float | None = None
     factors: Mapping[str, float | str] = field(default_factory=dict)
     rule: str | None = None
+    separation_m: float | None = None
+    error_m: float | None = None
 
     @property
     def valid(self) -> bool:

@@ -18,6 +18,10 @@ class Observer(Protocol):
     def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:
         """The index of the one that is felt most."""
 
+    def identify(self, alternatives_db: Sequence[Sequence[float]], n_felt: int, rng: np.random.Generator) -> int:
+        """The index of the alternative that it is taken for: each is known by the level at each place of the skin, and
+        number `n_felt`, from 0, is felt."""
+
     def differ(self, sensations_db: Sequence[float], rng: np.random.Generator) -> bool:
         """Whether two stimuli are reported as different."""
 
@@ -34,10 +38,15 @@ class Observer(Protocol):
 
 @dataclass(frozen=True)
 class Felt:
-    """A stimulus that was felt in this trial, with its sensation level."""
+    """A stimulus that was felt in this trial, with its sensation level.
+
+    `fingers_db` says what each finger feels of it, or would have felt of another stimulus in the same touch; None: the
+    skin feels it at one place, and each other stimulus apart from it.
+    """
 
     stimulus: str
     level_db: float
+    fingers_db: Callable[[str], tuple[float, ...]] | None = None
 
 
 Decide = Callable[[Observer, Sequence[Felt], Choose, np.random.Generator], int]
@@ -73,6 +82,8 @@ def most_liked(observer: Observer, felt: Sequence[Felt], request: Choose, rng: n
 
 
 def locate(observer: Observer, felt: Sequence[Felt], request: Choose, rng: np.random.Generator) -> int:
-    """Each place is felt apart: the sensation at the one that was stimulated, nothing but noise at the others."""
-    levels_db = [felt[-1].level_db if name == felt[-1].stimulus else float("-inf") for name in request.stimuli]
-    return request.options[observer.compare(levels_db, rng)]
+    """By what each finger feels of each alternative; without fingers each is felt at a place of its own alone."""
+    last, names = felt[-1], request.stimuli
+    apart = ([last.level_db if name == place else float("-inf") for place in names] for name in names)
+    levels_db = list(apart) if last.fingers_db is None else [last.fingers_db(name) for name in names]
+    return request.options[observer.identify(levels_db, names.index(last.stimulus), rng)]

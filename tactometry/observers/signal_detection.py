@@ -78,6 +78,20 @@ class SignalDetectionObserver:
         lapses, guess = rng.random() < self.lapse_rate, int(rng.integers(len(sensations_db)))
         return guess if lapses else int(np.argmax(felt))
 
+    def identify(self, alternatives_db: Sequence[Sequence[float]], n_felt: int, rng: np.random.Generator) -> int:
+        """The index of the most likely of alternatives that are known by their d' at each place of the skin, where
+        noise is independent and equal: the one whose d' lie nearest to what is felt.
+
+        Of two, ``Phi(D / 2)`` are right, where D is the distance between their d'; Green and Swets (1966), chapter 9.
+        Where each is felt at a place of its own, it is the place that feels most, as in `compare`.
+        """
+        expected = np.array([[self.d_prime(level) for level in levels] for levels in alternatives_db])
+        felt = expected[n_felt] + rng.standard_normal(expected.shape[1])
+        lapses, guess = rng.random() < self.lapse_rate, int(rng.integers(len(expected)))
+        likelihood = expected @ felt - (expected**2).sum(axis=1) / 2
+        best = np.flatnonzero(likelihood == likelihood.max())  # what feels alike is told apart by a guess
+        return guess if lapses else int(best[guess % len(best)])
+
     def differ(self, sensations_db: Sequence[float], rng: np.random.Generator) -> bool:
         """Whether two stimuli are reported as different: the differencing rule.
 

@@ -3,7 +3,7 @@
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -42,6 +42,13 @@ class Sensation(Protocol):
     """What a finger feels of a signal: a sensation level in dB re the detection threshold, -inf for nothing."""
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float: ...
+
+
+@runtime_checkable
+class OfFingers(Sensation, Protocol):
+    """What each of several fingers feels of a signal."""
+
+    def fingers_db(self, signal: Signal, contact: Contact) -> tuple[float, ...]: ...
 
 
 READING_S = 2.0
@@ -108,11 +115,28 @@ class SimulatedRig(LiveRig):
         if signal is not None and grip is not None:
             signal = felt_under(self.bank[stimulus], signal, grip.times_s, grip.positions_m)
         level_db = float("-inf") if signal is None else self._sensation_db(stimulus, signal, contact)
-        self._felt.append(Felt(stimulus, level_db))
+        self._felt.append(Felt(stimulus, level_db, self._fingers(stimulus, level, contact)))
         return None if signal is None else signal.digest()
 
+    def _fingers(
+        self, stimulus: str, level: float | None, contact: Contact
+    ) -> Callable[[str], tuple[float, ...]] | None:
+        """What each finger would feel of any stimulus of the trial in this touch; None where one place feels."""
+        if level is None or not isinstance(self._skin(stimulus), OfFingers):
+            return None
+
+        def fingers_db(other: str) -> tuple[float, ...]:
+            skin = self._skin(other)
+            assert isinstance(skin, OfFingers)  # alternatives are stimuli of one kind
+            return skin.fingers_db(self._rendered(other, level), contact)
+
+        return fingers_db
+
+    def _skin(self, stimulus: str) -> Sensation:
+        return self.by_stimulus.get(stimulus, self.sensation)
+
     def _sensation_db(self, stimulus: str, signal: Signal, contact: Contact) -> float:
-        return self.by_stimulus.get(stimulus, self.sensation).sensation_db(signal, contact)
+        return self._skin(stimulus).sensation_db(signal, contact)
 
     def _pass(self, duration_s: float) -> float:
         """The present time, which then passes by."""

@@ -71,6 +71,8 @@ OPTIONAL = (
     Column("n_gaps", "Gaps of the output during the stimuli of the trial; empty where the output cannot tell"),
     Column("positions_digest", "Digest of the finger's positions that a texture followed; empty in simulation"),
     Column("positions_late", "Part (0 to 1) of the stimulus in which positions came too late, and the last one held"),
+    Column("separation_m", "Distance between the two places of the trial that are nearest to each other", "m"),
+    Column("error_m", "Distance of the answered place from the right one", "m"),
 )
 _DERIVED = (
     "source row yes is_catch x status threshold interval_low interval_high pse jnd width width_low width_high "
@@ -79,7 +81,8 @@ _DERIVED = (
     "rate_low rate_high n_rows n_practice n_invalid n_repeated n_unanswered score raw deviance_p residual_level_z "
     "residual_level_p residual_order_z residual_order_p dispersion dispersion_p misfit rule_estimate "
     "rule_sd rule_n rule_note threshold_mean threshold_median threshold_mode probability_below probability_above "
-    "probability_within"
+    "probability_within n_correct resolution_m "
+    "resolution_m_low resolution_m_high right_place answered_place share_of_answers"
 )
 DERIVED = frozenset(_DERIVED.split())
 """Columns that an analysis adds."""

@@ -78,7 +78,7 @@ RULES: Mapping[str, CellRule] = {
     **dict.fromkeys(("session", "block", "trial", "attempt", "target"), _COUNT),
     **dict.fromkeys(("level", "level_delivered", "level_measured", "standard_level"), _ANY),
     **dict.fromkeys(("onset_s", "latency_s", "force_mean_n", "force_sd_n"), _POSITIVE),
-    **dict.fromkeys(("speed_target_m_per_s", "speed_mean_m_per_s"), _POSITIVE),
+    **dict.fromkeys(("speed_target_m_per_s", "speed_mean_m_per_s", "separation_m", "error_m"), _POSITIVE),
     **dict.fromkeys(("force_in_band", "speed_in_band", "positions_late"), _PART),
     **dict.fromkeys(("correct", "catch", "practice", "valid"), _FLAG),
     "task": CellRule(f"one of {', '.join(TASKS)}", one_of_texts(*TASKS)),

@@ -39,8 +39,8 @@ class TaskRows:
     ----------
     response : CellRule
         What may stand in the column `response`, where it is not empty.
-    columns : tuple of str
-        Those of `columns.OPTIONAL` that it fills.
+    columns, of_places : tuple of str
+        Those of `columns.OPTIONAL` that it fills, always and where its stimuli have places.
     level : LevelUse or None
         What an analysis does with its levels; None: nothing.
     sets_level : bool
@@ -54,6 +54,7 @@ class TaskRows:
     level: LevelUse | None = None
     sets_level: bool = False
     is_read: bool = True
+    of_places: Columns = ()
 
 
 TASKS: Final[Mapping[str, TaskRows]] = {
@@ -64,7 +65,7 @@ TASKS: Final[Mapping[str, TaskRows]] = {
     "magnitude": TaskRows(STRENGTH, level="ratio"),
     "adjustment": TaskRows(SET_LEVEL, level="scale", sets_level=True),
     "rating": TaskRows(RAW_VALUE, ("item",), is_read=False),
-    "localisation": TaskRows(ALTERNATIVE, ("target",), is_read=False),
+    "localisation": TaskRows(ALTERNATIVE, ("target",), of_places=("separation_m", "error_m")),
     "preference": TaskRows(FIRST_OR_SECOND, ("item", "item_b")),
     "measurement": TaskRows(ANYTHING, ("level_measured",), is_read=False),
 }

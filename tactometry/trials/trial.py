@@ -78,6 +78,8 @@ class Trial:
     n_gaps: int | None = None
     positions_digest: str | None = None
     positions_late: float | None = None
+    separation_m: float | None = None
+    error_m: float | None = None
     extra: Mapping[str, Value] = field(default_factory=dict)
 
     @property

@@ -396,6 +396,7 @@ def test_every_built_in_study_has_its_bench_in_the_docs():
     assert [study for study, _, _ in CLAIMED] == [
         *("tutorial", "electrovibration-threshold", "grating-roughness"),
         *on_cards,
+        "time-reversal-localisation",
         *on_cards,
         "hybrid-button",
     ]

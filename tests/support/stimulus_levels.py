@@ -5,7 +5,7 @@ A change of physics records it anew, and says in its commit which number changed
 
 import json
 from collections.abc import Iterator, Mapping
-from math import isinf
+from math import inf, isinf
 from typing import Any
 
 import numpy as np
@@ -36,7 +36,8 @@ def study_levels(study: str) -> dict[str, list[float | str]]:
     found: dict[str, list[float | str]] = {}
     for cell in distinct:
         name = cell.condition.stimulus
-        at = signals.setdefault(name, [cell.stimulus.at(level) for level in LEVELS])
+        reached = [level for level in LEVELS if level <= getattr(cell.stimulus, "level_max", inf)]
+        at = signals.setdefault(name, [cell.stimulus.at(level) for level in reached])
         key = ", ".join(f"{factor}={value}" for factor, value in cell.condition.factors.items())
         found[key] = [_plain(cell.sensation.sensation_db(signal, touch)) for signal in at for touch in CONTACTS]
     return found

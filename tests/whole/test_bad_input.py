@@ -14,6 +14,7 @@ from tactometry.experiments.study.study_file import builtin, parse
 TUTORIAL = builtin()["tutorial"].read_text("utf-8")
 THRESHOLD = builtin()["electrovibration-threshold"].read_text("utf-8")
 FOCUS = builtin()["time-reversal-threshold"].read_text("utf-8")
+FOCI = builtin()["time-reversal-localisation"].read_text("utf-8")
 FALLING = """[procedure]
 kind = "psi"
 low = 40.0
@@ -107,6 +108,24 @@ STUDIES = {
         "s.toml, sensation.finger_x_m, finger_y_m: found (-1.0, 0.093) m, expected a point of the plate of 0.297 x "
         "0.21 m",
     ),
+    "a place beside the plate": (
+        FOCI.replace('middle = { x_m = "131 mm" }', 'middle = { x_m = "1 m" }'),
+        "s.toml, stimulus.places.middle: found (1.0, 0.093) m, expected a point of the plate of 0.297 x 0.21 m",
+    ),
+    "two fingers on one place": (
+        FOCI.replace('fingers = ["index", "middle"]', 'fingers = ["index", "index"]'),
+        "s.toml, sensation.fingers[1]: found 'index' twice, expected each place once: two fingers do not fit on one",
+    ),
+    "two fingers that overlap": (
+        FOCI.replace('middle = { x_m = "131 mm" }', 'middle = { x_m = "126 mm" }'),
+        "s.toml, sensation.fingers: found index and middle 5 mm apart, expected at least the 10 mm of a fingertip; move "
+        "a place or name fewer fingers",
+    ),
+    "more answers than places": (
+        FOCI.replace('"index + middle"]', '"index + middle", "middle + index"]'),
+        "s.toml, task.over: found 4 alternatives of 'place' at 3 places, expected no more answers than places; give each "
+        "a place of its own",
+    ),
     "patches without a side": (
         FOCUS + "[stimulus.setup]\nside_m = 0.0\n",
         "s.toml, stimulus.setup.side_m: found 0.0, expected a finite number above 0",
@@ -140,7 +159,7 @@ STUDIES = {
     "unknown stimulus": (
         TUTORIAL.replace('"amplitude_modulated"', '"sinus"'),
         "s.toml, stimulus.kind: found 'sinus', expected one of amplitude_modulated, sine, square, triangle, trapezoid, "
-        "pulse_train, step, focus, pattern, measured_focus, hybrid; did you mean 'sine'?",
+        "pulse_train, step, focus, pattern, measured_focus, foci, hybrid; did you mean 'sine'?",
     ),
     "no kind": (
         TUTORIAL.replace('kind = "slide"\n', ""),

@@ -73,6 +73,10 @@ class Responses:
         """The responses of one point."""
         return replace(self, samples=self.samples[index : index + 1])
 
+    def mean_of(self, points: Sequence[int]) -> "Responses":
+        """The mean over some points: what foci at all of them at once have as amplitude, on average."""
+        return replace(self, samples=self.samples[list(points)].mean(axis=0, keepdims=True))
+
     def of_channels(self, channels: Sequence[int]) -> "Responses":
         """The responses of some channels."""
         return replace(self, samples=self.samples[:, list(channels)])

@@ -264,7 +264,7 @@ class FocusTrain:
             object.__setattr__(self, "envelope_table", tuple(self.envelope_table))
         _check_band(self)
         _check_times(self)
-        check_supply("FocusTrain", self.supply_v, DRIVES[self.drive])
+        check_supply(type(self).__name__, self.supply_v, DRIVES[self.drive])
 
     @property
     def foci(self) -> Pattern:
@@ -275,6 +275,10 @@ class FocusTrain:
             self.train_s or named.duration_s,
             self._shape or named.envelope,
         )
+
+    def heard(self, learnt: Responses | None = None) -> Responses:
+        """What the place of the focus does: of the model, or as it was learnt there."""
+        return self.setup.responses_at(*self.setup.focus_m) if learnt is None else learnt
 
     @property
     def _shape(self) -> Envelope | None:
@@ -321,12 +325,12 @@ def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
     train : FocusTrain
         Its pattern, drive, band, reversal time and voltage hold; its setup does not.
     heard : Responses
-        Displacement at the one point that is touched, at least `train.emission_s` long.
+        Displacement at the point that is touched (or at the places of `PlacedFoci`), at least `train.emission_s` long.
 
     Raises
     ------
     InvalidParameter
-        If the responses are of several points, no displacements, too short, or sampled too slowly for the band.
+        If the responses are of more points, no displacements, too short, or sampled too slowly for the band.
 
     Examples
     --------
@@ -336,23 +340,25 @@ def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
     >>> found.voltage_v(0.0) == train.voltage_v(0.0)
     True
     """
-    n_points, _, n_samples = heard.samples.shape
+    at_focus = train.heard(heard)
+    n_points, _, n_samples = at_focus.samples.shape
     n_learnt = samples_in("reversal_s", train.emission_s, heard.rate_hz)
     if n_points != 1 or n_samples < n_learnt:
         raise InvalidParameter(
             f"responses: found {n_points} points of {n_samples} samples, expected 1 point of at least {n_learnt} (the "
             f"{train.emission_s:g} s that are reversed); learn them longer, or shorten reversal_s"
         )
-    n_filtered = max(n_learnt, samples_in("learnt_s", train.setup.learnt_s, heard.rate_hz))
-    return _stimulus_of(train, replace(heard, samples=heard.samples[..., :n_filtered]), heard)
+    return _stimulus_of(train, at_focus)
 
 
 @lru_cache(maxsize=32)
 def _family(train: FocusTrain) -> TimeReversalStimulus:
-    return _stimulus_of(train, train.setup.learnt(), train.setup.responses_at(*train.setup.focus_m))
+    return _stimulus_of(train, train.heard())
 
 
-def _stimulus_of(train: FocusTrain, learnt: Responses, heard: Responses) -> TimeReversalStimulus:
+def _stimulus_of(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
+    learnt_s = max(train.setup.learnt_s, train.emission_s)
+    learnt = replace(heard, samples=heard.samples[..., : samples_in("learnt_s", learnt_s, heard.rate_hz)])
     return TimeReversalStimulus(
         band_limited(learnt, Band(train.f_min_hz, train.f_max_hz)),
         train.foci,
@@ -368,24 +374,26 @@ def _stimulus_of(train: FocusTrain, learnt: Responses, heard: Responses) -> Time
 
 
 def _check_band(train: FocusTrain) -> None:
+    owner = type(train).__name__
     band = Band(train.f_min_hz, train.f_max_hz)
     if band.f_max_hz > train.setup.modes_to_hz:
         raise InvalidParameter(
-            f"FocusTrain.f_max_hz: found {train.f_max_hz}, above the highest mode at {train.setup.modes_to_hz} Hz; "
+            f"{owner}.f_max_hz: found {train.f_max_hz}, above the highest mode at {train.setup.modes_to_hz} Hz; "
             "lower it or raise setup.modes_to_hz"
         )
 
 
 def _check_times(train: FocusTrain) -> None:
+    owner = type(train).__name__
     n_reversal = samples_in("reversal_s", train.emission_s, train.setup.rate_hz)
-    whole("FocusTrain.reversal_s", lowest=1, n_samples=n_reversal)
+    whole(f"{owner}.reversal_s", lowest=1, n_samples=n_reversal)
     if train.emission_s > train.setup.learnt_s:
         raise InvalidParameter(
-            f"FocusTrain.reversal_s: found {train.reversal_s}, longer than the responses of {train.setup.learnt_s} s; "
+            f"{owner}.reversal_s: found {train.reversal_s}, longer than the responses of {train.setup.learnt_s} s; "
             "shorten it or raise setup.learnt_s"
         )
     needed_s = float(train.foci.times_s[-1]) + train.emission_s
     if needed_s > train.duration_s:
         raise InvalidParameter(
-            f"FocusTrain.duration_s: found {train.duration_s}, shorter than the {needed_s:.6g} s of the drive; raise it"
+            f"{owner}.duration_s: found {train.duration_s}, shorter than the {needed_s:.6g} s of the drive; raise it"
         )

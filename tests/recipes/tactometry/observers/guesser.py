@@ -29,6 +29,10 @@ class Guesser:
     def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:
         return int(rng.integers(len(sensations_db)))
 
+    def identify(self, alternatives_db: Sequence[Sequence[float]], n_felt: int, rng: np.random.Generator) -> int:
+        del n_felt
+        return int(rng.integers(len(alternatives_db)))
+
     def differ(self, sensations_db: Sequence[float], rng: np.random.Generator) -> bool:
         return self.detect(sensations_db[0], rng)
 

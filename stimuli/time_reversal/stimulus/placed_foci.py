@@ -1,0 +1,200 @@
+"""Foci at named places of a plate, one or several at once, and what fingers feel that rest on such places."""
+
+from collections.abc import Mapping
+from dataclasses import KW_ONLY, dataclass
+from functools import lru_cache
+from itertools import combinations
+from math import dist, inf
+from typing import Final
+
+from tactometry.arguments.annotations import Positive
+from tactometry.arguments.checked import checked
+from tactometry.arguments.require import distinct, expect, lookup
+from tactometry.contact import Contact
+from tactometry.signal import Signal
+
+from ..finger import FINGER_DIAMETER_M
+from ..responses.responses import Point, Responses
+from .focus_train import FocusTrain
+from .sensation import TimeReversalSensation
+from .setup import Setup
+
+AT_ONCE: Final = " + "
+"""Between the names of places where foci are made at once."""
+
+
+@checked
+@dataclass(frozen=True)
+class Place:
+    """A point of the plate; what is not said of it is that of the setup's focus."""
+
+    x_m: float | None = None
+    y_m: float | None = None
+
+    def on(self, setup: Setup) -> Point:
+        """Its coordinates (m)."""
+        return setup.focus_x_m if self.x_m is None else self.x_m, setup.focus_y_m if self.y_m is None else self.y_m
+
+
+@checked
+@dataclass(frozen=True)
+class PlacedFoci(FocusTrain):
+    """As `FocusTrain`, with foci at named places instead of the setup's focus; the level is their mean amplitude.
+
+    Foci at once come from one drive, whose waveform is the sum of the reversed responses of their places: each is
+    heard at the others (crosstalk), by the physics of the plate.
+
+    Parameters
+    ----------
+    places : mapping of str to Place
+        At least two, no two of them at one point.
+    place : str
+        Where the focus is: a name, or several joined by `` + `` for foci at once.
+
+    Raises
+    ------
+    InvalidParameter
+        If a place is not on the plate, two are at one point, or `place` names what is none.
+
+    Examples
+    --------
+    >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
+    >>> places = {"index": Place(0.10), "middle": Place(0.13)}
+    >>> both = PlacedFoci(setup, f_max_hz=20e3, places=places, place="index + middle")
+    >>> both.places_made_m
+    ((0.1, 0.093), (0.13, 0.093))
+    >>> both.at(0.0).samples.shape
+    (8, 350)
+    """
+
+    _: KW_ONLY
+    places: dict[str, Place]
+    place: str
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_places(self)
+        for name in self._named:
+            lookup("PlacedFoci.place", name, self.places)
+        distinct("PlacedFoci.place", self._named, "each place once")
+
+    def __hash__(self) -> int:
+        return hash((self.setup, self.place, frozenset(self.places.items())))
+
+    @property
+    def _named(self) -> tuple[str, ...]:
+        return tuple(name.strip() for name in self.place.split(AT_ONCE.strip()))
+
+    @property
+    def made(self) -> tuple[int, ...]:
+        """Which of the places have a focus, from 0."""
+        names = list(self.places)
+        return tuple(names.index(name) for name in self._named)
+
+    @property
+    def places_made_m(self) -> tuple[Point, ...]:
+        """The coordinates (m) of the places that have a focus."""
+        everywhere = [place.on(self.setup) for place in self.places.values()]
+        return tuple(everywhere[n] for n in self.made)
+
+    def heard(self, learnt: Responses | None = None) -> Responses:
+        """What the places of the foci do, on average: of the model, or as was learnt at all places in their order.
+
+        Raises
+        ------
+        InvalidParameter
+            If responses were learnt at another number of places.
+        """
+        if learnt is None:
+            return _mean_of_model(self.setup, self.places_made_m)
+        expected = f"{len(self.places)}, one for each of {', '.join(self.places)}; learn them at these places"
+        expect(learnt.n_points == len(self.places), "responses", f"{learnt.n_points} points", expected)
+        return learnt.mean_of(self.made)
+
+
+def _check_places(foci: PlacedFoci) -> None:
+    expect(len(foci.places) > 1, "PlacedFoci.places", f"{len(foci.places)} of them", "at least two to tell apart")
+    for name, place in foci.places.items():
+        is_name = bool(name.strip()) and name.isprintable() and AT_ONCE.strip() not in name
+        expect(is_name, "PlacedFoci.places", repr(name), f"a name on one line without {AT_ONCE.strip()!r}")
+        foci.setup.plate.check_holds(f"PlacedFoci.places.{name}", place.on(foci.setup))
+    for (name, place), (other, its) in combinations(foci.places.items(), 2):
+        at_m = place.on(foci.setup)
+        is_apart = at_m != its.on(foci.setup)
+        expect(is_apart, f"PlacedFoci.places.{other}", f"the point of {name}, {at_m} m", "a point of its own")
+
+
+@lru_cache(maxsize=16)
+def _mean_of_model(setup: Setup, places: tuple[Point, ...]) -> Responses:
+    import numpy as np
+
+    each = [setup.responses_at(*at_m) for at_m in places]
+    everywhere = Responses(np.concatenate([heard.samples for heard in each]), setup.rate_hz)
+    return everywhere.mean_of(range(len(each)))
+
+
+@checked
+@dataclass(frozen=True)
+class FingersSensation:
+    """Sensation level of foci at each of some fingers that rest on named places, as each would feel it alone.
+
+    Each finger feels the field of all foci under it by `TimeReversalSensation` with ``criterion = "unloaded"``: that
+    fingers do not damp what others feel is an unverified simplification.
+
+    Parameters
+    ----------
+    setup, places
+        The screen and the places, the same as the stimulus has.
+    fingers : tuple of str
+        The places where a finger rests, `FINGER_DIAMETER_M` or more from each other; by default on every one.
+    reference_m : float
+        As in `TimeReversalSensation`; unverified default.
+
+    Raises
+    ------
+    InvalidParameter
+        If a finger rests on no place, or two are nearer to each other than a fingertip is wide.
+
+    Examples
+    --------
+    >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
+    >>> places = {"index": Place(0.10), "middle": Place(0.13)}
+    >>> signal = PlacedFoci(setup, f_max_hz=20e3, places=places, place="index").at(20.0)
+    >>> index_db, middle_db = FingersSensation(setup, places).fingers_db(signal, Contact(1.0))
+    >>> abs(round(index_db, 2)), middle_db < -3
+    (0.0, True)
+    """
+
+    setup: Setup
+    places: Mapping[str, Place]
+    fingers: tuple[str, ...] = ()
+    reference_m: Positive = 10e-6
+
+    def __post_init__(self) -> None:
+        distinct("FingersSensation.fingers", self.fingers, "each place once: two fingers do not fit on one")
+        at_m = {name: lookup("FingersSensation.fingers", name, self.places).on(self.setup) for name in self._resting}
+        for name, other in combinations(at_m, 2):
+            apart_m = dist(at_m[name], at_m[other])
+            wide = f"at least the {1e3 * FINGER_DIAMETER_M:g} mm of a fingertip; move a place or name fewer fingers"
+            found = f"{name} and {other} {1e3 * apart_m:.3g} mm apart"
+            expect(apart_m >= FINGER_DIAMETER_M * (1 - 1e-9), "FingersSensation.fingers", found, wide)
+
+    @property
+    def _resting(self) -> tuple[str, ...]:
+        return self.fingers or tuple(self.places)
+
+    def fingers_db(self, signal: Signal, contact: Contact) -> tuple[float, ...]:
+        """The level (dB) at each finger; ``-inf`` in silence and without contact.
+
+        Raises
+        ------
+        InvalidParameter
+            As `TimeReversalSensation.sensation_db`.
+        """
+        places = (self.places[name].on(self.setup) for name in self._resting)
+        felt = (TimeReversalSensation(self.setup, self.reference_m, finger_x_m=x, finger_y_m=y) for x, y in places)
+        return tuple(each.sensation_db(signal, contact) for each in felt)
+
+    def sensation_db(self, signal: Signal, contact: Contact) -> float:
+        """The level (dB) at the finger that feels most."""
+        return max(self.fingers_db(signal, contact), default=-inf)

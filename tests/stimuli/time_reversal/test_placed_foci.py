@@ -1,0 +1,119 @@
+"""Foci at named places, one or several at once, and what each of some fingers feels of them."""
+
+from dataclasses import replace
+from math import inf
+
+import numpy as np
+import pytest
+
+from tactometry.contact import Contact
+from tactometry.errors import InvalidParameter
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal import FocusTrain, Responses, Setup, TimeReversalSensation, impulse_responses
+from tactometry.stimuli.time_reversal.stimulus.focus_train import measured
+from tactometry.stimuli.time_reversal.stimulus.placed_foci import FingersSensation, Place, PlacedFoci
+
+SETUP = Setup(n_transducers=8, modes_to_hz=11e3, rate_hz=25e3)
+PLACES = {"index": Place(0.10), "middle": Place(0.12), "thumb": Place(0.11, 0.05)}
+TOUCH = Contact(1.0)
+
+
+def foci(place, **keys):
+    return PlacedFoci(SETUP, f_max_hz=10e3, voltage_max_v=1e9, places=PLACES, place=place, **keys)
+
+
+def heard(at_m, signal):
+    """The plate at a point, by plain convolution with the model's response there."""
+    model = impulse_responses(
+        SETUP.screen, [at_m], rate_hz=SETUP.rate_hz, duration_s=SETUP.heard_s, f_max_hz=SETUP.modes_to_hz
+    )
+    pairs = zip(signal.samples, model.samples[0], strict=True)
+    return np.sum([np.convolve(drive, response) for drive, response in pairs], axis=0)
+
+
+def test_one_place_is_the_focus_of_a_setup_there():
+    there = FocusTrain(replace(SETUP, focus_x_m=0.12), f_max_hz=10e3, voltage_max_v=1e9)
+    np.testing.assert_array_equal(foci("middle").at(20.0).samples, there.at(20.0).samples)
+
+
+def test_foci_at_once_have_their_level_as_mean_amplitude():
+    signal = foci("index + thumb").at(20.0)
+    instant = signal.samples.shape[1] - 1
+    amplitudes_m = [heard(at_m, signal)[instant] for at_m in ((0.10, 0.093), (0.11, 0.05))]
+    assert np.mean(amplitudes_m) == pytest.approx(1e-5, rel=1e-9)
+    assert min(amplitudes_m) > 0.5e-5  # two foci, not one and its tail
+
+
+def test_each_finger_feels_the_field_of_all_foci_under_it():
+    signal, skin = foci("index + thumb").at(26.0), FingersSensation(SETUP, PLACES)
+    largest_m = [np.abs(heard(place.on(SETUP), signal)).max() for place in PLACES.values()]
+    np.testing.assert_allclose(skin.fingers_db(signal, TOUCH), 20 * np.log10(np.array(largest_m) / 10e-6), atol=1e-9)
+    assert skin.sensation_db(signal, TOUCH) == max(skin.fingers_db(signal, TOUCH))
+
+
+def test_a_finger_alone_feels_what_the_sensation_of_a_focus_says():
+    signal, skin = foci("index").at(26.0), FingersSensation(SETUP, PLACES, ("middle",))
+    alone = TimeReversalSensation(SETUP, finger_x_m=0.12)
+    assert skin.fingers_db(signal, TOUCH) == (alone.sensation_db(signal, TOUCH),)
+
+
+def test_fingers_that_do_not_touch_feel_nothing():
+    skin = FingersSensation(SETUP, PLACES)
+    assert skin.fingers_db(foci("index").at(20.0), Contact(0.0)) == (-inf, -inf, -inf)
+    silence = Signal(np.zeros((8, 3)), 25e3, "V")
+    assert skin.sensation_db(silence, TOUCH) == -inf
+
+
+def test_foci_from_responses_that_were_learnt_at_all_places():
+    each = [SETUP.responses_at(*place.on(SETUP)).samples for place in PLACES.values()]
+    learnt = Responses(np.concatenate(each), SETUP.rate_hz)
+    for place in ("middle", "index + thumb"):
+        found = measured(foci(place), learnt)
+        np.testing.assert_array_equal(found.at(20.0).samples, foci(place).at(20.0).samples)
+    with pytest.raises(InvalidParameter, match="found 1 points, expected 3, one for each of index, middle, thumb"):
+        measured(foci("middle"), learnt.at_point(1))
+
+
+def test_a_board_that_switches_makes_foci_at_once():
+    stimulus = foci("index + thumb", supply_v=400.0)
+    signal = stimulus.at(20.0)
+    assert set(np.unique(np.abs(signal.samples))) == {0.0, 400.0}
+    instant = round(stimulus.emission_s * SETUP.rate_hz) - 1
+    amplitudes_m = [heard(at_m, signal)[instant] for at_m in stimulus.places_made_m]
+    assert np.mean(amplitudes_m) == pytest.approx(1e-5, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("keys", "said"),
+    [
+        ({"place": "ring"}, "PlacedFoci.place: found 'ring', expected one of index, middle, thumb"),
+        ({"place": "index+index"}, r"PlacedFoci.place\[1\]: found 'index' twice, expected each place once"),
+        (
+            {"places": {**PLACES, "far": Place(0.5)}},
+            r"PlacedFoci.places.far: found \(0.5, 0.093\) m, expected a point of the plate of 0.297 x 0.21 m",
+        ),
+        (
+            {"places": {**PLACES, "same": Place(0.12, 0.093)}},
+            r"PlacedFoci.places.same: found the point of middle, \(0.12, 0.093\) m, expected a point of its own",
+        ),
+        ({"places": {"index": Place()}}, "PlacedFoci.places: found 1 of them, expected at least two to tell apart"),
+        ({"places": {**PLACES, "a+b": Place(0.2)}}, r"PlacedFoci.places: found 'a\+b', expected a name on one line"),
+    ],
+)
+def test_places_that_cannot_be_are_refused(keys, said):
+    with pytest.raises(InvalidParameter, match=said):
+        replace(foci("index"), **keys)
+
+
+@pytest.mark.parametrize(
+    ("fingers", "said"),
+    [
+        (("index", "index"), "found 'index' twice, expected each place once: two fingers do not fit on one"),
+        (("ring",), "found 'ring', expected one of index, middle, near"),
+        (("index", "near"), "found index and near 5 mm apart, expected at least the 10 mm of a fingertip"),
+    ],
+)
+def test_fingers_that_cannot_rest_so_are_refused(fingers, said):
+    places = {"index": Place(0.10), "middle": Place(0.12), "near": Place(0.105)}
+    with pytest.raises(InvalidParameter, match=said):
+        FingersSensation(SETUP, places, fingers)
