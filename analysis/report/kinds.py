@@ -8,6 +8,7 @@ NAMES = (
     "outcomes",
     "questionnaires",
     "task_tables",
+    "localisation",
     "measured",
     "quality",
     "curves",

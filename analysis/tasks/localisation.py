@@ -1,8 +1,185 @@
-"""Localisation: exported, and counted as not analysed here."""
+"""Which of several places was it: right answers by the distance between the places, confusions, and the resolution, the
+distance at which places are told apart.
 
-from .task_analysis import TaskAnalysis
+The right answers of m alternatives rise with their distance from 1/m to 1; the resolution is where they are halfway
+between: 75 % of two, as in any forced choice (Green and Swets 1966).
+"""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from statsmodels.stats.proportion import proportion_confint
+
+from ..means import MEAN, by_condition, mean_row
+from ..reading.rows import correctness, numbers_of
+from ..threshold.fitting import fit_many
+from ..threshold.result import ThresholdFit
+from .task_analysis import Results, TaskAnalysis
+
+TASK, RESOLUTION, CONFUSIONS, ERRORS = "localisation", "resolution", "confusions", "localisation_errors"
+OF_PARTICIPANTS = "resolution_participants"
+DISTANCE, ERROR = "separation_m", "error_m"
+SHAPE = "weibull"
+"""Of the right answers against the distance, which is above 0."""
+FEW_LEVELS = 8
+"""So many levels are conditions; more are those of an adaptive rule, and are taken together."""
+
+
+def conditions_of(rows: pd.DataFrame, factors: Sequence[str]) -> list[str]:
+    """What differs between trials beside the places: the factors that say neither which place is the right one nor how
+    far the places lie apart, and the level, where there are several but few."""
+    kept = [name for name in factors if not _names_place(rows, name) and not _says_distance(rows, name)]
+    n_levels = rows["level"].nunique() if "level" in rows.columns else 0
+    return [*kept, "level"] if 1 < n_levels <= FEW_LEVELS else kept
+
+
+def place_factor(rows: pd.DataFrame, factors: Sequence[str]) -> str | None:
+    """The factor whose levels are the alternatives."""
+    return next((name for name in factors if _names_place(rows, name)), None)
+
+
+def n_alternatives(rows: pd.DataFrame) -> int:
+    """The largest number of an alternative that was right or answered; at least 2."""
+    return int(max(2, rows["target"].max(), numbers_of(rows["response"]).max()))
+
+
+def _names_place(rows: pd.DataFrame, name: str) -> bool:
+    """Whether each alternative is a level of this factor, and each level an alternative."""
+    is_varied = rows[name].nunique() > 1
+    return bool(is_varied and _follows(rows, "target", name) and _follows(rows, name, "target"))
+
+
+def _says_distance(rows: pd.DataFrame, name: str) -> bool:
+    """Whether a level of this factor has one distance, and others have others."""
+    return DISTANCE in rows.columns and rows[DISTANCE].nunique() > 1 and _follows(rows, DISTANCE, name)
+
+
+def _follows(rows: pd.DataFrame, value: str, name: str) -> bool:
+    """Whether each level of a factor has one value."""
+    return bool((rows.groupby(name, observed=True)[value].nunique() <= 1).all())
+
+
+def right_answers(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Of the task's used rows, a row per condition and distance between the places, all participants together: right
+    answers and their rate with Wilson's 95 % interval, which treats answers as independent."""
+    judged = _judged(rows)
+    counts = _counts(judged, [*conditions_of(judged, factors), *_distance(judged)])
+    if counts.empty:
+        return counts
+    low, high = proportion_confint(counts["n_correct"], counts["n_trials"], method="wilson")
+    rate = counts["n_correct"] / counts["n_trials"]
+    return counts.assign(rate=rate, rate_low=np.minimum(low, rate), rate_high=np.maximum(high, rate))
+
+
+def resolutions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Of the task's used rows, a row per participant and condition: the resolution (m) with its 95 % interval, by the
+    threshold fit of a forced choice to the right answers at each distance. Empty without two distances."""
+    judged = _judged(rows)
+    if not _distance(judged) or judged[DISTANCE].nunique() < 2:
+        return pd.DataFrame()
+    keys = ["participant", *conditions_of(judged, factors)]
+    counts = _counts(judged, [*keys, DISTANCE])
+    by_distance = counts.pivot(index=keys, columns=DISTANCE, values=["n_correct", "n_trials"]).fillna(0)
+    right, trials = by_distance["n_correct"], by_distance["n_trials"]
+    options: dict[str, Any] = {"shape": SHAPE, "guess_rate": 1 / n_alternatives(judged), "scale_free_width": True}
+    fits = fit_many(right.columns.to_numpy(float), right.to_numpy(), trials.to_numpy(), **options)
+    totals = trials.to_numpy().sum(axis=1).astype(int).tolist()
+    return pd.DataFrame(
+        [{**_row(fit), "n_trials": n} for fit, n in zip(fits, totals, strict=True)], index=trials.index
+    ).reset_index()
+
+
+def _row(fit: ThresholdFit) -> dict[str, object]:
+    ends = {"resolution_m_low": fit.interval_low, "resolution_m_high": fit.interval_high}
+    return {"resolution_m": fit.threshold, **ends, "status": fit.status.value, "note": fit.note}
+
+
+def mean_resolutions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Of the task's used rows, per condition the mean resolution (m) over the participants who have one, with its
+    t-interval, or that of a single participant's own fit."""
+    each = resolutions(rows, factors)
+    keys = [name for name in (*factors, "level") if name in each.columns]
+    return by_condition(each, keys, _mean)
+
+
+def _mean(each: pd.DataFrame) -> Mapping[str, Any]:
+    known = each[each["resolution_m"].notna()]
+    row = mean_row(known["resolution_m"].to_numpy(float)) if len(known) else dict.fromkeys(MEAN)
+    if len(known) == 1:
+        row |= {f"mean_{end}": known[f"resolution_m_{end}"].iloc[0] for end in ("low", "high")}
+    return row | {"n": len(known), "n_missing": len(each) - len(known)}
+
+
+def confusions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Of the task's used rows, a row per condition, distance, right place and answered place: how many answers, and
+    their share of those to this right place."""
+    judged = _judged(rows)
+    if judged.empty:
+        return pd.DataFrame()
+    factor = place_factor(judged, factors)
+    names = _names(judged, factor)
+    keys = [*conditions_of(judged, factors), *_distance(judged)]
+    answers = judged.assign(target=judged["target"].astype(int), answer=numbers_of(judged["response"]).astype(int))
+    counts = answers.groupby([*keys, "target", "answer"], observed=True).size().rename("n").reset_index()
+    total = counts.groupby([*keys, "target"], observed=True)["n"].transform("sum")
+    said = {"right_place": counts["target"].map(names), "answered_place": counts["answer"].map(names)}
+    return counts.assign(**said, share_of_answers=counts["n"] / total).drop(columns=["target", "answer"])[
+        [*keys, "right_place", "answered_place", "n", "share_of_answers"]
+    ]
+
+
+def _names(judged: pd.DataFrame, factor: str | None) -> dict[int, str]:
+    """What each alternative is called: by the level of its factor, or its number."""
+    numbers = {n: f"{n}" for n in range(1, n_alternatives(judged) + 1)}
+    if factor is None:
+        return numbers
+    return numbers | {int(n): str(level) for n, level in zip(judged["target"], judged[factor], strict=True)}
+
+
+def errors(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Of the task's used rows, a row per condition, distance between the places and distance of the answered place from
+    the right one: how many answers, and their share. Empty without such distances."""
+    judged = _judged(rows)
+    if not _distance(judged):
+        return pd.DataFrame()
+    keys = [*conditions_of(judged, factors), DISTANCE]
+    counts = judged.groupby([*keys, ERROR], observed=True).size().rename("n").reset_index()
+    return counts.assign(share_of_answers=counts["n"] / counts.groupby(keys, observed=True)["n"].transform("sum"))
+
+
+def _judged(rows: pd.DataFrame) -> pd.DataFrame:
+    """The rows that say what was right and what was answered."""
+    if "target" not in rows.columns:
+        return rows.iloc[:0].assign(target=np.nan, is_right=np.nan)
+    rows = rows.assign(is_right=correctness(rows))
+    return rows[rows["is_right"].notna() & rows["target"].notna()]
+
+
+def _distance(judged: pd.DataFrame) -> list[str]:
+    """The column of the distance between places, where all rows have one."""
+    has_distances = DISTANCE in judged.columns and len(judged) > 0 and bool(judged[DISTANCE].notna().all())
+    return [DISTANCE] if has_distances else []
+
+
+def _counts(judged: pd.DataFrame, keys: Sequence[str]) -> pd.DataFrame:
+    return by_condition(judged, keys, lambda rows: {"n_correct": int(rows["is_right"].sum()), "n_trials": len(rows)})
+
 
 ANALYSIS = TaskAnalysis(
     "Participants told which of the alternatives it was",
     'lme4::glmer(correct ~ {plus} + (1 | participant), {data}, binomial("probit"))',
+    results=Results(
+        {
+            TASK: right_answers,
+            RESOLUTION: mean_resolutions,
+            OF_PARTICIPANTS: resolutions,
+            CONFUSIONS: confusions,
+            ERRORS: errors,
+        },
+        "Right answers of localisation were counted by the distance between the nearest two places. The resolution is "
+        "the distance at which a Weibull function from the guess rate, one over the number of alternatives, is halfway "
+        "to its upper end (without lapses 75 % of two alternatives).",
+    ),
 )

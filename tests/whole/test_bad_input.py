@@ -118,13 +118,13 @@ STUDIES = {
     ),
     "two fingers that overlap": (
         FOCI.replace('middle = { x_m = "131 mm" }', 'middle = { x_m = "126 mm" }'),
-        "s.toml, sensation.fingers: found index and middle 5 mm apart, expected at least the 10 mm of a fingertip; move "
-        "a place or name fewer fingers",
+        "s.toml, sensation.fingers: found index and middle 5 mm apart, expected at least the 10 mm of a fingertip; "
+        "move a place or name fewer fingers",
     ),
     "more answers than places": (
         FOCI.replace('"index + middle"]', '"index + middle", "middle + index"]'),
-        "s.toml, task.over: found 4 alternatives of 'place' at 3 places, expected no more answers than places; give each "
-        "a place of its own",
+        "s.toml, task.over: found 4 alternatives of 'place' at 3 places, expected no more answers than places; "
+        "give each a place of its own",
     ),
     "patches without a side": (
         FOCUS + "[stimulus.setup]\nside_m = 0.0\n",

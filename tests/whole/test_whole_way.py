@@ -95,7 +95,7 @@ def test_it_is_analysed(data_set, capsys):
     assert status == 0, said
     found = json.loads(out)
     assert found["n_participants"] == 2
-    assert any(found[name] for name in ("thresholds", "questionnaires", "loss", "magnitude"))
+    assert any(found[name] for name in ("thresholds", "questionnaires", "loss", "magnitude", "resolution"))
 
 
 @pytest.mark.parametrize("form", ["psych-ds", "psychopy", "r"])

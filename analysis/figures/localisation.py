@@ -1,0 +1,88 @@
+"""Figures of localisation: right answers against the distance between places, and what was taken for what."""
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import pandas as pd
+
+from ..wording import percent_text
+from .style import Drawing, drawing_of, look, new_figure, series
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+DISTANCE = "separation_m"
+DISTANCE_IN_MM = "distance_mm"
+MM = 1e3
+MOST_PANELS = 12
+"""More conditions than these are drawn together."""
+BELOW = 0.06
+"""Where the bar of a resolution lies, and how far the next one lies below it."""
+DARK = 0.55
+"""A share above this is written in white."""
+
+
+def distance_figure(rates: pd.DataFrame, resolutions: pd.DataFrame, chance: float) -> Drawing:
+    """The rate of right answers with its interval against the distance between the places (mm), a line a condition;
+    below them a bar for each resolution with its interval."""
+    keys = list(rates.columns[: rates.columns.get_loc(DISTANCE)])
+    with new_figure(5.4, 3.4) as figure:
+        axes = figure.add_subplot()
+        for n, (name, line) in enumerate(series(rates, keys)):
+            rate, low, high = (line[column].to_numpy(float) for column in ("rate", "rate_low", "rate_high"))
+            bars = np.stack([rate - low, high - rate])
+            axes.errorbar(MM * line[DISTANCE], rate, yerr=bars, label=name, capsize=2.5, elinewidth=1.0, **look(n))
+        lines = series(resolutions, keys) if len(resolutions) else []
+        for n, (_, row) in enumerate(lines):
+            _draw_resolution(axes, row.iloc[0], -BELOW * (n + 1), look(n)["color"])
+        axes.axhline(chance, color="#777777", linestyle=":", linewidth=0.9, zorder=0)
+        axes.set(xlabel="Distance between the nearest two places (mm)", ylabel="Right answers", xlim=(0, None))
+        axes.set_ylim(-BELOW * (len(lines) + 1), 1.03)
+        if keys:
+            figure.legend(loc="outside right center")
+        return drawing_of(figure)
+
+
+def _draw_resolution(axes: "Axes", row: "pd.Series[float]", height: float, colour: str) -> None:
+    if pd.notna(row["mean_low"]) and pd.notna(row["mean_high"]):
+        ends = [MM * row["mean_low"], MM * row["mean_high"]]
+        axes.plot(ends, [height, height], color=colour, linewidth=2, solid_capstyle="butt")
+    if pd.notna(row["mean"]):
+        axes.plot([MM * row["mean"]], [height], "|", color="black", markersize=7)
+
+
+def confusion_figure(confusions: pd.DataFrame) -> Drawing:
+    """The share of each answer among those to each right place, a panel a condition and distance."""
+    keys = list(confusions.columns[: confusions.columns.get_loc("right_place")])
+    in_mm = confusions.assign(**{name: MM * confusions[name] for name in keys if name == DISTANCE})
+    renamed = in_mm.rename(columns={DISTANCE: DISTANCE_IN_MM})
+    parts = series(renamed, list(renamed.columns[: len(keys)]))
+    panels = parts if len(parts) <= MOST_PANELS else [("all conditions", confusions)]
+    places = list(dict.fromkeys([*confusions["right_place"], *sorted(confusions["answered_place"])]))
+    columns = min(4, len(panels))
+    rows = -(-len(panels) // columns)
+    with new_figure(1.75 * columns + 1.2, 1.75 * rows + 0.9) as figure:
+        grid = figure.subplots(rows, columns, squeeze=False, sharex=True, sharey=True).ravel()
+        for axes, (name, panel) in zip(grid, panels, strict=False):
+            _draw_matrix(axes, panel, places)
+            axes.set_title(name, fontsize=8)
+        for axes in grid[len(panels) - columns : len(panels)]:  # the lowest of each column, in two rows perhaps
+            axes.tick_params(labelbottom=True)
+        for axes in grid[len(panels) :]:
+            axes.set_visible(False)
+        figure.supxlabel("Answered place", fontsize=9)
+        figure.supylabel("Right place", fontsize=9)
+        return drawing_of(figure)
+
+
+def _draw_matrix(axes: "Axes", panel: pd.DataFrame, places: list[str]) -> None:
+    counts = panel.pivot_table(index="right_place", columns="answered_place", values="n", aggfunc="sum")
+    table = counts.reindex(index=places, columns=places).fillna(0).to_numpy(float)
+    total = table.sum(axis=1, keepdims=True)
+    share = np.divide(table, total, out=np.zeros_like(table), where=total > 0)
+    axes.imshow(share, cmap="Blues", vmin=0, vmax=1)
+    for (row, column), value in np.ndenumerate(share):
+        text = percent_text(value).removesuffix(" %")
+        axes.text(column, row, text, ha="center", va="center", fontsize=7, color="white" if value > DARK else "black")
+    axes.set_xticks(range(len(places)), places, rotation=45, ha="right", fontsize=7)
+    axes.set_yticks(range(len(places)), places, fontsize=7)

@@ -1,0 +1,180 @@
+"""Right answers by the distance between places, confusions, and the resolution: of counts, and of whole studies."""
+
+from math import log, sqrt
+
+import numpy as np
+import pandas as pd
+import pytest
+from command_line import status
+from scipy.stats import norm
+
+from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.tasks.localisation import confusions, errors, mean_resolutions, resolutions, right_answers
+from tactometry.contact import Contact
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import parse
+
+AT_1E_4 = 3.891
+DISTANCES_M = (0.004, 0.008, 0.012, 0.016, 0.024, 0.032)
+
+
+def answers(counts, m=2, participant="P01", force_n=1.0):
+    """Rows of so many right answers in so many trials by distance; targets in turn, the wrong answer is the next."""
+    rows = []
+    for distance_m, (right, n) in counts.items():
+        for k in range(n):
+            target = k % m + 1
+            answer = target if k < right else target % m + 1
+            error_m = 0.0 if k < right else distance_m
+            where = {"place": f"F{target}", "distance_m": distance_m, "separation_m": distance_m, "error_m": error_m}
+            said = {"level": 20.0, "target": target, "response": str(answer)}
+            rows.append({"participant": participant, "force_n": force_n, **where, **said})
+    return pd.DataFrame(rows)
+
+
+FACTORS = ("place", "distance_m", "force_n")
+
+
+def test_right_answers_are_counted_by_distance():
+    rows = answers({0.01: (6, 10), 0.02: (9, 10)})
+    found = right_answers(rows, FACTORS)
+    assert found["separation_m"].tolist() == [0.01, 0.02]
+    assert found[["force_n", "n_correct", "n_trials"]].to_numpy().tolist() == [[1.0, 6, 10], [1.0, 9, 10]]
+    # Wilson (1927), by hand: 6 of 10
+    z = norm.ppf(0.975)
+    centre, half = (0.6 + z * z / 20) / (1 + z * z / 10), z * sqrt(0.024 + z * z / 400) / (1 + z * z / 10)
+    assert found[["rate_low", "rate_high"]].iloc[0].tolist() == pytest.approx([centre - half, centre + half])
+
+
+def test_confusions_name_the_places():
+    found = confusions(answers({0.01: (6, 10)}), FACTORS).set_index(["right_place", "answered_place"])
+    assert found["n"].to_dict() == {("F1", "F1"): 3, ("F1", "F2"): 2, ("F2", "F1"): 2, ("F2", "F2"): 3}
+    assert found["share_of_answers"].to_list() == [0.6, 0.4, 0.4, 0.6]
+
+
+def test_answers_are_counted_by_their_distance_from_the_right_place():
+    found = errors(answers({0.01: (6, 10)}), FACTORS)
+    assert found[["error_m", "n", "share_of_answers"]].to_numpy().tolist() == [[0.0, 6, 0.6], [0.01, 4, 0.4]]
+
+
+@pytest.mark.parametrize("m", [2, 3, 9])
+def test_the_resolution_is_where_answers_are_halfway_from_chance(m):
+    """Of expected counts of a Weibull function the fit gives the function's own halfway point."""
+    n, alpha, beta = 9000, 0.014, 2.0
+    rates = {x: 1 / m + (1 - 1 / m) * (1 - np.exp(-((x / alpha) ** beta))) for x in DISTANCES_M}
+    found = resolutions(answers({x: (round(n * rate), n) for x, rate in rates.items()}, m), FACTORS)
+    halfway_m = alpha * log(2) ** (1 / beta)
+    assert found["resolution_m"].iloc[0] == pytest.approx(halfway_m, rel=0.01)
+    assert found["resolution_m_low"].iloc[0] < halfway_m < found["resolution_m_high"].iloc[0]
+
+
+def test_a_resolution_below_all_distances_is_a_bound_and_no_number():
+    found = resolutions(answers(dict.fromkeys(DISTANCES_M, (60, 60))), FACTORS)
+    assert found["resolution_m"].isna().all()
+    assert found["status"].tolist() == ["threshold_below_range"]
+    mean = mean_resolutions(answers(dict.fromkeys(DISTANCES_M, (60, 60))), FACTORS)
+    assert mean[["n", "n_missing"]].to_numpy().tolist() == [[0, 1]]
+
+
+def test_conditions_have_resolutions_of_their_own():
+    good, bad = dict(zip(DISTANCES_M, [(k, 60) for k in (35, 50, 58, 60, 60, 60)], strict=True)), None
+    bad = dict(zip(DISTANCES_M, [(k, 60) for k in (30, 32, 35, 45, 56, 60)], strict=True))
+    people = [
+        answers(counts, participant=code, force_n=force_n)
+        for code in ("P01", "P02")
+        for force_n, counts in ((0.5, good), (3.0, bad))
+    ]
+    found = mean_resolutions(pd.concat(people, ignore_index=True), FACTORS)
+    assert found["force_n"].tolist() == [0.5, 3.0]
+    assert found["mean"].iloc[0] < 0.01 < found["mean"].iloc[1]
+    assert found["n"].tolist() == [2, 2]
+
+
+def test_places_without_distances_are_confused_all_the_same():
+    rows = answers({0.01: (6, 10)}).drop(columns=["separation_m", "error_m"])
+    assert right_answers(rows, FACTORS)[["n_correct", "n_trials"]].to_numpy().tolist() == [[6, 10]]
+    assert len(confusions(rows, FACTORS)) == 4
+    assert resolutions(rows, FACTORS).empty
+    assert errors(rows, FACTORS).empty
+
+
+APART_MM = (2, 3, 4, 5, 6.5, 8, 11)
+STUDY = """
+name = "one-finger"
+title = "A"
+description = "It."
+[factors]
+place = ["under", "beside"]
+distance_m = [{levels}]
+[stimulus]
+kind = "foci"
+f_min_hz = 1e3
+f_max_hz = 10e3
+voltage_max_v = 1e3
+[stimulus.setup]
+n_transducers = 16
+modes_to_hz = 11e3
+rate_hz = 50e3
+[stimulus.places]
+under = {{}}
+beside = {{}}
+{variants}
+[touch]
+kind = "press"
+force_n = 1.0
+hold_s = 0.3
+timeout_s = 10.0
+[task]
+kind = "localisation"
+over = "place"
+[plan]
+interleave = ["distance_m"]
+[procedure]
+kind = "constant_stimuli"
+levels = [26.0]
+repeats = {repeats}
+[limits]
+voltage_peak_v = 1e3
+[sensation]
+fingers = ["under"]
+[observer]
+exponent = 2.0
+between_sd_db = 0.0
+lapse_rate = 0.0
+"""
+
+
+def study(repeats):
+    variants = "\n".join(
+        f'[variants.distance_m."{mm / 1e3:g}".stimulus.places]\nbeside = {{ x_m = {0.121 + mm / 1e3:.4f} }}'
+        for mm in APART_MM
+    )
+    levels = ", ".join(f"{mm / 1e3:g}" for mm in APART_MM)
+    return STUDY.format(levels=levels, variants=variants, repeats=repeats)
+
+
+def chances(text):
+    """Of a right answer at each distance, by Phi(D / 2) from the field at the finger."""
+    experiment, found = wire(parse(text.encode(), "s.toml"), "s.toml"), {}
+    by_distance = {}
+    for cell in experiment.cells.values():
+        levels = cell.sensation.fingers_db(cell.stimulus.at(26.0), Contact(1.0))
+        by_distance.setdefault(cell.condition.factors["distance_m"], []).append(1.645 * 10 ** (np.array(levels) / 10))
+    for distance_m, (under, beside) in by_distance.items():
+        found[distance_m] = norm.cdf(np.linalg.norm(under - beside) / 2)
+    return found
+
+
+def test_a_simulated_participant_of_known_resolution_gives_it_back(tmp_path):
+    """From study file to estimate, through the field of the plate: it is what the physics says, within its error."""
+    text = study(repeats=40)
+    (tmp_path / "study.toml").write_text(text, encoding="utf-8")
+    simulated = "simulate", tmp_path / "study.toml", "--participants", "1", "--out", tmp_path / "data"
+    assert status(*simulated, "--seed", str(np.random.default_rng().integers(2**31))) == 0
+    known = chances(text)
+    assert min(known.values()) < 0.7
+    assert max(known.values()) > 0.95
+    known_m = np.interp(0.75, *(np.array(values) for values in (list(known.values()), list(known))))
+    (found,) = analyse(tmp_path / "data").tables["resolution_participants"].to_dict("records")
+    standard_error_m = (found["resolution_m_high"] - found["resolution_m_low"]) / (2 * norm.ppf(0.975))
+    assert abs(found["resolution_m"] - known_m) <= AT_1E_4 * standard_error_m
