@@ -28,7 +28,7 @@ class StimulusKind:
 
     `stands` says that it is at one place, which a finger that slides would leave; `follows`, that only one that slides
     feels it. `parts` names the kinds that a table within may have, by its key. `surface` is the kind of surface that a
-    scene may have under it; empty of what is measured, not felt.
+    scene may have under it; empty where none may.
     """
 
     stimulus: str
@@ -65,18 +65,18 @@ STIMULI: Mapping[str, StimulusKind] = {
         stands=True,
         surface="",
     ),
-    "hybrid": StimulusKind(
-        "tactometry.stimuli.hybrid:Hybrid",
-        "tactometry.stimuli.hybrid:HybridSensation",
-        ("setup",),
-        surface="hybrid",
-    ),
     "foci": StimulusKind(
         "tactometry.stimuli.time_reversal.stimulus.placed_foci:PlacedFoci",
         "tactometry.stimuli.time_reversal.stimulus.placed_foci:FingersSensation",
         ("setup", "places"),
         stands=True,
         surface="",
+    ),
+    "hybrid": StimulusKind(
+        "tactometry.stimuli.hybrid:Hybrid",
+        "tactometry.stimuli.hybrid:HybridSensation",
+        ("setup",),
+        surface="hybrid",
     ),
 }
 TOUCHES: Mapping[str, type[Pressing] | type[Sliding]] = {"press": Pressing, "slide": Sliding}

@@ -228,7 +228,7 @@ def _check_places(experiment: Experiment) -> None:
         together[rest].extend(filter(None, [frozenset(places_of(cell.stimulus))]))
     for alternatives in together.values() if over else ():
         n, n_apart = len(alternatives), len(set(alternatives))
-        found = f"{n} alternatives of {over!r} at {counted(n_apart, 'place')}"
+        found = f"{n} alternatives of {over!r} at {count_of(n_apart, 'place')}"
         expect(n == n_apart, "task.over", found, "no more answers than places; give each a place of its own")
 
 

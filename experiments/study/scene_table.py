@@ -88,8 +88,8 @@ def felt_scene(table: Mapping[str, Any], surface: str, stimulus: Any, touch: Tou
         If the table holds what a scene does not know, no scene plays such a stimulus, or it gives no sensation so
         accurately under this touch: one sentence that opens with the key.
     """
-    expected = "one that is felt; remove [scene]: what is read then stands in [sensation]"
-    expect(surface in PLAYED, "scene", "a table with a stimulus that is measured", expected)
+    expected = "another kind; remove [scene]: what is felt or read of it stands in [sensation]"
+    expect(surface in PLAYED, "scene", "a table with a stimulus that no scene plays", expected)
     read = build(SceneTable, table, "scene")
     stated, effects = _parts_of_scene(read.name, surface) if read.name else _parts_of_table(read, surface)
     rests = surface == "electrovibration" and not isinstance(touch, Sliding)

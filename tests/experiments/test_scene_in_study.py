@@ -317,7 +317,9 @@ def test_a_scene_of_a_plate_that_cannot_be_felt_is_refused(name):
 
 def test_a_stimulus_that_is_measured_takes_no_scene():
     reading = STIMULI["measured_focus"]
-    with pytest.raises(InvalidParameter, match="scene: found a table with a stimulus that is measured, expected one"):
+    with pytest.raises(
+        InvalidParameter, match="scene: found a table with a stimulus that no scene plays, expected another"
+    ):
         felt_scene({"name": "a4-screen"}, reading.surface, None, None)
 
 

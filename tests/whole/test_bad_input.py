@@ -159,7 +159,7 @@ STUDIES = {
     "unknown stimulus": (
         TUTORIAL.replace('"amplitude_modulated"', '"sinus"'),
         "s.toml, stimulus.kind: found 'sinus', expected one of amplitude_modulated, sine, square, triangle, trapezoid, "
-        "pulse_train, step, focus, pattern, measured_focus, foci, hybrid; did you mean 'sine'?",
+        "pulse_train, step, texture, focus, pattern, measured_focus, foci, hybrid; did you mean 'sine'?",
     ),
     "no kind": (
         TUTORIAL.replace('kind = "slide"\n', ""),
