@@ -27,7 +27,7 @@ class VoltageContent:
     bare_kinks : float
         Share of the kinks of the voltage that the skin passes on as they are.
     steepest_db_per_hz : float
-        How fast a threshold changes with frequency at most.
+        How fast what is felt of a component changes with its frequency at most.
     """
 
     added_hz: float = 0.0
@@ -42,10 +42,9 @@ class VoltageContent:
     steepest_db_per_hz: float = 0.0
 
     def __add__(self, other: "VoltageContent") -> "VoltageContent":
-        """Both at once: all adds up, but of two losses or thresholds the stronger one counts."""
+        """Both at once: all adds up, but of two losses the stronger one counts."""
         both = {field.name: getattr(self, field.name) + getattr(other, field.name) for field in fields(self)}
         both["resistivity_ohm_m"] = min(self.resistivity_ohm_m, other.resistivity_ohm_m)
-        both["steepest_db_per_hz"] = max(self.steepest_db_per_hz, other.steepest_db_per_hz)
         return VoltageContent(**both)
 
 

@@ -14,12 +14,14 @@ from tactometry.contact import Contact
 from tactometry.signal import Signal
 
 from ..arrays import FloatArray
-from ..perception.detection import Components, components, sensation_level_db
+from ..perception.channels import THRESHOLD_M, as_at_250_hz, highest_level_db
+from ..perception.detection import Components, components
 from .attraction.contact_area import ContactArea, PowerLawArea
 from .attraction.force import Law, electrostatic_force_n
 from .attraction.polarity import Polarity
 from .motion.coulomb_friction import CoulombFriction
 from .motion.friction_lag import FrictionLag
+from .motion.skin_mobility import SkinMobility
 from .skin.skin import Skin
 
 N_CACHED = 512
@@ -34,21 +36,23 @@ Criterion = Literal["absolute", "fraction"]
 class ElectrovibrationSensation:
     """Sensation level of the friction that a voltage causes under a sliding finger.
 
-    Voltage, corneum, electrostatic force (`law`), friction, lag of friction, sensitivity: the level is that
-    of the component furthest above threshold, by an absolute criterion.
+    Voltage, corneum, electrostatic force (`law`), friction, lag of friction, displacement of the skin, thresholds of
+    the receptor channels: the level is that of the component furthest above the lowest of them.
 
     Parameters
     ----------
     skin, law, area, friction
         The electrical model, the force law by name, contact area and friction against normal force. The law is an
-        unverified default: the four in print differ by a factor near 1000, and `reference_force_n` is set for this one.
+        unverified default: the four in print differ by a factor near 1000.
     lag : FrictionLag or None
         First-order lag of friction, on by default; None leaves it out.
-    reference_force_n : float
-        Amplitude of the friction force at the detection threshold, at 250 Hz. Unverified default: it puts the
-        threshold of a square-root carrier at 240 Hz (1.5 N, 50 mm/s) at 5 V peak.
+    mobility : SkinMobility
+        How far the skin moves under the friction.
+    reference_m : float
+        Amplitude of the skin's displacement at the detection threshold, at 250 Hz: 0.1 um, an unverified default. No
+        voltage is put in: with these values a square-root carrier of 240 Hz (1.5 N, 50 mm/s) is felt from 31 V peak.
     criterion : {"absolute", "fraction"}
-        Whether `reference_force_n` holds at any normal force, or at 1 N and in proportion to it at others, so that a
+        Whether `reference_m` holds at any normal force, or at 1 N and in proportion to it at others, so that a
         fixed fraction of the friction is detected. With areas that grow as ``F^m`` the threshold then changes with
         force as ``-10 m log10 F`` dB or as ``10 (1 - m) log10 F`` dB.
     polarity : Polarity or None
@@ -58,7 +62,7 @@ class ElectrovibrationSensation:
     --------
     >>> from tactometry.stimuli.electrovibration import AmplitudeModulated
     >>> model = ElectrovibrationSensation()
-    >>> signal = AmplitudeModulated(frequency_hz=240.0).at(14.0)
+    >>> signal = AmplitudeModulated(frequency_hz=240.0).at(29.8)
     >>> abs(model.sensation_db(signal, Contact(force_n=1.5, speed_m_per_s=0.05))) < 0.1
     True
     >>> model.sensation_db(signal, Contact(force_n=1.5))
@@ -70,7 +74,8 @@ class ElectrovibrationSensation:
     area: ContactArea = field(default_factory=PowerLawArea)
     friction: CoulombFriction = field(default_factory=CoulombFriction)
     lag: FrictionLag | None = field(default_factory=FrictionLag)
-    reference_force_n: Positive = 6.7e-6
+    mobility: SkinMobility = field(default_factory=SkinMobility)
+    reference_m: Positive = THRESHOLD_M
     criterion: Criterion = "absolute"
     polarity: Polarity | None = None
 
@@ -92,7 +97,8 @@ class ElectrovibrationSensation:
         area_m2 = float(self.area.area_m2(contact.force_n))
         parts = _force_components(signal, self.skin, area_m2, self.law, self.polarity)
         relative = contact.force_n if self.criterion == "fraction" else 1.0
-        return sensation_level_db(self._friction(parts, contact), relative * self.reference_force_n)
+        skin = self.mobility.displacement(self._friction(parts, contact), contact.force_n)
+        return highest_level_db(skin, relative * self.reference_m)
 
     def _friction(self, parts: Components, contact: Contact) -> Components:
         friction = self.friction.at_speed(contact.speed_m_per_s)
@@ -103,7 +109,8 @@ class ElectrovibrationSensation:
 
 
 def _force_components(signal: Signal, skin: Skin, area_m2: float, law: Law, polarity: Polarity | None) -> Components:
-    """Components (N) of the electrostatic force; without body resistance the area is only a factor."""
+    """Components (N) of the electrostatic force, weighed `as_at_250_hz`; without body resistance the
+    area is only a factor."""
     if skin.body_resistance_ohm > 0:
         return _cached_components(signal, skin, area_m2, law, polarity)
     unit = _cached_components(signal, skin, 1.0, law, polarity)
@@ -114,7 +121,7 @@ def _force_components(signal: Signal, skin: Skin, area_m2: float, law: Law, pola
 def _cached_components(signal: Signal, skin: Skin, area_m2: float, law: Law, polarity: Polarity | None) -> Components:
     voltage_v, rate_hz = _room_for_the_square(signal.samples[0], signal.rate_hz)
     force_n = electrostatic_force_n(voltage_v, rate_hz=rate_hz, skin=skin, area_m2=area_m2, law=law, polarity=polarity)
-    return components(force_n, rate_hz)
+    return as_at_250_hz(components(force_n, rate_hz))
 
 
 def _room_for_the_square(voltage_v: FloatArray, rate_hz: float) -> tuple[FloatArray, float]:

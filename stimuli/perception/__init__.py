@@ -1,5 +1,6 @@
 """Formulas of touch perception."""
 
-from .detection import Components, components, sensation_level_db, sensitivity_db
+from .channels import channel_thresholds_db, sensation_level_db
+from .detection import Components, components
 
-__all__ = ["Components", "components", "sensation_level_db", "sensitivity_db"]
+__all__ = ["Components", "channel_thresholds_db", "components", "sensation_level_db"]

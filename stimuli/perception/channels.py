@@ -1,5 +1,8 @@
 """Receptor channels of the skin: each has its own threshold by frequency, and the strongest mediates detection."""
 
+from math import inf, log10
+from typing import Final
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -10,7 +13,12 @@ from .detection import Components
 
 NP_III, NP_I, P = 0, 1, 2
 """Rows: Merkel, Meissner, Pacini. NP II, of very small contactors alone, is left out."""
-BEST_DB = -20.0
+HEARS_HZ: Final = ((0.4, 3.0), (3.0, 100.0), (35.0, 800.0))
+"""Where each of them answers at all."""
+BEST_DB: Final = -20.0
+"""dB re 1 um, of a peak displacement of the skin."""
+THRESHOLD_M: Final = 1e-6 * 10 ** (BEST_DB / 20)
+"""0.1 um, of P at 250 Hz; from memory of the published curve, as all of it is: unverified default."""
 
 
 def channel_thresholds_db(frequency_hz: ArrayLike) -> FloatArray:
@@ -31,22 +39,51 @@ def channel_thresholds_db(frequency_hz: ArrayLike) -> FloatArray:
     curves = np.stack(
         [np.full(f_hz.shape, 28.0), 28 - 5 * np.log2(f_hz / 3), BEST_DB + 12 * np.abs(np.log2(250 / f_hz))]
     )
-    hears = np.stack([(f_hz >= low) & (f_hz <= high) for low, high in ((0.4, 3.0), (3.0, 100.0), (35.0, 800.0))])
+    hears = np.stack([(f_hz >= low) & (f_hz <= high) for low, high in HEARS_HZ])
     return np.where(hears, curves - BEST_DB, np.inf)
 
 
-def channel_levels_db(parts: Components, reference: float) -> FloatArray:
+def channel_levels_db(skin: Components, reference_m: float = THRESHOLD_M) -> FloatArray:
     """(3,): level of each channel by its component furthest above threshold; ``-inf`` where nothing is felt.
 
-    `reference` is the amplitude at threshold at 250 Hz, in the unit of the components.
+    `skin` holds displacements (m), and `reference_m` is the one at threshold at 250 Hz.
 
-    >>> channel_levels_db(Components(np.array([250.0]), np.array([2.0])), reference=2.0).tolist()
-    [-inf, -inf, 0.0]
+    >>> channel_levels_db(Components(np.array([250.0]), np.array([1e-6]))).round(9).tolist()
+    [-inf, -inf, 20.0]
     """
-    positive("channel_levels_db", reference=reference)
-    heard = parts.amplitudes > 0
-    levels_db = 20 * np.log10(parts.amplitudes[heard] / reference) - channel_thresholds_db(parts.frequencies_hz[heard])
+    positive("channel_levels_db", reference_m=reference_m)
+    heard = skin.amplitudes > 0
+    levels_db = 20 * np.log10(skin.amplitudes[heard] / reference_m) - channel_thresholds_db(skin.frequencies_hz[heard])
     return np.asarray(levels_db.max(axis=1, initial=-np.inf))
+
+
+def sensation_level_db(skin: Components, reference_m: float = THRESHOLD_M) -> float:
+    """Level (dB) of the component furthest above the threshold of any channel; ``-inf`` for silence.
+
+    It is the highest of `channel_levels_db`: the most sensitive channel mediates detection.
+
+    >>> round(sensation_level_db(Components(np.array([40.0]), np.array([1e-6]))), 2)
+    -9.32
+    """
+    positive("sensation_level_db", reference_m=reference_m)
+    return highest_level_db(as_at_250_hz(skin), reference_m)
+
+
+def as_at_250_hz(parts: Components) -> Components:
+    """The components that any channel answers to, with amplitudes that are felt as strongly at 250 Hz.
+
+    >>> as_at_250_hz(Components(np.array([0.1, 125.0, 900.0]), np.ones(3))).amplitudes.round(4).tolist()
+    [0.2512]
+    """
+    heard = (parts.frequencies_hz >= HEARS_HZ[NP_III][0]) & (parts.frequencies_hz <= HEARS_HZ[P][1])
+    f_hz = parts.frequencies_hz[heard]
+    return Components(f_hz, parts.amplitudes[heard] * 10 ** (-channel_thresholds_db(f_hz).min(axis=0) / 20))
+
+
+def highest_level_db(weighed: Components, reference_m: float) -> float:
+    """Level (dB) of the largest amplitude `as_at_250_hz` above that at threshold there; ``-inf`` for silence."""
+    largest_m = float(weighed.amplitudes.max(initial=0.0))
+    return 20 * log10(largest_m / reference_m) if largest_m > 0 else -inf
 
 
 def summation_db(area_m2: float, reference_m2: float) -> float:

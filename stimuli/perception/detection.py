@@ -1,4 +1,4 @@
-"""Detection of a vibration by its component furthest above threshold."""
+"""The sinusoids in a record, as detection reads them: peaks of its spectrum through a window."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -6,35 +6,9 @@ from functools import lru_cache
 import numpy as np
 from numpy.typing import ArrayLike
 
-from tactometry.arguments.require import not_negative_array, positive
 from tactometry.errors import InvalidParameter
 
 from ..arrays import FloatArray
-
-SCALE_DB = 62.0
-PER_HZ = 1 / 550
-OFFSET = 6 / 11
-DEPTH_DB = 77.0
-
-
-def sensitivity_db(frequency_hz: ArrayLike) -> FloatArray:
-    """Threshold amplitude (dB re the best one, at 250 Hz), of the shape of `frequency_hz` (Hz, at least 0).
-
-    ``T(f) = |62 log10(f/550 + 6/11)^2/log10(6/11)^2| - 77``, capped at 0, less T(250) = -77: a shape that is
-    published as code of a vibrotactile codec; it is reliable as a formula, weak as physiology.
-
-    Raises
-    ------
-    InvalidParameter
-        If a frequency is negative or not finite.
-
-    >>> sensitivity_db([0, 40, 100, 250, 500, 1000]).round(2).tolist()
-    [62.0, 39.04, 17.11, 0.0, 23.69, 77.0]
-    """
-    f_hz = not_negative_array("frequency_hz", frequency_hz)
-    bowl_db: FloatArray = SCALE_DB * (np.log10(PER_HZ * f_hz + OFFSET) / np.log10(OFFSET)) ** 2
-    return np.minimum(bowl_db, DEPTH_DB)
-
 
 WINDOW = (0.35875, 0.48829, 0.14128, 0.01168)
 """Coefficients of the four-term Blackman-Harris window: sidelobes at -92 dB, four lines to either side of a peak."""
@@ -76,25 +50,6 @@ def components(samples: ArrayLike, rate_hz: float, padding: int = 1) -> Componen
     lines = np.fft.rfft((scaled - window @ scaled / weight) * window, padding * x.size)
     peaks = _peaks(lines.real**2 + lines.imag**2, (FAINT * weight / 2) ** 2)
     return Components(peaks.frequencies_hz * rate_hz / (padding * x.size), peaks.amplitudes * 2 * largest / weight)
-
-
-def sensation_level_db(parts: Components, reference: float) -> float:
-    """Level (dB) of the component furthest above its threshold; ``-inf`` for silence.
-
-    ``max_n 20 log10(a_n/reference) - T(f_n)`` with `sensitivity_db` as T: the component furthest above
-    threshold mediates detection. `reference` is the threshold amplitude at 250 Hz, in the unit of
-    the amplitudes.
-
-    >>> at_threshold = Components(np.array([250.0]), np.array([2.0]))
-    >>> sensation_level_db(at_threshold, reference=2.0)
-    0.0
-    """
-    positive("sensation_level_db", reference=reference)
-    audible = parts.amplitudes > 0
-    if not audible.any():
-        return -np.inf
-    levels_db = 20 * np.log10(parts.amplitudes[audible] / reference)
-    return float(np.max(levels_db - sensitivity_db(parts.frequencies_hz[audible])))
 
 
 @lru_cache(maxsize=8)

@@ -31,6 +31,7 @@ ELECTROVIBRATION: Mapping[str, tuple[dict[str, object], tuple[str, ...], str]] =
     "friction_lag": ({}, ("friction",), "friction_force_n"),
     "dry_friction": ({}, ("finger_dynamics",), "friction_force_n"),
     "finger_dynamics": ({}, ("friction",), "skin_displacement_m"),
+    "skin_mobility": ({"stiffness_n_per_m": 500.0}, ("sensitivity", "friction"), "sensation_db"),
     "sensitivity": ({}, ("friction",), "sensation_db"),
     "receptors": ({}, ("friction",), "sensation_db"),
     "summation": ({}, ("receptors", "friction"), "sensation_db"),

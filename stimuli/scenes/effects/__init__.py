@@ -19,6 +19,7 @@ OF_ELECTROVIBRATION: Mapping[str, str] = {
     "dry_friction": "tactometry.stimuli.electrovibration.motion.dry_friction:DryFriction",
     "friction_lag": "tactometry.stimuli.electrovibration.motion.friction_lag:FrictionLag",
     "finger_dynamics": "tactometry.stimuli.scenes.effects.finger_dynamics:FingerDynamics",
+    "skin_mobility": "tactometry.stimuli.electrovibration.motion.skin_mobility:SkinMobility",
     "sensitivity": "tactometry.stimuli.scenes.effects.sensitivity:Sensitivity",
     "receptors": "tactometry.stimuli.scenes.effects.receptors:Receptors",
     "summation": "tactometry.stimuli.scenes.effects.summation:Summation",

@@ -8,6 +8,7 @@ from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings, note
 from ...composition.sampling import per_sample
 from ..stages.circuit import of_true_area
+from ..stages.reading import spectrum_of_record, spectrum_stage
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
@@ -19,8 +20,8 @@ if TYPE_CHECKING:
 class FingerDynamics(Effect):
     """Mass and stiffness as published per sliding speed; the damping is an unverified choice.
 
-    With `friction` the finger slides all the time, and its friction is what it is without; with `dry_friction` it
-    sticks and slips.
+    What is felt is the motion of this skin, in place of that of `skin_mobility`. With `friction` the finger slides
+    all the time, and its friction is what it is without; with `dry_friction` it sticks and slips.
 
     >>> FingerDynamics().slot
     'dynamics'
@@ -57,12 +58,13 @@ class FingerDynamics(Effect):
             f"{__name__}:{'stick_and_slip' if sticks else 'slide'}",
             size=per_sample(500.0 if sticks else 250.0),
         )
-        return (motion, *(_read(name, quantity) for name, quantity in _outputs(sticks)))
+        felt = spectrum_stage("skin_spectrum", "skin_displacement_m", "skin_components")
+        return (motion, *(_read(name, quantity) for name, quantity in _outputs(sticks)), felt)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """The course itself, under the true area: what sticks is no factor."""
-        course = tuple(replace(stage, size=None) for stage in self.stages(scene))
-        return (*course, of_true_area()) if _sticks(scene) else course
+        """The course itself, under the true area: what moves is no factor of the attraction."""
+        *course, _ = (replace(stage, size=None) for stage in self.stages(scene))
+        return *course, spectrum_of_record("skin_spectrum", "skin_displacement_m", "skin_components"), of_true_area()
 
 
 def _sticks(scene: Surroundings) -> bool:

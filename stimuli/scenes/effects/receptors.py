@@ -17,9 +17,9 @@ STEEPEST_DB_PER_HZ = 2.5
 
 @dataclass(frozen=True)
 class Receptors(Effect):
-    """The channels NP III, NP I and P, `reference_force_n` the amplitude of friction at threshold, at 250 Hz.
+    """The channels NP III, NP I and P, `reference_m` the displacement of the skin at threshold, at 250 Hz.
 
-    6.7 uN and the thresholds of the channels are unverified defaults.
+    0.1 um and the thresholds of the channels are unverified defaults.
 
     >>> Receptors().slot
     'receptors'
@@ -27,23 +27,23 @@ class Receptors(Effect):
 
     kind = "receptors"
     slot = "receptors"
-    positive = ("reference_force_n",)
+    positive = ("reference_m",)
     requires = ("friction",)
-    reads, gives = ("components",), "channels_db"
+    reads, gives = ("skin_components",), "channels_db"
     cures = note("add the effects friction and receptors", "channels_db")
-    assumes = ("thresholds are those of force, without the mobility of the skin; nothing sums over time",)
+    assumes = ("nothing sums over time",)
 
-    reference_force_n: float = 6.7e-6
+    reference_m: float = 1e-7
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         strongest = Stage("strongest", ("channels_db",), "sensation_db", HIGHEST)
         return self.stage(), strongest
 
-    def __call__(self, components: "Components") -> "FloatArray":
+    def __call__(self, skin_components: "Components") -> "FloatArray":
         """(3,): the level of each channel."""
         from ...perception.channels import channel_levels_db
 
-        return channel_levels_db(components, self.reference_force_n)
+        return channel_levels_db(skin_components, self.reference_m)
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
         return VoltageContent(steepest_db_per_hz=STEEPEST_DB_PER_HZ)

@@ -9,15 +9,15 @@ from ...composition.effect import Effect, Surroundings, note
 if TYPE_CHECKING:
     from ...perception.detection import Components
 
-STEEPEST_DB_PER_HZ = 0.69
-"""Of `tactometry.stimuli.perception.sensitivity_db`, at 0 Hz: an upper bound."""
+STEEPEST_DB_PER_HZ = 2.5
+"""Of the thresholds of `tactometry.stimuli.perception.channels`, at 3 Hz: an upper bound."""
 
 
 @dataclass(frozen=True)
 class Sensitivity(Effect):
-    """Threshold by frequency, `reference_force_n` the amplitude of friction at threshold, at 250 Hz.
+    """Threshold by frequency, `reference_m` the displacement of the skin at threshold, at 250 Hz.
 
-    6.7 uN is an unverified default, as in `ElectrovibrationSensation`.
+    0.1 um is an unverified default, as are the thresholds of the channels, of which the lowest counts.
 
     >>> Sensitivity().slot
     'sensitivity'
@@ -25,20 +25,20 @@ class Sensitivity(Effect):
 
     kind = "sensitivity"
     slot = "sensitivity"
-    positive = ("reference_force_n",)
+    positive = ("reference_m",)
     requires = ("friction",)
-    reads, gives = ("components",), "sensation_db"
+    reads, gives = ("skin_components",), "sensation_db"
     cures = note("add the effects friction and sensitivity, or receptors", "sensation_db")
     excludes = note("both are thresholds by frequency; remove 'sensitivity' or 'receptors'", "receptors")
-    assumes = ("the threshold is one of force, without the mobility of the skin; nothing sums over time",)
+    assumes = ("nothing sums over time or area",)
 
-    reference_force_n: float = 6.7e-6
+    reference_m: float = 1e-7
 
-    def __call__(self, components: "Components") -> float:
+    def __call__(self, skin_components: "Components") -> float:
         """Level above threshold."""
-        from ...perception.detection import sensation_level_db
+        from ...perception.channels import sensation_level_db
 
-        return sensation_level_db(components, self.reference_force_n)
+        return sensation_level_db(skin_components, self.reference_m)
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
         return VoltageContent(steepest_db_per_hz=STEEPEST_DB_PER_HZ)

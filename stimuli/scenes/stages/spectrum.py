@@ -44,7 +44,7 @@ def padding_for(error: float, duration_s: float, steepest_db_per_hz: float, n: i
 
 
 def size(demand: Demand) -> Size:
-    """How finely the components of friction are read off."""
+    """How finely the components of a record are read off."""
     duration_s: float = demand.surface.duration_s
     n, steepest_db_per_hz = demand.once(samples), content_of(demand).steepest_db_per_hz
     padding = padding_for(demand.error, duration_s, steepest_db_per_hz, n)

@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from tactometry.arguments import require
 from tactometry.contact import Contact
 
-from ...composition.effect import Size, Stage, Surface
+from ...composition.effect import Stage, Surface
 from ...composition.sampling import per_sample, record
 from ..effects import OF_ELECTROVIBRATION
 from ..stages.circuit import divider_stage
+from ..stages.reading import spectrum_stage
 from ..stages.scaling import HIGHEST, MULTIPLY
-from .panel import ASSUMES
+from .panel import ASSUMES, SKIN_MOTION
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
 
 WAVEFORMS = "tactometry.stimuli.electrovibration.waveforms"
 FORCE = "tactometry.stimuli.electrovibration.attraction.force:ForceForm.force_n"
-COMPONENTS = "tactometry.stimuli.scenes.stages.spectrum:components_of"
 
 
 @dataclass(frozen=True)
@@ -85,7 +85,8 @@ class Electrovibration(Surface):
             divider_stage(),
             Stage("layer_voltage", of_layer, "layer_voltage_v", MULTIPLY, size=once),
             Stage("attraction", drawn, "electrostatic_force_n", FORCE, size=per_sample(3.0)),
-            Stage("spectrum", ("t_s", "friction_force_n"), "components", COMPONENTS, size=fine_spectrum),
+            spectrum_stage("spectrum", "friction_force_n", "components"),
+            SKIN_MOTION,
             Stage("peak", force, "peak_force_n", HIGHEST, size=once),
         )
 
@@ -141,10 +142,3 @@ def lossless(**layers: Any) -> "Skin":
 def constant(value: float) -> float:
     """A number that nothing changes."""
     return value
-
-
-def fine_spectrum(demand: "Demand") -> Size:
-    """Components as finely as a threshold asks for; without one they are not imported."""
-    from ..stages.spectrum import size
-
-    return size(demand)

@@ -10,8 +10,9 @@ from tactometry.contact import Contact
 from ...composition.effect import Demand, Effect, FingerContact, Stage, Surface
 from ...electrovibration.skin.skin import Skin
 from ..effects import OF_ELECTROVIBRATION
-from ..stages.record import reading, sampling
-from .panel import ASSUMES
+from ..stages.reading import spectrum_of_record
+from ..stages.record import sampling
+from .panel import ASSUMES, SKIN_MOTION
 
 SAME = "tactometry.stimuli.scenes.stages.circuit:same"
 RECORD = "tactometry.stimuli.scenes.stages.record"
@@ -50,7 +51,6 @@ class PlayedElectrovibration(Surface):
 
     def stages(self, scene: Demand) -> tuple[Stage, ...]:
         area, drawn = ("attraction_components", "area_m2", "form_area_m2"), ("form", "layer_voltage_v")
-        spectrum = f"{RECORD}:components_of"
         return (
             Stage("record", ("signal",), "record", f"{RECORD}:recorded", size=sampling),
             Stage("times", ("record",), "t_s", f"{RECORD}:times"),
@@ -60,9 +60,10 @@ class PlayedElectrovibration(Surface):
             Stage("unit_area", (), "form_area_m2", SAME, {"area_m2": 1.0}),
             Stage("layer_voltage", ("record", "form"), "layer_voltage_v", f"{RECORD}:layer_voltage"),
             Stage("attraction", drawn, "electrostatic_force_n", FORCE),
-            Stage("spectrum", ("record", "electrostatic_force_n"), area[0], spectrum, size=reading),
+            spectrum_of_record("spectrum", "electrostatic_force_n", area[0]),
             Stage("area_factor", area, area[0], f"{RECORD}:grown"),
-            Stage("spectrum_of_friction", ("record", "friction_force_n"), "components", spectrum, size=reading),
+            spectrum_of_record("spectrum_of_friction", "friction_force_n", "components"),
+            SKIN_MOTION,
         )
 
     def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:

@@ -20,6 +20,8 @@ PLATE = {name: value for name, value in asdict(small_screen()).items() if name !
 REST, SLIDE = {"force_n": 2.0}, {"force_n": 2.0, "speed_m_per_s": 0.05, "x_m": 0.09, "y_m": 0.06}
 CASES = {**ELECTROVIBRATION, **TIME_REVERSAL, "force_law": ({"law": "sc_layer"}, (), "electrostatic_force_n")}
 FELT = {"sensitivity", "receptors", "focus_detection"}
+BY_DEFAULT = {"skin_mobility"}
+"""What a surface does too, at its defaults, as soon as anything is felt on it."""
 OWNERS = {
     "electrovibration.waveforms.amplitude_modulated": {"carrier"},
     "electrovibration.attraction.offset": {"dc_offset"},
@@ -27,7 +29,7 @@ OWNERS = {
     "electrovibration.motion.compiled_loops": {"friction_lag", "finger_dynamics"},
     "electrovibration.motion.stick_slip": {"dry_friction"},
     "electrovibration.motion.power_series": {"dry_friction"},
-    "perception.channels": {"receptors", "focus_detection"},
+    "perception.channels": FELT,
     "perception.detection": FELT,
     "perception.temporal_summation": {"focus_detection"},
     "scenes.stages.spectrum": {"sensitivity", "receptors"},
@@ -126,12 +128,12 @@ def module_of(kind: str) -> str:
 
 
 def kinds_in(scene) -> set[str]:
-    return {effect["kind"] for effect in scene["effects"]}
+    return {effect["kind"] for effect in scene["effects"]} - BY_DEFAULT
 
 
 def imported(answer) -> set[str]:
     """Effects whose module is there."""
-    return {kind for kind in EFFECTS if module_of(kind) in answer["modules"]}
+    return {kind for kind in EFFECTS if module_of(kind) in answer["modules"]} - BY_DEFAULT
 
 
 @pytest.mark.parametrize("side", SIDES)

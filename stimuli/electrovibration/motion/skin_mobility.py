@@ -1,0 +1,93 @@
+"""How far the skin of a finger pad moves under a vibrating lateral force: its mobility, in the steady state."""
+
+from dataclasses import dataclass, replace
+from math import pi
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tactometry.arguments import require
+from tactometry.contact import Contact
+
+from ...arrays import FloatArray
+from ...composition.content import VoltageContent
+from ...composition.effect import Effect, Stage, Surroundings, note
+
+if TYPE_CHECKING:
+    from ...perception.detection import Components
+
+
+@dataclass(frozen=True)
+class SkinMobility(Effect):
+    """Displacement of the skin over lateral force, ``1/(k - m w^2 + i w c)``, with ``k = k_1 (F_n/1 N)^p``.
+
+    Stiffness, damping and moving mass in tangential direction are unverified defaults: orders of magnitude from memory
+    of Wiertlewski and Hayward (J. Biomech. 45, 1869, 2012), who found the fingertip elastic below some 100 Hz and
+    viscous above. So is a stiffness that does not grow with the normal force (`stiffness_exponent` 0).
+
+    Parameters
+    ----------
+    stiffness_n_per_m, damping_n_s_per_m, mass_kg : float
+        Under a normal force of 1 N: above 0; the mass at least 0.
+    stiffness_exponent : float
+        At least 0.
+
+    Examples
+    --------
+    >>> skin = SkinMobility()
+    >>> [round(1e-7 / float(skin.gain_m_per_n(f, force_n=1.0)), 6) for f in (60.0, 250.0)]  # N, of 0.1 um
+    [0.000113, 0.000244]
+    """
+
+    kind = "skin_mobility"
+    slot = "mobility"
+    positive = ("stiffness_n_per_m", "damping_n_s_per_m")
+    not_negative = ("mass_kg", "stiffness_exponent")
+    requires = ("friction", "sliding contact")
+    excludes = note("it moves the skin by itself; remove 'skin_mobility' or 'finger_dynamics'", "finger_dynamics")
+    assumes = ("the pulp is one mass, spring and damper that neither speed nor amplitude changes",)
+
+    stiffness_n_per_m: float = 1000.0
+    damping_n_s_per_m: float = 1.5
+    mass_kg: float = 0.15e-3
+    stiffness_exponent: float = 0.0
+
+    def under(self, force_n: float) -> Self:
+        """The same with the stiffness that it has under a normal force, whatever the force is then."""
+        if self.stiffness_exponent == 0:
+            return self
+        stiffness_n_per_m = self.stiffness_n_per_m * force_n**self.stiffness_exponent
+        return replace(self, stiffness_n_per_m=stiffness_n_per_m, stiffness_exponent=0.0)
+
+    def gain_m_per_n(self, frequency_hz: ArrayLike, force_n: float) -> FloatArray:
+        """Displacement per newton at frequencies (Hz) under a normal force (N, above 0), of their shape.
+
+        Raises
+        ------
+        InvalidParameter
+            If the force is not above 0.
+        """
+        require.positive("SkinMobility.gain_m_per_n", force_n=force_n)
+        skin, omega = self.under(force_n), 2 * pi * np.asarray(frequency_hz, dtype=np.float64)
+        elastic = skin.stiffness_n_per_m - skin.mass_kg * omega * omega
+        return np.asarray(1 / np.hypot(elastic, skin.damping_n_s_per_m * omega))
+
+    def displacement(self, friction: "Components", force_n: float) -> "Components":
+        """The components of the skin's displacement (m) by those of a lateral force (N)."""
+        return replace(friction, amplitudes=friction.amplitudes * self.gain_m_per_n(friction.frequencies_hz, force_n))
+
+    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        needs, target = ("components", "contact"), f"{__name__}:skin_motion"
+        return (Stage("skin_motion", needs, "skin_components", target, dict(vars(self))),)
+
+    def in_voltage(self, scene: Surroundings) -> VoltageContent:
+        """Its slope by frequency: the logarithm of each of two poles changes by at most 1 over its distance."""
+        skin = self.under(scene.contacts[0].force_n)
+        poles = np.roots([skin.mass_kg, skin.damping_n_s_per_m, skin.stiffness_n_per_m])
+        return VoltageContent(steepest_db_per_hz=float(40 * pi / np.log(10) * np.sum(1 / -poles.real)))
+
+
+def skin_motion(friction: "Components", contact: Contact, **mobility: float) -> "Components":
+    """Components of the skin (m) by those of friction (N)."""
+    return SkinMobility(**mobility).displacement(friction, contact.force_n)
