@@ -37,7 +37,7 @@ class Hybrid:
     friction : AmplitudeModulated
         Its level in dB re 1 V, its rate that of the screen (`focus.setup.rate_hz`), its duration that of the focus.
     electrode_offset_db : float
-        Finite; 6 dB is an unverified default.
+        Finite; 12 dB is an unverified default, with which both are felt.
 
     Raises
     ------
@@ -55,7 +55,7 @@ class Hybrid:
 
     focus: FocusTrain
     friction: AmplitudeModulated
-    electrode_offset_db: float = 6.0
+    electrode_offset_db: float = 12.0
 
     def __post_init__(self) -> None:
         pairs = {
@@ -162,7 +162,7 @@ class HybridSensation:
     --------
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> focus = FocusTrain(setup, f_max_hz=20e3)
-    >>> signal = Hybrid(focus, AmplitudeModulated(120.0, duration_s=0.5, rate_hz=50e3)).at(19.0)
+    >>> signal = Hybrid(focus, AmplitudeModulated(120.0, duration_s=0.5, rate_hz=50e3), 16.0).at(19.0)
     >>> felt = HybridSensation(setup)
     >>> at_rest, sliding = (felt.sensation_db(signal, Contact(1.0, speed)) for speed in (0.0, 0.05))
     >>> at_rest < 0 < sliding

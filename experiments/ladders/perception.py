@@ -106,5 +106,6 @@ def _from_record(padding: int) -> Real:
 
 
 def _written_out() -> Real:
-    bowls_db = 62 * (np.log10(FREQUENCIES_HZ / 550 + 6 / 11) / math.log10(6 / 11)) ** 2
-    return np.asarray(10 ** (-np.minimum(bowls_db, 77.0) / 20))
+    """Meissner for the lowest tone, Pacini for the others, of one unit at 250 Hz."""
+    bowls_db = np.minimum(48 - 5 * np.log2(FREQUENCIES_HZ / 3), 12 * np.abs(np.log2(250 / FREQUENCIES_HZ)))
+    return np.asarray(10 ** (-bowls_db / 20))

@@ -36,6 +36,7 @@ if TYPE_CHECKING:
     from .motion.finger import Motion as Motion, sliding as sliding, sliding_many as sliding_many
     from .motion.friction_lag import FrictionLag as FrictionLag, lagged_friction_n as lagged_friction_n
     from .motion.pad import Finger as Finger
+    from .motion.skin_mobility import SkinMobility as SkinMobility
     from .motion.stick_slip import (
         StickSlip as StickSlip,
         Travel as Travel,

@@ -14,7 +14,7 @@ from tactometry.contact import Contact
 from tactometry.signal import Signal
 
 from ..arrays import FloatArray
-from ..perception.channels import THRESHOLD_M, as_at_250_hz, highest_level_db
+from ..perception.channels import BEST_HZ, THRESHOLD_M, as_at_250_hz, highest_level_db
 from ..perception.detection import Components, components
 from .attraction.contact_area import ContactArea, PowerLawArea
 from .attraction.force import Law, electrostatic_force_n
@@ -55,6 +55,9 @@ class ElectrovibrationSensation:
         Whether `reference_m` holds at any normal force, or at 1 N and in proportion to it at others, so that a
         fixed fraction of the friction is detected. With areas that grow as ``F^m`` the threshold then changes with
         force as ``-10 m log10 F`` dB or as ``10 (1 - m) log10 F`` dB.
+    reference_force_n : float, optional
+        Amplitude of the friction at threshold, at 250 Hz, in place of `reference_m`: in study files written before
+        thresholds were those of the skin.
     polarity : Polarity or None
         An asymmetry between positive and negative voltages; None, the default, is none.
 
@@ -78,6 +81,7 @@ class ElectrovibrationSensation:
     reference_m: Positive = THRESHOLD_M
     criterion: Criterion = "absolute"
     polarity: Polarity | None = None
+    reference_force_n: Positive | None = None
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
         """Sensation level (dB) of a voltage under a finger; ``-inf`` in silence, at rest and without contact.
@@ -96,9 +100,15 @@ class ElectrovibrationSensation:
             return -inf
         area_m2 = float(self.area.area_m2(contact.force_n))
         parts = _force_components(signal, self.skin, area_m2, self.law, self.polarity)
-        relative = contact.force_n if self.criterion == "fraction" else 1.0
         skin = self.mobility.displacement(self._friction(parts, contact), contact.force_n)
-        return highest_level_db(skin, relative * self.reference_m)
+        return highest_level_db(skin, self._threshold_m(contact.force_n))
+
+    def _threshold_m(self, force_n: float) -> float:
+        """Displacement at threshold, at 250 Hz."""
+        relative = force_n if self.criterion == "fraction" else 1.0
+        if self.reference_force_n is None:
+            return relative * self.reference_m
+        return relative * self.reference_force_n * float(self.mobility.gain_m_per_n(BEST_HZ, force_n))
 
     def _friction(self, parts: Components, contact: Contact) -> Components:
         friction = self.friction.at_speed(contact.speed_m_per_s)

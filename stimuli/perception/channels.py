@@ -15,8 +15,9 @@ NP_III, NP_I, P = 0, 1, 2
 """Rows: Merkel, Meissner, Pacini. NP II, of very small contactors alone, is left out."""
 HEARS_HZ: Final = ((0.4, 3.0), (3.0, 100.0), (35.0, 800.0))
 """Where each of them answers at all."""
+BEST_HZ: Final = 250.0
 BEST_DB: Final = -20.0
-"""dB re 1 um, of a peak displacement of the skin."""
+"""Of P: dB re 1 um, of a peak displacement of the skin."""
 THRESHOLD_M: Final = 1e-6 * 10 ** (BEST_DB / 20)
 """0.1 um, of P at 250 Hz; from memory of the published curve, as all of it is: unverified default."""
 
@@ -37,7 +38,7 @@ def channel_thresholds_db(frequency_hz: ArrayLike) -> FloatArray:
     """
     f_hz = np.atleast_1d(positive_array("frequency_hz", frequency_hz))
     curves = np.stack(
-        [np.full(f_hz.shape, 28.0), 28 - 5 * np.log2(f_hz / 3), BEST_DB + 12 * np.abs(np.log2(250 / f_hz))]
+        [np.full(f_hz.shape, 28.0), 28 - 5 * np.log2(f_hz / 3), BEST_DB + 12 * np.abs(np.log2(BEST_HZ / f_hz))]
     )
     hears = np.stack([(f_hz >= low) & (f_hz <= high) for low, high in HEARS_HZ])
     return np.where(hears, curves - BEST_DB, np.inf)

@@ -158,7 +158,7 @@ def study(tmp_path):
     return path
 
 
-SHORT = {"[60, 240]": "[60]", "levels = [10, 18, 26, 34]": "levels = [10, 34]", "repeats = 4": "repeats = 1"}
+SHORT = {"[60, 240]": "[60]", "levels = [22, 28, 34, 40]": "levels = [10, 34]", "repeats = 4": "repeats = 1"}
 
 
 def test_a_dry_run_tells_what_is_felt_and_what_was_left_out(study, capsys):

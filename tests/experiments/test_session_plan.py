@@ -27,7 +27,7 @@ from tactometry.session.request import Show
 from tactometry.session.run import run
 
 TUTORIAL = builtin()["tutorial"].read_text("utf-8")
-LEVELS = "levels = [10, 18, 26, 34]                       # dB re 1 V peak\nrepeats = 4"
+LEVELS = "levels = [22, 28, 34, 40]                       # dB re 1 V peak\nrepeats = 4"
 
 
 def study(*changes, more=""):
@@ -349,7 +349,7 @@ def test_what_the_cells_of_a_study_share_is_built_once():
 
 def test_a_stimulus_is_strongest_where_the_practice_asks_for_more_than_the_procedure():
     plain, practised = experiment(), experiment(more="\n[practice]\nlevels = [40]\n")
-    assert {(each.where, each.level) for each in plain.strongest()} == {("procedure", 34.0)}
+    assert {(each.where, each.level) for each in plain.strongest()} == {("procedure", 40.0)}
     assert {(each.where, each.level) for each in practised.strongest()} == {("practice", 40.0)}
     assert [each.name for each in practised.strongest()] == list(practised.bank)
     first = practised.strongest()[0]

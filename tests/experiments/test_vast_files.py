@@ -17,7 +17,7 @@ from tactometry.experiments.study.study_file import builtin, parse
 from tactometry.protocols import ConstantStimuli, ParameterGrid, QuestPlus
 
 TUTORIAL = builtin()["tutorial"].read_text("utf-8")
-LEVELS = "levels = [10, 18, 26, 34] "
+LEVELS = "levels = [22, 28, 34, 40] "
 QUEST = """kind = "quest_plus"
 low = 10.0
 high = 34.0
@@ -25,7 +25,7 @@ width_low = 4.0
 width_high = 16.0
 """
 CONSTANT = """kind = "constant_stimuli"
-levels = [10, 18, 26, 34]                       # dB re 1 V peak
+levels = [22, 28, 34, 40]                       # dB re 1 V peak
 repeats = 4
 """
 VAST = {

@@ -53,5 +53,5 @@ STUDY = {
     "frequency_hz = [60, 240]": "frequency_hz = [60]",
     'duration_s = "500 ms"': 'duration_s = "200 ms"\nrate_hz = 48000.0',
     "catch_rate = 0.2": "catch_rate = 0.0",
-    "levels = [10, 18, 26, 34]": "levels = [34]",
+    "levels = [22, 28, 34, 40]": "levels = [34]",
 }

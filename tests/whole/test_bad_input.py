@@ -65,7 +65,7 @@ STUDIES = {
         "s.toml, task.catch_rate: found [0.2], expected a number",
     ),
     "number for list": (
-        TUTORIAL.replace("levels = [10, 18, 26, 34] ", "levels = 10 "),
+        TUTORIAL.replace("levels = [22, 28, 34, 40] ", "levels = 10 "),
         "s.toml, procedure.levels: found 10, expected a list of numbers",
     ),
     "table for list": (
@@ -81,15 +81,15 @@ STUDIES = {
         "s.toml, factors.frequency_hz[1]: found 60.0 twice, expected each level once",
     ),
     "duplicate level": (
-        TUTORIAL.replace("[10, 18, 26, 34]", "[10, 18, 18]"),
+        TUTORIAL.replace("[22, 28, 34, 40]", "[10, 18, 18]"),
         "s.toml, procedure.levels[2]: found 18 twice, expected each level once; raise repeats to present it more often",
     ),
     "empty levels": (
-        TUTORIAL.replace("[10, 18, 26, 34]", "[]"),
+        TUTORIAL.replace("[22, 28, 34, 40]", "[]"),
         "s.toml, procedure.levels: found none, expected at least one",
     ),
     "level above the limit": (
-        TUTORIAL.replace("[10, 18, 26, 34]", "[10, 60]"),
+        TUTORIAL.replace("[22, 28, 34, 40]", "[10, 60]"),
         "s.toml, procedure: found the highest level 60, expected one within the limits (limits.voltage_peak_v: found a "
         "peak of 951.052 V, the limit is 100 V; lower the level; nothing was played)",
     ),
@@ -225,11 +225,11 @@ STUDIES = {
         "s.toml, procedure.steps[1]: found 'x', expected a number",
     ),
     "staircase start": (
-        THRESHOLD.replace("start = 40.0", "start = 50.0"),
+        THRESHOLD.replace("start = 46.0", "start = 50.0"),
         "s.toml, procedure.start: found 50, expected a level between low (-10) and high (46)",
     ),
     "state of a procedure": (
-        THRESHOLD.replace("start = 40.0", "start = 40.0\nreversals = [1.0]"),
+        THRESHOLD.replace("start = 46.0", "start = 46.0\nreversals = [1.0]"),
         None,
     ),
     "lapse rate": (

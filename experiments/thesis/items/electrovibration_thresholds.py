@@ -30,7 +30,7 @@ def _thresholds() -> Iterator[Number]:
     for force_n, row in table.items():
         for frequency_hz, level_db in row.items():
             at = f"{frequency_hz:g} Hz"
-            yield Number(f"threshold at {force_n:g} N", at, level_db, "dB re 1 V", "calibrated")
+            yield Number(f"threshold at {force_n:g} N", at, level_db, "dB re 1 V", "derived")
             if force_n != first_n:
                 change_db = level_db - table[first_n][frequency_hz]
                 yield Number(f"from {first_n:g} to {force_n:g} N", at, change_db, "dB", "derived")
@@ -50,6 +50,7 @@ TABLE_6_3 = Reproduction(
     "the values, the other frequencies and the forces are not in our sources: finding-3.",
     assumes="The stimuli, touches and model of the built-in study electrovibration-threshold (frequencies and "
     "forces are unverified defaults): the force of a square-root carrier vibrates at the frequency of its "
-    "envelope. One constant, the vibration at threshold, sets all absolute levels.",
+    "envelope. No constant is set to a threshold of voltage; all levels rest on unverified defaults: the law of force, "
+    "friction, the mobility of the skin and its displacement at threshold.",
     numbers=_thresholds,
 )

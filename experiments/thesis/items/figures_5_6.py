@@ -16,7 +16,7 @@ from .studies import contact_of, experiment
 
 FOCUS_STUDY, FRICTION_STUDY = "time-reversal-threshold", "electrovibration-threshold"
 FOCUS_LEVELS_DB = tuple(float(level) for level in range(8, 36, 2))
-FRICTION_LEVEL_DB = 16.0
+FRICTION_LEVEL_DB = 32.0
 N_NODES = 41
 PEOPLE = "Participants are simulated (signal detection; spread, slope and lapses are unverified defaults)."
 
@@ -129,7 +129,7 @@ FIGURE_6_8 = Reproduction(
 FIGURE_6_15 = Reproduction(
     title="Mean detection rate against frequency for three forces",
     stated="Figure 6.15 by its caption (page 14); the lowest thresholds at 240 Hz (page 4): finding-3.",
-    assumes=f"{PEOPLE} All at 16 dB re 1 V peak; forces and frequencies of the built-in study are unverified defaults.",
+    assumes=f"{PEOPLE} All at 32 dB re 1 V peak; forces and frequencies of the built-in study are unverified defaults.",
     drawing=_against_frequency,
     origin="calibrated",
 )

@@ -55,7 +55,8 @@ CONSTRUCTORS: dict[str, Call] = {
     "DryFriction": (ev.DryFriction, {"static": 0.6, "kinetic": 0.5, "gated": True}),
     "ElectrovibrationSensation": (ev.ElectrovibrationSensation, {
         "skin": SKIN, "law": "interface", "area": ev.PowerLawArea(), "friction": ev.CoulombFriction(),
-        "lag": ev.FrictionLag(), "reference_force_n": 1e-5, "criterion": "fraction", "polarity": ev.Polarity(0.5)}),
+        "lag": ev.FrictionLag(), "mobility": ev.SkinMobility(), "reference_m": 1e-7, "reference_force_n": 1e-5,
+        "criterion": "fraction", "polarity": ev.Polarity(0.5)}),
     "Finger": (ev.Finger, {"mass_kg": 1e-3, "stiffness_n_per_m": 200.0, "damping_n_s_per_m": 0.05}),
     "ForceForm": (ev.ForceForm, {"relaxations": FORM.relaxations, "newton_per_v2": 1e-5}),
     "FrictionLag": (ev.FrictionLag, {"slope_hz_per_m_per_s": 1e4, "intercept_hz": 1.0, "floor_hz": 100.0}),
@@ -72,6 +73,8 @@ CONSTRUCTORS: dict[str, Call] = {
         "texture": ev.Grating(1e-3), "path_m": PATH_M, "rate_hz": 2e4, "carrier_hz": 2e3,
         "sensor": ev.SensorModel(), "aliasing": "refuse", "ramp_s": 0.0, "level_unit": "V"}),
     "Polarity": (ev.Polarity, {"positive_share": 0.5}),
+    "SkinMobility": (ev.SkinMobility, {
+        "stiffness_n_per_m": 1000.0, "damping_n_s_per_m": 1.5, "mass_kg": 1e-4, "stiffness_exponent": 0.3}),
     "SensorModel": (ev.SensorModel, {"rate_hz": 1e3, "resolution_m": 1e-5, "latency_s": 0.01}),
     "PowerLawArea": (ev.PowerLawArea, {"area_at_1n_m2": 1e-4, "exponent": 0.3}),
     "Print": (ev.Print, {"force_n": 1.0, "length_m": 0.01, "width_m": 0.01}),

@@ -23,7 +23,7 @@ from tactometry.stimuli.electrovibration import (
     Square,
     force_form,
 )
-from tactometry.stimuli.perception.detection import Components, components
+from tactometry.stimuli.perception.detection import components
 from tactometry.stimuli.scenes.effects.sensitivity import Sensitivity
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.stages import record
@@ -46,13 +46,20 @@ def felt(*kinds, played=(), tone=60.0, **surface):
     return Scene(panel, effects, ("sensation_db",), 0.05, (FingerContact(1.0, 0.01),))
 
 
+def pulp_m_per_n(frequency_hz):
+    """Spring, damper and mass by default, as a phasor."""
+    omega = 2 * np.pi * frequency_hz
+    return 1 / np.abs(1000.0 - 0.15e-3 * omega**2 + 1.5j * omega)
+
+
 def by_hand_db(frequency_hz, share, voltage_v, contact, lag):
-    """The level of one component of friction, from the divider, the square and the coefficient."""
+    """The level of one component of friction: divider, square, coefficient, pulp and the threshold of Pacini."""
     skin = Skin(corneum_resistivity_ohm_m=inf)
     layer_v = skin.k * voltage_v
     force_n = force_form("sc_layer", skin, 1e-4).force_n(np.array([layer_v]))[0]
     gain = FrictionLag().gain(frequency_hz, contact.speed_m_per_s) if lag else 1.0
-    return Sensitivity()(Components(np.array([frequency_hz]), np.array([0.5 * share * force_n * gain])))
+    skin_m = 0.5 * share * force_n * gain * pulp_m_per_n(frequency_hz)
+    return 20 * np.log10(skin_m / 1e-7) - 12 * abs(np.log2(250 / frequency_hz))
 
 
 @pytest.mark.parametrize("lag", [False, True])
@@ -111,7 +118,8 @@ def test_any_voltage_is_felt_as_its_samples_say(name):
         form.relaxations.sampled(finer_v, signal.rate_hz)
     )
     rate_hz = signal.rate_hz * finer_v.size / voltage_v.size
-    expected_db = Sensitivity()(components(friction_n, rate_hz))
+    parts = components(friction_n, rate_hz)
+    expected_db = Sensitivity()(replace(parts, amplitudes=parts.amplitudes * pulp_m_per_n(parts.frequencies_hz)))
     assert felt().sensation(signal, TOUCH) == pytest.approx(expected_db, abs=0.1)
 
 
