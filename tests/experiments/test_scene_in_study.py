@@ -153,7 +153,7 @@ def test_a_scene_that_cannot_be_felt_is_refused_before_anything_plays(name, tmp_
 @pytest.fixture
 def study(tmp_path):
     path = tmp_path / "s.toml"
-    text = changed(scene(*EFFECT_LINES.values(), '{ kind = "contact_area" }', '{ kind = "finger_dynamics" }'), SHORT)
+    text = changed(scene(*EFFECT_LINES.values(), '{ kind = "contact_area" }'), SHORT)
     path.write_text(text, encoding="utf-8")
     return path
 
@@ -166,7 +166,6 @@ def test_a_dry_run_tells_what_is_felt_and_what_was_left_out(study, capsys):
     words = " ".join(said.split())
     assert "through force_law, friction, sensitivity, contact_area (predicted error" in words
     assert "receptors (instead of sensitivity) " in words
-    assert "finger_dynamics (no output needs it)" in words
     assert "taken for granted: no resistance of body and source" in words
     record = json.loads(output(capsys, "run", study, "--participant", "P01", "--dry-run", "--json"))
     (felt,) = record["felt"]
@@ -207,10 +206,9 @@ def test_effects_that_no_study_calls_for_are_not_imported(study, tmp_path):
     result = subprocess.run([sys.executable, "-I", "-c", script, *words], capture_output=True, text=True, check=False)
     assert result.returncode == 0, result.stderr
     modules = set(json.loads(result.stderr.splitlines()[-1]))
-    stated = {"force_law", "friction", "sensitivity", "contact_area", "finger_dynamics"}
+    stated = {"force_law", "friction", "sensitivity", "contact_area", "skin_mobility"}  # that by default
     by_kind = {kind: EFFECTS[kind].partition(":")[0] for kind in OF_ELECTROVIBRATION}
     assert {kind for kind, module in by_kind.items() if module in modules} == stated
-    # one that is stated, but that no level needs, is a value without its physics
     assert not {name for name in modules if name.endswith(("motion.finger", "motion.pad", "motion.stick_slip"))}
     assert "tactometry.stimuli.electrovibration.sensation" not in modules
 
