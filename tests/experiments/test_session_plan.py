@@ -179,7 +179,7 @@ def test_conditions_that_share_a_posterior_run_interleaved():
     assert (planned.n_tracks, planned.n_trials_at_most) == (2, 2 * 15)
     memory = Memory()
     tracks = run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
-    assert {track.ending for track in tracks} <= {"trials", "converged"}
+    assert {track.ending for track in tracks} <= {"trials", "converged", "censored_above"}
     felt = Counter(trial.track for trial in memory.trials if trial.valid and not trial.catch)
     assert felt == {"frequency_hz=60": 12, "frequency_hz=240": 12}
 
@@ -192,7 +192,7 @@ def test_a_dry_run_counts_trials_items_and_time():
 
 
 def test_practice_comes_first_and_is_marked():
-    made = experiment(more="\n[practice]\nlevels = [34]\nn_correct = 2\nn_of = 2\n")
+    made = experiment(("[60, 240]", "[240]"), more="\n[practice]\nlevels = [40]\nn_correct = 2\nn_of = 2\n")
     memory = Memory()
     run(made.course("P01", 1, 1, 1), made.simulated_rig("P01", 1, 1), memory)
     marks = [trial.practice for trial in memory.trials]
@@ -278,7 +278,7 @@ TASK_TABLES = {
     "magnitude": 'kind = "magnitude"\nhigh = 100',
     "localisation": 'kind = "localisation"\nover = "frequency_hz"',
     "preference": 'kind = "preference"\nover = "frequency_hz"',
-    "adjustment": 'kind = "adjustment"\nstep = 2\nlow = 0\nhigh = 39',
+    "adjustment": 'kind = "adjustment"\nstep = 2\nlow = 0\nhigh = 40',
     "rating": 'kind = "rating"\nform = "pleasantness-vas"\nshuffled = true',
 }
 PROCEDURE_TABLES = {
@@ -320,7 +320,7 @@ def test_every_procedure_runs_from_a_study_file(tmp_path, kind):
         ('kind = "preference"\nover = "force_n"', "task.over: found 'force_n', expected a factor of at least two"),
         ('kind = "rating"\nform = "attrakdif"', "task.form: found 'attrakdif', expected one of attrakdiff"),
         ('kind = "comparison"', "task.standard_level: found no such key, expected a number"),
-        ('kind = "adjustment"\nstep = 1\nlow = 20\nhigh = 30', "procedure: found levels from 10 to 34 where an adj"),
+        ('kind = "adjustment"\nstep = 1\nlow = 20\nhigh = 30', "procedure: found levels from 22 to 40 where an adj"),
         ('kind = "comparison"\nstandard_level = 99', "task.standard_level: found the highest level 99, expected one"),
         (
             'kind = "yes_no"\nn_intervals = 2',
@@ -348,8 +348,9 @@ def test_what_the_cells_of_a_study_share_is_built_once():
 
 
 def test_a_stimulus_is_strongest_where_the_practice_asks_for_more_than_the_procedure():
-    plain, practised = experiment(), experiment(more="\n[practice]\nlevels = [40]\n")
-    assert {(each.where, each.level) for each in plain.strongest()} == {("procedure", 40.0)}
+    softer = LEVELS, LEVELS.replace("34, 40", "34")
+    plain, practised = experiment(softer), experiment(softer, more="\n[practice]\nlevels = [40]\n")
+    assert {(each.where, each.level) for each in plain.strongest()} == {("procedure", 34.0)}
     assert {(each.where, each.level) for each in practised.strongest()} == {("practice", 40.0)}
     assert [each.name for each in practised.strongest()] == list(practised.bank)
     first = practised.strongest()[0]

@@ -116,15 +116,16 @@ FINDING = Reproduction(
     "at its own frequency, the frequency of the lowest threshold is assumed, as that of the sensitivity of "
     "touch is.",
     numbers=numbers,
-    outcome="The minimum follows the frequency at which friction vibrates. A sine without offset makes friction vibrate "
-    "at twice its frequency, so that its lowest threshold lies below 240 Hz; 240 Hz needs an input whose force "
-    "holds its own frequency, a carrier, or an offset under a skin that does not leak (a leaky one blocks it), "
-    "whichever force law, lag, pulp or summation is taken: the threshold of the Pacinian channel is lowest at 250 "
-    "Hz, and the pulp, which its damping holds there, does not move the minimum. Force changes thresholds alike "
-    "at all frequencies by the growth of the contact area. Two effects join force and frequency. The body "
-    "resistance has the other sign (it takes the more from a larger contact, the higher the frequency). A skin "
-    "that is stiffer under more force has the sign of the thesis: below some 100 Hz stiffness holds the skin, and "
-    "what it loses by it makes up for what the area gains, above 240 Hz damping and mass hold it, and the gain of "
-    "the area is left. With an exponent of 2/3, chosen for this (that of a Hertz contact's area; no source of "
-    "ours has it), both halves of the finding come out together.",
+    outcome="The minimum follows the frequency at which friction vibrates. A sine without offset makes friction "
+    "vibrate at twice its frequency, so that its lowest threshold lies below 240 Hz; 240 Hz needs an "
+    "input whose force holds its own frequency, a carrier, or an offset under a skin that does not leak "
+    "(a leaky one blocks it), whichever force law, lag, pulp or summation is taken: the threshold of the "
+    "Pacinian channel is lowest at 250 Hz, and the pulp, which its damping holds there, does not move the "
+    "minimum. Force changes thresholds alike at all frequencies by the growth of the contact area. Two "
+    "effects join force and frequency. The body resistance has the other sign (it takes the more from a "
+    "larger contact, the higher the frequency). A skin that is stiffer under more force has the sign of "
+    "the thesis: below some 100 Hz stiffness holds the skin, and what it loses by it makes up for what "
+    "the area gains, above 240 Hz damping and mass hold it, and the gain of the area is left. With an "
+    "exponent of 2/3, chosen for this (that of a Hertz contact's area; no source of ours has it), both "
+    "halves of the finding come out together.",
 )
