@@ -3,6 +3,7 @@
 from collections import Counter
 from collections.abc import Iterator, Sequence
 
+from .captions import BESIDE, NOT_MADE
 from .reproduction import Number, Reproduced
 
 HEAD = """# What of the thesis comes out
@@ -30,7 +31,8 @@ SCORE_HEAD = ("| item | quantity | condition | found | how | stated | verdict |"
 
 def page(made: Sequence[Reproduced]) -> str:
     """The text of the page, of items in their order; a drawing is named without its curves."""
-    return "\n".join([HEAD, *_score(made), *(line for each in made for line in _section(each))]) + "\n"
+    sections = (line for each in made for line in _section(each))
+    return "\n".join([HEAD, *_score(made), *_left_out(), *sections]) + "\n"
 
 
 def verdict(number: Number) -> str:
@@ -68,6 +70,20 @@ def _score(made: Sequence[Reproduced]) -> Iterator[str]:
             value = f"{show(number.value)} {number.unit}".strip()
             cells = (f"[{name}](#{_anchor(name)})", number.quantity, number.condition, value, number.origin)
             yield f"| {' | '.join((*cells, number.stated, verdict(number)))} |"
+    yield ""
+
+
+def _left_out() -> Iterator[str]:
+    """The captions that have no item of their own."""
+    yield "## Captions without an item of their own\n"
+    yield "| made beside another | by |"
+    yield "|---|---|"
+    for item, captions in BESIDE.items():
+        yield f"| {', '.join(captions)} | [{item}](#{_anchor(item)}) |"
+    yield "\n| not made | why |"
+    yield "|---|---|"
+    for reason, captions in NOT_MADE.items():
+        yield f"| {', '.join(captions)} | {reason} |"
     yield ""
 
 

@@ -5,11 +5,12 @@ from pathlib import Path
 
 import click
 
+from tactometry.experiments.thesis.captions import item_of, reason_for
 from tactometry.experiments.thesis.items import REPRODUCTIONS, reproduction_of
 from tactometry.experiments.thesis.page import count_verdicts, page as page_of, show, verdict
 from tactometry.experiments.thesis.reproduction import Reproduced, reproduce, write_numbers
 
-from ..arguments.require import one_of
+from ..arguments.require import expect, one_of
 from .output import path_option, progress, say, subcommand, writing
 
 
@@ -24,8 +25,7 @@ def command(*, name: str, out: Path | None, page: Path | None) -> None:
 
     Derived comes out of the physics, calibrated had a constant set to it, assumed is said by the input.
     """
-    one_of("NAME", name, ("all", *REPRODUCTIONS))
-    items = [reproduction_of(item) for item in (REPRODUCTIONS if name == "all" else (name,))]
+    items = [reproduction_of(item) for item in (REPRODUCTIONS if name == "all" else (_item_of(name),))]
     made = [reproduce(item) for item in progress(items, len(items), "reproducing")]
     if out is not None:
         for reproduced in progress(made, len(made), "writing"):
@@ -34,6 +34,14 @@ def command(*, name: str, out: Path | None, page: Path | None) -> None:
         with writing(page):
             page.write_text(page_of(made), encoding="utf-8")
     say(_text(made), _record(made))
+
+
+def _item_of(name: str) -> str:
+    """The item of a name or of a caption; one that none makes is refused with the reason."""
+    reason = reason_for(name)
+    expect(reason is None, "NAME", name, f"what can be made anew: this is {reason}")
+    one_of("NAME", item_of(name), ("all", *REPRODUCTIONS))
+    return item_of(name)
 
 
 def _write(reproduced: Reproduced, out: Path) -> None:

@@ -117,12 +117,12 @@ def streams(content):
 
 def read_all(file):
     """What comes until nobody writes any more, which a terminal tells by an error."""
-    read = b""
+    read: list[bytes] = []
     with suppress(OSError):
         while got := os.read(file, 2**20):
-            read += got
+            read.append(got)
     os.close(file)
-    return read
+    return b"".join(read)
 
 
 @pytest.fixture(params=["file", "pipe", "loopback"])

@@ -1,14 +1,14 @@
-"""Figures of chapters 5 and 6: how often something is felt, and how it is liked, by simulated participants."""
+"""Figures of chapters 5 and 6: how often simulated participants feel something, and with which force they touch it."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from tactometry.palette import BLUE, ORANGE
 from tactometry.stimuli.time_reversal.figures.style import colours, label, sheet
 
 Curve = tuple[Sequence[float], Sequence[float]]
+BIN_N = 0.04
 
 
 def detection_rate(curves: Mapping[str, Curve], x_label: str, title: str = "", *, logarithmic: bool = False) -> Figure:
@@ -28,13 +28,13 @@ def detection_rate(curves: Mapping[str, Curve], x_label: str, title: str = "", *
     return figure
 
 
-def liking(scores: Mapping[str, float], title: str) -> Figure:
-    """Pleasantness of each pattern, the single focus first (5.9 to 5.13)."""
+def applied_forces(by_asked: Mapping[float, Sequence[float]]) -> Figure:
+    """How often each force (N) was applied, a curve per force that was asked for (6.13)."""
     figure, (axes,) = sheet(width_in=7.2)
-    tints = [ORANGE if n == 0 else BLUE for n in range(len(scores))]
-    axes.bar(range(len(scores)), list(scores.values()), color=tints)
-    axes.set_xticks(range(len(scores)), [name.replace(", ", "\n") for name in scores], fontsize="small")
-    axes.axhline(0, color="0.3", linewidth=0.8)
-    axes.set_ylim(-1, 1)
-    label(axes, "", "Pleasantness (−1 to 1)", title)
+    for (asked_n, forces_n), colour in zip(by_asked.items(), colours(), strict=False):
+        shares, edges_n = np.histogram(forces_n, BIN_N * np.arange(np.ceil(1.3 * asked_n / BIN_N) + 1))
+        middles_n = (edges_n[:-1] + edges_n[1:]) / 2
+        axes.plot(middles_n, 100 * shares / len(forces_n), color=colour, drawstyle="steps-mid", label=f"{asked_n:g} N")
+        axes.axvline(asked_n, color=colour, linestyle="--", linewidth=0.8)
+    label(axes, "Mean applied force of a trial (N)", "Trials of the condition (%)", "Dashed: asked", from_zero=True)
     return figure

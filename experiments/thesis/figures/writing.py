@@ -5,13 +5,16 @@ from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedFormatter
 
 from tactometry.errors import attempt
 from tactometry.files.rows import write_rows
 
 RESOLUTION_DPI = 150
-HEAD = ("panel", "curve", "x_label", "x", "y_label", "y")
+HEAD = ("panel", "curve", "x_label", "x", "y_label", "y", "place")
 
 
 def write_drawing(figure: Figure, folder: Path, name: str) -> list[Path]:
@@ -31,16 +34,27 @@ def write_drawing(figure: Figure, folder: Path, name: str) -> list[Path]:
 
 
 def points(figure: Figure) -> Iterator[tuple[int | str | float, ...]]:
-    """The points of all curves, bars and maps of a figure, in the units of its axes."""
+    """The points of all curves, bars and maps of a figure, in the units of its axes; `place` is the word at a tick."""
     for panel, axes in enumerate(figure.axes, start=1):
         labels = axes.get_xlabel(), axes.get_ylabel()
+        named = _words(axes.xaxis), _words(axes.yaxis)
         for curve, x, y in _curves(axes):
-            yield panel, curve, labels[0], x, labels[1], y
+            yield panel, curve, labels[0], x, labels[1], y, named[0].get(x) or named[1].get(y, "")
 
 
-def _curves(axes: Axes) -> Iterator[tuple[str, float | str, float | str]]:
+def _words(axis: Axis) -> dict[float, str]:
+    """What stands at the ticks of an axis of categories, by their place."""
+    formatter = axis.get_major_formatter()
+    words = formatter.seq if isinstance(formatter, FixedFormatter) else ()
+    return {float(at): word.replace("\n", " ") for at, word in zip(axis.get_majorticklocs(), words, strict=False)}
+
+
+def _curves(axes: Axes) -> Iterator[tuple[str, float, float]]:
+    with_bars = {
+        bars.lines[0]: str(bars.get_label()) for bars in axes.containers if isinstance(bars, ErrorbarContainer)
+    }
     for n, line in enumerate(axes.get_lines(), start=1):
-        name = str(line.get_label())
+        name = with_bars.get(line, str(line.get_label()))
         for x, y in np.asarray(line.get_xydata(), float):
             yield (f"curve {n}" if name.startswith("_") else name), float(x), float(y)
     for bars in axes.containers:

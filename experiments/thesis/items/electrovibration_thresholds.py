@@ -1,4 +1,4 @@
-"""Tables 6.2 and 6.3: applied forces, and perception thresholds of electrovibration by frequency and force."""
+"""Table 6.3: perception thresholds of electrovibration by frequency and force."""
 
 from collections.abc import Iterator
 from functools import lru_cache
@@ -19,11 +19,6 @@ def thresholds_db() -> dict[float, dict[float, float]]:
     return by_force
 
 
-def _forces() -> Iterator[Number]:
-    for force_n in sorted({contact_of(cell).force_n for cell in experiment(STUDY).cells.values()}):
-        yield Number("applied force", f"condition of {force_n:g} N", force_n, "N", "assumed")
-
-
 def _thresholds() -> Iterator[Number]:
     table = thresholds_db()
     first_n = min(table)
@@ -36,14 +31,6 @@ def _thresholds() -> Iterator[Number]:
                 yield Number(f"from {first_n:g} to {force_n:g} N", at, change_db, "dB", "derived")
 
 
-TABLE_6_2 = Reproduction(
-    title="Mean applied force of each condition",
-    stated="That there were three forces, shown to the participant (pages 14 and 16); their values are not in "
-    "our sources.",
-    assumes="The forces that the built-in study asks for (unverified defaults); a simulated finger presses as "
-    "it is told, so that no simulation can reproduce what people did.",
-    numbers=_forces,
-)
 TABLE_6_3 = Reproduction(
     title="Mean perception threshold by frequency and force",
     stated="That thresholds are in dB re 1 V peak for three forces (page 16) and lowest at 240 Hz (page 4); "

@@ -11,7 +11,6 @@ from tactometry.stimuli.time_reversal.figures.gallery import GALLERY
 from ...study.cells import WiredCell
 from ..figures import perception
 from ..reproduction import Reproduction
-from . import finding_4
 from .studies import contact_of, experiment
 
 FOCUS_STUDY, FRICTION_STUDY = "time-reversal-threshold", "electrovibration-threshold"
@@ -61,11 +60,6 @@ def _against_frequency() -> Any:
     return perception.detection_rate(curves, "Frequency (Hz)", title, logarithmic=True)
 
 
-def _liking() -> Any:
-    scores = {finding_4.words(name): finding_4.liking(felt) for name, felt in finding_4.levels_db().items()}
-    return perception.liking(scores, "Rating model of simulated participants")
-
-
 def _textures() -> Any:
     return electrovibration.input_against_position(
         {f"{shape}, 4 mm": Grating(4e-3, shape) for shape in get_args(Shape)}
@@ -91,13 +85,6 @@ FIGURE_5_8 = Reproduction(
     stated="Figure 5.8 by its caption (page 13); 200 Hz and a cardinal sine are among them (page 4).",
     assumes="The other frequency and envelopes, and the duration, are unverified defaults.",
     drawing=GALLERY["5.8-patterns"],
-    origin="assumed",
-)
-FIGURE_5_12 = Reproduction(
-    title="Scores of the patterns, by frequency and envelope",
-    stated="Figures 5.9 to 5.13 by their captions (page 13); the order of their ends (page 4): finding-4.",
-    assumes="One rating model, an inverted U of the sensation level (unverified); no items of a questionnaire.",
-    drawing=_liking,
     origin="assumed",
 )
 FIGURE_6_3 = Reproduction(

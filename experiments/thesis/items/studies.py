@@ -2,6 +2,9 @@
 
 import math
 from functools import lru_cache
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING
 
 from tactometry.contact import Contact
 from tactometry.rigs.simulated import Sensation
@@ -9,6 +12,9 @@ from tactometry.rigs.simulated import Sensation
 from ...study.cells import WiredCell
 from ...study.experiment import Experiment, wire
 from ...study.study_file import load
+
+if TYPE_CHECKING:
+    from tactometry.analysis.reading.trials import Trials
 
 BELOW_DB = 40.0
 """How far below the levels of a study a threshold is looked for."""
@@ -44,3 +50,16 @@ def level_at_threshold_db(cell: WiredCell, felt: Sensation) -> float:
     if not above_db(low_db - BELOW_DB) < 0 < above_db(high_db):
         return math.nan
     return float(brentq(above_db, low_db - BELOW_DB, high_db, xtol=TOLERANCE_DB))
+
+
+@lru_cache(maxsize=4)
+def simulated_trials(study: str, n_participants: int) -> "Trials":
+    """The trials of simulated participants of a built-in study, with seed 1."""
+    from tactometry.analysis.reading.trials import read_trials
+
+    from ...sessions.simulation import Simulation, simulate
+
+    with TemporaryDirectory() as folder:
+        for _ in simulate(Simulation(load(study)[1], study, Path(folder), n_participants, seed=1)):
+            pass
+        return read_trials(Path(folder))
