@@ -30,7 +30,7 @@ STRETCH_M = 0.9 * KINETIC * LOAD_N / FINGER.stiffness_n_per_m
 
 def exact(static: float, t_s: Real = T_S) -> Any:
     return stick_slip(
-        t_s, PIECES, FORM, finger=FINGER, friction=DryFriction(static, KINETIC), force_n=LOAD_N,
+        t_s, PIECES, FORM, finger=FINGER, friction=DryFriction(static, KINETIC, gated=False), force_n=LOAD_N,
         travel=Travel(SPEED, 0.0, STRETCH_M),
     )  # fmt: skip
 

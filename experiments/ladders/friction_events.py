@@ -16,7 +16,7 @@ SILENCE_DB_RE_1V = -120.0
 
 def problem() -> Problem:
     """The first break-away under next to no voltage, whose time is known in closed form."""
-    finger, friction = Finger.at_speed(SPEED_M_PER_S), DryFriction()
+    finger, friction = Finger.at_speed(SPEED_M_PER_S), DryFriction(gated=False)
     hold_n = friction.static * FORCE_N - finger.damping_n_s_per_m * SPEED_M_PER_S
     breakaway_s = hold_n / (finger.stiffness_n_per_m * SPEED_M_PER_S)
     return Problem(
@@ -38,7 +38,7 @@ def _motion(n_samples: int) -> StickSlip:
         pieces,
         force_form("sc_layer", Skin(), 1e-4),
         finger=Finger.at_speed(SPEED_M_PER_S),
-        friction=DryFriction(),
+        friction=DryFriction(gated=False),
         force_n=FORCE_N,
         travel=Travel(SPEED_M_PER_S),
     )

@@ -24,8 +24,8 @@ class DryFriction(Quantity):
     static, kinetic : float
         Coefficients, static at least kinetic.
     gated : bool
-        The voltage adds to the friction in full slip alone; a stuck finger bears its normal force's static friction
-        (or the slipping one, if that is more).
+        The voltage adds to the friction in full slip alone, as Sirin et al. (2019) found: a stuck finger bears its
+        normal force's static friction (or the slipping one, if that is more). Without, it holds a stuck finger too.
     """
 
     kind = "dry_friction"
@@ -39,7 +39,7 @@ class DryFriction(Quantity):
 
     static: NotNegative = 0.6
     kinetic: NotNegative = 0.5
-    gated: bool = False
+    gated: bool = True
 
     def __post_init__(self) -> None:
         least = f"at least the kinetic coefficient ({self.kinetic})"

@@ -115,7 +115,7 @@ def test_without_load_a_finger_that_slips_has_the_same_friction_in_both_motions(
         PIECES,
         FORM,
         finger=Finger(),
-        friction=DryFriction(0.5, 0.5),
+        friction=DryFriction(0.5, 0.5, gated=False),
         force_n=0.0,
         travel=Travel(10.0),
     )
@@ -156,7 +156,7 @@ def test_a_stretched_finger_starts_from_its_stretch_and_breaks_away_sooner() -> 
 
     def breaks_away_s(stretch_m: float) -> float:
         travel = Travel(0.05, stretch_m=stretch_m)
-        arguments = {"finger": finger, "friction": DryFriction(0.6, 0.5), "force_n": 0.5, "travel": travel}
+        arguments = {"finger": finger, "friction": DryFriction(0.6, 0.5, gated=False), "force_n": 0.5, "travel": travel}
         motion = stick_slip(T_S, quiet, FORM, **arguments)
         assert motion.stretch_m[0] == stretch_m
         return float(motion.events_s[0])

@@ -25,7 +25,7 @@ from tactometry.stimuli.electrovibration.attraction.force import ForceForm, forc
 from tactometry.stimuli.electrovibration.motion import power_series, stick_slip as sticking
 from tactometry.stimuli.electrovibration.waveforms.pieces import straight
 
-FINGER, FRICTION = Finger(), DryFriction(0.6, 0.5)
+FINGER, FRICTION = Finger(), DryFriction(0.6, 0.5, gated=False)
 LAYER = force_form("sc_layer", Skin(), 1e-4)
 STRONG = ForceForm(LAYER.relaxations, 500 * LAYER.newton_per_v2)
 QUIET = straight([0, 1.0], [0, 0])
@@ -213,7 +213,7 @@ def test_speed_through_zero_turns_the_slip_round() -> None:
 
 
 def test_normal_force_0_without_voltage_has_no_friction() -> None:
-    motion = run(QUIET, force_n=0.0, friction=DryFriction(0.5, 0.5))
+    motion = run(QUIET, force_n=0.0, friction=DryFriction(0.5, 0.5, gated=False))
     assert np.abs(motion.lateral_n).max() == 0
 
 
@@ -251,7 +251,7 @@ def test_equal_coefficients_agree_with_a_regularised_law_and_unequal_ones_do_not
         return np.asarray(r.y[0])
 
     def sharp_n(mu_static: float) -> np.ndarray:
-        return run(QUIET, force_n=1.0, friction=DryFriction(mu_static, 0.5)).stretch_m
+        return run(QUIET, force_n=1.0, friction=DryFriction(mu_static, 0.5, gated=False)).stretch_m
 
     scale = 0.5 / FINGER.stiffness_n_per_m
     assert np.abs(smooth_n(0.5) - sharp_n(0.5)).max() < 2e-3 * scale

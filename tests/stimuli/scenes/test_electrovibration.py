@@ -35,6 +35,7 @@ from tactometry.stimuli.electrovibration import (
     Skin,
     electrostatic_force_n_at,
 )
+from tactometry.stimuli.electrovibration.motion.pad import Finger
 from tactometry.stimuli.scenes.plan import Plan
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
@@ -224,6 +225,21 @@ def test_stick_and_slip_is_exact_in_its_events_and_right_between_them(frequency_
         np.testing.assert_allclose(got["slip_events_s"], reference["slip_events_s"], rtol=1e-9)
         for output in outputs[2:]:
             assert error_of(got, reference, output) <= accuracy
+
+
+def test_the_voltage_does_not_hold_a_finger_that_sticks():
+    """The first slip comes when spring and damper of the pad bear the static friction of the load."""
+    pad, force_n, speed_m_per_s = Finger.at_speed(0.05), 0.5, 0.05
+    at_rest_n = 0.6 * force_n - pad.damping_n_s_per_m * speed_m_per_s
+    law = effect("force_law", law="sc_layer")
+    surface, touch = Electrovibration(60.0, duration_s=0.2), FingerContact(force_n, speed_m_per_s)
+    for level in (-40.0, 50.0):
+        slips_s = []
+        for friction in (default("dry_friction"), effect("dry_friction", gated=False)):
+            scene = Scene(surface, (law, friction, default("finger_dynamics")), ("slip_events_s",), contacts=(touch,))
+            slips_s.append(scene.resolve().run({"level_db_re_1v": level})["slip_events_s"][0])
+        assert slips_s[0] == pytest.approx(at_rest_n / (pad.stiffness_n_per_m * speed_m_per_s), rel=1e-9)
+    assert slips_s[1] > 1.01 * slips_s[0]
 
 
 def test_an_accuracy_that_an_output_cannot_meet_is_refused_with_the_reason():
