@@ -16,7 +16,7 @@ import pytest
 from benches import file_bench
 from command_line import call
 from sampled import Sampled
-from study_texts import tutorial_in
+from study_texts import changed, tutorial_in
 from tables import event_rows, trial_rows
 
 from tactometry.devices.outputs.file import FileOutput, FileSettings
@@ -24,6 +24,7 @@ from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
 from tactometry.errors import DeviceFailed, Stopped
+from tactometry.experiments.study.study_file import builtin
 from tactometry.rigs.console import Console
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.texts import texts_in
@@ -44,6 +45,23 @@ def run(capsys, monkeypatch, folder, *more, answers="1\n" * 40, duty=1.0, change
     file_bench(folder, duty)
     words = ("run", tutorial_in(folder, changes), "--participant", "P01", "--rig", "console", "--out", folder / "d")
     return call(capsys, *words, *more)
+
+
+def test_the_terminal_asks_for_the_place_of_foci_by_its_names(tmp_path, capsys, monkeypatch):
+    study = builtin()["time-reversal-localisation"].read_text("utf-8")
+    short = {"repeats = 30": "repeats = 1", 'hold_s = "500 ms"': 'hold_s = "10 ms"', "n_trials = 20": "n_trials = 10"}
+    (tmp_path / "s.toml").write_text(changed(study, short), encoding="utf-8")
+    monkeypatch.setattr("sys.stdin", io.StringIO("2\nindex + middle\n" * 40))
+    words = ("run", tmp_path / "s.toml", "--participant", "P01", "--rig", "console", "--out", tmp_path / "d")
+    status, _, out = call(capsys, *words)
+    assert status == 0
+    assert "1 = index, 2 = middle, 3 = index + middle" in out
+    rows = [row for row in trial_rows(tmp_path / "d") if row["practice"] == "0"]
+    assert len(rows) == 7
+    for row in rows:
+        assert row["response"] in ("2", "3")
+        assert float(row["separation_m"]) == float(row["distance_m"])
+        assert float(row["error_m"]) == (0.0 if row["response"] == row["target"] else float(row["distance_m"]))
 
 
 def kinds(root):

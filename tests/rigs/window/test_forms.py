@@ -1,5 +1,6 @@
 """Questionnaires and typed numbers in a real window, and every study there from start to end, by real key events."""
 
+import re
 import threading
 from dataclasses import replace
 
@@ -140,6 +141,9 @@ def test_the_entry_page_is_drawn_for_a_look(screen, artefacts):
 # --- studies from start to end
 
 LEARNT = "time-reversal-threshold"
+OTHER_DISTANCES = re.findall(
+    r'^"0\.0(?!28).*\n', (ROOT / "experiments" / "time-reversal-localisation.toml").read_text("utf-8"), re.M
+)
 SHORT = {
     "time-reversal-threshold": (
         ("force_n = [0.5, 1.5, 3.0] ", "force_n = [0.5] "),
@@ -150,6 +154,12 @@ SHORT = {
         ('["P0", "P1", "P2", "P3", "P4", "P5", "P6"]', '["P0", "P4"]'),
         ('form = "attrakdiff" ', 'form = "attrakdiff-haptic" '),
         ("n_touches = 3 ", "n_touches = 1 "),
+    ),
+    "time-reversal-localisation": (
+        ("[0.010, 0.013, 0.017, 0.022, 0.028, 0.036, 0.050]", "[0.028]"),
+        *((line, "") for line in OTHER_DISTANCES),
+        ("n_correct = 6 ", "n_correct = 1 "),
+        ("repeats = 30", "repeats = 3"),
     ),
     "hybrid-button": (("repeats = 2", "repeats = 1"), ("n_touches = 2", "n_touches = 1")),
     "electrovibration-threshold": (
@@ -169,7 +179,7 @@ def in_the_window(display, screen, capsys):
 
     def tap_all():
         while not ended.wait(0.02):
-            for key in ("space", "y", "4"):
+            for key in ("space", "y", "4", "2"):
                 display.tap(key, 0.01)
 
     def run(*arguments):
