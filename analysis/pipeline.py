@@ -80,7 +80,7 @@ def analyse(
     """
     expect(report is not None or not pdf, "--pdf", "no --report", "one: the PDF is printed from it")
     if report is not None:
-        check_report(report)
+        check_report(report)  # before the analysis, which may take minutes
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
     analysis = analyse_trials(
         replace(trials, notes=(*warnings, *trials.notes)),
@@ -105,7 +105,8 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
     all_judged = cells.judgements(all_used)  # a rule was told the answers, too, that the plan leaves out
     used, judged = (rows[rows.index.isin(trials.rows.index)] for rows in (all_used, all_judged))
     answers = cells.counted_answers(judged)
-    every, forms, direct = cells.cells(answers, factors), ratings(trials, plan.primary), _direct_tables(used, factors)
+    every, forms = cells.cells(answers, factors), ratings(trials, plan.primary)
+    direct = _direct_tables(used, factors)
     if not every and not forms and not direct:
         raise InvalidFile(f"{trials.path}: found {NOTHING}")
     unit, n_choices = cells.level_unit(trials), cells.n_alternatives(trials)
@@ -130,8 +131,10 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
         study=study_text(everything.path, unit),
     )
     tables = {"quality": with_frames(recorded, frames(everything.path)), "excluded": excluded, **direct}
-    tables |= _curve_tables(table, every, judged, factors) | _force_tables(forces, factors) | _compared_tables(values)
+    tables |= _curve_tables(table, every, judged, factors) | _force_tables(forces, factors)
+    tables |= _compared_tables(values)
     values = replace(values, tables={name: rows for name, rows in tables.items() if len(rows)})
+    # Last: they tell of all tables.
     return replace(values, warnings=warnings_of(values), methods=methods(values))
 
 
@@ -144,12 +147,9 @@ NOTHING = (
 def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
     """What is read off the answers of a task without a curve: the tables of each task that has used rows."""
     rows_of = dict(iter(used.groupby("task")))
-    tables = {
-        name: table_of(rows_of[task], factors)
-        for task, results in RESULTS.items()
-        if task in rows_of
-        for name, table_of in results.tables.items()
-    }
+    tables: dict[str, pd.DataFrame] = {}
+    for task in (task for task in RESULTS if task in rows_of):
+        tables |= {name: table_of(rows_of[task], factors) for name, table_of in RESULTS[task].tables.items()}
     return {name: table for name, table in tables.items() if len(table)}
 
 

@@ -265,7 +265,7 @@ def largest_known(
     if not held:
         return None
     everybody = np.ones(len(subjects), dtype=bool)
-    return presence.part(max(held, key=_n_cells), everybody)
+    return presence.part(max(held, key=_n_cells), everybody)  # of equal choices the first
 
 
 def _n_cells(chosen: Subset) -> int:

@@ -192,6 +192,7 @@ def permutation_p(effect: ContrastEffect, *, rng: np.random.Generator | None = N
         signs = rng.choice([-1.0, 1.0], size=(n_resamples, n))
     sums = np.sum((signs @ effect.scores) ** 2, axis=1)
     observed = float(np.sum(effect.scores.sum(axis=0) ** 2))
+    # What is equal but for rounding is as large.
     n_as_large = int(np.sum(sums >= observed * (1 - 1e-12)))
     # Drawn signs leave the answers' own out, which are as large as themselves: with them p is never 0.
     return n_as_large / len(signs) if exact else (n_as_large + 1) / (n_resamples + 1)

@@ -112,6 +112,7 @@ def within_design(
         _refuse_holes(n_values, levels, (subject, *within), dependent)
     y = data[dependent].to_numpy()
     size = size_of(y)
+    # In units of the largest: a sum of values near the largest float stays finite.
     sums = np.bincount(place, y / size, minlength=n_values.size).reshape(shape)
     values = size * (sums / n_values)
     rounding = RELATIVE_ZERO * float(np.abs(values).max())

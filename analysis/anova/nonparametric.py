@@ -133,7 +133,7 @@ def _estimate(design: WithinDesign, factors: Sequence[str]) -> Array:
 
 
 def _rounded(values: Array) -> Array:
-    scale = float(values.std()) or 1.0
+    scale = float(values.std()) or 1.0  # equal values have no spread to be rounded to
     return np.asarray(np.round(values / scale, DIGITS) * scale, dtype=np.float64)
 
 

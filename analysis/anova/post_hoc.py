@@ -105,6 +105,7 @@ def all_together(result: pd.DataFrame, correction: str, interval: float) -> pd.D
     they do, so that a simultaneous interval may hold 0 where Holm's p is below 5 %, and never the other way round.
     """
     result = result.drop(columns=["simultaneous_low", "simultaneous_high", "p_corr"], errors="ignore")
+    # Pairs without error have no p, and count for none.
     n_tested = 1 if correction == "none" else max(1, int(result["p_unc"].notna().sum()))
     df = result["df"].astype(float).to_numpy()
     wider = student.isf((1 - interval) / 2 / n_tested, df) / student.isf((1 - interval) / 2, df)

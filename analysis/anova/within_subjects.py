@@ -244,7 +244,7 @@ def _under(f: float, df: tuple[float, float], chance: float) -> float:
 
     if above(0.0) <= 0:  # so small an F is likelier than that without any effect
         return 0.0
-    top = 2 * (f * df[0] + sum(df))
+    top = 2 * (f * df[0] + sum(df))  # beyond what F estimates; doubled until it encloses the root
     while above(top) > 0 and top < LARGEST:
         top *= 2
     return float(brentq(above, 0.0, top, xtol=1e-9, rtol=1e-12)) if above(top) < 0 else top

@@ -65,7 +65,8 @@ def frequency_by_envelope(
     _expect(scored, pattern, design)
     kept = scored[scored[pattern].isin(design)]
     for place, name in enumerate(BY):
-        kept = kept.assign(**{name: kept[pattern].map({code: values[place] for code, values in design.items()})})
+        value_of = {code: values[place] for code, values in design.items()}
+        kept = kept.assign(**{name: kept[pattern].map(value_of)})
 
     def crossed(whole: pd.DataFrame, dimension: str) -> pd.DataFrame:
         effects = repeated_measures(whole, dependent=dimension, within=list(BY), subject="participant")
@@ -88,7 +89,7 @@ def _of_dimensions(
         whole, left_out = complete_participants(scored, dimension, pattern)
         try:
             table = test(whole, dimension)
-        except UndefinedStatistic as refusal:
+        except UndefinedStatistic as refusal:  # the other dimensions still have their answers
             table = pd.DataFrame([{**untested, "note": str(refusal)}])
         table.insert(0, "dimension", dimension)
         tables.append(table.assign(left_out=", ".join(left_out)))
@@ -99,6 +100,7 @@ def complete_participants(table: pd.DataFrame, dependent: str, condition: str) -
     """The rows of participants with a value in every condition, and the names of the others (listwise deletion)."""
     known = table[table[dependent].notna()]
     n_conditions = known.groupby("participant")[condition].nunique()
+    # Of all conditions in the table, not of those with a known value: else one that nobody has would be forgotten.
     whole = n_conditions.index[n_conditions == table[condition].nunique()]
     left_out = sorted(set(table["participant"]) - set(whole))
     return known[known["participant"].isin(whole)], [str(code) for code in left_out]

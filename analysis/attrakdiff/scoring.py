@@ -96,7 +96,7 @@ def _answers(
     expect(len(table) > 0, "scores", "no row", "answers to a questionnaire")
     form = _form(table, questionnaire)
     factors = list(_conditions(list(map(str, table.columns))) if within is None else within)
-    raw = _raw(table.reset_index(drop=True), form)
+    raw = _raw_values(table.reset_index(drop=True), form)
     return table.reset_index(drop=True).assign(raw=raw), form, factors
 
 
@@ -116,13 +116,16 @@ def _conditions(names: Sequence[str]) -> list[str]:
     return [name for name in names if name not in HERE]
 
 
-def _raw(table: pd.DataFrame, form: Questionnaire) -> "pd.Series[float]":
+def _raw_values(table: pd.DataFrame, form: Questionnaire) -> "pd.Series[float]":
     known = {item.id for item in form.items}
     text = table["response"].astype(object).where(table["response"].notna(), "")
     raw = pd.to_numeric(text.where(text != "", np.nan), errors="coerce")
     beside = raw.notna() & ~raw.map(form.takes)
-    for place in np.flatnonzero(~table["item"].isin(known) | (raw.isna() & (text != "")) | beside):
-        item, row = table["item"][place], table["row"][place] if "row" in table.columns else place
+    is_word = raw.isna() & (text != "")
+    # The first of them is named.
+    for place in np.flatnonzero(~table["item"].isin(known) | is_word | beside):
+        item = table["item"][place]
+        row = table["row"][place] if "row" in table.columns else place
         if item not in known:
             unknown = f"found {item!r}, no item of {form.name}{nearest(str(item), known)}"
             raise InvalidParameter(f"item, row {row}: {unknown}")
@@ -139,8 +142,10 @@ def _rounds(answers: pd.DataFrame, keys: Sequence[str]) -> list[tuple[tuple[obje
     by_key: dict[tuple[object, ...], list[Round]] = {}
     columns = [answers[name].tolist() for name in keys]
     raw = [None if np.isnan(x) else x for x in answers["raw"].tolist()]
-    for key, item, value in zip(zip(*columns, strict=True), answers["item"].tolist(), raw, strict=True):
+    keyed = zip(zip(*columns, strict=True), answers["item"].tolist(), raw, strict=True)
+    for key, item, value in keyed:
         rounds = by_key.setdefault(key, [])
+        # A second answer to an item begins the next round.
         free = next((answered for answered in rounds if item not in answered), None)
         if free is None:
             rounds.append(free := {})
@@ -152,7 +157,8 @@ def _mean_scores(rounds: Sequence[Round], form: Questionnaire) -> dict[str, floa
     """Scores of one participant in one condition: means over the rounds."""
     means = pd.DataFrame([form.scores(answers) for answers in rounds], dtype=np.float64).mean()
     named: dict[str, float | None] = {str(name): None if np.isnan(x) else float(x) for name, x in means.items()}
-    return named | {"n_answered": float(sum(value is not None for answers in rounds for value in answers.values()))}
+    values = [value for answers in rounds for value in answers.values()]
+    return named | {"n_answered": float(sum(value is not None for value in values))}
 
 
 def summary(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
@@ -162,9 +168,8 @@ def summary(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
     `scored` is what `scores` gives.
     """
     factors = list(scored.attrs["within"])
-    of_dimensions = [
-        group_table(scored, factors, name, interval).assign(dimension=name) for name in sorted(dimensions_of(scored))
-    ]
+    names = sorted(dimensions_of(scored))
+    of_dimensions = [group_table(scored, factors, name, interval).assign(dimension=name) for name in names]
     columns = [*factors, "dimension", *MEANS, "n", "n_missing"]
     return _by_factors(pd.concat(of_dimensions, ignore_index=True)[columns], factors)
 
@@ -199,6 +204,7 @@ def word_pairs(scored_items: pd.DataFrame, language: str = "en", interval: float
         return words | _mean(answers["score"], interval)
 
     profile = by_condition(scored_items, [*factors, "item"], row_of)
+    # Sorted twice, stably: by the questionnaire's order, then by conditions.
     return _by_factors(profile.sort_values("item", key=lambda ids: ids.map(order), kind="stable"), factors)
 
 
@@ -256,7 +262,7 @@ def _alpha(wide: pd.DataFrame, interval: float) -> dict[str, object]:
     alpha, low, high, note = None, None, None, ""
     if wide.shape[1] < 2 or len(values) < 3:
         note = "fewer than two items or three participants who answered them all"
-    elif values.sum(axis=1).var() <= 1e-12:
+    elif values.sum(axis=1).var() <= 1e-12:  # rounding
         note = "participants do not differ in this score"
     else:
         alpha = cronbach_alpha(values)
@@ -272,12 +278,15 @@ def cronbach_alpha(values: Array) -> float:
     0.9333
     """
     k = values.shape[1]
-    return float(k / (k - 1) * (1 - values.var(axis=0, ddof=1).sum() / values.sum(axis=1).var(ddof=1)))
+    of_items = values.var(axis=0, ddof=1).sum()
+    of_sum = values.sum(axis=1).var(ddof=1)
+    return float(k / (k - 1) * (1 - of_items / of_sum))
 
 
 def _feldt(alpha: float, n: int, k: int, interval: float) -> tuple[float, float]:
     from scipy.stats import f as fisher
 
     df = (n - 1, (n - 1) * (k - 1))
+    # Alpha falls as F rises: the larger quantile makes the lower end.
     low, high = (fisher.ppf(chance, *df) for chance in ((1 + interval) / 2, (1 - interval) / 2))
     return 1 - (1 - alpha) * float(low), 1 - (1 - alpha) * float(high)

@@ -28,19 +28,20 @@ def curve_figure(estimates: Sequence[Estimate], factors: Sequence[str], *, unit:
     curve, and the threshold with its interval as a bar at the bottom."""
     shown = list(estimates)[:MAX_PANELS]
     columns = min(7, len(shown)) if len(shown) > 8 else min(4, len(shown))
-    rows = -(-len(shown) // columns)
+    rows = -(-len(shown) // columns)  # rounded up
     levels = [x for estimate in shown for x in estimate.cell.levels] or [0.0, 1.0]
-    span = (min(levels), max(levels)) if min(levels) < max(levels) else (min(levels) - 1, max(levels) + 1)
+    low, high = min(levels), max(levels)
+    span = (low, high) if low < high else (low - 1, high + 1)  # one level has no range to draw
     with new_figure(max(1.45 * columns, 3.0), 1.35 * rows + 0.5) as figure:
         for place, estimate in enumerate(shown):
             axes = _panel(figure, place, rows, columns)
             _draw_curve(axes, estimate, span)
             axes.set_title(condition_name(factors, estimate.cell.condition), fontsize=7, pad=2)
-            axes.tick_params(
-                labelsize=6.5, length=2, labelleft=place % columns == 0, labelbottom=place >= len(shown) - columns
-            )
+            is_left, is_last = place % columns == 0, place >= len(shown) - columns
+            axes.tick_params(labelsize=6.5, length=2, labelleft=is_left, labelbottom=is_last)
         task = shown[0].cell.task
         figure.supxlabel(with_unit("Level", unit), fontsize=8)
+        # The panels lie at fixed spots, and so does their label.
         figure.supylabel(CURVES[task].rate_label, fontsize=8, x=0.08 / figure.get_size_inches()[0])
         return drawing_of(figure)
 
@@ -62,10 +63,12 @@ def _draw_curve(axes: "Axes", estimate: Estimate, span: tuple[float, float]) -> 
     if len(n):
         low, high = proportion_confint(k, n, method="wilson")
         axes.vlines(cell.levels, low, high, color="#888888", linewidth=0.8)
-        axes.scatter(cell.levels, k / n, s=3 + 14 * n / n.max(), color=look(0)["color"], linewidths=0, zorder=3)
+        area = 3 + 14 * n / n.max()
+        axes.scatter(cell.levels, k / n, s=area, color=look(0)["color"], linewidths=0, zorder=3)
     if fit.function is not None:
         x = np.linspace(*span, 80)
         axes.plot(x, fit.function.probability(x), color=look(1)["color"], linewidth=1.1)
+    # An end that is not known reaches to the end of the axis. The bar lies below the rates, which end at 0.
     ends = [span[0] if fit.interval_low is None else fit.interval_low]
     ends.append(span[1] if fit.interval_high is None else fit.interval_high)
     if (fit.interval_low, fit.interval_high) != (None, None):
@@ -73,8 +76,8 @@ def _draw_curve(axes: "Axes", estimate: Estimate, span: tuple[float, float]) -> 
     if fit.threshold is not None:
         axes.plot([fit.threshold], [-0.06], "|", color="black", markersize=5)
     if fit.status != Status.OK:
-        axes.text(0.04, 0.93, str(fit.status).replace("threshold_", "").replace("_", " "), fontsize=6, va="top",
-                  transform=axes.transAxes, color=look(1)["color"])  # fmt: skip
+        words = str(fit.status).replace("threshold_", "").replace("_", " ")
+        axes.text(0.04, 0.93, words, fontsize=6, va="top", transform=axes.transAxes, color=look(1)["color"])
     axes.set_ylim(-0.12, 1.05)
     margin = 0.04 * (span[1] - span[0])
     axes.set_xlim(span[0] - margin, span[1] + margin)

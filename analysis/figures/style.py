@@ -25,8 +25,8 @@ LIGHTEST = 0.8
 """Of viridis (dark to light): lighter is too faint on white."""
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
 _SETTINGS: dict[str, Any] = {
-    "svg.fonttype": "none",
-    "svg.hashsalt": "tactometry",
+    "svg.fonttype": "none",  # text stays text, which a reader can search and an editor change
+    "svg.hashsalt": "tactometry",  # without it names of elements are drawn anew each time
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],
     "font.size": 9.0,
@@ -48,7 +48,7 @@ def house_style() -> Iterator[None]:
     import matplotlib as mpl
 
     with mpl.rc_context():
-        mpl.rcdefaults()
+        mpl.rcdefaults()  # what a user's own settings say does not change a figure
         mpl.rcParams.update(_SETTINGS)  # type: ignore[arg-type,unused-ignore]
         yield
 
@@ -61,6 +61,7 @@ def new_figure(width_in: float, height_in: float) -> "Iterator[Figure]":
 
     with house_style():
         figure = Figure(figsize=(width_in, height_in), layout="constrained")
+        # Without pyplot, which keeps every figure and asks for a window.
         FigureCanvasSVG(figure)
         yield figure
 
@@ -77,6 +78,7 @@ class Drawing:
         """Pixels for print."""
         target = io.BytesIO()
         with house_style():
+            # Else the version of matplotlib stands in the file.
             self.figure.savefig(target, format="png", dpi=PRINT_DPI, metadata={"Software": None})
         return target.getvalue()
 
@@ -86,6 +88,7 @@ def drawing_of(figure: "Figure") -> Drawing:
     target = io.StringIO()
     figure.savefig(target, format="svg", metadata={"Date": None, "Creator": "tactometry"})
     text = target.getvalue()
+    # Without the XML declaration: the page holds the drawing as one of its elements.
     return Drawing(figure, text[text.index("<svg") :])
 
 
@@ -132,7 +135,7 @@ class FactorAxis:
             return {level: float(n) for n, level in enumerate(levels)}
         if levels[0] > 0 and levels[-1] / levels[0] > LOG_RANGE:
             axes.set_xscale("log")
-            axes.xaxis.set_minor_locator(NullLocator())
+            axes.xaxis.set_minor_locator(NullLocator())  # no ticks but those of the levels
         axes.set_xticks([float(level) for level in levels], [f"{level:g}" for level in levels])
         return {level: float(level) for level in levels}
 
@@ -202,7 +205,7 @@ def panels(
     """A panel per series, at most three side by side, each drawn by `draw`, with one legend for all."""
     parts = series(table, axis.series)
     columns = min(3, len(parts))
-    rows = -(-len(parts) // columns)
+    rows = -(-len(parts) // columns)  # rounded up
     with new_figure(2.6 * columns + 1.4, height_in * rows + 0.4) as figure:
         grid = figure.subplots(rows, columns, squeeze=False, sharex=share_x, sharey=True).ravel()
         for axes, (name, panel) in zip(grid, parts, strict=False):

@@ -139,7 +139,7 @@ class _Censored:
         y = _middle(ends).reshape(self.low.shape)
         beta = np.linalg.lstsq(self.x[self.used], y[self.used], rcond=None)[0]
         residuals = (y - self.x @ beta)[self.used]
-        sd = max(float(residuals.std()), 0.01) / np.sqrt(2)
+        sd = max(float(residuals.std()), 0.01) / np.sqrt(2)  # of an exact fit it would be 0, which has no logarithm
         return np.concatenate([beta, [np.log(sd), sd]])
 
     def log_likelihood(self, points: Array) -> Expansion:

@@ -165,6 +165,7 @@ class _Design:
         expect(holds, "fixed", found, "independent ones; leave one out")
         scale = np.sqrt(np.square(matrix).mean(axis=0))
         who, cluster = np.unique(participants, return_inverse=True)
+        # Columns of like size: one START_SD and one tolerance serve effects of any unit.
         laid = lay_out(cluster, matrix / scale, *answers)
         names = tuple(str(one) for one in who)
         return cls(tuple(columns), tuple(random), scale, laid[0], (laid[1], laid[2]), names, correlated)

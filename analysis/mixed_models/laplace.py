@@ -22,7 +22,7 @@ from scipy.optimize import minimize
 
 from ..arrays import Array, Expansion, Rows
 
-DIFFERENCE = 1e-4
+DIFFERENCE = 1e-4  # of central differences: their error goes with its square, that of rounding with its inverse
 MAX_INNER_STEPS = 60
 SMALL_INNER_DECREMENT = 1e-9
 """The step that follows a decrement of this size squares it."""
@@ -125,8 +125,7 @@ class MixedFit:
 def inner_mode(model: ClusteredModel, parameters: Array, start: Array | None = None) -> Inner:
     """Damped Newton steps of all clusters at once, each with its own damping."""
     beta, shared, theta = model.parts(parameters)
-    loads = model.random @ model.scale(theta)
-    offset = model.fixed @ beta
+    loads, offset = model.random @ model.scale(theta), model.fixed @ beta
     effects = np.zeros((loads.shape[0], loads.shape[-1])) if start is None else start
     damping = np.zeros(len(effects))
     here = _at(model, offset, loads, effects, shared)
@@ -194,6 +193,7 @@ def log_marginal(model: ClusteredModel, parameters: Array, inner: Inner) -> tupl
     moved = np.einsum("csaq,cq->csa", inner.loads, pull)
     total = first + drift[..., :d] + np.einsum("csab,csb->csa", hessian, moved)
     # Lambda enters thrice: by eta, by the gradient whose zero the mode is, and by H itself.
+    # `optimize`: three factors at once would take every combination of all indices.
     by_eta = np.einsum("csaq,csa,cr->qr", model.random, total, inner.effects, optimize=True)
     by_mode = np.einsum("csaq,csa,cr->qr", model.random, first, pull, optimize=True)
     by_determinant = np.einsum("csaq,csab,csrb->qr", model.random, w, spread, optimize=True)
@@ -308,7 +308,7 @@ def _hessian(objective: _Objective, parameters: Array) -> Array:
         _, behind = objective(parameters - step * unit)
         columns.append((ahead - behind) / (2 * step))
     matrix = np.array(columns)
-    return np.asarray((matrix + matrix.T) / 2)
+    return np.asarray((matrix + matrix.T) / 2)  # differences leave it symmetric but for their error
 
 
 def symmetric_inverse(hessian: Array) -> tuple[Array, float]:

@@ -215,8 +215,7 @@ def model_design(
             averaged += _products([centred[name] for name in term]).values()
     x = np.stack(list(columns.values()), axis=1)
     _refuse_dependent(x, list(columns), terms)
-    y = data[dependent].to_numpy(dtype=np.float64)
-    groups, _ = pd.factorize(data[subject])
+    y, groups = data[dependent].to_numpy(dtype=np.float64), pd.factorize(data[subject])[0]
     return ModelDesign(y, groups, x, tuple(columns), terms, np.stack(averaged, axis=1))
 
 
@@ -260,6 +259,7 @@ def _has_error(y: Array, design: ModelDesign) -> bool:
     both = np.column_stack([design.x, y])
     within = both - _group_means(both, design.groups)[design.groups]
     x_within, y_within = within[:, :-1], within[:, -1]
+    # What varies between participants alone is rounding here, which the regression may not enlarge (`rcond`).
     residual = y_within - x_within @ np.linalg.lstsq(x_within, y_within, rcond=TOLERANCE)[0]
     return bool(np.abs(residual).max() > RELATIVE_ZERO * np.abs(y).max())
 

@@ -100,6 +100,7 @@ class Outcome:
 
     def title(self, name: Primary) -> str:
         """Of one of its analyses."""
+        # Without a factor within, groups are compared by one value of each participant.
         kind = ("mixed" if self.within else "between-groups") if self.between else "repeated-measures"
         if name is Primary.ANOVA:
             which = f" of the largest complete part, without {', '.join(self.left_out)}" if self.left_out else ""

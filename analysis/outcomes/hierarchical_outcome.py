@@ -50,18 +50,19 @@ def group_fit(cells: Sequence[Cell], factors: Sequence[str], n_choices: int, uni
     if len({cell.participant for cell in cells}) < 2:
         return None
     if len(cells) > MOST_CELLS:
-        return _without(task, f"{len(cells)} cells, at most {MOST_CELLS} are fitted here (fit_hierarchical)")
+        return _no_outcome(task, f"{len(cells)} cells, at most {MOST_CELLS} are fitted here (fit_hierarchical)")
     varied = [name for place, name in enumerate(factors) if len({cell.condition[place] for cell in cells}) > 1]
-    rows = [
-        (cell.participant, level, k, n, cell.n_false_alarms, cell.n_catch, *cell.condition)
-        for cell in cells
-        for level, k, n in zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
-    ]
+    rows: list[tuple[float | str, ...]] = []
+    for cell in cells:
+        of_cell = (cell.n_false_alarms, cell.n_catch, *cell.condition)
+        counts = zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
+        rows += [(cell.participant, level, k, n, *of_cell) for level, k, n in counts]
     if not rows:
-        return _without(task, "no trial with a level")
+        return _no_outcome(task, "no trial with a level")
     table = pd.DataFrame(rows, columns=[*COLUMNS, *factors])
     conditions = {name: table[name].tolist() for name in varied} or {ALL: ["all"] * len(table)}
     curve = CURVES[task]
+    options = WITHOUT_LAPSES if curve.has_difference else curve.options(n_choices, unit)
     fit = fit_hierarchical(
         table["level"],
         table["n_yes"],
@@ -71,25 +72,27 @@ def group_fit(cells: Sequence[Cell], factors: Sequence[str], n_choices: int, uni
         n_false_alarms=table["n_false_alarms"],
         n_catch=table["n_catch"],
         width_by=varied if curve.has_difference else (),
-        **(WITHOUT_LAPSES if curve.has_difference else curve.options(n_choices, unit)),
+        **options,
     )
     return _outcome(task, fit, varied, table)
 
 
-def _without(task: str, why: str) -> HierarchicalOutcome:
+def _no_outcome(task: str, why: str) -> HierarchicalOutcome:
     return HierarchicalOutcome(task, None, f"no hierarchical fit: {why}", pd.DataFrame(), pd.DataFrame())
 
 
 def _outcome(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> HierarchicalOutcome:
     if fit.status not in HAS_FIT:
-        return _without(task, fit.note)
+        return _no_outcome(task, fit.note)
     has_difference = CURVES[task].has_difference
     tables = (fit.conditions, fit.participants)
     conditions, participants = map(_with_difference, tables) if has_difference else tables
     has_widths = has_difference and fit.conditions["width"].notna().any()
-    effects, notes = _effects(fit, varied, table, ("threshold", "log_width") if has_widths else ("threshold",))
+    quantities = ("threshold", "log_width") if has_widths else ("threshold",)
+    effects, notes = _effects(fit, varied, table, quantities)
     conditions = conditions.assign(text=[_text(row) for _, row in conditions.iterrows()])
-    return HierarchicalOutcome(task, fit, "; ".join(filter(None, (fit.note, notes))), conditions, participants, effects)
+    note = "; ".join(filter(None, (fit.note, notes)))
+    return HierarchicalOutcome(task, fit, note, conditions, participants, effects)
 
 
 def _with_difference(table: pd.DataFrame) -> pd.DataFrame:
@@ -112,7 +115,7 @@ def _effects(
         where = f" on the {QUANTITIES[of]}" if several else ""
         try:
             effects |= {" * ".join(factors) + where: fit.effect(*factors, of=of) for factors in factors_of}
-        except InvalidParameter as refusal:
+        except InvalidParameter as refusal:  # widths may lack a test that thresholds have
             notes.append(f"no test of effects: {refusal}")
     return effects, "; ".join(notes)
 

@@ -79,7 +79,7 @@ def outcome(
     design = EstimateDesign.of(table, factors, dependent)
     group = group_table(table, factors, dependent)
     result = Outcome(task, dependent, table, group, cross_table(group, factors), design.within, design.between)
-    complete, notes = _complete(design)
+    complete, notes = _complete_part(design)
     result = replace(result, notes=notes)
     if complete is not None:
         result = _with_anova(result, design, complete, permuted=primary == Primary.PERMUTATION)
@@ -90,13 +90,13 @@ def outcome(
     if design.factors:  # last, as an analysis that has no answer cannot be the one that answers
         result = _with_primary(result, primary, is_whole=design.is_whole)
     if result.primary is Primary.CENSORED and result.censored is not None:
-        return _with_comparisons(result, _comparing_censored(design, result.censored), bounds or {})
+        return _with_comparisons(result, _comparison_of_censored(design, result.censored), bounds or {})
     if result.anova is None or complete is None:
         return result
-    return _with_comparisons(result, _comparing_complete(design, result.anova, complete), bounds or {})
+    return _with_comparisons(result, _comparison_of_complete(design, result.anova, complete), bounds or {})
 
 
-def _complete(design: EstimateDesign) -> tuple[SubDesign | None, tuple[str, ...]]:
+def _complete_part(design: EstimateDesign) -> tuple[SubDesign | None, tuple[str, ...]]:
     """The largest complete part; or why there is none."""
     within = design.within
     if not design.factors:
@@ -140,7 +140,7 @@ def _with_anova(result: Outcome, design: EstimateDesign, complete: SubDesign, *,
 def _anova(design: EstimateDesign, table: pd.DataFrame, within: Sequence[str]) -> pd.DataFrame:
     """Of a complete table, by factors within participants."""
     if not within:  # of known values it is the analysis of variance
-        return _censored(design, table, within).table
+        return _censored_anova(design, table, within).table
     if design.between is None or table[design.between].nunique() < 2:
         return repeated_measures(table, within=within, **design.arguments)
     return mixed_anova(table, within=within, between=design.between, **design.arguments)
@@ -158,7 +158,7 @@ def _with_censored(result: Outcome, design: EstimateDesign, factors: Sequence[st
         note = f"no analysis of bounds: no two conditions have {MIN_KNOWN} participants with a value"
         return replace(result, notes=(*result.notes, note))
     try:
-        censored = _censored(design, kept.table, kept.within)
+        censored = _censored_anova(design, kept.table, kept.within)
     except InvalidParameter as refusal:
         return replace(result, notes=(*result.notes, f"no analysis of bounds: {refusal}"))
     means = group_table(result.estimates, factors, result.dependent, model=_means(censored, kept.table, factors))
@@ -172,7 +172,7 @@ def _means(model: CensoredAnova, table: pd.DataFrame, factors: Sequence[str]) ->
     return means.assign(**{name: table[name].iloc[0] for name in factors if name not in means.columns})
 
 
-def _censored(design: EstimateDesign, table: pd.DataFrame, within: Sequence[str]) -> CensoredAnova:
+def _censored_anova(design: EstimateDesign, table: pd.DataFrame, within: Sequence[str]) -> CensoredAnova:
     between = design.between if design.between and table[design.between].nunique() > 1 else None
     return censored_anova(table, low=LOW, high=HIGH, within=list(within), between=between, **design.arguments)
 
@@ -228,7 +228,7 @@ def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outc
 
 
 @dataclass(frozen=True)
-class _Comparing:
+class _Comparison:
     """How an analysis with `effects` of a part of a table compares conditions and groups: `pairs` of a factor at each
     level of another (None: over all), `equivalence` of a factor's levels within a bound, simple effects by `analysis`.
     """
@@ -241,27 +241,23 @@ class _Comparing:
     equivalence: Callable[..., pd.DataFrame]
 
 
-def _with_comparisons(result: Outcome, ways: _Comparing, bounds: Mapping[str, float]) -> Outcome:
+def _with_comparisons(result: Outcome, comparison: _Comparison, bounds: Mapping[str, float]) -> Outcome:
     """Pairs, groups and simple effects."""
-    within, between = ways.kept.within, ways.between
-    orders = interaction_orders(ways.effects, [*([between] if between else []), *within])
+    table, within, between = comparison.kept.table, comparison.kept.within, comparison.between
+    orders = interaction_orders(comparison.effects, [*([between] if between else []), *within])
+    tested = [name for name in bounds if name in within]
+    inside = [(name, by) for name, by in orders if name != between]
     return replace(
         result,
-        pairs={name: ways.pairs(name, None) for name in within},
-        group_pairs={between: ways.pairs(between, None)} if between else {},
-        equivalence={
-            name: ways.equivalence(factor=name, bound=bound) for name, bound in bounds.items() if name in within
-        },
-        simple={
-            (name, by): simple_effects(ways.analysis, ways.kept.table, within, name, by)
-            for name, by in orders
-            if name != between
-        },
-        simple_pairs={(name, by): ways.pairs(name, by) for name, by in orders},
+        pairs={name: comparison.pairs(name, None) for name in within},
+        group_pairs={between: comparison.pairs(between, None)} if between else {},
+        equivalence={name: comparison.equivalence(factor=name, bound=bounds[name]) for name in tested},
+        simple={(name, by): simple_effects(comparison.analysis, table, within, name, by) for name, by in inside},
+        simple_pairs={(name, by): comparison.pairs(name, by) for name, by in orders},
     )
 
 
-def _comparing_complete(design: EstimateDesign, effects: pd.DataFrame, complete: SubDesign) -> _Comparing:
+def _comparison_of_complete(design: EstimateDesign, effects: pd.DataFrame, complete: SubDesign) -> _Comparison:
     """Of the complete part."""
     table = complete.table
 
@@ -272,27 +268,27 @@ def _comparing_complete(design: EstimateDesign, effects: pd.DataFrame, complete:
             return pairs(table, factor=factor, by=by, **design.arguments)
         # Groups have other participants, so that `by` is no factor within: each group alone, then all corrected
         # together.
-        of_groups = [
-            pairs(members, factor=factor, correction="none", **design.arguments).assign(**{by: value})
-            for value, members in table.groupby(by, sort=True)
-        ]
+        of_groups = []
+        for value, members in table.groupby(by, sort=True):
+            alone = pairs(members, factor=factor, correction="none", **design.arguments)
+            of_groups.append(alone.assign(**{by: value}))
         return all_together(pd.concat(of_groups, ignore_index=True), "holm", INTERVAL)
 
     within_bound = partial(equivalence, table, **design.arguments)
-    return _Comparing(effects, complete, design.between, partial(_anova, design), compare, within_bound)
+    return _Comparison(effects, complete, design.between, partial(_anova, design), compare, within_bound)
 
 
-def _comparing_censored(design: EstimateDesign, model: CensoredAnova) -> _Comparing:
+def _comparison_of_censored(design: EstimateDesign, model: CensoredAnova) -> _Comparison:
     """Of the model of all that is known."""
     table, within, between = design.table, model.design.factors, model.design.between
     for name, levels in zip(within, model.design.levels, strict=True):
         table = table[table[name].isin(levels)]
 
     def analysis(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-        return _censored(design, rows, factors).table
+        return _censored_anova(design, rows, factors).table
 
     def compare(factor: str, by: str | None) -> pd.DataFrame:
         return censored_group_pairs(model, by=by) if factor == between else censored_pairs(model, factor, by=by)
 
     within_bound = partial(censored_equivalence, model)
-    return _Comparing(model.table, SubDesign(table, within, ()), between, analysis, compare, within_bound)
+    return _Comparison(model.table, SubDesign(table, within, ()), between, analysis, compare, within_bound)

@@ -140,6 +140,8 @@ def _ratings(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire, pr
     items = item_scores(rows, questionnaire=form, within=varied)
     profile = _with_condition(word_pairs(items), varied)
     has_patterns = varied == [PATTERN] and set(THESIS) <= set(scored[PATTERN])
+    has_reference = has_patterns and REFERENCE in set(scored[PATTERN])
+    has_portfolio = {"PQ", "HQ"} <= set(form.dimensions)
     return Ratings(
         form=form,
         factors=tuple(varied),
@@ -147,9 +149,9 @@ def _ratings(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire, pr
         summary=_with_condition(summary(scored), varied),
         profile=profile,
         consistency=consistency(items),
-        portfolio=_with_condition(portfolio(scored), varied) if {"PQ", "HQ"} <= set(form.dimensions) else None,
+        portfolio=_with_condition(portfolio(scored), varied) if has_portfolio else None,
         crossed=frequency_by_envelope(scored) if has_patterns else None,
-        against=against_reference(scored) if has_patterns and REFERENCE in set(scored[PATTERN]) else None,
+        against=against_reference(scored) if has_reference else None,
         grouped=grouped_profile(profile) if has_patterns else None,
         outcomes={} if has_patterns or not varied else _outcomes(scored, varied, form, primary),
     )
@@ -165,8 +167,8 @@ def _outcomes(
 
 def _with_condition(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """The conditions in one column, as a person writes them."""
-    names = [
-        ", ".join(value_of(name, value) for name, value in zip(factors, row, strict=True)) or "all"
-        for row in table[list(factors)].itertuples(index=False, name=None)
-    ]
+    names = []
+    for row in table[list(factors)].itertuples(index=False, name=None):
+        values = zip(factors, row, strict=True)
+        names.append(", ".join(value_of(name, value) for name, value in values) or "all")
     return table.assign(condition=names)

@@ -159,6 +159,7 @@ def _with_our_names(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.
 def _of_name(column_map: ColumnMap, file: Path) -> Mapping[str, str]:
     values = {}
     for ours, key in column_map.from_name.items():
+        # Anchored at the start or an underscore: the key "run" is none of "prerun-1".
         value = re.search(rf"(?:^|_){re.escape(key)}-([A-Za-z0-9]+)", file.name)
         if value is None:
             raise InvalidFile(f"{file}: found no {key}-... in the file's name, expected it for {ours!r} (from_name)")

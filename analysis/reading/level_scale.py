@@ -82,7 +82,8 @@ def wide_levels(rows: pd.DataFrame) -> list[str]:
     """A warning where levels that are no logarithm span a factor above `WIDE`."""
     is_linear = rows["task"].isin(tasks_with_level("curve"))
     if "level_unit" in rows.columns:
-        is_linear &= ~rows["level_unit"].isin([unit for unit in rows["level_unit"].unique() if is_logarithm(unit)])
+        logarithms = [unit for unit in rows["level_unit"].unique() if is_logarithm(unit)]
+        is_linear &= ~rows["level_unit"].isin(logarithms)
     levels = rows.loc[is_linear, "level"]
     above = levels[levels > 0]
     if above.empty or (levels < 0).any() or above.max() <= WIDE * above.min():

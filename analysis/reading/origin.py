@@ -90,7 +90,8 @@ def _is_simulated(rows: pd.DataFrame, known: Mapping[SessionKey, Sequence[Head]]
     if known and "session" in rows.columns and (rigs == "").any():
         by_journal = {key: sittings[0].rig for key, sittings in known.items()}
         keys = zip(rows["participant"], rows["session"], strict=True)
-        rigs = rigs.mask(rigs == "", pd.Series([by_journal.get(key, "") for key in keys], index=rows.index))
+        of_sessions = pd.Series([by_journal.get(key, "") for key in keys], index=rows.index)
+        rigs = rigs.mask(rigs == "", of_sessions)
     return np.asarray(rigs == SIMULATED)
 
 
@@ -101,7 +102,8 @@ def _silence_warnings(rows: pd.DataFrame) -> Iterator[str]:
     """
     if not {"rig", "level_delivered"} <= set(rows.columns):
         return
-    asked = rows[(rows["rig"] != "") & (rows["valid"] == 1) & rows["level"].notna() & ~rows["task"].isin(SETTINGS)]
+    is_felt = rows["level"].notna() & ~rows["task"].isin(SETTINGS)
+    asked = rows[(rows["rig"] != "") & (rows["valid"] == 1) & is_felt]
     silent = asked[asked["level_delivered"].isna()]
     if len(silent):
         yield f"nothing was played where a level was to be felt ({_codes(silent)}): these answers are to no stimulus"

@@ -27,16 +27,16 @@ def frames(path: Path) -> pd.DataFrame:
         If a file of events has not the columns, or something else than counts in them.
     """
     files = sorted((path / "journals").glob("participant-*_events.tsv")) if path.is_dir() else []
-    tables = [table for file in files if len(table := _one(file))]
+    tables = [table for file in files if len(table := _frames_of_session(file))]
     if not tables:
         return pd.DataFrame(columns=["participant", *COUNTS, SLOWEST])
     whole = pd.concat(tables, ignore_index=True)
     return whole.groupby("participant", sort=True).agg(dict.fromkeys(COUNTS, "sum") | {SLOWEST: "max"}).reset_index()
 
 
-def _one(file: Path) -> pd.DataFrame:
+def _frames_of_session(file: Path) -> pd.DataFrame:
     try:
-        events = pd.read_csv(file, sep="\t", na_values=["n/a"], quoting=3)
+        events = pd.read_csv(file, sep="\t", na_values=["n/a"], quoting=3)  # 3: QUOTE_NONE
         trials = events[events["trial_type"] == "trial"][[*COUNTS, SLOWEST]].dropna(subset=list(COUNTS))
         return trials.astype(float).assign(participant=file.name.split("_")[0].removeprefix("participant-"))
     except (KeyError, ValueError, OSError) as damage:

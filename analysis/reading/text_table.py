@@ -106,6 +106,7 @@ def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
     if not whole or '"' in whole or has_blank_line:
         return None
     header = whole.partition("\n")[0]
+    # Numbers for names: those of the header may be missing or stand twice, which is refused later, in words.
     names = [str(place) for place in range(header.count(separator) + 1)]
     if len(names) < 2 or whole.count("\r") != whole.count("\r\n"):
         return None
@@ -114,6 +115,7 @@ def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
             pa.py_buffer(whole.encode()),
             read_options=arrow.ReadOptions(column_names=names),
             parse_options=arrow.ParseOptions(delimiter=separator, quote_char=False),
+            # Cells as they stand: "NA" is a word, whose meaning a column map says.
             convert_options=arrow.ConvertOptions(
                 column_types=dict.fromkeys(names, pa.string()), strings_can_be_null=False, check_utf8=False
             ),
@@ -145,7 +147,7 @@ def _any_cells(text: str, separator: str, file: Path) -> pd.DataFrame:
 def _text(file: Path) -> str:
     content = read_file(file, "a table of trials")
     try:
-        text = content.decode("utf-8-sig")
+        text = content.decode("utf-8-sig")  # spreadsheets write a mark before the first byte
     except UnicodeDecodeError as damage:
         row = content.count(b"\n", 0, damage.start) + 1
         raise InvalidFile(
@@ -153,9 +155,8 @@ def _text(file: Path) -> str:
             "UTF-8"
         ) from None
     if "\0" in text:
-        raise InvalidFile(
-            f"{file}, row {text.count(chr(10), 0, text.index(chr(0))) + 1}: found a zero byte, expected text"
-        )
+        row = text.count("\n", 0, text.index("\0")) + 1
+        raise InvalidFile(f"{file}, row {row}: found a zero byte, expected text")
     if not text.strip():
         raise InvalidFile(f"{file}: found an empty file, expected a header and trials")
     return text

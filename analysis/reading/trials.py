@@ -83,9 +83,9 @@ def read_trials(
     """
     files = trial_files(path, OWN_FILES if column_map is None else OWN_FILES + FOREIGN_FILES)
     given = column_map or ColumnMap()
-    raw = {file: _raw(file, given) for file in files}
+    raw = {file: _text_of(file, given) for file in files}
     trials = raw if column_map is None else {file: trials_of(table, file) for file, table in raw.items()}
-    tables = _alike({file: _checked_table(table, file) for file, table in trials.items()})
+    tables = _with_same_columns({file: _checked_table(table, file) for file, table in trials.items()})
     if column_map is None:  # the names of another program's files are its own
         for file, table in tables.items():
             _refuse_other_code(table, file)
@@ -96,14 +96,14 @@ def read_trials(
     factors = named if within is not None else tuple(name for name in named if _is_filled(rows[name]))
     scale = level_scale or given.level_scale
     notes = [
-        *_routines(sum(map(len, raw.values())) - len(rows)),
+        *_routine_notes(sum(map(len, raw.values())) - len(rows)),
         *repetitions(rows, named),
         *([] if scale else wide_levels(rows)),
     ]
     return Trials(rows if scale is None else on_scale(rows, scale), factors, path, len(files), tuple(notes))
 
 
-def _routines(n: int) -> list[str]:
+def _routine_notes(n: int) -> list[str]:
     """What is said of rows that hold no trial."""
     rows = "1 row was left out that holds" if n == 1 else f"{n} rows were left out that hold"
     return [f"{rows} neither level nor answer nor item, as other programs write for routines"] if n else []
@@ -119,7 +119,8 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
     if "trial" not in rows.columns:
         return []
     numbered = rows[rows["trial"].notna()]
-    again = numbered[numbered.duplicated([name for name in (*TRIAL_KEY, *factors) if name in rows.columns])]
+    keys = [name for name in (*TRIAL_KEY, *factors) if name in rows.columns]
+    again = numbered[numbered.duplicated(keys)]
     if again.empty:
         return []
     alike = int(numbered.duplicated([name for name in rows.columns if name not in OWN]).sum())
@@ -132,7 +133,7 @@ def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
     ]
 
 
-def _alike(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
+def _with_same_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
     """With the same columns: tables that were recorded before there were the columns `ADDED` get them, empty, beside
     later ones.
 
@@ -197,7 +198,7 @@ def _refuse_other_code(table: pd.DataFrame, file: Path) -> None:
         _expect(table, "participant", table["participant"] == code, expected)
 
 
-def _raw(file: Path, column_map: ColumnMap) -> pd.DataFrame:
+def _text_of(file: Path, column_map: ColumnMap) -> pd.DataFrame:
     raw = translate(text_cells(file, column_map.separator), column_map, file)
     for name in REQUIRED:
         expect_column(raw, name, file, "; name it with a column map (--columns)")
@@ -213,9 +214,10 @@ def _checked_table(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
     for name in (name for name in NUMBERS if name in table.columns):
         table[name] = _numbers(table, name)
     for name in (name for name in COUNTS if name in table.columns):
-        table[name] = _whole(table, name)
+        table[name] = _counts(table, name)
     for name in (name for name in FLAGS if name in table.columns):
         _expect_texts(table, name, lambda flag: flag in ("", "0", "1"), "1, 0 or nothing")
+        # Floats, as a flag may be missing.
         table[name] = table[name].map({"": np.nan, "0": 0.0, "1": 1.0}).astype(np.float64)
     _check_answers(table)
     return table
@@ -237,6 +239,7 @@ def _expect(table: pd.DataFrame, name: str, fine: "pd.Series[bool]", expected: s
         return
     cell = bad[name].iloc[0]
     text = "" if pd.isna(cell) else str(cell)
+    # A cell may hold a page of text, a sentence may not.
     shown = "nothing" if not text else repr(text if len(text) <= 40 else text[:40] + "...")
     where = f"{place_of(bad)}, column {name!r}"
     raise InvalidFile(f"{where}: found {shown}, expected {expected}{_meaning(name, text)}")
@@ -287,9 +290,10 @@ def _numbers(table: pd.DataFrame, name: str) -> "pd.Series[float]":
     return values
 
 
-def _whole(table: pd.DataFrame, name: str) -> "pd.Series[float]":
+def _counts(table: pd.DataFrame, name: str) -> "pd.Series[float]":
     values = _numbers(table, name)
-    _expect(table, name, values.isna() | ((values == np.floor(values)) & (values >= 0)), "a whole number from 0")
+    is_count = (values == np.floor(values)) & (values >= 0)
+    _expect(table, name, values.isna() | is_count, "a whole number from 0")
     return values
 
 

@@ -61,8 +61,8 @@ def figure_text(means: pd.DataFrame, dots: str = "") -> str:
 
 def means_of(means: pd.DataFrame) -> str:
     """
-    >>> told = pd.DataFrame({"mean": [1.0, 2.0], "n": [1, 2]})
-    >>> means_of(told), means_of(told[:1]), means_of(told.assign(mean=None))
+    >>> means = pd.DataFrame({"mean": [1.0, 2.0], "n": [1, 2]})
+    >>> means_of(means), means_of(means[:1]), means_of(means.assign(mean=None))
     ('means over participants', 'values of one participant', 'no mean is known')
     """
     if not _has(means, "mean"):

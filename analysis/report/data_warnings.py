@@ -36,16 +36,18 @@ STATUS_WORDS = {
 def warnings_of(analysis: Analysis) -> tuple[str, ...]:
     """All of them, in the order in which a report says them."""
     trials, estimates = analysis.trials, analysis.tables.get("thresholds")
+    of_curves = () if estimates is None else _curve_warnings(analysis, estimates)
+    of_goodness = () if estimates is None else goodness_warnings(estimates, trials.factors)
     return (
         *analysis.origin.warnings,
         *trials.notes,
         *_exclusion_warnings(analysis.tables.get("excluded")),
         *_missing_values(analysis),
-        *(() if estimates is None else _curve_warnings(analysis, estimates)),
+        *of_curves,
         *_other_tasks(trials),
         *_unanswered_forms(trials),
         *_quality_warnings(analysis.tables["quality"]),
-        *(() if estimates is None else goodness_warnings(estimates, trials.factors)),
+        *of_goodness,
     )
 
 
@@ -84,6 +86,7 @@ def _missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]
         inside = [name for name in factors if of_task.groupby("participant")[name].nunique().max() > 1]
         keys = ["participant", *inside]
         whole = of_task[["participant"]].drop_duplicates().merge(of_task[inside].drop_duplicates(), how="cross")
+        # A left merge says of each combination whether the participant has it.
         held = whole.merge(of_task[keys].drop_duplicates(), how="left", indicator=True)
         lost = held[held["_merge"] == "left_only"].sort_values(keys)
         if len(lost):
@@ -93,7 +96,7 @@ def _missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]
 def _answer_warnings(trials: Trials, estimates: pd.DataFrame, n_choices: int) -> Iterator[str]:
     for task in (task for task, curve in CURVES.items() if curve.counts_catch):
         n_catch = estimates.loc[estimates["task"] == task, "n_catch"]
-        if len(n_catch) and not n_catch.sum():
+        if len(n_catch) and not n_catch.sum():  # a task that was not put lacks nothing
             yield f"no catch trials where the task is {task}: the guess rate rests on its prior alone"
     if trials.rows["task"].isin(CHOICES).any() and "target" not in trials.rows.columns:
         yield f"no column 'target' in a forced choice: {n_choices} alternatives were taken from the answers given"

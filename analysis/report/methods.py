@@ -105,6 +105,7 @@ def methods(analysis: Analysis) -> str:
 def references(methods: str) -> list[str]:
     """The works that the methods paragraph names."""
     works = (*REFERENCES, *(work for results in RESULTS.values() for work in results.works))
+    # The paragraph names a work by its first author.
     return sorted(work for work in works if work.partition(",")[0] in methods)
 
 
@@ -125,7 +126,8 @@ def _plan_methods(plan: AnalysisPlan, tested: Collection[str]) -> list[str]:
 def _rule_methods(table: pd.DataFrame, procedures: Collection[str]) -> list[str]:
     if "rule_estimate" not in table.columns or table["rule_estimate"].isna().all():
         return []
-    kinds = dict.fromkeys(words.estimate for name, words in PROCEDURES.items() if name in procedures and words.estimate)
+    names = [words.estimate for name, words in PROCEDURES.items() if name in procedures]
+    kinds = dict.fromkeys(filter(None, names))
     which = f" ({' or '.join(kinds)})" if kinds else ""
     return [f"The estimate of the rule that chose the levels{which} stands beside the fit and enters no analysis."]
 
@@ -148,7 +150,9 @@ def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:
             "probability of 0.8."
         )
     parts += [curve.methods.format(n_choices=n_choices) for curve in fitted if curve.methods]
-    return [*parts, *([GOODNESS] if table["deviance_p"].notna().any() else [])]
+    if table["deviance_p"].notna().any():
+        parts.append(GOODNESS)
+    return parts
 
 
 def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: str | None) -> list[str]:
@@ -159,6 +163,7 @@ def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: 
     tested = [outcome for outcome in every if outcome.analyses().keys() & {Primary.ANOVA, Primary.CENSORED}]
     has_effects = any(form.tests_effects for form in forms)
     models = [outcome.model for outcome in every if outcome.model is not None]
+    has_reference = any(form.against is not None for form in forms)
     applies = {
         BETWEEN: any(table["mean_low"].notna().any() for table in means),
         WITHIN: any(table["within_low"].notna().any() for table in means),
@@ -167,11 +172,12 @@ def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: 
         SIZES: has_effects or bool(tested),
         CENSORED: any(outcome.censored is not None for outcome in every),
         PERMUTATION: Primary.PERMUTATION in ran,
-        _pairs(every, has_reference=any(form.against is not None for form in forms)): True,
+        _pairs(every, has_reference=has_reference): True,
         SIMPLE: any(outcome.simple or outcome.simple_pairs for outcome in every),
         MODEL: any(not model.n_censored for model in models),
         CENSORED_MODEL: any(model.n_censored for model in models),
     }
+    # Those that are composed are empty where nothing was compared.
     return [sentence for sentence, holds in applies.items() if sentence and holds]
 
 

@@ -110,13 +110,15 @@ def render(analysis: Analysis) -> str:
     environment.filters |= {"words": lambda text: in_words(text, factors), "nonbreaking": nonbreaking}
     template = environment.from_string((files(__package__) / "page.html").read_text("utf-8"))
     sections = sections_of(analysis)
-    drawn = [figure for section in sections for figure in section.figures()]
+    figures = [figure for section in sections for figure in section.figures()]
+    # The first line of the page says already that participants were simulated.
+    warnings = [text for text in analysis.warnings if f"{text}." != analysis.origin.line]
     return template.render(
         analysis=analysis,
         title=title_of(analysis),
-        svgs={figure.name: _with_unique_names(figure, n) for n, figure in enumerate(drawn)},
+        svgs={figure.name: _with_unique_names(figure, n) for n, figure in enumerate(figures)},
         data=data_line(analysis),
-        warnings=[text for text in analysis.warnings if f"{text}." != analysis.origin.line] + _notes(analysis),
+        warnings=warnings + _notes(analysis),
         sections=sections,
         references=references(analysis.methods),
     )
@@ -194,7 +196,7 @@ def print_pdf(path: Path) -> Path:
             "hand"
         )
     target = path.with_suffix(".pdf").resolve()
-    target.unlink(missing_ok=True)
+    target.unlink(missing_ok=True)  # that of an earlier run would hide that this one failed
     with tempfile.TemporaryDirectory() as profile:
         command = _command(engine, path, target, profile)
         try:

@@ -28,6 +28,7 @@ def summary(analysis: Analysis) -> dict[str, object]:
         "simulated": analysis.origin.is_simulated,
         "seeds": list(analysis.origin.seeds),
         "warnings": list(analysis.warnings),
+        # Taken out, so that the line below holds what is left.
         **{name: of_kinds.pop(name) for name in ORDER},
         **of_kinds,
         **{name: None if place is None else str(place) for name, place in places.items()},

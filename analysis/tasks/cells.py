@@ -74,8 +74,10 @@ def level_unit(trials: Trials) -> str:
         other = rows[rows[UNIT] == units[1]].iloc[0]
         expected = f"{units[0]!r} as before; analyse levels of different units apart"
         raise bad_cell(other, UNIT, repr(units[1]), expected)
+    if len(units):
+        return str(units[0])
     others = set(trials.rows[UNIT]) - {""}
-    return str(units[0]) if len(units) else others.pop() if len(others) == 1 else ""
+    return others.pop() if len(others) == 1 else ""
 
 
 def cells(answers: pd.DataFrame, factors: Sequence[str]) -> list[Cell]:
@@ -122,11 +124,10 @@ def _cell(key: tuple[Any, ...], rows: pd.DataFrame, n_factors: int) -> Cell:
 
 def count_table(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
     """A row per participant, condition and level: what the curves are fitted to."""
-    rows = [
-        (cell.participant, *cell.condition, cell.task, level, k, n)
-        for cell in cells
-        for level, k, n in zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
-    ]
+    rows: list[tuple[float | str, ...]] = []
+    for cell in cells:
+        names = (cell.participant, *cell.condition, cell.task)
+        rows += [(*names, *counts) for counts in zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)]
     return pd.DataFrame(rows, columns=["participant", *factors, "task", "level", "n_yes", "n_trials"])
 
 
@@ -134,7 +135,9 @@ def n_alternatives(trials: Trials) -> int:
     """Alternatives of forced choices: the largest interval ever chosen or used as target, at least 2."""
     rows = trials.rows[trials.rows["task"].isin(CHOICES)]
     answers = numbers_of(rows["response"])
-    largest = answers.max() if "target" not in rows.columns else max(answers.max(), rows["target"].max())
+    largest = answers.max()
+    if "target" in rows.columns:
+        largest = max(largest, rows["target"].max())
     return max(2, int(largest)) if np.isfinite(largest) else 2  # NaN where no row is one of a forced choice
 
 
@@ -164,7 +167,9 @@ def _fits(cells: Sequence[Cell], task: str, n_choices: int, unit: str, interval:
 
 def stacked_counts(cells: Sequence[Cell]) -> tuple[Array, Array, Array]:
     """Levels, yes and trials of cells, (n_cells, most levels), filled up with places without trials."""
-    return _stack([c.levels for c in cells]), _stack([c.n_yes for c in cells]), _stack([c.n_trials for c in cells])
+    levels = _stack([cell.levels for cell in cells])
+    n_yes, n_trials = _stack([cell.n_yes for cell in cells]), _stack([cell.n_trials for cell in cells])
+    return levels, n_yes, n_trials
 
 
 def catch_counts(cells: Sequence[Cell]) -> tuple[list[int], list[int]]:
@@ -193,10 +198,9 @@ def estimate_table(estimates: Sequence[Estimate], factors: Sequence[str], unit: 
 def _row(estimate: Estimate, factors: Sequence[str], unit: str) -> dict[str, object]:
     cell, fit = estimate.cell, estimate.fit
     values = vars(cell) | vars(fit) | {"level_unit": unit, "status": fit.status.value}
-    row = {"participant": cell.participant, **dict(zip(factors, cell.condition, strict=True))}
-    return (
-        row | {name: values[name] for name in COLUMNS} | (_difference(fit) if CURVES[cell.task].has_difference else {})
-    )
+    row: dict[str, object] = {"participant": cell.participant, **dict(zip(factors, cell.condition, strict=True))}
+    row |= {name: values[name] for name in COLUMNS}
+    return row | _difference(fit) if CURVES[cell.task].has_difference else row
 
 
 def _difference(fit: ThresholdFit) -> dict[str, float | None]:
@@ -217,8 +221,10 @@ def detection_rates(counts: pd.DataFrame, factors: Sequence[str]) -> pd.DataFram
     `MAX_LEVELS` classes of equal width, named by their mean, where there are more.
     """
     table = counts.drop(columns="participant")
-    table["level"] = _classes(table["level"].to_numpy(dtype=float), table["n_trials"].to_numpy(dtype=float))
+    levels, n_trials = (table[name].to_numpy(dtype=float) for name in ("level", "n_trials"))
+    table["level"] = _classes(levels, n_trials)
     rates = table.groupby([*factors, "task", "level"], sort=True, observed=True).sum().reset_index()
+    # Unlike Wald's, Wilson's interval has a length at rates of 0 and 1.
     low, high = proportion_confint(rates["n_yes"], rates["n_trials"], method="wilson")
     rate = rates["n_yes"] / rates["n_trials"]
     # Wilson's ends may miss a rate of exactly 0 or 1 by rounding, and a bar of an error has no negative length.

@@ -54,7 +54,8 @@ def goodness_columns(
     rows = _in_order(answers, factors)
     values, p = (np.full((len(estimates), len(TESTS)), np.nan) for _ in range(2))
     for task in CURVES:
-        fitted = [n for n, one in enumerate(estimates) if one.cell.task == task and one.fit.function is not None]
+        of_task = [n for n, estimate in enumerate(estimates) if estimate.cell.task == task]
+        fitted = [n for n in of_task if estimates[n].fit.function is not None]
         options = CURVES[task].options(n_choices, unit)
         for numbers in _of_like_size(estimates, fitted):
             tested = _goodness_of(rows, [estimates[n] for n in numbers], numbers, options, rng)
@@ -83,6 +84,7 @@ def _in_order(answers: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
         rows = rows.sort_values("session", kind="stable")
     cell = rows.groupby("cell")
     n_trials, place = cell["yes"].transform("size").to_numpy(), cell.cumcount().to_numpy()
+    # One stretch has no trend.
     n_stretches = np.clip(n_trials // STRETCH, 2, MOST_STRETCHES)
     follows = ~rows["procedure"].isin(FIXED) if "procedure" in rows.columns else True
     return rows.assign(stretch=place * n_stretches // n_trials, follows=follows)
@@ -93,7 +95,8 @@ def _of_like_size(estimates: Sequence[Estimate], chosen: Sequence[int]) -> list[
     n_levels = np.array([len(estimates[n].cell.levels) for n in chosen])
     size = np.ceil(np.log2(n_levels)) if len(n_levels) else n_levels
     places = n_levels * MOST_STRETCHES
-    return [np.array(chosen)[(size == one) & (places <= MOST_PLACES)] for one in np.unique(size)]
+    is_small = places <= MOST_PLACES
+    return [np.array(chosen)[(size == value) & is_small] for value in np.unique(size)]
 
 
 def _goodness_of(
@@ -125,18 +128,22 @@ def _parameters(estimates: Sequence[Estimate], counts: Counts) -> Array:
     fits = [estimate.fit for estimate in estimates]
     rows = [(fit.threshold, fit.width, fit.lapse_rate, fit.guess_rate) for fit in fits]
     threshold, width, lapse, guess = np.array(rows, dtype=np.float64).T
-    m, v = (threshold - counts.centre) / counts.spread, np.log(width / counts.spread)
+    m = (threshold - counts.centre) / counts.spread
+    v = np.log(width / counts.spread)
     return np.stack([m, v, lapse, guess], axis=1)
 
 
 def _sequences(rows: pd.DataFrame, number: Indices, levels: Array, counts: Counts) -> Sequences:
     """The answers of the sets with these `levels` (n_sets, n_levels), at the places of the levels in the counts, which
     pool those that are equal but for rounding."""
-    apart = np.diff((levels - counts.centre[:, None]) / counts.spread[:, None], axis=1) > POOLED_BELOW
-    places = np.concatenate([np.zeros((len(levels), 1), dtype=np.int64), np.cumsum(apart, axis=1)], axis=1)
+    u = (levels - counts.centre[:, None]) / counts.spread[:, None]
+    is_apart = np.diff(u, axis=1) > POOLED_BELOW
+    first = np.zeros((len(levels), 1), dtype=np.int64)
+    places = np.concatenate([first, np.cumsum(is_apart, axis=1)], axis=1)
     rank = rows.groupby("cell")["x"].rank("dense").to_numpy().astype(np.int64) - 1
     where = (number, rows["stretch"].to_numpy(), places[number, rank])
-    n_yes, n_trials = (np.zeros((len(levels), int(rows["stretch"].max()) + 1, levels.shape[1])) for _ in range(2))
+    n_stretches = int(rows["stretch"].max()) + 1
+    n_yes, n_trials = (np.zeros((len(levels), n_stretches, levels.shape[1])) for _ in range(2))
     np.add.at(n_yes, where, rows["yes"].to_numpy())
     np.add.at(n_trials, where, 1.0)
     return Sequences(n_yes, n_trials)
@@ -146,11 +153,11 @@ def goodness_table(estimates: pd.DataFrame) -> pd.DataFrame:
     """For each test the number of functions tested, of those flagged, the number that chance would flag, and what a
     flag means. Empty where nothing was tested."""
     tested = {name: estimates[column].dropna() for name, column in P_COLUMNS.items()}
-    rows = [
-        (name, len(p), int((p <= FLAGGED_P).sum()), FLAGGED_P * len(p), TESTS[name])
-        for name, p in tested.items()
-        if len(p)
-    ]
+    rows = []
+    for name, p in tested.items():
+        n_flagged = int((p <= FLAGGED_P).sum())
+        if len(p):
+            rows.append((name, len(p), n_flagged, FLAGGED_P * len(p), TESTS[name]))
     return pd.DataFrame(rows, columns=["test", "n_tested", "n_flagged", "n_by_chance", "meaning"])
 
 
@@ -174,5 +181,6 @@ def _is_surprising(p: "pd.Series[float]") -> bool:
     """
     bounds = np.array([FLAGGED_P, FLAGGED_P / 10])
     n_small = (p.to_numpy()[:, None] <= bounds).sum(axis=0)
+    # The survival function is that of more than its argument.
     chance_of_as_many = binom.sf(n_small - 1, len(p), bounds)
     return bool(((n_small > 0) & (chance_of_as_many <= SURPRISING)).any())

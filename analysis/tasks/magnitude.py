@@ -65,6 +65,7 @@ def growth_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     keys = [*factors, "x"]
     logs = felt.assign(log=np.log(felt["number"])).groupby(["participant", *keys], observed=True)["log"].mean()
     of_participants = logs.groupby("participant")
+    # Everyone chooses a unit of numbers: in logarithms a constant, which is brought to the mean of all.
     logs = logs - of_participants.transform("mean") + of_participants.mean().mean()
     growth = logs.groupby(keys, observed=True).agg(geometric_mean="mean", n="size").reset_index()
     return growth.assign(geometric_mean=np.exp(growth["geometric_mean"])).rename(columns={"x": "level"})

@@ -41,7 +41,8 @@ def losses(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     nothing = rows[~in_db & (rows["level"] == 0)]
     if len(nothing):
         raise bad_cell(nothing.iloc[0], "level", "0", "an amplitude above 0")
-    readings = rows.assign(loss=loss_of(rows["level"].astype(float), rows["level_measured"].astype(float), in_db))
+    level, measured = (rows[name].astype(float) for name in ("level", "level_measured"))
+    readings = rows.assign(loss=loss_of(level, measured, in_db))
     return by_condition(readings, ["participant", *factors], _reading)
 
 
@@ -70,9 +71,13 @@ def _condition(participants: pd.DataFrame) -> dict[str, object]:
 
 
 def _text(row: dict[str, object]) -> str:
-    low, high = row["mean_low"], row["mean_high"]
-    within = "" if low is None or high is None else f" [{100 * float(str(low)):.1f}, {100 * float(str(high)):.1f}]"
-    return f"{100 * float(str(row['mean'])):.1f} %{within}"
+    if row["mean_low"] is None or row["mean_high"] is None:
+        return f"{_percent(row['mean'])} %"
+    return f"{_percent(row['mean'])} % [{_percent(row['mean_low'])}, {_percent(row['mean_high'])}]"
+
+
+def _percent(share: object) -> str:
+    return f"{100 * float(str(share)):.1f}"
 
 
 ANALYSIS = TaskAnalysis(

@@ -101,11 +101,13 @@ def bradley_terry(
     >>> found.worths["worth"].round(2).tolist(), round(found.probability("a", "c"), 2)
     ([0.76, -0.0, -0.76], 0.82)
     """
-    a, b, answer = np.asarray(first, dtype=str), np.asarray(second, dtype=str), np.asarray(preferred)
+    a, b = np.asarray(first, dtype=str), np.asarray(second, dtype=str)
+    answer = np.asarray(preferred)
     _check(a, b, answer, participants)
     items, places = np.unique(np.stack([a, b]), return_inverse=True)
     places = places.reshape(2, -1)  # of the first and of the second item of each pair
     winner, loser = np.where(answer == 1, places, places[::-1])
+    # An item that was never preferred has a count too: 0.
     numbers = {"n_pairs": np.bincount(places.ravel()), "n_preferred": np.bincount(winner, minlength=len(items))}
     counts = pd.DataFrame({"item": items.tolist(), **numbers})
     note = _gap(items, winner, loser)
@@ -151,15 +153,18 @@ def _fit_worths(
     n_items = int(places.max()) + 1
     # worths have the mean 0: that of the last item is the opposite of the sum of the others
     basis = np.vstack([np.eye(n_items - 1), np.full(n_items - 1, -1.0)])
-    design = np.column_stack([basis[places[0]] - basis[places[1]], np.ones(places.shape[1])])
-    codes = np.zeros(places.shape[1]) if participants is None else pd.factorize(np.asarray(participants, dtype=str))[0]
+    n_trials = places.shape[1]
+    design = np.column_stack([basis[places[0]] - basis[places[1]], np.ones(n_trials)])
+    people = np.zeros(n_trials) if participants is None else np.asarray(participants, dtype=str)
+    codes, _ = pd.factorize(people)
     n = int(codes.max()) + 1
     robust = {"cov_type": "cluster", "cov_kwds": {"groups": codes}} if n >= ROBUST_FROM else {}
     fit = sm.GLM(prefers_first.astype(float), design, family=sm.families.Binomial()).fit(tol=1e-12, **robust)
     whole = np.zeros((n_items + 1, n_items))
     whole[:-1, :-1], whole[-1, -1] = basis, 1.0
     covariance = whole @ np.asarray(fit.cov_params()) @ whole.T
-    return whole @ np.asarray(fit.params), np.sqrt(np.diagonal(covariance)), n - 1 if robust else np.inf
+    df = n - 1 if robust else np.inf
+    return whole @ np.asarray(fit.params), np.sqrt(np.diagonal(covariance)), df
 
 
 def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
@@ -172,9 +177,8 @@ def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame
     """
     _check_pairs(rows)
     varied = [name for name in factors if rows[name].nunique() > 1]
-    return pd.concat(
-        [_of_a_condition(dict(zip(varied, key, strict=True)), pairs) for key, pairs in parts(rows, varied)]
-    )
+    tables = [_of_a_condition(dict(zip(varied, key, strict=True)), pairs) for key, pairs in parts(rows, varied)]
+    return pd.concat(tables)
 
 
 def _check_pairs(rows: pd.DataFrame) -> None:

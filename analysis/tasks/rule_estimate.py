@@ -98,6 +98,7 @@ def reversals(levels: Sequence[float]) -> list[float]:
     >>> reversals([8, 6, 4, 4, 6, 6, 4, 6])
     [4, 6, 4]
     """
+    # Where a level is kept the track has not turned: a reversal is a change between moves.
     moves = [(level, np.sign(then - level)) for level, then in pairwise(levels) if then != level]
     return [level for (_, old_sign), (level, sign) in pairwise(moves) if old_sign != sign]
 

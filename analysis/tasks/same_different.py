@@ -40,7 +40,12 @@ def differencing_sensitivity(n_hits: int, n_different: int, n_false_alarms: int,
     if hit <= false_alarm:
         return 0.0
     k = -sqrt(2) * ndtri(false_alarm / 2)
-    return float(brentq(lambda d: ndtr((d - k) / sqrt(2)) + ndtr((-d - k) / sqrt(2)) - hit, 0, 4 * LARGEST_D_PRIME))
+
+    def excess(d_prime: float) -> float:
+        upper, lower = ndtr((d_prime - k) / sqrt(2)), ndtr((-d_prime - k) / sqrt(2))
+        return float(upper + lower - hit)
+
+    return float(brentq(excess, 0, 4 * LARGEST_D_PRIME))
 
 
 def independent_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> float:
@@ -57,7 +62,8 @@ def independent_sensitivity(n_hits: int, n_different: int, n_false_alarms: int, 
     """
     hit, false_alarm = _rates(n_hits, n_different, n_false_alarms, n_same)
     correct = ndtr((hit - false_alarm) / 2)
-    return 2 * float(ndtri((1 + sqrt(max(2 * correct - 1, 0.0))) / 2))
+    above_chance = max(2 * correct - 1, 0.0)  # fewer hits than false alarms have no root: d' is 0
+    return 2 * float(ndtri((1 + sqrt(above_chance)) / 2))
 
 
 def _rates(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> tuple[float, float]:
@@ -78,14 +84,17 @@ def same_different_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataF
     counts = other.reset_index().merge(same.reset_index(), how="left", on=keys)
     nobody = dict.fromkeys(COUNTED, 0)  # need have met same pairs
     counts = counts.fillna(nobody).astype(dict.fromkeys(COUNTED, np.int64))
-    return counts.join(pd.DataFrame([_sensitivities(*numbers) for numbers in counts[list(COUNTED)].values.tolist()]))
+    sensitivities = [_sensitivities(*numbers) for numbers in counts[list(COUNTED)].values.tolist()]
+    return counts.join(pd.DataFrame(sensitivities))
 
 
 def _sensitivities(n_hits: int, n_different: int, n_false_alarms: int, n_same: int) -> dict[str, object]:
     """d' by both rules, or why there is none. Of answers that are all alike the log-linear rule makes one from the
     numbers of trials alone: 1.2 of no hit in 4 and no false alarm in 15."""
     are_alike = n_hits + n_false_alarms in (0, n_different + n_same)
-    note = "all answers alike" if n_same and are_alike else "" if n_same else "no same pairs"
+    note = "all answers alike" if are_alike else ""
+    if not n_same:
+        note = "no same pairs"
     counts = n_hits, n_different, n_false_alarms, n_same
     return {name: np.nan if note else rule(*counts) for name, rule in RULES.items()} | {"note": note}
 

@@ -181,4 +181,5 @@ def _equal_shares(table: Indices) -> float | None:
     wrong_and_right = np.array([table.diagonal(), table.sum(axis=1) - table.diagonal()])
     if not (wrong_and_right.any(axis=0).all() and wrong_and_right.any(axis=1).all()):
         return None  # an empty row or column has no expected counts
+    # Without Yates's correction, which makes the test too careful.
     return float(chi2_contingency(wrong_and_right, correction=False).pvalue)

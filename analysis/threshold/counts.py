@@ -101,15 +101,14 @@ def normalise(x: Array, k: Array, n: Array, *, robust_range: bool = False) -> Co
     Levels that differ by less than `POOLED_BELOW` of the range are pooled. Shapes (n_sets, n_levels). The
     range is that of all levels, or (`robust_range`) of those within Tukey's fences.
     """
-    if x.shape[1] == 0:
+    if x.shape[1] == 0:  # one place that is not used: what follows looks for ends and neighbours
         x, k, n = (np.zeros((x.shape[0], 1)) for _ in range(3))
     # Unused places go last: pooling and spacings look at neighbours.
     order = np.argsort(np.where(n > 0, x, np.inf), axis=1, kind="stable")
     x, k, n = (np.take_along_axis(values, order, 1) for values in (x, k, n))
     used = n > 0
     low, high = _tukey_range(x, n, *_ends(x, used)) if robust_range else _ends(x, used)
-    centre = low + (high - low) / 2
-    spread = np.where(high > low, high - low, 1.0)
+    centre, spread = low + (high - low) / 2, np.where(high > low, high - low, 1.0)
     u = np.where(used, (x - centre[:, None]) / spread[:, None], 0.0)
     u, k, n = _pool(u, k, n)
     return Counts(u, k, n, centre, spread, _smallest_gap(u, n), (n > 0).sum(axis=1))

@@ -123,6 +123,7 @@ def fit(
     """
     n_dimensions = np.ndim(levels)
     expect(n_dimensions <= 1, "levels", f"{n_dimensions} dimensions", "one; stacks of data sets go to fit_many")
+    # A stack of one data set.
     columns = (np.atleast_1d(np.asarray(values))[None] for values in (levels, n_correct, n_trials))
     catch = {"n_false_alarms": [n_false_alarms], "n_catch": [n_catch]}
     return fit_many(*columns, shape=shape, guess_rate=guess_rate, **catch, **options)[0]

@@ -230,7 +230,7 @@ def profile(posterior: LogPosterior, mode: Mode, interval: float) -> Array:
 
 def _profile_end(posterior: LogPosterior, mode: Mode, floor: Array, side: float) -> Array:
     inner, sd = mode.theta[:, THRESHOLD].copy(), mode.sd[:, THRESHOLD]
-    reach = np.maximum(2 * sd, 1e-3)
+    reach = np.maximum(2 * sd, 1e-3)  # about where a normal profile ends at 95 %; doubled until it has fallen
     outer, start = inner + side * reach, mode.theta
     for _ in range(MAX_BISECTIONS):
         above, start = _is_above(posterior, outer, start, floor)

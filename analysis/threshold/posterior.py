@@ -227,6 +227,7 @@ def _log_chances(parts: Array, floor: Array, span: Array, count: Array) -> Array
     """
     few = (count <= FEW) & (len(count) > FACTORS)
     total = _log_products(np.repeat(parts[few], count[few].astype(int), axis=0), floor, span)
+    # Half the memory of a large grid, as long as the error of the sum stays small.
     precision = np.float32 if count.sum() <= SINGLE_TRIALS else np.float64
     many = ~few & (count > 0)
     low, size = floor.astype(precision), span.astype(precision)

@@ -83,8 +83,7 @@ class Prior(Rows):
     def bounds(self) -> tuple[Array, Array]:
         """Lowest and highest parameters, each (n_sets, 4); 0 for a guess rate that is `tied`."""
         n = self.gap.shape[0]
-        low = np.zeros((n, N_PARAMETERS))
-        high = np.full((n, N_PARAMETERS), LARGEST_RATE)
+        low, high = np.zeros((n, N_PARAMETERS)), np.full((n, N_PARAMETERS), LARGEST_RATE)
         reach = FURTHEST if self.on_curve else 20.0
         low[:, THRESHOLD], high[:, THRESHOLD] = -reach, reach
         low[:, LOG_WIDTH] = np.log(self.narrowest) - (0.0 if self.on_curve else 12.0)

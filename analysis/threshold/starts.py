@@ -158,8 +158,7 @@ def _steps_between(posterior: LogPosterior) -> tuple[Array, Array]:
     u, spacing = posterior.counts.u, _spacings(posterior.counts)
     cut = np.arange(1, u.shape[1])
     density, lapse, guess = _asymptotes(posterior, cut, cut)
-    middle = (u[:, 1:] + u[:, :-1]) / 2
-    width = _steep_width(posterior.counts, spacing)
+    middle, width = (u[:, 1:] + u[:, :-1]) / 2, _steep_width(posterior.counts, spacing)
     theta = np.stack([middle, np.log(width), lapse, guess], axis=-1)
     return np.where(np.isfinite(spacing), density, -np.inf), theta
 

@@ -179,7 +179,7 @@ def _falls(counts: Counts) -> Bools:
 
 def _isotonic_log_likelihood(counts: Counts) -> Array:
     """Of the best rising function of the level; only sets with a drop between neighbours are fitted."""
-    fitted = saturated_log_likelihood(counts)
+    fitted = saturated_log_likelihood(counts)  # of answers that rise already
     for i in range(len(counts)):
         used = counts.n_trials[i] > 0
         k, n = counts.n_yes[i, used], counts.n_trials[i, used]

@@ -50,7 +50,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
     if "thresholds" in analysis.tables:
         drawn = enumerate(_figures(analysis))
         unfolding = (Details(title, (figure,), is_open=n < N_OPEN) for n, (title, figure) in drawn)
-        estimates = _short(analysis)
+        estimates = _estimates_shown(analysis)
         rows = Details(f"All estimates ({len(estimates)} rows)", (grid(estimates, analysis.factors),))
         yield Section("Participants", (*unfolding, rows))
 
@@ -81,7 +81,7 @@ def _tracks(analysis: Analysis, code: str) -> Iterator[tuple[str, Figure]]:
     yield f"{code}: tracks", Figure(f"{code}_tracks", drawing, text, "tracks", ("participant", code))
 
 
-def _short(analysis: Analysis) -> pd.DataFrame:
+def _estimates_shown(analysis: Analysis) -> pd.DataFrame:
     table = analysis.tables["thresholds"]
     of_rules = [name for name in OF_RULES if table[name].notna().any()]
     wanted = ("participant", *analysis.factors, *SHOWN, *of_rules)

@@ -13,9 +13,9 @@ from ..section import Figure, Lead, ResultKind, Section, TextTable, grid, rows_o
 
 
 def _sections(analysis: Analysis) -> Iterator[Section]:
-    for name, told in (("loss", _loss), ("force", _force)):
+    for name, describe in (("loss", _loss), ("force", _force)):
         if name in analysis.tables:
-            title, lead, figure = told(analysis, analysis.tables[name])
+            title, lead, figure = describe(analysis, analysis.tables[name])
             crossed = grid(cross_table(analysis.tables[name], analysis.factors), analysis.factors)
             yield Section(title, (Lead(lead), crossed, figure))
 

@@ -47,7 +47,8 @@ def _blocks(outcome: Outcome, analysis: Analysis) -> Blocks:
     if outcome.effects is not None:
         heading = outcome.heading()
         yield Heading(in_words(heading, factors))
-        yield grid(_shown_effects(outcome.effects, factors), ())
+        yield grid(_effect_columns(outcome.effects, factors), ())
+        # Taken out, as they stand open; the others are folded below.
         yield Sentences(sentences.pop(heading, []))
     yield Folded(sentences, n_open=2)
 
@@ -93,7 +94,7 @@ def _growth_figure(analysis: Analysis) -> Figure:
     return Figure(GROWTH, drawing, text, GROWTH)
 
 
-def _shown_effects(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+def _effect_columns(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     effects = table[table["F"].notna()]
     shown = effects[[name for name in EFFECT_COLUMNS if name in effects.columns]].copy()
     for name in set(P_COLUMNS) & set(shown.columns):
@@ -113,16 +114,16 @@ def _terminal(analysis: Analysis) -> Iterator[TextTable]:
 
 
 def _values(analysis: Analysis) -> Iterator[tuple[str, object]]:
-    yield "outcomes", [_plain(outcome, analysis.unit) for outcome in analysis.outcomes]
-    yield "hierarchical", [_plain_check(outcome, analysis.unit) for outcome in analysis.hierarchical]
+    yield "outcomes", [_values_of_outcome(outcome, analysis.unit) for outcome in analysis.outcomes]
+    yield "hierarchical", [_values_of_check(outcome, analysis.unit) for outcome in analysis.hierarchical]
 
 
-def _plain(outcome: Outcome, unit: str) -> dict[str, object]:
+def _values_of_outcome(outcome: Outcome, unit: str) -> dict[str, object]:
     return {
         "task": outcome.task,
         "dependent": outcome.dependent,
         "group": outcome.group,
-        "primary": _plain_primary(outcome),
+        "primary": _values_of_primary(outcome),
         "checks": [outcome.title(name) for name in outcome.analyses() if name is not outcome.primary],
         "anova": outcome.anova,
         "status": None if outcome.status is None else outcome.status.value,
@@ -132,7 +133,7 @@ def _plain(outcome: Outcome, unit: str) -> dict[str, object]:
     }
 
 
-def _plain_primary(outcome: Outcome) -> dict[str, object] | None:
+def _values_of_primary(outcome: Outcome) -> dict[str, object] | None:
     if outcome.primary is None or outcome.effects is None:
         return None
     return {
@@ -194,7 +195,7 @@ def _check_terminal(analysis: Analysis) -> Iterator[TextTable]:
             yield TextTable(cross, title, hierarchical_sentences(outcome, analysis.unit))
 
 
-def _plain_check(outcome: HierarchicalOutcome, unit: str) -> dict[str, object]:
+def _values_of_check(outcome: HierarchicalOutcome, unit: str) -> dict[str, object]:
     return {
         "task": outcome.task,
         "status": None if outcome.fit is None else outcome.fit.status.value,
