@@ -274,7 +274,9 @@ def _toml_text(text: str) -> str:
     >>> print(_toml_text("y"), _toml_text("don't\n"))
     'y' "don't\n"
     """
-    return f"'{text}'" if text.isprintable() and "'" not in text else json.dumps(text, ensure_ascii=False)
+    if text.isprintable() and "'" not in text:
+        return f"'{text}'"
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")  # JSON may hold it as it is, TOML may not
 
 
 _NUMBER = re.compile(r"[+-]?\d+\.?\d*")
