@@ -90,6 +90,14 @@ def test_conditions_have_resolutions_of_their_own():
     assert found["n"].tolist() == [2, 2]
 
 
+def test_few_levels_are_conditions_and_many_are_taken_together():
+    rows = answers({0.01: (9, 18), 0.02: (18, 18)})
+    few = right_answers(rows.assign(level=np.arange(36) % 2 + 20.0), FACTORS)
+    assert few[["level", "separation_m"]].to_numpy().tolist() == [[20, 0.01], [20, 0.02], [21, 0.01], [21, 0.02]]
+    many = right_answers(rows.assign(level=np.arange(36) + 20.0), FACTORS)
+    assert many["n_trials"].tolist() == [18, 18]
+
+
 def test_places_without_distances_are_confused_all_the_same():
     rows = answers({0.01: (6, 10)}).drop(columns=["separation_m", "error_m"])
     assert right_answers(rows, FACTORS)[["n_correct", "n_trials"]].to_numpy().tolist() == [[6, 10]]
