@@ -77,10 +77,10 @@ def pulled_fingers(experiment: Experiment) -> list[FingerOfStudy]:
 
 
 def _touches(experiment: Experiment) -> Iterator[tuple[str, Pressed, float]]:
-    """Each stimulus with each model of a finger on a plate and each force, once."""
+    """Each stimulus with each model of a finger on a plate and the force on each finger, once."""
     touches = {}
     for cell in experiment.cells.values():
-        force_n = getattr(cell.condition.touch, "force_n", 0.0)
+        force_n = getattr(cell.condition.touch, "force_n", 0.0) / getattr(cell.sensation, "n_fingers", 1)
         if isinstance(cell.sensation, Pressed) and force_n > 0:
             touches[cell.condition.stimulus, repr(cell.sensation), force_n] = cell.sensation
     return ((name, sensation, force_n) for (name, _, force_n), sensation in touches.items())

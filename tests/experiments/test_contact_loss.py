@@ -15,7 +15,8 @@ from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.focusing.focusing import emitted
 from tactometry.stimuli.time_reversal.lift_off import one_sided_contact
 from tactometry.stimuli.time_reversal.stimulus.contact_force import FINER
-from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
+from tactometry.stimuli.time_reversal.stimulus.placed_foci import FingersSensation, Place, PlacedFoci
+from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading, TimeReversalSensation
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 SETUP = "setup = { n_transducers = 8, modes_to_hz = 22e3, rate_hz = 50e3, learnt_s = 3e-3, tau_s = 1.5e-3 }"
@@ -100,3 +101,13 @@ def test_nothing_is_told_of_a_study_without_a_plate_nor_of_tips():
     tip, finger = (FocusReading(Setup(n_transducers=1), contactor=kind) for kind in ("soft", "finger"))
     played = Signal(np.ones((1, 9)), 250e3, "V")
     assert tip.contact_force_n(played, Contact(2.0)).size == 0 < finger.contact_force_n(played, Contact(2.0)).size
+
+
+def test_fingers_that_share_a_force_bear_a_part_of_it():
+    setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3, learnt_s=3e-3, tau_s=1.5e-3)
+    places = {"index": Place(0.10), "middle": Place(0.13)}
+    fingers = FingersSensation(setup, places)
+    signal = PlacedFoci(setup, f_max_hz=20e3, voltage_max_v=2e3, places=places, place="middle").at(10.0)
+    alone = TimeReversalSensation(setup, finger_x_m=0.13).contact_force_n(signal, Contact(0.5))
+    assert fingers.n_fingers == 2
+    assert fingers.contact_force_n(signal, Contact(0.5)).min() == alone.min()

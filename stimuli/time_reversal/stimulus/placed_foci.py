@@ -13,6 +13,7 @@ from tactometry.arguments.require import distinct, expect, lookup
 from tactometry.contact import Contact
 from tactometry.signal import Signal
 
+from ...arrays import FloatArray
 from ..finger import FINGER_DIAMETER_M
 from ..responses.responses import Point, Responses
 from .focus_train import FocusTrain
@@ -191,10 +192,24 @@ class FingersSensation:
         InvalidParameter
             As `TimeReversalSensation.sensation_db`.
         """
-        places = (self.places[name].on(self.setup) for name in self._resting)
-        felt = (TimeReversalSensation(self.setup, self.reference_m, finger_x_m=x, finger_y_m=y) for x, y in places)
-        return tuple(each.sensation_db(signal, contact) for each in felt)
+        return tuple(finger.sensation_db(signal, contact) for finger in self._alone)
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
         """The level (dB) at the finger that feels most."""
         return max(self.fingers_db(signal, contact), default=-inf)
+
+    def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
+        """(n_samples,): what a linear contact does to the finger that it pulls most, on top of the force of each."""
+        forces = (finger.contact_force_n(signal, contact) for finger in self._alone)
+        return min(forces, key=lambda force: float(force.min(initial=0.0)))
+
+    @property
+    def n_fingers(self) -> int:
+        """How many fingers share the force of a touch."""
+        return len(self._resting)
+
+    @property
+    def _alone(self) -> tuple[TimeReversalSensation, ...]:
+        """Each finger as if it were the only one."""
+        places = (self.places[name].on(self.setup) for name in self._resting)
+        return tuple(TimeReversalSensation(self.setup, self.reference_m, finger_x_m=x, finger_y_m=y) for x, y in places)
