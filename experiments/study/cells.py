@@ -16,6 +16,7 @@ from tactometry.stimuli.electrovibration.textures.kinds import TEXTURES
 from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.trials.cells import cell as cell_text
 
+from .felt_scene import felt
 from .procedure_table import ReadyProcedure, rule_of, without
 from .study_file import VARIED, Study
 
@@ -176,10 +177,11 @@ class Wiring:
         return self._procedures[key]
 
     def _felt(self, kind: StimulusKind, of: Mapping[str, Mapping[str, Any]], stimulus: Any, touch: Touch) -> Sensation:
-        """What is felt: through the scene that the study states, else by the formula of the stimulus."""
+        """What is felt: through the scene that the study states, else through that of the stimulus, whose effects
+        `[sensation]` holds numbers of."""
         if not of["scene"]:
-            return self._sensation(kind, of["sensation"], stimulus)
-        from .scene_table import felt_scene  # a study without a scene imports none
+            return self._by_default(kind, of["sensation"], stimulus)
+        from .scene_table import felt_scene
 
         beside = "expected one of the two: the scene's effects hold such keys; remove one"
         if of["sensation"]:
@@ -187,11 +189,12 @@ class Wiring:
         scene = felt_scene(of["scene"], kind.surface, stimulus, touch)
         return self._sensations.setdefault(repr(scene), scene)
 
-    def _sensation(self, kind: StimulusKind, table: Mapping[str, Any], stimulus: Any) -> Sensation:
+    def _by_default(self, kind: StimulusKind, table: Mapping[str, Any], stimulus: Any) -> Sensation:
         shared = {name: getattr(stimulus, name) for name in kind.shared}
-        key = repr((kind.sensation, table, shared))
+        key = repr((kind.sensation, table, shared, stimulus.duration_s))
         if key not in self._sensations:
-            self._sensations[key] = build(resolve(kind.sensation), table, "sensation", **shared)
+            model = build(resolve(kind.sensation), table, "sensation", **shared)
+            self._sensations[key] = _default_scene(kind, model, stimulus.duration_s) if kind.surface else model
         return self._sensations[key]
 
     def _check_effect(
@@ -207,6 +210,14 @@ class Wiring:
             for where in ("stimulus", "touch"):
                 twice = "a value that is a factor too"
                 expect(name not in of[where], f"{where}.{name}", twice, "one of the two; remove it here or in factors")
+
+
+def _default_scene(kind: StimulusKind, model: Any, duration_s: float) -> Sensation:
+    """The scene that a model stands for."""
+    with rewording(lambda words: f"sensation: {words}"):
+        scene = resolve(f"tactometry.stimuli.scenes.defaults.{kind.surface}:default_scene")(model, duration_s)
+        scene.felt().resolve()
+    return felt(scene, model)
 
 
 def _keys(table: Mapping[str, Any], factors: Factors, kind: type) -> dict[str, Any]:

@@ -10,7 +10,6 @@ from tactometry.protocols.block import Block
 from tactometry.protocols.session import Inquiry, Part
 from tactometry.protocols.tasks.task import AsksForm
 
-from .cells import tables
 from .experiment import Experiment
 from .session_plan import stream
 
@@ -70,9 +69,7 @@ def _planned_block(number: int, part: Part) -> PlannedBlock:
 
 
 def felt_of(experiment: Experiment) -> "list[FeltEffects]":
-    """What simulated participants feel through scenes; nothing of a study that states none, which imports none."""
-    if not any(tables(experiment.study, cell.condition.factors)["scene"] for cell in experiment.cells.values()):
-        return []
+    """What simulated participants feel, effect by effect; nothing of stimuli that are measured."""
     from .felt_effects import felt_effects
 
     return felt_effects(experiment)

@@ -12,14 +12,14 @@ from tactometry.followed import felt_under, straight_way
 from tactometry.loading import resolve
 from tactometry.session.request import TRAJECTORY_M
 from tactometry.signal import Signal
-from tactometry.stimuli.composition.effect import Effect
+from tactometry.stimuli.composition.effect import Effect, Surface
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.explain import error_in_words
 from tactometry.stimuli.scenes.scene import Scene
 
 from .cells import WiredCell
 from .experiment import Experiment
-from .scene_table import FeltScene
+from .felt_scene import FeltScene
 
 WIDTH = 100
 LONGEST_S = 1.0
@@ -142,7 +142,7 @@ def _change(scene: Scene, effect_class: type[Effect], signal: Signal, contact: C
     needed = [name for name, field in fields_of(effect_class).items() if is_required(field)]
     if needed:
         return LeftOut(kind, why=f"needs a value of {', '.join(needed)}")
-    others = tuple(effect for effect in scene.effects if not _exclude(effect, effect_class))
+    others = tuple(effect for effect in scene.effects if not _exclude(scene.surface, effect, effect_class))
     instead_of = tuple(effect.kind for effect in scene.effects if effect not in others)
     try:
         added = effect_class()
@@ -158,6 +158,6 @@ def _change(scene: Scene, effect_class: type[Effect], signal: Signal, contact: C
     )
 
 
-def _exclude(effect: Effect, other: type[Effect]) -> bool:
+def _exclude(surface: Surface, effect: Effect, other: type[Effect]) -> bool:
     """Whether two effects cannot be in one scene."""
-    return effect.slot == other.slot or effect.kind in other.excludes or other.kind in effect.excludes
+    return effect.slot == other.slot or effect.kind in surface.excluded(other) or other.kind in surface.excluded(effect)

@@ -9,23 +9,16 @@ from typing import Any, Final
 
 from tactometry.arguments.require import expect
 from tactometry.config.strict import build, build_kind, check_keys
-from tactometry.contact import Contact
 from tactometry.errors import nearest, rewording
 from tactometry.loading import resolve
 from tactometry.protocols.tasks.touch import Sliding, Touch
-from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import Effect, Surface
 from tactometry.stimuli.scenes.effects import EFFECTS
-from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.scene import SENSATION, Scene
 from tactometry.stimuli.scenes.surfaces import SURFACES
-from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
-from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen
-from tactometry.stimuli.scenes.surfaces.played_electrovibration import PlayedElectrovibration
-from tactometry.stimuli.scenes.surfaces.played_hybrid import PlayedHybrid
-from tactometry.stimuli.scenes.surfaces.played_time_reversal import PlayedTimeReversal
 
 from ..scenes import names, path_of
+from .felt_scene import FeltScene, felt
 from .procedure_table import without
 
 SUCH_AS: Final = {
@@ -68,17 +61,6 @@ class SceneTable:
         expect(0 < self.accuracy <= 1, "SceneTable.accuracy", self.accuracy, "above 0 and at most 1")
 
 
-@dataclass(frozen=True, eq=False)
-class FeltScene:
-    """A scene as a simulated participant's skin."""
-
-    scene: Scene
-
-    def sensation_db(self, signal: Signal, contact: Contact) -> float:
-        """Sensation level (dB) of a signal under a finger."""
-        return self.scene.sensation(signal, contact)
-
-
 def felt_scene(table: Mapping[str, Any], surface: str, stimulus: Any, touch: Touch) -> FeltScene:
     """The scene of a table on a kind of surface, under the stimulus that is played there, and a touch.
 
@@ -98,26 +80,30 @@ def felt_scene(table: Mapping[str, Any], surface: str, stimulus: Any, touch: Tou
         played = PLAYED[surface](stated, stimulus, "surface")
         scene = Scene(played, effects, (SENSATION,), read.accuracy, played.touches)
         scene.felt().resolve()
-        return FeltScene(scene)
+        return felt(scene)
 
 
-def _panel(stated: Mapping[str, Any], stimulus: Any, where: str) -> PlayedElectrovibration:
+def _panel(stated: Mapping[str, Any], stimulus: Any, where: str) -> Any:
     """An electrode, whose layers are stated as those of a scene."""
     for name in TONE:
         expect(name not in stated, f"{where}.{name}", "what [stimulus] states", "it there alone; remove it")
-    panel: Electrovibration = build_kind({**SILENT, **stated, "duration_s": stimulus.duration_s}, where, SURFACES)
+    panel: Surface = build_kind({**SILENT, **stated, "duration_s": stimulus.duration_s}, where, SURFACES)
     return panel.played()
 
 
-def _plate(stated: Mapping[str, Any], stimulus: Any, where: str) -> PlayedTimeReversal:
+def _plate(stated: Mapping[str, Any], stimulus: Any, where: str) -> Any:
     """A plate as the stimulus states it, and where the finger is."""
+    from tactometry.stimuli.scenes.surfaces.played_time_reversal import PlayedTimeReversal
+
     return build(PlayedTimeReversal, without(stated, "kind"), where, setup=stimulus.setup)
 
 
-def _both(stated: Mapping[str, Any], stimulus: Any, where: str) -> PlayedHybrid:
+def _both(stated: Mapping[str, Any], stimulus: Any, where: str) -> Surface:
     """A plate with an electrode."""
     check_keys(stated, ("kind", "electrovibration", "time_reversal"), where)
     panel = _panel(stated.get("electrovibration", {}), stimulus, f"{where}.electrovibration")
+    from tactometry.stimuli.scenes.surfaces.played_hybrid import PlayedHybrid
+
     return PlayedHybrid(panel, _plate(stated.get("time_reversal", {}), stimulus, f"{where}.time_reversal"))
 
 
@@ -145,6 +131,8 @@ def _parts_of_table(read: SceneTable, surface: str) -> Parts:
 
 def _parts_of_scene(name: str, surface: str) -> Parts:
     """Surface and effects of a built-in scene, but for what a stimulus states."""
+    from tactometry.stimuli.scenes.file import load_scene  # imports what its effects need
+
     scene = load_scene(path_of(name)).scene
     of = getattr(scene.surface, surface, scene.surface)  # of a hybrid screen the side that is played on
     kind = of.kind
@@ -159,9 +147,9 @@ def _parts_of_scene(name: str, surface: str) -> Parts:
 
 def _stated(surface: Surface) -> dict[str, Any]:
     """What of the surface of a scene a stimulus does not state."""
-    if isinstance(surface, HybridScreen):
-        return {"electrovibration": _stated(surface.electrovibration)}
-    return without(vars(surface), *TONE) if isinstance(surface, Electrovibration) else {}
+    if surface.kind == "hybrid":
+        return {"electrovibration": _stated(vars(surface)["electrovibration"])}
+    return without(vars(surface), *TONE) if surface.kind == "electrovibration" else {}
 
 
 def _in_study(refusal: str) -> str:

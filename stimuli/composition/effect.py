@@ -153,7 +153,8 @@ class Effect:
 
     `kind` is its name in a scene file. Two effects in one `slot` are refused. `requires` names what must be in the
     scene beside it: a slot, ``contact``, ``sliding contact`` or ``resting contact``. `excludes` names kinds that
-    contradict it, with the reason and the cure. `assumes` says what it takes for granted, in words. `cures` says of
+    contradict it, with the reason and the cure; `felt_excludes` those of them that do where a signal is played and no
+    course is computed, if they are fewer. `assumes` says what it takes for granted, in words. `cures` says of
     quantities that nothing gives how to add this effect.
 
     `in_signal` says that it makes what is played, or the plate that it is learnt on: a signal that is played holds it.
@@ -180,6 +181,7 @@ class Effect:
     slot: ClassVar[str]
     requires: ClassVar[tuple[str, ...]] = ()
     excludes: ClassVar[Mapping[str, str]] = {}
+    felt_excludes: ClassVar[Mapping[str, str] | None] = None
     assumes: ClassVar[tuple[str, ...]] = ()
     cures: ClassVar[Mapping[str, str]] = {}
     reads: ClassVar[tuple[str, ...]] = ()
@@ -287,6 +289,10 @@ class Surface:
     def reaches(self, contact: Contact) -> bool:
         """Whether anything of this surface reaches the skin under a contact."""
         return contact.force_n > 0
+
+    def excluded(self, effect: Effect | type[Effect]) -> Mapping[str, str]:
+        """Kinds that contradict an effect on this surface."""
+        return effect.excludes
 
     def stages_of(self, effect: Effect, scene: "Demand") -> tuple[Stage, ...]:
         """The stages of an effect on this surface: as it brings them, in its name."""

@@ -101,10 +101,10 @@ class ElectrovibrationSensation:
         area_m2 = float(self.area.area_m2(contact.force_n))
         parts = _force_components(signal, self.skin, area_m2, self.law, self.polarity)
         skin = self.mobility.displacement(self._friction(parts, contact), contact.force_n)
-        return highest_level_db(skin, self._threshold_m(contact.force_n))
+        return highest_level_db(skin, self.threshold_m(contact.force_n))
 
-    def _threshold_m(self, force_n: float) -> float:
-        """Displacement at threshold, at 250 Hz."""
+    def threshold_m(self, force_n: float) -> float:
+        """Displacement at threshold, at 250 Hz, of a finger under a normal force."""
         relative = force_n if self.criterion == "fraction" else 1.0
         if self.reference_force_n is None:
             return relative * self.reference_m

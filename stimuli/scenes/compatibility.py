@@ -21,7 +21,7 @@ def check_effects(effects: Sequence[Effect], scene: Surroundings) -> None:
             )
         filled[effect.slot] = effect
     for n, effect in enumerate(effects):
-        _check_company(effect, effects, f"effects[{n}]")
+        _check_company(effect, scene, f"effects[{n}]")
         for need in effect.requires:
             _check_need(effect, need, scene, f"effects[{n}]")
 
@@ -34,12 +34,12 @@ def _check_place(effect: Effect, scene: Surroundings, where: str) -> None:
         )
 
 
-def _check_company(effect: Effect, effects: Sequence[Effect], where: str) -> None:
-    for other in effects:
-        if other.kind in effect.excludes:
+def _check_company(effect: Effect, scene: Surroundings, where: str) -> None:
+    excluded = scene.surface.excluded(effect)
+    for other in scene.effects:
+        if other.kind in excluded:
             raise InvalidParameter(
-                f"{where}: found {effect.kind!r} beside {other.kind!r}, expected one of them: "
-                f"{effect.excludes[other.kind]}"
+                f"{where}: found {effect.kind!r} beside {other.kind!r}, expected one of them: {excluded[other.kind]}"
             )
 
 

@@ -63,10 +63,10 @@ def _sensations(content: bytes, study: str) -> tuple[list[str], dict[str, Any]]:
     """What the participants of a study feel, in words and as a record."""
     experiment = wire(parse(content, study), study)
     felt = felt_of(experiment)
-    formulas = {type(cell.sensation).__name__ for cell in experiment.cells.values()}
-    by_formula = [f"felt by the formula {', '.join(sorted(formulas))}: the study states no [scene]"]
     pulled = pulled_fingers(experiment)
-    lines = [line for effects in felt for line in effects.lines] or by_formula
+    lines = [line for effects in felt for line in effects.lines] or [
+        "nothing is felt: what the study plays is measured"
+    ]
     told = {"felt": [asdict(effects) for effects in felt]}
     contact = {"contact": [asdict(finger) for finger in pulled]} if pulled else {}
     return [*lines, *(finger.line for finger in pulled)], {**told, **contact}

@@ -1,12 +1,14 @@
 """`[scene]` in a study file: what simulated participants feel, what the commands tell of it, and what is refused."""
 
 import json
+import os
 import subprocess
 import sys
 
 import pytest
 from command_line import call, output
-from places import DOCS
+from places import DOCS, ROOT
+from scene_cases import ELECTROVIBRATION, TIME_REVERSAL
 from study_texts import changed
 
 from tactometry.contact import Contact
@@ -16,11 +18,13 @@ from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.felt_effects import felt_effects
 from tactometry.experiments.study.scene_table import felt_scene
 from tactometry.experiments.study.study_file import load, parse
-from tactometry.stimuli.electrovibration import ElectrovibrationSensation
-from tactometry.stimuli.scenes.effects import EFFECTS, OF_ELECTROVIBRATION
+from tactometry.loading import resolve
+from tactometry.stimuli.scenes.effects import EFFECTS, OF_ELECTROVIBRATION, OF_TIME_REVERSAL
 from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation
 
 TUTORIAL = load("tutorial")[1].decode()
+FOCI = load("time-reversal-threshold")[1].decode()
+CASES = {**ELECTROVIBRATION, **TIME_REVERSAL}
 EFFECT_LINES = {
     "force_law": '{ kind = "force_law", law = "sc_layer" }',
     "friction": '{ kind = "friction" }',
@@ -47,9 +51,48 @@ def felt_db(text, level=30.0):
     return cell.sensation.sensation_db(cell.stimulus.at(level), Contact(1.0, 0.05))
 
 
-def test_a_study_without_a_scene_feels_by_its_formula():
-    assert type(wired(TUTORIAL).sensation()) is ElectrovibrationSensation
-    assert felt_effects(wired(TUTORIAL)) == []
+STUDIES = ("tutorial", "time-reversal-threshold", "hybrid-button")
+CONTACTS = (Contact(1.5), Contact(0.5, 0.02), Contact(3.0, 0.1))
+
+
+@pytest.mark.parametrize("study", STUDIES)
+def test_a_study_without_a_scene_feels_the_scene_of_its_formula(study):
+    """Beside the formula, whose numbers `[sensation]` states."""
+    for cell in wired(load(study)[1].decode()).cells.values():
+        signal, formula = cell.stimulus.at(12.0), cell.sensation.model
+        levels_db = [cell.sensation.sensation_db(signal, contact) for contact in CONTACTS]
+        assert levels_db == pytest.approx([formula.sensation_db(signal, contact) for contact in CONTACTS], abs=1e-9)
+
+
+SENSATIONS = {
+    "leak": ("skin = { corneum_resistivity_ohm_m = 1e3 }", "skin_leakage"),
+    "conductor": ("skin = { corneum_resistivity_ohm_m = 0 }\nlaw = 'interface'", ""),
+    "gap": ('skin = { gap_m = "1 um" }', "air_gap"),
+    "body": ("skin = { body_resistance_ohm = 2e4 }", "body_resistance"),
+    "tissue": ('skin = { tissue = { thickness_m = "5 mm", permittivity = 1e4, resistivity_ohm_m = 50 } }', ""),
+    "law": ("law = 'total_thickness'", "force_law"),
+    "friction": ("friction = { coefficient = 0.2, load_exponent = -0.3 }", "friction"),
+    "lag": ("lag = { floor_hz = 30.0, slope_hz_per_m_per_s = 0.0 }", "friction_lag"),
+    "polarity": ("polarity = { positive_share = 0.25 }", "polarity"),
+    "fraction": ("criterion = 'fraction'", "weber_fraction"),
+}
+
+
+@pytest.mark.parametrize("name", SENSATIONS)
+def test_each_key_of_the_formula_is_that_of_an_effect(name):
+    keys, kind = SENSATIONS[name]
+    plain, stated = wired(TUTORIAL).sensation(), wired(f"{TUTORIAL}\n[sensation]\n{keys}\n").sensation()
+    signal = next(iter(wired(TUTORIAL).cells.values())).stimulus.at(30.0)
+    for contact in CONTACTS[1:]:
+        level_db = stated.sensation_db(signal, contact)
+        assert level_db == pytest.approx(stated.model.sensation_db(signal, contact), abs=1e-9)
+        assert level_db != plain.sensation_db(signal, contact)
+    assert not kind or kind in {effect.kind for effect in stated.scene.effects}
+
+
+def test_a_study_tells_the_effects_of_its_default_scene():
+    (felt,) = felt_effects(wired(TUTORIAL))
+    assert felt.felt == ("skin_leakage", "contact_area", "force_law", "friction", "friction_lag", "sensitivity")
 
 
 def test_each_effect_of_a_scene_is_felt():
@@ -179,10 +222,12 @@ def test_a_simulation_explains_and_replays(study, tmp_path, capsys):
     simulated = ("simulate", study, "--participants", 1, "--seed", 1, "--out", tmp_path / "d", "--explain")
     assert "taken for granted" in output(capsys, *simulated)
     assert "rows agree" in output(capsys, "replay", tmp_path / "d")
-    formula = output(
+    default = output(
         capsys, "simulate", "tutorial", "--participants", 1, "--seed", 1, "--out", tmp_path / "e", "--explain"
     )
-    assert "felt by the formula ElectrovibrationSensation: the study states no [scene]" in formula
+    assert "through skin_leakage, contact_area, force_law, friction, friction_lag, sensitivity" in " ".join(
+        default.split()
+    )
 
 
 def test_a_check_tells_what_is_felt(study):
@@ -211,6 +256,57 @@ def test_effects_that_no_study_calls_for_are_not_imported(study, tmp_path):
     assert {kind for kind, module in by_kind.items() if module in modules} == stated
     assert not {name for name in modules if name.endswith(("motion.finger", "motion.pad", "motion.stick_slip"))}
     assert "tactometry.stimuli.electrovibration.sensation" not in modules
+
+
+def inline(kind):
+    values = {"law": '"sc_layer"'} if kind == "force_law" else CASES[kind][0]
+    return "{ " + ", ".join([f'kind = "{kind}"', *(f"{key} = {value}" for key, value in values.items())]) + " }"
+
+
+SLOTS = {"dry_friction": "friction", "receptors": "sensitivity", "summation": "sensitivity"}
+
+
+def with_company(kind):
+    """An effect, and no more than what it can be felt with."""
+    needs = CASES[kind][1] if kind in CASES else ()
+    return ({kind, *needs, "force_law", "friction", "sensitivity"} - {SLOTS.get(kind)}) - {"plain"}
+
+
+PANEL_KINDS = [kind for kind in OF_ELECTROVIBRATION if not resolve(EFFECTS[kind]).in_signal]
+PLATE_KINDS = ["finger_load", "focus_detection", "movie", "drive_energy"]
+OTHERS = [kind for kind in OF_TIME_REVERSAL if not resolve(EFFECTS[kind]).in_signal]
+UNFELT = {"finger_dynamics": "plain", "movie": "focus_detection", "drive_energy": "focus_detection"}
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    """What each scene states, and the modules behind a level through it, felt in a process of its own."""
+    if not hasattr(os, "fork"):
+        pytest.skip("needs os.fork for a process per effect")
+    panels = {kind: with_company(kind) for kind in [*PANEL_KINDS, "plain"]}
+    plates = {kind: {kind, "focus_detection"} for kind in PLATE_KINDS}
+    studies = {kind: scene(*map(inline, sorted(kinds))) for kind, kinds in panels.items()}
+    for kind, kinds in plates.items():
+        studies[kind] = f"{FOCI}\n[scene]\neffects = [{', '.join(map(inline, sorted(kinds)))}]\n"
+    script = ROOT / "tests" / "support" / "felt_processes.py"
+    done = subprocess.run(
+        [sys.executable, script], input=json.dumps(studies), capture_output=True, text=True, check=True
+    )
+    return panels | plates, {kind: set(modules) for kind, modules in json.loads(done.stdout).items()}
+
+
+@pytest.mark.parametrize("kind", [*PANEL_KINDS, *PLATE_KINDS])
+def test_a_study_imports_the_effects_that_its_scene_states_and_no_other(loaded, kind):
+    stated, modules = loaded
+    found = {name for name in (*PANEL_KINDS, *OTHERS) if EFFECTS[name].partition(":")[0] in modules[kind]}
+    assert found == stated[kind]
+
+
+@pytest.mark.parametrize("kind", UNFELT)
+def test_an_effect_that_nothing_felt_needs_imports_no_more_than_its_name(loaded, kind):
+    _, modules = loaded
+    named = EFFECTS[kind].partition(":")[0]
+    assert {named} <= modules[kind] - modules[UNFELT[kind]] <= {named, named.rpartition(".")[0]}
 
 
 def test_the_table_of_the_page_is_felt():
@@ -277,7 +373,6 @@ def test_of_both_the_stronger_one_is_felt_and_friction_by_a_finger_that_slides()
     assert sliding == pytest.approx(max(of_foci, of_friction), abs=1e-6)
 
 
-FOCI = load("time-reversal-threshold")[1].decode()
 ON_A_PLATE = {
     "no threshold": ('effects = [{ kind = "finger_load" }]', "add the effect focus_detection"),
     "what the stimulus states": (

@@ -32,6 +32,7 @@ ELECTROVIBRATION: Mapping[str, tuple[dict[str, object], tuple[str, ...], str]] =
     "dry_friction": ({}, ("finger_dynamics",), "friction_force_n"),
     "finger_dynamics": ({}, ("friction",), "skin_displacement_m"),
     "skin_mobility": ({"stiffness_n_per_m": 500.0}, ("sensitivity", "friction"), "sensation_db"),
+    "weber_fraction": ({}, ("sensitivity", "friction"), "sensation_db"),
     "sensitivity": ({}, ("friction",), "sensation_db"),
     "receptors": ({}, ("friction",), "sensation_db"),
     "summation": ({}, ("receptors", "friction"), "sensation_db"),

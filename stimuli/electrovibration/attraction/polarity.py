@@ -39,6 +39,7 @@ class Polarity(Effect):
     slot = "polarity"
     not_negative = ("positive_share",)
     excludes = note(NO_FLOW, "friction_lag", "finger_dynamics")
+    felt_excludes = note(NO_FLOW, "finger_dynamics")
     reads, gives = ("electrostatic_force_n", "layer_voltage_v"), "electrostatic_force_n"
 
     positive_share: float

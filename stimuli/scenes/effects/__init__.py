@@ -20,6 +20,7 @@ OF_ELECTROVIBRATION: Mapping[str, str] = {
     "friction_lag": "tactometry.stimuli.electrovibration.motion.friction_lag:FrictionLag",
     "finger_dynamics": "tactometry.stimuli.scenes.effects.finger_dynamics:FingerDynamics",
     "skin_mobility": "tactometry.stimuli.electrovibration.motion.skin_mobility:SkinMobility",
+    "weber_fraction": "tactometry.stimuli.scenes.effects.weber_fraction:WeberFraction",
     "sensitivity": "tactometry.stimuli.scenes.effects.sensitivity:Sensitivity",
     "receptors": "tactometry.stimuli.scenes.effects.receptors:Receptors",
     "summation": "tactometry.stimuli.scenes.effects.summation:Summation",

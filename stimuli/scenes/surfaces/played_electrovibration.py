@@ -1,18 +1,19 @@
 """An electrovibration screen under a voltage that is played: from samples to what a finger feels of them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from math import inf
 from typing import ClassVar
 
 from tactometry.contact import Contact
 
-from ...composition.effect import Demand, Effect, FingerContact, Stage, Surface
+from ...composition.effect import Demand, FingerContact, Stage
 from ...electrovibration.skin.skin import Skin
 from ..effects import OF_ELECTROVIBRATION
 from ..stages.reading import spectrum_of_record
 from ..stages.record import sampling
 from .panel import ASSUMES, SKIN_MOTION
+from .played import PlayedSurface
 
 SAME = "tactometry.stimuli.scenes.stages.circuit:same"
 RECORD = "tactometry.stimuli.scenes.stages.record"
@@ -20,7 +21,7 @@ FORCE = "tactometry.stimuli.electrovibration.attraction.force:ForceForm.force_n"
 
 
 @dataclass(frozen=True)
-class PlayedElectrovibration(Surface):
+class PlayedElectrovibration(PlayedSurface):
     """A panel that any voltage is played on, one channel of samples.
 
     What depends on the voltage alone is computed for a contact of 1 m^2: area, friction and lag are factors of its
@@ -41,7 +42,6 @@ class PlayedElectrovibration(Surface):
 
     kind = "electrovibration"
     effects = OF_ELECTROVIBRATION
-    given = ("signal", "contact")
     assumes: ClassVar[Mapping[str, str]] = ASSUMES
     touches = (FingerContact(1.0, 0.05),)
 
@@ -65,14 +65,6 @@ class PlayedElectrovibration(Surface):
             spectrum_of_record("spectrum_of_friction", "friction_force_n", "components"),
             SKIN_MOTION,
         )
-
-    def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:
-        """As what is felt needs them."""
-        return tuple(replace(stage, effect=effect.kind) for stage in effect.felt_stages(scene))
-
-    def played(self) -> "PlayedElectrovibration":
-        """It is played already."""
-        return self
 
     def reaches(self, contact: Contact) -> bool:
         """A finger at rest feels no friction."""

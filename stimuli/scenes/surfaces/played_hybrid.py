@@ -4,8 +4,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
-from ...composition.effect import Demand, Effect, Size, Stage, Surface
+from ...composition.effect import Demand, Effect, Size, Stage
 from .hybrid import HybridScreen
+from .played import PlayedSurface
 from .played_electrovibration import PlayedElectrovibration
 from .played_time_reversal import PlayedTimeReversal
 
@@ -14,7 +15,7 @@ RESTING, SLIDING = "resting", "sliding"
 
 
 @dataclass(frozen=True)
-class PlayedHybrid(Surface):
+class PlayedHybrid(PlayedSurface):
     """A plate with an electrode on it, whose last channel is that of the electrode.
 
     Neither masks the other (an unverified simplification): foci are felt as if the finger rested at the focus, friction
@@ -26,7 +27,6 @@ class PlayedHybrid(Surface):
 
     kind = "hybrid"
     effects: ClassVar[Mapping[str, str]] = HybridScreen.effects
-    given = ("signal", "contact")
     assumes: ClassVar[Mapping[str, str]] = {
         **PlayedTimeReversal.assumes,
         **PlayedElectrovibration.assumes,
@@ -56,10 +56,6 @@ class PlayedHybrid(Surface):
     def cure(self, quantity: str) -> str:
         """As on the side that has the quantity."""
         return super().cure(quantity.removeprefix(f"{RESTING}_").removeprefix(f"{SLIDING}_"))
-
-    def played(self) -> "PlayedHybrid":
-        """It is played already."""
-        return self
 
     def _resting(self, scene: Demand) -> Demand:
         return replace(scene, surface=self.time_reversal, contacts=self.time_reversal.touches)

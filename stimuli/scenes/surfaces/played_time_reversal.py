@@ -1,18 +1,19 @@
 """A plate that drives are played on: from the samples of all transducers to what a finger feels of them."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from typing import ClassVar
 
-from ...composition.effect import Demand, Effect, FingerContact, Stage, Surface
+from ...composition.effect import Demand, FingerContact, Stage
 from ...time_reversal.stimulus.setup import Setup
 from ..effects import OF_TIME_REVERSAL
+from .played import PlayedSurface
 
 PLATE = "tactometry.stimuli.scenes.stages.plate"
 
 
 @dataclass(frozen=True)
-class PlayedTimeReversal(Surface):
+class PlayedTimeReversal(PlayedSurface):
     """The screen of a stimulus: plate, transducers and losses are those that its drives were made for.
 
     Parameters
@@ -32,7 +33,6 @@ class PlayedTimeReversal(Surface):
 
     kind = "time_reversal"
     effects = OF_TIME_REVERSAL
-    given = ("signal", "contact")
     assumes: ClassVar[Mapping[str, str]] = {
         "plate": "plate, patches and losses as the stimulus states them, at the temperature at which it learnt",
         "amplifier": "amplifiers without a roll-off",
@@ -61,11 +61,3 @@ class PlayedTimeReversal(Surface):
             Stage("plate", ("signal", "setup", "place_m"), "displacement_m", f"{PLATE}:free_displacement"),
             Stage("times", ("displacement_m", "setup"), "t_s", f"{PLATE}:times"),
         )
-
-    def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:
-        """As what is felt needs them."""
-        return tuple(replace(stage, effect=effect.kind) for stage in effect.felt_stages(scene))
-
-    def played(self) -> "PlayedTimeReversal":
-        """It is played already."""
-        return self

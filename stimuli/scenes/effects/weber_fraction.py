@@ -1,0 +1,35 @@
+"""A fixed fraction of the load is detected: what is felt counts in proportion to the force that presses."""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
+
+from ...composition.effect import Effect
+
+if TYPE_CHECKING:
+    from tactometry.contact import Contact
+
+    from ...perception.detection import Components
+
+
+@dataclass(frozen=True)
+class WeberFraction(Effect):
+    """The threshold is that at `reference_n`, and in proportion to the normal force at others (Weber's law).
+
+    Without it the threshold is the same at any force. 1 N is an unverified default.
+
+    >>> WeberFraction().reference_n
+    1.0
+    """
+
+    kind = "weber_fraction"
+    slot = "criterion"
+    positive = ("reference_n",)
+    requires = ("friction", "sliding contact")
+    reads, gives = ("components", "contact"), "components"
+    assumes = ("a fixed fraction of friction is detected at any force",)
+
+    reference_n: float = 1.0
+
+    def __call__(self, components: "Components", contact: "Contact") -> "Components":
+        """Components as they count beside the force of the finger."""
+        return replace(components, amplitudes=self.reference_n / contact.force_n * components.amplitudes)
