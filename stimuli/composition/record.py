@@ -8,7 +8,7 @@ from ..arrays import FloatArray
 
 
 @dataclass(frozen=True, eq=False)
-class Record:
+class VoltageRecord:
     """Samples (n_samples,) of a voltage, and their rate."""
 
     voltage_v: FloatArray

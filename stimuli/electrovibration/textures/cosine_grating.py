@@ -16,7 +16,7 @@ from ...composition.effect import Effect, Stage, Surroundings
 from ..waveforms.pieces import Pieces
 
 if TYPE_CHECKING:
-    from ...composition.record import Record
+    from ...composition.record import VoltageRecord
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ def under_finger(voltage: Pieces, contact: Contact, period_m: float) -> Pieces:
     return modulated(voltage, contact.speed_m_per_s / period_m)
 
 
-def sampled_under_finger(record: "Record", contact: Contact, period_m: float) -> "Record":
+def sampled_under_finger(record: "VoltageRecord", contact: Contact, period_m: float) -> "VoltageRecord":
     """Samples under a finger that slides over a grating."""
     share = np.abs(np.cos(pi * contact.speed_m_per_s / period_m * record.t_s))
     return replace(record, voltage_v=share * record.voltage_v)

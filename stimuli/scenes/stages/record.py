@@ -12,7 +12,7 @@ from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
 from ...composition.effect import Demand, Size
-from ...composition.record import Record
+from ...composition.record import VoltageRecord
 from ...perception.detection import Components, components
 from .spectrum import padding_for, peak_error
 
@@ -27,7 +27,7 @@ FINER = 2
 Tissue = tuple[float, ...]
 
 
-def recorded(signal: "Signal", share: float) -> Record:
+def recorded(signal: "Signal", share: float) -> VoltageRecord:
     """The voltage of a signal, `FINER` times as many samples (band-limited) where more than a share of its power lies
     above a quarter of the rate.
 
@@ -47,9 +47,9 @@ def recorded(signal: "Signal", share: float) -> Record:
     lines, n = np.fft.rfft(voltage_v), voltage_v.size
     power = lines.real**2 + lines.imag**2
     if n < 4 or power[lines.size // 2 :].sum() <= share * power.sum():
-        return Record(voltage_v, signal.rate_hz)
+        return VoltageRecord(voltage_v, signal.rate_hz)
     lines[n // 2 :] *= 1.0 if n % 2 else 0.5
-    return Record(FINER * np.fft.irfft(lines, n=FINER * n), FINER * signal.rate_hz)
+    return VoltageRecord(FINER * np.fft.irfft(lines, n=FINER * n), FINER * signal.rate_hz)
 
 
 def sampling(demand: Demand) -> Size:
@@ -74,24 +74,24 @@ def skin(tissue: Tissue, **layers: float) -> "Skin":
     return Skin(**layers, tissue=Layer(*tissue) if tissue else None)
 
 
-def layer_voltage(record: Record, form: "ForceForm") -> FloatArray:
+def layer_voltage(record: VoltageRecord, form: "ForceForm") -> FloatArray:
     """What of the voltage lies across the layer of a law, exactly."""
     return form.relaxations.sampled(record.voltage_v, record.rate_hz)
 
 
-def pieces(record: Record) -> "Pieces":
+def pieces(record: VoltageRecord) -> "Pieces":
     """The straight lines between the samples."""
     from ...electrovibration.waveforms.pieces import straight
 
     return straight(record.t_s, record.voltage_v)
 
 
-def times(record: Record) -> FloatArray:
+def times(record: VoltageRecord) -> FloatArray:
     """When the samples are."""
     return record.t_s
 
 
-def components_of(record: Record, course: FloatArray, padding: int) -> Components:
+def components_of(record: VoltageRecord, course: FloatArray, padding: int) -> Components:
     """The components of a course over the record, its mean left out."""
     return components(course, record.rate_hz, padding)
 
