@@ -64,9 +64,8 @@ def _sensations(content: bytes, study: str) -> tuple[list[str], dict[str, Any]]:
     experiment = wire(parse(content, study), study)
     felt = felt_of(experiment)
     pulled = pulled_fingers(experiment)
-    lines = [line for effects in felt for line in effects.lines] or [
-        "nothing is felt: what the study plays is measured"
-    ]
+    models = {type(cell.sensation).__name__ for cell in experiment.cells.values()}
+    lines = [line for effects in felt for line in effects.lines] or [f"felt by {', '.join(sorted(models))}, no scene"]
     told = {"felt": [asdict(effects) for effects in felt]}
     contact = {"contact": [asdict(finger) for finger in pulled]} if pulled else {}
     return [*lines, *(finger.line for finger in pulled)], {**told, **contact}

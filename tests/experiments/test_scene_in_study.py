@@ -51,6 +51,7 @@ def felt_db(text, level=30.0):
     return cell.sensation.sensation_db(cell.stimulus.at(level), Contact(1.0, 0.05))
 
 
+LEAKY = ("skin_leakage", "contact_area", "force_law", "friction", "friction_lag")
 STUDIES = ("tutorial", "time-reversal-threshold", "hybrid-button")
 CONTACTS = (Contact(1.5), Contact(0.5, 0.02), Contact(3.0, 0.1))
 
@@ -92,7 +93,7 @@ def test_each_key_of_the_formula_is_that_of_an_effect(name):
 
 def test_a_study_tells_the_effects_of_its_default_scene():
     (felt,) = felt_effects(wired(TUTORIAL))
-    assert felt.felt == ("skin_leakage", "contact_area", "force_law", "friction", "friction_lag", "sensitivity")
+    assert felt.felt == (*LEAKY, "skin_mobility", "sensitivity")
 
 
 def test_each_effect_of_a_scene_is_felt():
@@ -225,8 +226,9 @@ def test_a_simulation_explains_and_replays(study, tmp_path, capsys):
     default = output(
         capsys, "simulate", "tutorial", "--participants", 1, "--seed", 1, "--out", tmp_path / "e", "--explain"
     )
-    assert "through skin_leakage, contact_area, force_law, friction, friction_lag, sensitivity" in " ".join(
-        default.split()
+    assert (
+        "through skin_leakage, contact_area, force_law, friction, friction_lag, skin_mobility, sensitivity"
+        in " ".join(default.split())
     )
 
 
@@ -275,7 +277,9 @@ def with_company(kind):
 PANEL_KINDS = [kind for kind in OF_ELECTROVIBRATION if not resolve(EFFECTS[kind]).in_signal]
 PLATE_KINDS = ["finger_load", "focus_detection", "movie", "drive_energy"]
 OTHERS = [kind for kind in OF_TIME_REVERSAL if not resolve(EFFECTS[kind]).in_signal]
-UNFELT = {"finger_dynamics": "plain", "movie": "focus_detection", "drive_energy": "focus_detection"}
+ALWAYS = {"skin_mobility"}
+"""What a panel has by default in its scenes: friction moves the skin."""
+UNFELT = {"movie": "focus_detection", "drive_energy": "focus_detection"}
 
 
 @pytest.fixture(scope="module")
@@ -299,7 +303,7 @@ def loaded():
 def test_a_study_imports_the_effects_that_its_scene_states_and_no_other(loaded, kind):
     stated, modules = loaded
     found = {name for name in (*PANEL_KINDS, *OTHERS) if EFFECTS[name].partition(":")[0] in modules[kind]}
-    assert found == stated[kind]
+    assert found - ALWAYS == stated[kind] - ALWAYS
 
 
 @pytest.mark.parametrize("kind", UNFELT)
