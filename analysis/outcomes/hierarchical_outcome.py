@@ -60,6 +60,7 @@ def group_fit(cells: Sequence[Cell], factors: Sequence[str], n_choices: int, uni
     if not rows:
         return _no_outcome(task, "no trial with a level")
     table = pd.DataFrame(rows, columns=[*COLUMNS, *factors])
+    # A fit needs a factor: without one that varies all cells are of one condition.
     conditions = {name: table[name].tolist() for name in varied} or {ALL: ["all"] * len(table)}
     curve = CURVES[task]
     options = WITHOUT_LAPSES if curve.has_difference else curve.options(n_choices, unit)

@@ -133,6 +133,7 @@ def _with_anova(result: Outcome, design: EstimateDesign, complete: SubDesign, *,
     result = replace(result, checks=checks(complete.table, within=within, **arguments))
     if not (permuted or status is DesignStatus.SINGULAR):
         return result
+    # Exact for few participants; the generator draws for more.
     rng = np.random.default_rng(PERMUTATION_SEED)
     return replace(result, permutation=permutation_test(complete.table, within=within, rng=rng, **arguments))
 

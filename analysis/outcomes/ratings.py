@@ -161,7 +161,7 @@ def _outcomes(
     scored: pd.DataFrame, factors: Sequence[str], form: Questionnaire, primary: str | None
 ) -> dict[str, Outcome]:
     """Of each dimension. A mixed model by the measured force is none of a questionnaire: the rule chooses then."""
-    named = None if primary == Primary.MIXED_MODEL else primary
+    named = None if primary == Primary.MIXED_MODEL else primary  # scores have no measured force
     return {name: outcome(scored, factors, FORM_TASK, name, primary=named) for name in form.dimensions}
 
 

@@ -167,6 +167,7 @@ def nonbreaking(text: str) -> str:
 def _notes(analysis: Analysis) -> list[str]:
     """What a reader must know of the outcomes and questionnaires, each once."""
     notes = [note for outcome in analysis.outcomes for note in outcome.notes]
+    # Several outcomes may have the same note.
     return list(dict.fromkeys([*notes, *(note for form in analysis.forms for note in form.notes)]))
 
 

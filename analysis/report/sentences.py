@@ -130,7 +130,7 @@ def bayes_text(bf10: float) -> str:
     ('BF10 = 0.23', 'BF10 = 143', 'BF10 > 10 000')
     """
     if bf10 > MOST_EVIDENCE:
-        return f"BF10 > {MOST_EVIDENCE:,}".replace(",", " ")
+        return f"BF10 > {MOST_EVIDENCE:,}".replace(",", " ")  # a comma may be read as a decimal sign
     return f"BF10 = {bf10:.2g}" if bf10 < 10 else f"BF10 = {bf10:.0f}"
 
 

@@ -79,6 +79,7 @@ def as_amplitudes(group: pd.DataFrame) -> pd.DataFrame:
 
 
 def _figure(outcome: Outcome, analysis: Analysis) -> Figure:
+    # With their bounds, which are drawn where a value is not known.
     name, values = dependent_title(outcome.dependent), bounds_of(outcome.estimates, outcome.dependent)
     label = with_unit(name, outcome.unit(analysis.unit))
     drawing = psychophysics.threshold_figure(outcome.group, values, analysis.factors, outcome.dependent, label)
