@@ -6,8 +6,8 @@ Printed for some settings of the output, each a whole session in one run, in thi
 - measured: from the moment at which the finger crossed an edge of a square grating, by the clock that all processes
   share, to the edge that was emitted, by the card's time of its frame (p50, p99, max of all edges), ms;
 - late: the part of the samples whose position had not come when they were needed;
-- heard: touches whose samples the sink heard as they were emitted, of all;
-- processor: time of the processor over that of the wall, from the first request to the last, in per cent of a core.
+- heard: touches whose samples the sink heard as they were emitted, of all (those with a gap are asked again);
+- processor: time of the processor over that of the wall, of the whole session with its opening, in per cent of a core.
 
 The clocks' relation and the card's own time of a frame are in all of it. Needs PulseAudio and the extra audio.
 """

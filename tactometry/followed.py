@@ -1,6 +1,7 @@
 """Signals that a moving finger weakens: how strong each sample is follows from where the finger is."""
 
 import hashlib
+import math
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Final, Protocol, runtime_checkable
@@ -10,8 +11,8 @@ import numpy as np
 from .gates import triangle
 from .signal import FloatArray, Signal, Stimulus
 
-KEPT_S: Final = 1.0
-"""So much of a path is kept: what a driver asks for is younger."""
+N_KEPT: Final = 2**14
+"""So many samples of a path are kept, or half of them: what a driver asks for is younger."""
 HELD_S: Final = 0.1
 """A finger is taken to be where it was last for so long; later nobody knows where it is, as of a silent sensor of force
 (unverified default)."""
@@ -47,33 +48,32 @@ class FingerPath:
     """
 
     def __init__(self) -> None:
-        self._kept: tuple[FloatArray, FloatArray] = np.empty(0), np.empty(0)
+        self._kept: tuple[FloatArray, FloatArray, int] = np.empty(N_KEPT), np.empty(N_KEPT), 0
+        """Times, places, and how many there are: what is there stays as it is, so that the other thread may read it."""
+        self.last_s = -math.inf
+        """The last stamp; before the first, minus infinity."""
 
     def hear(self, times_s: FloatArray, positions_m: FloatArray) -> None:
         """Samples with stamps (s); those that are lost, or not later than the last one, are left out."""
-        if not times_s.size:
-            return
-        kept_s, kept_m = self._kept
-        places_m = positions_m[:, 0]
-        later = np.isfinite(places_m) & (times_s > (kept_s[-1] if kept_s.size else -np.inf))
-        later &= times_s >= np.maximum.accumulate(times_s)
-        times_s, places_m = times_s[later], places_m[later]
-        if times_s.size:
-            first = int(np.searchsorted(kept_s, times_s[-1] - KEPT_S))
-            # as one: the other thread reads both at once
-            self._kept = np.concatenate([kept_s[first:], times_s]), np.concatenate([kept_m[first:], places_m])
+        for time_s, place_m in zip(times_s.tolist(), positions_m[:, 0].tolist(), strict=True):
+            if time_s > self.last_s and math.isfinite(place_m):
+                self._add(time_s, place_m)
 
-    @property
-    def last_s(self) -> float:
-        """The last stamp; before the first, minus infinity."""
-        times_s, _ = self._kept
-        return float(times_s[-1]) if times_s.size else -np.inf
+    def _add(self, time_s: float, place_m: float) -> None:
+        kept_s, kept_m, n = self._kept
+        if n == N_KEPT:  # half of it in new arrays
+            old_s, old_m, n = kept_s, kept_m, N_KEPT // 2
+            kept_s, kept_m = np.empty(N_KEPT), np.empty(N_KEPT)
+            kept_s[:n], kept_m[:n] = old_s[-n:], old_m[-n:]
+        kept_s[n], kept_m[n] = time_s, place_m
+        self._kept, self.last_s = (kept_s, kept_m, n + 1), time_s
 
     def at(self, times_s: FloatArray) -> FloatArray:
         """Places (m) at times (s): on lines between samples, the last one for `HELD_S`; NaN where not known."""
-        kept_s, kept_m = self._kept
-        if not kept_s.size:
+        all_s, all_m, n = self._kept
+        if not n:
             return np.full(times_s.shape, np.nan)
+        kept_s, kept_m = all_s[:n], all_m[:n]
         known = (times_s >= kept_s[0]) & (times_s <= kept_s[-1] + HELD_S)
         return np.where(known, np.interp(times_s, kept_s, kept_m), np.nan)
 

@@ -29,7 +29,7 @@ from tactometry.experiments.bench.preflight import _followed
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
-from tactometry.followed import FingerPath, FollowedSignal, felt_under
+from tactometry.followed import N_KEPT, FingerPath, FollowedSignal, felt_under
 from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
 from tactometry.signal import Signal
@@ -206,3 +206,14 @@ def test_the_guard_knows_a_signal_that_follows_from_its_strongest_samples(tmp_pa
     guarded.check(plain)
     with pytest.raises(LimitExceeded, match="current_peak_a"):
         guarded.check(followed)
+
+
+def test_a_path_keeps_its_end_and_no_stamp_that_goes_back():
+    path = FingerPath()
+    for n in range(N_KEPT + 10):
+        path.hear(np.array([1e-3 * n, 1e-3 * n - 0.5]), np.array([[1.0 * n], [-1.0]]))
+    path.hear(np.array([1e3]), np.array([[np.nan]]))
+    assert path.last_s == pytest.approx(1e-3 * (N_KEPT + 9))
+    times_s = 1e-3 * np.arange(N_KEPT - 100, N_KEPT + 10)
+    np.testing.assert_allclose(path.at(times_s), times_s * 1e3)
+    assert np.isnan(path.at(np.array([0.0, 1e3]))).all()

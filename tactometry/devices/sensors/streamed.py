@@ -11,7 +11,7 @@ from ...arguments.require import expect, not_zero, without_none
 from ...errors import InvalidParameter
 from ...signal import FloatArray
 from ..measured import Measured
-from .reader import Reader
+from .reader import Reader, SampleBlock
 
 OnSamples = Callable[[FloatArray, FloatArray], None]
 """What takes samples: their times (n_samples,) in s on `time.perf_counter`, and their values."""
@@ -31,6 +31,7 @@ class StreamedSensor:
         self.reader, self._convert = reader, convert
         self._listener = reader.listen()
         self._is_open = False
+        self._converted: tuple[SampleBlock | None, FloatArray] = None, np.empty(0)
 
     @property
     def name(self) -> str:
@@ -52,7 +53,15 @@ class StreamedSensor:
 
         A device that says nothing is told about every `POLL_S`, with empty arrays.
         """
-        return self.reader.subscribe(lambda block: on_samples(block.times_s, self._convert(block.values)))
+        return self.reader.subscribe(lambda block: on_samples(block.times_s, self._values(block)))
+
+    def _values(self, block: SampleBlock) -> FloatArray:
+        """Of the block that all subscribers hear in turn, converted once for all of them."""
+        converted, values = self._converted
+        if converted is not block:
+            values = self._convert(block.values)
+            self._converted = block, values
+        return values
 
     def close(self) -> None:
         """Let go of the device; may be called more than once."""
