@@ -29,8 +29,14 @@ N_CACHED: Final = 32
 APART_S: Final = 1e-3
 """Foci closer than this are one event to the skin; unverified default."""
 
-FAINT: Final = 0.5
-"""Peaks below this part of the largest one are reverberation, not foci; unverified default."""
+STEADY_S: Final = 5e-3
+"""Reverberation is taken for steady over this time, about its time constant; unverified default."""
+
+NORMAL_MEDIAN: Final = 0.6745
+"""Median of the magnitude of normal noise over its standard deviation."""
+
+FAINT: Final = 1e-9
+"""Of the largest magnitude: what is smaller is rounding."""
 
 READING_M: Final = 1e-9
 """One nanometre, the unit of a vibrometer's reading."""
@@ -99,8 +105,11 @@ class TimeReversalSensation:
         self._check(signal)
         if contact.force_n == 0 or signal.peak == 0:
             return -inf
-        times_s, peaks_m = events(self.displacement_m(signal, contact), signal.rate_hz)
-        return float(20 * np.log10(felt_amplitude_m(times_s, peaks_m) / self.reference_m))
+        if self.criterion == "unloaded":
+            felt_m = _free_felt_m(signal, self.setup, self._place)
+        else:
+            felt_m = felt_amplitude_m(*events(self.displacement_m(signal, contact), signal.rate_hz))
+        return float(20 * np.log10(felt_m / self.reference_m))
 
     def displacement_m(self, signal: Signal, contact: Contact) -> FloatArray:
         """(n_samples,): what the plate does under the finger, as far as it counts."""
@@ -227,26 +236,32 @@ def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[PlateLoad 
 
 @checked
 def events(displacement_m: Vector, rate_hz: Positive) -> tuple[FloatArray, FloatArray]:
-    """Times (s) and magnitudes (m) of the foci in a displacement: peaks of at least half the largest one, 1 ms apart.
+    """Times (s) and magnitudes (m) of the foci in a displacement: peaks above its reverberation, 1 ms apart.
+
+    However small beside the largest one, a focus counts if normal noise as strong as the reverberation about it would
+    reach that high less than once in the course. The sign of a focus is not felt: it shifts what the plate does by half
+    a period of some 10 kHz, and either throws the skin off.
 
     >>> events(np.array([0, 1.0, 0, 0, -3.0, 0, 0, 2.0, 0]), 1000.0)
-    (array([0.004, 0.007]), array([3., 2.]))
+    (array([0.001, 0.004, 0.007]), array([1., 3., 2.]))
     """
     magnitude = np.abs(np.concatenate([[0.0], displacement_m, [0.0]]))
     apart = max(round(APART_S * rate_hz), 1)
-    index = peaks(magnitude, FAINT * magnitude.max(), apart)
+    index = peaks(magnitude, np.maximum(_reverberation_m(magnitude, rate_hz), FAINT * magnitude.max()), apart)
     return np.asarray((index - 1) / rate_hz, float), np.asarray(magnitude[index])
 
 
-def peaks(x: FloatArray, height: float, apart: int) -> IntArray:
+def peaks(x: FloatArray, height: FloatArray | float, apart: int) -> IntArray:
     """Where `x` has maxima of at least `height`, the middle of a flat one; of those nearer than `apart` the highest.
+
+    `height` is one for all places, or of each.
 
     ``scipy.signal.find_peaks`` finds the same ones, and takes longer to load than a scene to compute.
 
     >>> peaks(np.array([0, 1.0, 0, 2, 2, 2, 0, 1.5, 0]), 1.0, 4).tolist()
     [4]
     """
-    high = np.flatnonzero(x[1:-1] >= height) + 1
+    high = np.flatnonzero((x >= height)[1:-1]) + 1
     rises, ends = high[x[high - 1] < x[high]], high[x[high + 1] != x[high]]
     next_end = np.searchsorted(ends, rises)
     rises, next_end = rises[next_end < len(ends)], next_end[next_end < len(ends)]  # the last may stay up to the end
@@ -268,6 +283,21 @@ def _highest(places: IntArray, heights: FloatArray, apart: int) -> list[bool]:
     return kept
 
 
+def _reverberation_m(magnitude_m: FloatArray, rate_hz: float) -> FloatArray:
+    """(n,): what the reverberation about each sample reaches once in the course, if it is normal noise.
+
+    Of n peaks of a narrow band the share ``exp(-u^2/(2 sigma^2))`` is higher than u (Rice 1945). Its standard deviation
+    goes by the median of the magnitude, to which foci, which are short, add little.
+    """
+    parts = np.array_split(magnitude_m, max(round(magnitude_m.size / (STEADY_S * rate_hz)), 1))
+    sizes = np.array([part.size for part in parts])
+    deviations_m = np.array([np.median(part) for part in parts]) / NORMAL_MEDIAN
+    rising = np.diff(magnitude_m) > 0
+    n_peaks = max(np.count_nonzero(rising[:-1] & ~rising[1:]), 1)
+    course_m = np.interp(np.arange(magnitude_m.size), np.cumsum(sizes) - sizes / 2, deviations_m)
+    return np.asarray(course_m * np.sqrt(2 * np.log(n_peaks)))
+
+
 @checked
 def felt_amplitude_m(times_s: Vector, peaks_m: Vector) -> float:
     """Amplitude (m) of the single event that is felt as strongly as all of a course; see `summed_amplitude`.
@@ -283,6 +313,12 @@ def felt_amplitude_m(times_s: Vector, peaks_m: Vector) -> float:
 @lru_cache(maxsize=N_CACHED)
 def _free_displacement(signal: Signal, setup: Setup, at_m: Point) -> FloatArray:
     return np.asarray(emitted(signal, setup.responses_at(*at_m))[0])
+
+
+@lru_cache(maxsize=N_CACHED)
+def _free_felt_m(signal: Signal, setup: Setup, at_m: Point) -> float:
+    """What is felt of the free plate, under any contact."""
+    return felt_amplitude_m(*events(_free_displacement(signal, setup, at_m), signal.rate_hz))
 
 
 @lru_cache(maxsize=N_CACHED)
