@@ -238,16 +238,18 @@ def displacement_at_focus_m(setup: Setup, signal: Signal, loads: list[PlateLoad 
 def events(displacement_m: Vector, rate_hz: Positive) -> tuple[FloatArray, FloatArray]:
     """Times (s) and magnitudes (m) of the foci in a displacement: peaks above its reverberation, 1 ms apart.
 
-    However small beside the largest one, a focus counts if normal noise as strong as the reverberation about it would
-    reach that high less than once in the course. The sign of a focus is not felt: it shifts what the plate does by half
-    a period of some 10 kHz, and either throws the skin off.
+    The largest always counts; however small beside it, a focus does if normal noise as strong as the reverberation
+    about it would reach that high less than once in the course. The sign of a focus is not felt: it shifts what the
+    plate does by half a period of some 10 kHz, and either throws the skin off.
 
     >>> events(np.array([0, 1.0, 0, 0, -3.0, 0, 0, 2.0, 0]), 1000.0)
     (array([0.001, 0.004, 0.007]), array([1., 3., 2.]))
     """
     magnitude = np.abs(np.concatenate([[0.0], displacement_m, [0.0]]))
     apart = max(round(APART_S * rate_hz), 1)
-    index = peaks(magnitude, np.maximum(_reverberation_m(magnitude, rate_hz), FAINT * magnitude.max()), apart)
+    largest = magnitude.max()
+    height = np.clip(_reverberation_m(magnitude, rate_hz), FAINT * largest, largest)
+    index = peaks(magnitude, height, apart)
     return np.asarray((index - 1) / rate_hz, float), np.asarray(magnitude[index])
 
 

@@ -174,6 +174,12 @@ def test_side_lobes_of_an_envelope_are_events_and_reverberation_is_none():
     assert len(peaks_m) <= len(at) + 6  # of noise 1 is expected, 7 are so with a probability of 1e-4
 
 
+def test_of_reverberation_alone_the_largest_peak_is_felt():
+    course = np.random.default_rng(16).uniform(-1.0, 1.0, 5000)
+    _, peaks_m = events(course, 100e3)
+    assert peaks_m.tolist() == [np.abs(course).max()]
+
+
 @pytest.mark.parametrize("pattern", ["P2", "P3"])
 def test_lobes_of_a_pattern_above_its_reverberation_are_events(pattern):
     stimulus = train(pattern=pattern)
