@@ -8,6 +8,7 @@ import re
 import numpy as np
 import pytest
 from command_line import call, output
+from matplotlib.figure import Figure
 from places import DOCS
 
 from tactometry.errors import InvalidParameter
@@ -205,6 +206,15 @@ def test_a_drawing_is_a_picture_and_its_curves(tmp_path):
     assert [(row["curve"], float(row["x"]), float(row["y"])) for row in rows] == [
         (row[1], row[3], row[5]) for row in points(figure)
     ]
+
+
+def test_points_have_the_words_of_named_ticks_and_the_names_of_curves_with_error_bars():
+    figure = Figure()
+    axes = figure.add_subplot()
+    axes.errorbar([0.5, 1.5], [0, 1], xerr=0.1, label="P0")
+    axes.set_yticks([0, 1], ["Dull", "Bad\nGood"])
+    found = [(curve, x, y, place) for _, curve, _, x, _, y, place in points(figure)]
+    assert found == [("P0", 0.5, 0.0, "Dull"), ("P0", 1.5, 1.0, "Bad Good")]
 
 
 @pytest.mark.parametrize(

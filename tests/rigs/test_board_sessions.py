@@ -97,8 +97,8 @@ def short(name, folder):
 
 
 def on_the_console(capsys, monkeypatch, folder, study):
-    """A session with the bench in a folder, each question answered by its first number."""
-    monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 5000))
+    """A session with the bench in a folder; where 1 is no answer, as of a load in steps of 5, the next line is."""
+    monkeypatch.setattr("sys.stdin", io.StringIO("1\n5\n" * 5000))
     words = ("run", study, "--participant", "P01", "--rig", "console", "--bench", folder / "bench.toml")
     return call(capsys, *words, "--out", folder / "d")
 

@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.container import ErrorbarContainer
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedFormatter
+from matplotlib.ticker import FuncFormatter
 
 from tactometry.errors import attempt
 from tactometry.files.rows import write_rows
@@ -43,10 +43,11 @@ def points(figure: Figure) -> Iterator[tuple[int | str | float, ...]]:
 
 
 def _words(axis: Axis) -> dict[float, str]:
-    """What stands at the ticks of an axis of categories, by their place."""
-    formatter = axis.get_major_formatter()
-    words = formatter.seq if isinstance(formatter, FixedFormatter) else ()
-    return {float(at): word.replace("\n", " ") for at, word in zip(axis.get_majorticklocs(), words, strict=False)}
+    """What stands at the ticks of an axis whose ticks were named, by their place."""
+    if not isinstance(axis.get_major_formatter(), FuncFormatter):
+        return {}
+    labels = (tick.get_text().replace("\n", " ") for tick in axis.get_majorticklabels())
+    return dict(zip(map(float, axis.get_majorticklocs()), labels, strict=True))
 
 
 def _curves(axes: Axes) -> Iterator[tuple[str, float, float]]:
