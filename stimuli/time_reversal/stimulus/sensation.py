@@ -295,7 +295,7 @@ def _reverberation_m(magnitude_m: FloatArray, rate_hz: float) -> FloatArray:
     sizes = np.array([part.size for part in parts])
     deviations_m = np.array([np.median(part) for part in parts]) / NORMAL_MEDIAN
     rising = np.diff(magnitude_m) > 0
-    n_peaks = max(np.count_nonzero(rising[:-1] & ~rising[1:]), 1)
+    n_peaks = max(int(np.count_nonzero(rising[:-1] & np.logical_not(rising[1:]))), 1)
     course_m = np.interp(np.arange(magnitude_m.size), np.cumsum(sizes) - sizes / 2, deviations_m)
     return np.asarray(course_m * np.sqrt(2 * np.log(n_peaks)))
 
