@@ -21,11 +21,12 @@ tactometry cost all --page docs/cost.md   # this page
 ```
 
 A ladder is one problem with settings from coarse to fine. Each rung has its error against the stated reference, the
-median and interquartile range of its time (contenders interleaved, one thread, the first call apart), peak memory and
-the size of the answer. Errors are the same in every run; times are those of the machine below. A result that is not
-finite is an *unstable* point and is drawn. No error below the reference's own uncertainty is believed, and every
-reference agrees with an independent one. Three prices are paid: computing time, time of emission (`reversal-time-*`)
-and the time of participants (`procedures`, `group-threshold`).
+median and interquartile range of its time (contenders interleaved, one thread), the first call apart as *cold* (with
+what is imported and loaded for it, and for no ladder before), peak memory and the size of the answer. Errors are the
+same in every run; times are those of the machine below. A result that is not finite is an *unstable* point and is
+drawn. No error below the reference's own uncertainty is believed, and every reference agrees with an independent one.
+Three prices are paid: computing time, time of emission (`reversal-time-*`) and the time of participants (`procedures`,
+`group-threshold`).
 
 Intervals of a threshold aim at different things: those of the posterior have their ladder in `threshold-fit`, those of
 the likelihood in `threshold-likelihood`, and those of the bootstrap, of where the mode falls in answers drawn anew from
@@ -103,14 +104,14 @@ def _section(climb: Climb, folder: str) -> list[str]:
         "",
         f"![error against price]({folder}/{problem.name}.svg)",
         "",
-        "| setting | error | price | median (ms) | spread (ms) | memory (kB) | answer (B) |",
-        "|---|---|---|---|---|---|---|",
+        "| setting | error | price | cold (ms) | warm (ms) | spread (ms) | memory (kB) | answer (B) |",
+        "|---|---|---|---|---|---|---|---|",
         *rows,
     ]
 
 
 def _row(point: Point) -> str:
     error = "unstable" if point.unstable else f"{point.error:.1e}"
-    times = f"{1e3 * point.median_s:.3g} | {1e3 * point.spread_s:.1g}"
+    times = f"{1e3 * point.first_s:.3g} | {1e3 * point.median_s:.3g} | {1e3 * point.spread_s:.1g}"
     memory = f"{point.peak_bytes / 1e3:.0f} | {point.answer_bytes}"
     return f"| {label(point)} | {error} | {point.price:.3g} | {times} | {memory} |"
