@@ -64,7 +64,11 @@ from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, Raise
 from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
 from tactometry.stimuli.time_reversal.responses.load import SprungMass
 from tactometry.stimuli.time_reversal.responses.plate_constants import MeasuredConstant
+from tactometry.stimuli.time_reversal.stimulus.placed_foci import FingersSensation, Place, PlacedFoci
 from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
+
+PLACES = {"index": Place(0.10), "middle": Place(0.13)}
+AT_PLACES = PlacedFoci(SETUP, f_max_hz=900.0, places=PLACES, place="index + middle")
 
 
 def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
@@ -183,6 +187,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             f"TimeReversalStimulus.{name}": {"self": TimeReversalStimulus(FOCUS), "level": 1e-9}
             for name in ("at", "voltage_v")
         },
+            "FocusTrain.heard": {"self": TRAIN, "learnt": RESPONSES},
             "FocusTrain.at": {"self": TRAIN, "level": -60.0},
             "FocusTrain.voltage_v": {"self": TRAIN, "level": -60.0},
             "measured": {"train": TRAIN, "heard": SETUP.responses_at(0.1, 0.1)},
@@ -343,6 +348,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "band_limited": {**heard, "band": BAND},
             "inaudible": {**heard, "cutoff_hz": 100.0, "flank_hz": 50.0},
             "Responses.at_point": {"self": RESPONSES, "index": 1},
+            "Responses.mean_of": {"self": RESPONSES, "points": [1]},
             "Responses.of_channels": {"self": RESPONSES, "channels": [1]},
             "impulse_responses": {
                 "screen": SCREEN, "points": POINTS, **SAMPLING, "quantity": "displacement", "static_to_hz": 2e3,
@@ -356,6 +362,19 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             f"Screen.{name}": {"self": SCREEN, **LOW} for name in ("modes", "oscillators", "modal_forces")
         },
             "warmed": {"screen": SCREEN, "kelvin": 5.0, "shift_per_k": -5e-5},
+        },
+        "stimulus.placed_foci": {
+            "PlacedFoci": {"setup": SETUP, "places": PLACES, "place": "index", "f_max_hz": 900.0},
+            "PlacedFoci.heard": {"self": AT_PLACES, "learnt": None},
+            "Place": {"x_m": 0.1, "y_m": 0.1},
+            "Place.on": {"self": Place(0.1), "setup": SETUP},
+            "FingersSensation": {"setup": SETUP, "places": PLACES, "fingers": ("index",), "reference_m": 1e-5},
+            **{
+                f"FingersSensation.{name}": {
+                    "self": FingersSensation(SETUP, PLACES), "signal": AT_SETUP, "contact": Contact(2.0),
+                }
+                for name in ("fingers_db", "sensation_db", "contact_force_n")
+            },
         },
         "stimulus.contact_force": {
             "contact_force_n": {"setup": SETUP, "signal": AT_SETUP, "load": PlateLoad(0.1, 0.1, 9.0)},
@@ -373,6 +392,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 for name in ("sensation_db", "displacement_m", "contact_force_n")
             },
             "loaded_displacement": {"free_m": BUMP, "setup": SETUP, "load": PlateLoad(0.1, 0.1, 9.0)},
+            "peaks": {"x": BUMP, "height": 1.0, "apart": 2},
             "events": {"displacement_m": BUMP, "rate_hz": 1e3},
             "felt_amplitude_m": {"times_s": [0.0, 0.01], "peaks_m": [1e-5, 2e-5]},
         },

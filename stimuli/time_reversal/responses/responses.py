@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import expect, one_of, whole
+from tactometry.arguments.require import expect, one_of, some, whole
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
@@ -74,7 +74,8 @@ class Responses:
         return replace(self, samples=self.samples[index : index + 1])
 
     def mean_of(self, points: Sequence[int]) -> "Responses":
-        """The mean over some points: what foci at all of them at once have as amplitude, on average."""
+        """The mean over some points, at least one: what foci at all of them at once have as amplitude, on average."""
+        some("Responses.mean_of.points", points)
         return replace(self, samples=self.samples[list(points)].mean(axis=0, keepdims=True))
 
     def of_channels(self, channels: Sequence[int]) -> "Responses":

@@ -114,6 +114,7 @@ class PlacedFoci(FocusTrain):
 
 
 def _check_places(foci: PlacedFoci) -> None:
+    expect(isinstance(foci.places, Mapping), "PlacedFoci.places", foci.places, "a table of places by their names")
     expect(len(foci.places) > 1, "PlacedFoci.places", f"{len(foci.places)} of them", "at least two to tell apart")
     for name, place in foci.places.items():
         is_name = bool(name.strip()) and name.isprintable() and AT_ONCE.strip() not in name

@@ -9,7 +9,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import NotNegative, Positive, Vector
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import expect
+from tactometry.arguments.require import expect, shape
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
@@ -253,7 +253,8 @@ def events(displacement_m: Vector, rate_hz: Positive) -> tuple[FloatArray, Float
     return np.asarray((index - 1) / rate_hz, float), np.asarray(magnitude[index])
 
 
-def peaks(x: FloatArray, height: FloatArray | float, apart: int) -> IntArray:
+@checked
+def peaks(x: Vector, height: FloatArray | float, apart: int) -> IntArray:
     """Where `x` has maxima of at least `height`, the middle of a flat one; of those nearer than `apart` the highest.
 
     `height` is one for all places, or of each.
@@ -263,6 +264,8 @@ def peaks(x: FloatArray, height: FloatArray | float, apart: int) -> IntArray:
     >>> peaks(np.array([0, 1.0, 0, 2, 2, 2, 0, 1.5, 0]), 1.0, 4).tolist()
     [4]
     """
+    if np.ndim(height):
+        shape("peaks.height", height, x.shape)
     high = np.flatnonzero((x >= height)[1:-1]) + 1
     rises, ends = high[x[high - 1] < x[high]], high[x[high + 1] != x[high]]
     next_end = np.searchsorted(ends, rises)
