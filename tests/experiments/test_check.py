@@ -61,7 +61,8 @@ def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display,
 
     in_background(press_keys)
     try:
-        bench = SCREEN + AUDIO + GAIN + LOAD + LIMITS + SERIAL.format(port=device.port) + FORCE
+        limits = LIMITS.replace("80.0", "100.0")  # what the study asks for
+        bench = SCREEN + AUDIO + GAIN + LOAD + limits + SERIAL.format(port=device.port) + FORCE
         env = {**alsa, "DISPLAY": os.environ["DISPLAY"]}
         status, findings = checked(tmp_path, bench, "tutorial", env=env)
     finally:
@@ -87,12 +88,12 @@ def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display,
     assert findings["display", "key to record"]["found"].endswith("of 3 keys")
     assert findings["sensor hand", "opened"]["fine"]
     assert findings["force", "mean, at rest"]["found"] == "2.5 N"
-    assert findings["output", "test tone"]["found"] == "8 V, 0.5 s"
+    assert findings["output", "test tone"]["found"] == "10 V, 0.5 s"
     played = np.frombuffer((tmp_path / "played.raw").read_bytes(), "<i2")
-    assert np.abs(played).max() / 32767 * 100.0 == pytest.approx(8.0, abs=0.01)
+    assert np.abs(played).max() / 32767 * 100.0 == pytest.approx(10.0, abs=0.01)
     strongest = [each["found"] for (_, what), each in findings.items() if what.startswith("strongest")]
     assert len(strongest) == 2
-    assert all(" of touch " in each or "level 34 of " in each for each in strongest)
+    assert all(" of touch " in each or "level 40 of " in each for each in strongest)
     assert all("found a signal with rate_hz 20000, expected 48000; state that rate_hz in" in each for each in strongest)
 
 
@@ -159,7 +160,7 @@ def test_each_stimulus_that_passes_a_limit_is_named(tmp_path):
     names = list(study.bank)
     assert [each.what for each in found] == [f"strongest {name}" for name in names]
     for each, name in zip(found, names, strict=True):
-        assert each.found.startswith(f"level 34 of {name}: limits.voltage_peak_v: found a peak of 47.6")
+        assert each.found.startswith(f"level 40 of {name}: limits.voltage_peak_v: found a peak of 95.")
         assert (each.fine, each.device) == (False, True)
 
 
