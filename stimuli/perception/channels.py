@@ -1,5 +1,6 @@
 """Receptor channels of the skin: each has its own threshold by frequency, and the strongest mediates detection."""
 
+from functools import lru_cache
 from math import inf, log10
 from typing import Final
 
@@ -8,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from tactometry.arguments.require import positive, positive_array
 
-from ..arrays import FloatArray
+from ..arrays import FloatArray, IntArray
 from .detection import Components
 
 NP_III, NP_I, P = 0, 1, 2
@@ -76,9 +77,18 @@ def as_at_250_hz(parts: Components) -> Components:
     >>> as_at_250_hz(Components(np.array([0.1, 125.0, 900.0]), np.ones(3))).amplitudes.round(4).tolist()
     [0.2512]
     """
-    heard = (parts.frequencies_hz >= HEARS_HZ[NP_III][0]) & (parts.frequencies_hz <= HEARS_HZ[P][1])
-    f_hz = parts.frequencies_hz[heard]
-    return Components(f_hz, parts.amplitudes[heard] * 10 ** (-channel_thresholds_db(f_hz).min(axis=0) / 20))
+    heard, f_hz, weights = _weights(np.asarray(parts.frequencies_hz, np.float64).tobytes())
+    return Components(f_hz, parts.amplitudes[heard] * weights)
+
+
+@lru_cache(maxsize=64)
+def _weights(lines_hz: bytes) -> tuple[IntArray, FloatArray, FloatArray]:
+    """Which of some frequencies any channel answers to, those, and how strongly each is felt: a signal that is felt
+    under many fingers has the same frequencies each time."""
+    frequencies_hz = np.frombuffer(lines_hz)
+    heard = np.flatnonzero((frequencies_hz >= HEARS_HZ[NP_III][0]) & (frequencies_hz <= HEARS_HZ[P][1]))
+    f_hz = frequencies_hz[heard]
+    return heard, f_hz, np.asarray(10 ** (-channel_thresholds_db(f_hz).min(axis=0) / 20))
 
 
 def highest_level_db(weighed: Components, reference_m: float) -> float:
