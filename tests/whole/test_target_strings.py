@@ -15,7 +15,7 @@ UPWARDS = {
     "tactometry/devices/deadline.py": "tactometry.devices.outputs.audio:AudioSettings",
     "stimuli/perception/detection.py": "tactometry.stimuli.scenes.effects.sensitivity:Sensitivity",
     "stimuli/electrovibration/skin/skin.py": f"{LAG}:FrictionLag",
-    "stimuli/electrovibration/motion/coulomb_friction.py": f"{LAG}:scene_friction_n",
+    "protocols/procedures/procedure.py": "tactometry.protocols.procedures.staircase:Staircase",
 }
 """Files and target strings that would run back up; that of the last is imported by what it names."""
 

@@ -67,4 +67,10 @@ FIGURE_5_12 = _figure(
 FIGURE_5_13 = _figure(
     "Envelopes by word pairs", "5.13", partial(_grouped, "envelope"), "a cardinal sine pleases most (page 4)"
 )
-FIGURE_A_1, FIGURE_A_2, FIGURE_A_3, FIGURE_A_4, FIGURE_A_5, FIGURE_A_6, FIGURE_A_7 = map(_of_pattern, range(7))
+FIGURE_A_1 = _of_pattern(0)
+FIGURE_A_2 = _of_pattern(1)
+FIGURE_A_3 = _of_pattern(2)
+FIGURE_A_4 = _of_pattern(3)
+FIGURE_A_5 = _of_pattern(4)
+FIGURE_A_6 = _of_pattern(5)
+FIGURE_A_7 = _of_pattern(6)

@@ -109,11 +109,12 @@ def high_passed(steps_v: FloatArray, decay: float) -> FloatArray:
 
 
 def _recurrence(weighted: FloatArray, decay: float) -> FloatArray:
-    if decay == 0:
+    if decay == 0 or not weighted.size:
         return np.cumsum(weighted, axis=-1)
-    from scipy.signal import lfilter  # slow to load
+    from .compiled_decay import decaying_sum  # slow to load
 
-    return np.asarray(lfilter([1.0], [1.0, -np.exp(-decay)], weighted, axis=-1))
+    rows = np.ascontiguousarray(weighted).reshape(-1, weighted.shape[-1])
+    return np.asarray(decaying_sum(rows, float(np.exp(-decay))).reshape(weighted.shape))
 
 
 def _in_blocks(weighted: FloatArray, decay: float) -> FloatArray:
