@@ -325,7 +325,7 @@ def test_uneven_deviations_cost_degrees_of_freedom() -> None:
     """As the covariance of the participants' thresholds says."""
     rows, _ = simulated(np.random.default_rng(), n=6, means={0.5: 18.0, 1.0: 19.0, 2.0: 19.0}, n_trials=30)
     found = fitted(rows)
-    noise = np.random.default_rng().normal(0, 9, 6)
+    noise = np.random.default_rng().normal(0, 30, 6)
     table = found.participants
     uneven = replace(
         found,
