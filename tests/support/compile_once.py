@@ -1,10 +1,28 @@
 """Of several processes that need a loop one compiles it, for up to ten seconds; the others find it on the disk."""
 
+from contextlib import contextmanager
 from pathlib import Path
 
 import portalocker
 from numba.core.caching import NullCache
 from numba.core.dispatcher import Dispatcher
+
+HELD = set()
+"""Files that this process has locked: a loop that calls one of its own file compiles that one too."""
+
+
+@contextmanager
+def alone_with(path):
+    if path in HELD:
+        yield
+        return
+    with Path(path).open() as source:
+        portalocker.lock(source, portalocker.LOCK_EX)
+        HELD.add(path)
+        try:
+            yield
+        finally:
+            HELD.discard(path)
 
 
 def compile_once():
@@ -14,8 +32,7 @@ def compile_once():
     def alone(loop, signature):
         if isinstance(loop._cache, NullCache):
             return compiled(loop, signature)
-        with Path(loop.py_func.__code__.co_filename).open() as source:
-            portalocker.lock(source, portalocker.LOCK_EX)
+        with alone_with(loop.py_func.__code__.co_filename):
             return compiled(loop, signature)  # which looks on the disk first
 
     Dispatcher.compile = alone
