@@ -21,7 +21,7 @@ from .attraction.force import Law, electrostatic_force_n
 from .attraction.polarity import Polarity
 from .motion.coulomb_friction import CoulombFriction
 from .motion.friction_lag import FrictionLag
-from .motion.skin_mobility import SkinMobility
+from .motion.skin_mobility import SkinMobility, displacement
 from .skin.skin import Skin
 
 N_CACHED = 512
@@ -100,7 +100,7 @@ class ElectrovibrationSensation:
             return -inf
         area_m2 = float(self.area.area_m2(contact.force_n))
         parts = _force_components(signal, self.skin, area_m2, self.law, self.polarity)
-        skin = self.mobility.displacement(self._friction(parts, contact), contact.force_n)
+        skin = displacement(self.mobility, self._friction(parts, contact), contact.force_n)
         return highest_level_db(skin, self.threshold_m(contact.force_n))
 
     def threshold_m(self, force_n: float) -> float:

@@ -77,7 +77,7 @@ def test_without_an_output_it_says_first_that_it_plays_nothing_and_nothing_count
     assert {(row["rig"], row["level_delivered"], row["valid"]) for row in trial_rows(tmp_path / "d")} == {
         ("console", "", "1")
     }
-    assert {row["level"] for row in trial_rows(tmp_path / "d")} == {"10", "18", "26", "34"}
+    assert {row["level"] for row in trial_rows(tmp_path / "d")} == {"22", "28", "34", "40"}
     assert not list((tmp_path / "d" / "journals").glob("*_events.tsv"))
     _, _, out = call(capsys, "analyse", tmp_path / "d", "--json")
     assert (

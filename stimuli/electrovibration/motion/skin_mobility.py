@@ -66,16 +66,13 @@ class SkinMobility(Effect):
         Raises
         ------
         InvalidParameter
-            If the force is not above 0.
+            If the force is not above 0, or a frequency is below it.
         """
         require.positive("SkinMobility.gain_m_per_n", force_n=force_n)
-        skin, omega = self.under(force_n), 2 * pi * np.asarray(frequency_hz, dtype=np.float64)
+        frequencies_hz = require.not_negative_array("SkinMobility.gain_m_per_n.frequency_hz", frequency_hz)
+        skin, omega = self.under(force_n), 2 * pi * frequencies_hz
         elastic = skin.stiffness_n_per_m - skin.mass_kg * omega * omega
         return np.asarray(1 / np.hypot(elastic, skin.damping_n_s_per_m * omega))
-
-    def displacement(self, friction: "Components", force_n: float) -> "Components":
-        """The components of the skin's displacement (m) by those of a lateral force (N)."""
-        return replace(friction, amplitudes=friction.amplitudes * self.gain_m_per_n(friction.frequencies_hz, force_n))
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         needs, target = ("components", "contact"), f"{__name__}:skin_motion"
@@ -88,6 +85,11 @@ class SkinMobility(Effect):
         return VoltageContent(steepest_db_per_hz=float(40 * pi / np.log(10) * np.sum(1 / -poles.real)))
 
 
+def displacement(skin: SkinMobility, friction: "Components", force_n: float) -> "Components":
+    """The components of the skin's displacement (m) by those of a lateral force (N)."""
+    return replace(friction, amplitudes=friction.amplitudes * skin.gain_m_per_n(friction.frequencies_hz, force_n))
+
+
 def skin_motion(friction: "Components", contact: Contact, **mobility: float) -> "Components":
     """Components of the skin (m) by those of friction (N)."""
-    return SkinMobility(**mobility).displacement(friction, contact.force_n)
+    return displacement(SkinMobility(**mobility), friction, contact.force_n)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.arguments import require
+from tactometry.arguments.checked import checked
 
 from ...arrays import FloatArray
 from ..waveforms.pieces import Pieces
@@ -27,6 +28,7 @@ class Followed(NamedTuple):
     recent: FloatArray
 
 
+@checked
 @dataclass(frozen=True)
 class FollowedTexture(Ramped):
     """``V0 sqrt(share(x)) sin(2 pi f_c t)``, where `x` is where the finger is, as it is measured or simulated.
@@ -109,6 +111,7 @@ class FollowedTexture(Ramped):
         `before` is what the same path gave so far; without it the finger begins here, as if it had been here before.
         Where a place is NaN, nobody knows where the finger is: nothing is played.
         """
+        require.expect(len(x_m) > 0, "FollowedTexture.parts.x_m", "no place", "at least one")
         way = None if before is None else before.way
         known = np.isfinite(x_m)
         shares, way = self._shares(x_m if known.all() else _filled(x_m, known, way), way)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
+from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.files.durable import read_file
 from tactometry.files.samples import table_of_numbers
@@ -20,6 +21,7 @@ from .texture import SIGNS, Image
 LARGEST_MAP: Final = 2**26
 
 
+@checked
 @dataclass(frozen=True)
 class Mapped:
     """Values along a line, or rows of them: here, or in a file, of which `sha256` says that it is still the same.
@@ -83,6 +85,7 @@ def _grey_of_picture(content: bytes) -> FloatArray:
         return np.asarray(picture.convert("L"), dtype=np.float64) / 255
 
 
+@checked
 @dataclass(frozen=True)
 class GreyImage(Mapped):
     """A row of grey levels, 0 (black, no friction) to 1, as `Image`; in a CSV file numbers from 0 to 1 too.
@@ -102,6 +105,7 @@ class GreyImage(Mapped):
         return Image(self._line, self.pixel_m).force_share(x_m)
 
 
+@checked
 @dataclass(frozen=True)
 class HeightMap(Mapped):
     """Heights (of any unit) felt by their slope, as a `Bump` is: ``1/2 + h'(x)/(2 max |h'|)``, 1/2 outside.

@@ -320,6 +320,10 @@ class Velvet:
         >>> bool(np.allclose(np.r_[first, second], velvet.force_share_along(path_m), rtol=0, atol=1e-15))
         True
         """
+        found = f"{len(x_m)} places and {len(y_m)} of the way"
+        require.expect(
+            len(x_m) == len(y_m) > 0, "Velvet.after.y_m", found, "as many of the way as places, at least one"
+        )
         pile, then = self._pile(y_m, way or Way(float(y_m[0]), 1.0, float(y_m[0]), self.with_pile, self.with_pile))
         return pile * (1 - self.tuft_depth * (1 - np.cos(2 * np.pi * x_m / self.tuft_period_m)) / 2), then
 

@@ -267,6 +267,9 @@ class Kept:
     def note(self, event):
         self.events.append(event)
 
+    def keep_path(self, digest, lines):
+        """No texture is followed here."""
+
 
 @pytest.mark.usefixtures("unhurried_sensors")
 def test_the_delay_of_the_gate_is_that_of_the_stimulus_whatever_the_force_does_later(watched, output, log):

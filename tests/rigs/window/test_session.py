@@ -70,7 +70,7 @@ def test_a_resumed_session_is_completed(sitting):
 
 def test_every_trial_of_the_tutorial_is_there_once(sitting):
     levels = [(row["frequency_hz"], row["level"]) for row in sitting.rows if row["level"]]
-    assert sorted(levels) == sorted([(f, v) for f in ("60", "240") for v in ("10", "18", "26", "34")] * 2)
+    assert sorted(levels) == sorted([(f, v) for f in ("60", "240") for v in ("22", "28", "34", "40")] * 2)
     assert [row["trial"] for row in sitting.rows] == [str(n + 1) for n in range(len(sitting.rows))]
     exact_case("a session in the window, stopped and resumed", against="every trial once")
 

@@ -58,9 +58,16 @@ CONSTRUCTORS: dict[str, Call] = {
         "lag": ev.FrictionLag(), "mobility": ev.SkinMobility(), "reference_m": 1e-7, "reference_force_n": 1e-5,
         "criterion": "fraction", "polarity": ev.Polarity(0.5)}),
     "Finger": (ev.Finger, {"mass_kg": 1e-3, "stiffness_n_per_m": 200.0, "damping_n_s_per_m": 0.05}),
+    "FollowedTexture": (ev.FollowedTexture, {
+        "texture": ev.Grating(1e-3), "carrier_hz": 2e3, "duration_s": 0.1, "ramp_s": 0.01, "rate_hz": 2e4,
+        "rise_s": 1e-3, "turn_m": 1e-4, "level_unit": "V"}),
     "ForceForm": (ev.ForceForm, {"relaxations": FORM.relaxations, "newton_per_v2": 1e-5}),
     "FrictionLag": (ev.FrictionLag, {"slope_hz_per_m_per_s": 1e4, "intercept_hz": 1.0, "floor_hz": 100.0}),
     "Grating": (ev.Grating, {"period_m": 1e-3, "shape": "square", "duty": 0.5}),
+    "GreyImage": (ev.GreyImage, {
+        "pixel_m": 1e-3, "values": (0.0, 0.5, 1.0), "path": None, "sha256": None, "row": 0}),
+    "HeightMap": (ev.HeightMap, {
+        "pixel_m": 1e-3, "values": (0.0, 1e-4, 0.0), "path": None, "sha256": None, "row": 0, "direction": 1}),
     "Image": (ev.Image, {"grey": np.array([0.0, 0.5]), "pixel_m": 1e-3, "row": 0}),
     "Layer": (ev.Layer, {"thickness_m": 1e-6, "permittivity": 2.0, "resistivity_ohm_m": 1e6}),
     "Noise": (ev.Noise, {
@@ -162,6 +169,7 @@ FUNCTIONS: dict[str, Call] = {
 STACK = CONSTRUCTORS["Stack"][0](**CONSTRUCTORS["Stack"][1])
 CORNERS = ev.Square(frequency_hz=60.0).corners
 MODEL = ev.ElectrovibrationSensation()
+FOLLOWED = ev.FollowedTexture(ev.Grating(1e-3), duration_s=0.1, ramp_s=0.01)
 
 METHODS: dict[str, Call] = {
     "Corners.at": (CORNERS.at, {"phase": [0.5, 9.0]}),
@@ -178,6 +186,16 @@ METHODS: dict[str, Call] = {
     "ForceForm.force_n": (FORM.force_n, {"layer_v": np.array(V), "polarity": ev.Polarity(0.5)}),
     "FrictionLag.cutoff_hz": (ev.FrictionLag().cutoff_hz, {"speed_m_per_s": 0.05}),
     "FrictionLag.gain": (ev.FrictionLag().gain, {"frequency_hz": [60.0], "speed_m_per_s": 0.05}),
+    "ElectrovibrationSensation.threshold_m": (MODEL.threshold_m, {"force_n": 1.0}),
+    "FollowedTexture.at": (FOLLOWED.at, {"level": 20.0}),
+    "FollowedTexture.check_motion": (FOLLOWED.check_motion, {"speed_m_per_s": 0.05, "positions_hz": 1e3}),
+    "FollowedTexture.parts": (FOLLOWED.parts, {"x_m": np.array([0.0, 1e-4]), "before": None}),
+    "FollowedTexture.pieces": (FOLLOWED.pieces, {"level": 20.0}),
+    "GreyImage.force_share": (ev.GreyImage(1e-3, (0.0, 1.0)).force_share, {"x_m": [0.1]}),
+    "HeightMap.force_share": (ev.HeightMap(1e-3, (0.0, 1.0)).force_share, {"x_m": [0.1]}),
+    "SkinMobility.gain_m_per_n": (ev.SkinMobility().gain_m_per_n, {"frequency_hz": [60.0], "force_n": 1.0}),
+    "SkinMobility.under": (ev.SkinMobility().under, {"force_n": 1.0}),
+    "Velvet.after": (ev.Velvet().after, {"x_m": np.array([0.0, 1e-4]), "y_m": np.array([0.0, 1e-4]), "way": None}),
     "Grating.force_share": (ev.Grating(1e-3).force_share, {"x_m": [0.1]}),
     "Grating.temporal_frequency_hz": (ev.Grating(1e-3).temporal_frequency_hz, {"speed_m_per_s": 0.1}),
     "Region.force_share": (ev.Region(0.0, 1.0).force_share, {"x_m": [0.1]}),
