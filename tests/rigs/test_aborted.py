@@ -41,7 +41,7 @@ STEADY, SHAKY = {"waver_cv = 0.12": "waver_cv = 0.0"}, {"waver_cv = 0.12": "wave
 def test_a_session_that_came_to_its_end_has_status_0(tmp_path, capsys):
     status, _, out = run(capsys, tmp_path, **STEADY)
     assert status == 0
-    assert ": 10 trials, and 14 answers to questionnaires; 2 procedures: 1 came to their last trial, 1 censored" in out
+    assert ": 10 trials, and 14 answers to questionnaires; 2 procedures: 2 came to their last trial" in out
 
 
 def test_one_block_of_several_that_is_aborted_is_told_by_summary_status_and_events(tmp_path, capsys):
