@@ -5,6 +5,7 @@ from functools import partial
 import numpy as np
 
 from tactometry.stimuli.time_reversal.plate.plate import Plate, degrees, ritz_frequencies_hz
+from tactometry.stimuli.time_reversal.rectangle.ritz import solve
 
 from ..cost.problem import Problem, Real, Reference, Rung
 
@@ -59,8 +60,8 @@ def _rungs(plate: Plate) -> tuple[Rung, ...]:
 
 
 def _frequencies_hz(plate: Plate, degree: int) -> Real:
-    found_hz = ritz_frequencies_hz(plate, F_MAX_HZ, (degree, degree))
-    return found_hz[plate.rectangle.n_rigid :]
+    solve.cache_clear()  # the last solutions are kept; a price is that of solving
+    return ritz_frequencies_hz(plate, F_MAX_HZ, (degree, degree))[plate.rectangle.n_rigid :]
 
 
 def _navier_hz(plate: Plate) -> Real:
