@@ -27,7 +27,7 @@ ONE_CELL = (
 )
 HEAD, _, TAIL = ONE_CELL.partition(b"[procedure]")
 CONSTANT = (
-    b'[procedure]\nkind = "constant_stimuli"\nlevels = [6, 8, 10, 12, 14, 16, 18, 20, 22]\nrepeats = 6\n\n[limits]'
+    b'[procedure]\nkind = "constant_stimuli"\nlevels = [22, 24, 26, 28, 30, 32, 34, 36, 38]\nrepeats = 6\n\n[limits]'
 )
 PROCEDURES = {"staircase": ONE_CELL, "constant stimuli": HEAD + CONSTANT + TAIL.partition(b"[limits]")[2]}
 
