@@ -3,7 +3,7 @@
 from dataclasses import dataclass, replace
 from functools import cached_property
 from math import ceil
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,13 +105,14 @@ class FollowedTexture(Ramped):
         """Samples over which parts are averaged: no two differ by more than their distance over `rise_s`."""
         return max(1, ceil(self.rise_s * self.rate_hz * (1 - 1e-12)))
 
-    def parts(self, x_m: FloatArray, before: Followed | None = None) -> tuple[FloatArray, Followed]:
+    def parts(self, x_m: Any, before: Followed | None = None) -> tuple[FloatArray, Followed]:
         """Parts (0..1) of the voltage at places (n_samples,), one a sample: the root of the share, averaged.
 
         `before` is what the same path gave so far; without it the finger begins here, as if it had been here before.
         Where a place is NaN, nobody knows where the finger is: nothing is played.
         """
-        require.expect(len(x_m) > 0, "FollowedTexture.parts.x_m", "no place", "at least one")
+        x_m = np.atleast_1d(require.array("FollowedTexture.parts.x_m", x_m))
+        require.expect(x_m.size > 0, "FollowedTexture.parts.x_m", "no place", "at least one")
         way = None if before is None else before.way
         known = np.isfinite(x_m)
         shares, way = self._shares(x_m if known.all() else _filled(x_m, known, way), way)
