@@ -144,7 +144,7 @@ def _gate(bench: BenchFile) -> Iterator[Finding]:
 def _followed(connected: Devices, bench: BenchFile, experiment: Experiment | None) -> Iterator[Finding]:
     """Whether the textures of a study can follow the finger; nothing is said of a study without one."""
     if experiment is not None:
-        check_followed(experiment, bench, connected, bank_on(experiment, bench))
+        check_followed(experiment, bench, connected)
     yield from ()
 
 

@@ -194,7 +194,7 @@ def learnt_facts(learnt: Learnt | None) -> dict[str, str | None]:
     return {"responses": path.name, "responses_sha256": digest, "responses_measured": when or None}
 
 
-def check_followed(experiment: Experiment, bench: BenchFile, devices: Devices, bank: Mapping[str, Stimulus]) -> None:
+def check_followed(experiment: Experiment, bench: BenchFile, devices: Devices) -> None:
     """Refuse a texture where nothing tells where the finger is, or the output cannot follow it.
 
     Raises
@@ -205,8 +205,8 @@ def check_followed(experiment: Experiment, bench: BenchFile, devices: Devices, b
         If the output takes no signal that follows a finger.
     """
     driver = devices.output.driver
-    for condition in experiment.conditions if driver.emits else ():
-        stimulus = bank[condition.stimulus]
+    for cell in experiment.cells.values() if driver.emits else ():
+        stimulus = cell.stimulus  # no bench changes one that follows a finger
         if not isinstance(stimulus, FollowsFinger):
             continue
         if devices.position is None or bench.position is None:
@@ -217,4 +217,4 @@ def check_followed(experiment: Experiment, bench: BenchFile, devices: Devices, b
         expect_following(driver)
         sensor = f"sensors.{bench.position.sensor}"
         with rewording(lambda words, sensor=sensor: words.replace("SensorModel", sensor, 1)):  # type: ignore[misc]
-            stimulus.check_motion(condition.speed_m_per_s or 0.0, devices.position.reader.source.rate_hz)
+            stimulus.check_motion(cell.condition.speed_m_per_s or 0.0, devices.position.reader.source.rate_hz)

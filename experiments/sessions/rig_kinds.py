@@ -37,7 +37,7 @@ def _equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog") ->
     bank, learnt = bank_on(experiment, bench), learnt_facts(bench.time_reversal)
     for strongest in experiment.strongest(bank):
         check_format(strongest.signal, devices.output.driver)
-    check_followed(experiment, bench, devices, bank)
+    check_followed(experiment, bench, devices)
     if devices.output.limits is not None:
         devices.output.count_on(log.exposure(devices.output.limits.duty_window_s))
     return Equipment(
