@@ -183,9 +183,8 @@ class Wiring:
             return self._by_default(kind, of["sensation"], stimulus)
         from .scene_table import felt_scene
 
-        beside = "expected one of the two: the scene's effects hold such keys; remove one"
-        if of["sensation"]:
-            raise InvalidParameter(f"sensation: found a table beside [scene], {beside}")
+        one = "one of the two: the scene's effects hold such keys; remove one"
+        expect(not of["sensation"], "sensation", "a table beside [scene]", one)
         scene = felt_scene(of["scene"], kind.surface, stimulus, touch)
         return self._sensations.setdefault(repr(scene), scene)
 

@@ -39,7 +39,7 @@ class TouchSetup:
     pause: Pause
     say: Callable[[str], None]
     force_peak_n: float
-    keep_path: Callable[[str, bytes], None] = lambda digest, lines: None
+    keep_path: Callable[[str, bytes], None]
 
 
 def silence(sensor: StreamedSensor | None) -> str:
