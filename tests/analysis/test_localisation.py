@@ -77,7 +77,7 @@ def test_a_resolution_below_all_distances_is_a_bound_and_no_number():
 
 
 def test_conditions_have_resolutions_of_their_own():
-    good, bad = dict(zip(DISTANCES_M, [(k, 60) for k in (35, 50, 58, 60, 60, 60)], strict=True)), None
+    good = dict(zip(DISTANCES_M, [(k, 60) for k in (35, 50, 58, 60, 60, 60)], strict=True))
     bad = dict(zip(DISTANCES_M, [(k, 60) for k in (30, 32, 35, 45, 56, 60)], strict=True))
     people = [
         answers(counts, participant=code, force_n=force_n)

@@ -16,7 +16,7 @@ from study_texts import changed
 from tables import trial_rows
 
 from tactometry.devices.outputs.bit_stream import HEADER_BYTES, decode, encode, word_bytes
-from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
 from tactometry.experiments.bench.bench_file import load_bench
 from tactometry.experiments.bench.stimuli import bank_on, board_of
 from tactometry.experiments.study.experiment import wire
@@ -346,5 +346,5 @@ def test_an_electrode_is_a_channel_of_the_board(tmp_path):
     board_in(tmp_path, "board")
     text = (tmp_path / "bench.toml").read_text().replace("electrode = 4", "electrode = 33")
     (tmp_path / "bench.toml").write_text(text)
-    with pytest.raises(Exception, match="electrode: found 33, expected .*32"):
+    with pytest.raises(InvalidFile, match="electrode: found 33, expected .*32"):
         load_bench(tmp_path / "bench.toml")
