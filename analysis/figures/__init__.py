@@ -1,1 +1,1 @@
-"""The figures of a report. matplotlib is used here and in `style` only."""
+"""The figures of a report. Of the room, only they import matplotlib."""

@@ -80,7 +80,7 @@ class InquiryTable:
 
 @dataclass(frozen=True)
 class Study:
-    """One experiment. Tables whose keys depend on their `kind` are kept as they stand and built in `wiring`.
+    """One experiment. Tables whose keys depend on their `kind` are kept as they stand and built in `cells`.
 
     `scene` is the physics between stimulus and skin, in place of the default formula that `sensation` states.
     `nested` gives the levels of a factor within a level of another; `variants` what a factor's level changes in the
@@ -241,7 +241,7 @@ def locate(study: str) -> Path:
 
 
 def load(study: str) -> tuple[Study, bytes]:
-    """A study, named or without_none as a path, with the bytes of its file."""
+    """A study, named or given as a path, with the bytes of its file."""
     path = locate(study)
     content = read_file(path, "a study file", LARGEST_FILE)
     return parse(content, str(path) if study not in builtin() else study), content

@@ -192,7 +192,7 @@ def recommend(plate: Plate, transducers: Transducers, band: Band, tau_s: Positiv
     ----------
     plate, transducers, band, tau_s
         What is there. Q is raised to what contrast and amplitude need; the band is moved up where resolution needs
-        it; the thickness is kept: `thickness.sheets` and `recommended` choose that.
+        it; the thickness is kept: `thickness.sheets` and `best_sheet` choose that.
     target : Target
 
     Examples

@@ -1,7 +1,7 @@
 """Exact one-step recurrences of the modal oscillators, for any damping and any step.
 
 State (q, q') after a step h: [[g' + 2 a g, g], [-omega^2 g, g']] with g the impulse response at h
-(`modal_time`) and a = 1/tau; forces either as impulses at the samples or linear between them (first-order
+(`Oscillators.impulse_at`) and a = 1/tau; forces either as impulses at the samples or linear between them (first-order
 hold).
 """
 

@@ -219,7 +219,7 @@ class PackedSettings:
 
 
 class PackedOutput(AmplifiedDriver):
-    """Writes one stream per signal, and a stream of no samples to stop; the form is that of `devices.packed`.
+    """Writes one stream per signal, and a stream of no samples to stop; the form is that of `bit_stream`.
 
     Streams are sent in a thread of their own, and nothing waits for a board that hangs: a stop ends what is being sent,
     and is over within twice `STOP_WITHIN_S`, whatever the board does. What it had not read is then taken back, and its
