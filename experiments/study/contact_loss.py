@@ -1,4 +1,4 @@
-"""Which fingers of a study the plate throws off: where a linear contact would pull by more than presses the finger."""
+"""What of a study the plate throws off, fingers and tips: where a linear contact would pull by more than presses it."""
 
 import math
 from collections.abc import Iterator
@@ -27,7 +27,7 @@ class Pressed(Protocol):
 
 @dataclass(frozen=True)
 class FingerOfStudy:
-    """The finger under a force that the strongest stimulus pulls most, for its force.
+    """The finger (or tip) under a force that the strongest stimulus pulls most, for its force.
 
     Parameters
     ----------
@@ -40,6 +40,8 @@ class FingerOfStudy:
         By which the plate pulls at most at that level.
     first_level : float
         From which on that is more than presses it.
+    presser : str
+        What it is.
     """
 
     stimulus: str
@@ -48,6 +50,7 @@ class FingerOfStudy:
     level: float
     pull_n: float
     first_level: float
+    presser: str = "finger"
 
     @property
     def lifts_off(self) -> bool:
@@ -58,7 +61,7 @@ class FingerOfStudy:
     def line(self) -> str:
         """In one sentence."""
         at = f"at {self.level:g} {self.level_unit} ({self.stimulus})"
-        pulled = f"the plate would pull a finger of {self.force_n:g} N by {self.pull_n:.2g} N"
+        pulled = f"the plate would pull a {self.presser} of {self.force_n:g} N by {self.pull_n:.2g} N"
         if not self.lifts_off:
             return f"contact holds: {at} {pulled} at most"
         first = f"{self.first_level:.3g} {self.level_unit}"
@@ -66,14 +69,19 @@ class FingerOfStudy:
 
 
 def pulled_fingers(experiment: Experiment) -> list[FingerOfStudy]:
-    """Of each pressing force the finger that is nearest to lifting off; none of a study without a focus."""
-    nearest: dict[float, tuple[float, Strongest, Pressed]] = {}
+    """Of each pressing force and what it presses the one that is nearest to lifting off; none of a study without a
+    focus."""
+    nearest: dict[tuple[str, float], tuple[float, Strongest, Pressed]] = {}
     strongest = {one.name: one for one in experiment.strongest()}
     for name, sensation, force_n in _touches(experiment):
-        pull_n = _pull_n(strongest[name].signal, sensation, force_n)
-        if pull_n > nearest.get(force_n, (0.0,))[0]:
-            nearest[force_n] = pull_n, strongest[name], sensation
-    return [_pulled(*nearest[force_n], force_n) for force_n in sorted(nearest)]
+        pull_n, pressed = _pull_n(strongest[name].signal, sensation, force_n), (_presser(sensation), force_n)
+        if pull_n > nearest.get(pressed, (0.0,))[0]:
+            nearest[pressed] = pull_n, strongest[name], sensation
+    return [_pulled(*nearest[pressed], pressed[1]) for pressed in sorted(nearest)]
+
+
+def _presser(sensation: Pressed) -> str:
+    return str(getattr(sensation, "presser", "finger"))
 
 
 def _touches(experiment: Experiment) -> Iterator[tuple[str, Pressed, float]]:
@@ -89,6 +97,7 @@ def _touches(experiment: Experiment) -> Iterator[tuple[str, Pressed, float]]:
 def _pulled(pull_n: float, strongest: Strongest, sensation: Pressed, force_n: float) -> FingerOfStudy:
     """With the level at which pull and pressing force are equal: each step takes the force to go with the amplitude."""
     stimulus, level, pulled_n = strongest.stimulus, strongest.level, pull_n
+    at_most = strongest.name, stimulus.level_unit, force_n, level, pull_n
     in_db = stimulus.level_unit.startswith("dB")
     for _ in range(STEPS):
         level = level - 20 * math.log10(pulled_n / force_n) if in_db else level * force_n / pulled_n
@@ -98,7 +107,7 @@ def _pulled(pull_n: float, strongest: Strongest, sensation: Pressed, force_n: fl
             break
         if abs(pulled_n / force_n - 1) < CLOSE:
             break
-    return FingerOfStudy(strongest.name, stimulus.level_unit, force_n, strongest.level, pull_n, level)
+    return FingerOfStudy(*at_most, level, _presser(sensation))
 
 
 def _pull_n(signal: Signal, sensation: Pressed, force_n: float) -> float:

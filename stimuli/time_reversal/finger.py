@@ -165,6 +165,15 @@ class Contactor:
     def __post_init__(self) -> None:
         one_of("Contactor.kind", self.kind, KINDS)
 
+    @property
+    def words(self) -> str:
+        """What it is called in a sentence.
+
+        >>> Contactor("finger").words, Contactor("soft", 5e-3).words
+        ('finger', 'soft 5 mm tip')
+        """
+        return self.kind if self.kind == "finger" else f"{self.kind} {self.diameter_m * 1e3:g} mm tip"
+
     def loads(self, plate: Plate, at_m: Point, force_n: NotNegative) -> list[PlateLoad | SprungMass]:
         """The loads on the plate under a force (N, at least 0), centred on the plate, the parts beyond an edge left
         out; none under no force. The force stiffens a Hertz contact; the mass of a tip does not grow with it.

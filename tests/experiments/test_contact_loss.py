@@ -5,26 +5,35 @@ import json
 import numpy as np
 import pytest
 from command_line import output
-from scipy.signal import resample
+from scipy.signal import lsim, resample
 
 from tactometry.contact import Contact
 from tactometry.experiments.study.contact_loss import pulled_fingers
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load, parse
 from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.finger import Contactor
 from tactometry.stimuli.time_reversal.focusing.focusing import emitted
-from tactometry.stimuli.time_reversal.lift_off import one_sided_contact
-from tactometry.stimuli.time_reversal.stimulus.contact_force import FINER
+from tactometry.stimuli.time_reversal.lift_off import one_sided_contact, one_sided_contacts
+from tactometry.stimuli.time_reversal.stimulus.contact_force import FINER, contact_force_n
+from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.stimulus.placed_foci import FingersSensation, Place, PlacedFoci
-from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading, TimeReversalSensation
+from tactometry.stimuli.time_reversal.stimulus.sensation import (
+    FocusReading,
+    TimeReversalSensation,
+    displacement_at_focus_m,
+)
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 SETUP = "setup = { n_transducers = 8, modes_to_hz = 22e3, rate_hz = 50e3, learnt_s = 3e-3, tau_s = 1.5e-3 }"
+FOCUS = f"{SETUP}\nf_max_hz = 20e3\nvoltage_max_v = 2e3"
 THRESHOLD = load("time-reversal-threshold")[1].decode()
-PLAYED = f'pattern = "P0"\n{SETUP}\nf_max_hz = 20e3\nvoltage_max_v = 2e3'
+PLAYED = f'pattern = "P0"\n{FOCUS}'
 SMALL = THRESHOLD.replace('pattern = "P0"', PLAYED).replace("voltage_peak_v = 200.0", "voltage_peak_v = 2e3")
-TIMES = 32
-"""Steps of the contact for one sample of the drive: 71 to a period of the highest mode."""
+PRESSED = Contact(1.0)
+SCREEN = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3, learnt_s=3e-3, tau_s=1.5e-3)
+TIMES, FEW = 32, 8
+"""Steps of the contact for one sample of the drive: 71 to a period of the highest mode; of seven contacts 18."""
 
 
 def wired(text):
@@ -45,6 +54,20 @@ def contact_course(study, level, force_n):
     fine_m, rate_hz = resample(free_m, TIMES * len(free_m)), TIMES * setup.rate_hz
     kept = fine_m[: TIMES * (n_played + 50)]
     return one_sided_contact(setup.screen, setup.focus_m, kept, rate_hz, setup.modes_to_hz, force_n)
+
+
+def played(level):
+    """A focus of the small screen, in dB re 1 um."""
+    return FocusTrain(SCREEN, f_max_hz=20e3, voltage_max_v=2e4).at(level)
+
+
+def parts_of_a_tip(loads, signal):
+    """Parts that share the force, each of which can lift off, stepped in time."""
+    n_played = int(np.flatnonzero(signal.samples.any(axis=0))[-1]) + 1
+    free_m = emitted(signal, SCREEN.responses_at_each(tuple((load.x_m, load.y_m) for load in loads)))
+    fine_m = resample(free_m, FEW * free_m.shape[1], axis=1)[:, : FEW * (n_played + 50)]
+    shares_n = np.full(len(loads), PRESSED.force_n / len(loads))
+    return one_sided_contacts(SCREEN.screen, fine_m, loads, shares_n, FEW * SCREEN.rate_hz, SCREEN.modes_to_hz)
 
 
 def test_the_first_level_that_is_told_is_where_a_contact_begins_to_open(study):
@@ -96,11 +119,53 @@ def test_levels_that_are_lengths_of_bursts_have_a_first_level_too():
     assert -force.min() == pytest.approx(firm.force_n, rel=0.1)  # a burst is a whole number of samples
 
 
-def test_nothing_is_told_of_a_study_without_a_plate_nor_of_tips():
+def test_nothing_is_told_of_a_study_without_a_plate():
     assert pulled_fingers(wire(load("tutorial")[0], "tutorial")) == []
-    tip, finger = (FocusReading(Setup(n_transducers=1), contactor=kind) for kind in ("soft", "finger"))
-    played = Signal(np.ones((1, 9)), 250e3, "V")
-    assert tip.contact_force_n(played, Contact(2.0)).size == 0 < finger.contact_force_n(played, Contact(2.0)).size
+    assert FocusReading(SCREEN).contact_force_n(Signal(np.ones((8, 9)), 50e3, "V"), Contact(0.0)).size == 0
+
+
+@pytest.fixture(scope="module")
+def soft_tip():
+    """What it reads, and its parts."""
+    loads = Contactor("soft", 0.02).loads(SCREEN.plate, SCREEN.focus_m, PRESSED.force_n)
+    return FocusReading(SCREEN, contactor="soft", diameter_m=0.02), loads
+
+
+def test_the_force_of_a_soft_tip_is_that_of_all_its_parts(soft_tip):
+    reading, loads = soft_tip
+    told, stepped = reading.contact_force_n(played(-40.0), PRESSED), parts_of_a_tip(loads, played(-40.0))
+    answered = stepped.contact_force_n.sum(axis=0) - PRESSED.force_n
+    by_step = np.interp((np.arange(len(answered)) - 0.5) / FEW, np.arange(len(told)) / FINER, told)
+    assert answered == pytest.approx(by_step, abs=2e-2 * np.abs(told).max())
+
+
+def test_a_soft_tip_does_not_hold_where_all_of_its_parts_together_would_pull(soft_tip):
+    reading, loads = soft_tip
+    first = -20 * np.log10(-reading.contact_force_n(played(0.0), PRESSED).min() / PRESSED.force_n)
+    assert parts_of_a_tip(loads, played(first + 0.3)).apart.any()
+    assert not parts_of_a_tip(loads, played(first - 6.0)).apart.any()  # a part may open below, but not at the half
+
+
+def test_the_force_of_a_rigid_tip_is_what_its_mass_behind_its_spring_answers_the_plate_with():
+    *_, tip = Contactor("rigid", 5e-3).loads(SCREEN.plate, SCREEN.focus_m, 2.0)
+    force = contact_force_n(SCREEN, played(20.0), [tip])[::FINER]
+    plate_m = displacement_at_focus_m(SCREEN, played(20.0), [tip])
+    stiffness = tip.stiffness_n_per_m
+    fine_m = resample(np.pad(plate_m, (0, len(plate_m))), 2 * FEW * len(plate_m))
+    system = ([stiffness / tip.mass_kg], [1.0, 0.0, stiffness / tip.mass_kg])
+    _, tip_m, _ = lsim(system, fine_m, np.arange(len(fine_m)) / (FEW * SCREEN.rate_hz))
+    answered = stiffness * (fine_m - tip_m)[::FEW]
+    n = min(len(force), len(plate_m) - 25)
+    assert answered[:n] == pytest.approx(force[:n], abs=2e-2 * np.abs(force).max())
+
+
+def test_every_contactor_of_the_study_of_force_loss_is_told_under_every_force():
+    text = load("force-loss")[1].decode().replace('duration_s = "500 ms"', f'duration_s = "500 ms"\n{FOCUS}')
+    found = pulled_fingers(wired(text.replace("voltage_peak_v = 200.0", "voltage_peak_v = 2e3")))
+    assert len(found) == 25
+    assert {finger.presser for finger in found} == {
+        "finger", "soft 5 mm tip", "soft 10 mm tip", "rigid 5 mm tip", "rigid 10 mm tip"
+    }  # fmt: skip
 
 
 def test_fingers_that_share_a_force_bear_a_part_of_it():

@@ -377,7 +377,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             },
         },
         "stimulus.contact_force": {
-            "contact_force_n": {"setup": SETUP, "signal": AT_SETUP, "load": PlateLoad(0.1, 0.1, 9.0)},
+            "contact_force_n": {"setup": SETUP, "signal": AT_SETUP, "loads": [PlateLoad(0.1, 0.1, 9.0)]},
         },
         "stimulus.sensation": {
             **{
@@ -398,6 +398,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         },
         "stimulus.setup": {
             "Setup.responses_at": {"self": SETUP, "x_m": 0.1, "y_m": 0.1}, "Setup.learnt": {"self": SETUP},
+            "Setup.responses_at_each": {"self": SETUP, "places": ((0.1, 0.1), (0.2, 0.1))},
         },
         "field.sound": {
             "a_weighting_db": {"frequency_hz": [1e3]},

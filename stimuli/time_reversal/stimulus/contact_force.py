@@ -1,5 +1,6 @@
 """The force between a plate that a drive moves and what presses on it, as long as the contact holds."""
 
+from collections.abc import Sequence
 from functools import lru_cache
 from typing import Final
 
@@ -10,8 +11,8 @@ from tactometry.signal import Signal
 
 from ...arrays import ComplexArray, FloatArray
 from ..focusing.focusing import emitted
-from ..responses.load import PlateLoad, Receptances
-from ..responses.responses import values_at
+from ..responses.load import PlateLoad, Receptances, SprungMass, contact_transfer
+from ..responses.responses import Point, values_at
 from .setup import Setup
 
 FINER: Final = 8
@@ -21,34 +22,67 @@ RINGING_S: Final = 1e-3
 AT_ONCE: Final = 2048
 """Frequencies for which receptances are held at a time."""
 
+Loads = tuple[PlateLoad | SprungMass, ...]
+Places = tuple[Point, ...]
+
 
 @checked
-def contact_force_n(setup: Setup, signal: Signal, load: PlateLoad) -> FloatArray:
-    """(n_samples,): what a load answers a drive with, on top of what presses it, `FINER` to a sample.
+def contact_force_n(setup: Setup, signal: Signal, loads: Sequence[PlateLoad | SprungMass]) -> FloatArray:
+    """(n_samples,): what loads answer a drive with in all, on top of what presses them, `FINER` to a sample.
 
-    Exact for a linear contact, which pulls as well as it presses: U Z / (1 + H Z) with the displacement U of the free
-    plate under it, until 1 ms behind the drive. U is known until it has fallen by 60 dB, so that a period of the
-    transform holds it.
+    Exact for linear contacts, which pull as well as they press: the sum of Z (1 + H Z)^-1 U with the displacements U of
+    the free plate under them, until 1 ms behind the drive. U is known until it has fallen by 60 dB, so that a period of
+    the transform holds it.
     """
     played = np.flatnonzero(signal.samples.any(axis=0))
-    if not played.size:
+    if not played.size or not loads:
         return np.zeros(0)
-    n_played = int(played[-1]) + 1
+    free, n_samples = _free(setup, signal, _places(loads))
+    force = np.einsum("kf,kf->f", _stiffness_of_all(setup, tuple(loads), n_samples), free)
+    n_followed = int(played[-1]) + 1 + round(RINGING_S * setup.rate_hz)
+    return np.asarray(FINER * np.fft.irfft(force, n_samples * FINER)[: n_followed * FINER])
+
+
+def _places(loads: Sequence[PlateLoad | SprungMass]) -> Places:
+    return tuple((load.x_m, load.y_m) for load in loads)
+
+
+@lru_cache(maxsize=4)
+def _free(setup: Setup, signal: Signal, places: Places) -> tuple[ComplexArray, int]:
+    """(n_places, n_frequencies): spectra of the free plate, which no force changes, and of how many samples."""
+    from scipy.fft import next_fast_len
+
+    n_played = int(np.flatnonzero(signal.samples.any(axis=0))[-1]) + 1
     driven = Signal(signal.samples[:, :n_played], signal.rate_hz, signal.unit)
-    free_m = emitted(driven, setup.responses_at(load.x_m, load.y_m))[0]
-    force = np.fft.rfft(free_m) * _stiffness_under_load(setup, load, len(free_m))
-    n_followed = n_played + round(RINGING_S * setup.rate_hz)
-    return np.asarray(FINER * np.fft.irfft(force, len(free_m) * FINER)[: n_followed * FINER])
+    free_m = emitted(driven, setup.responses_at_each(places))
+    n_samples = int(next_fast_len(free_m.shape[1], real=True))
+    return np.fft.rfft(free_m, n_samples), n_samples
 
 
-@lru_cache(maxsize=8)
-def _stiffness_under_load(setup: Setup, load: PlateLoad, n_samples: int) -> ComplexArray:
-    """(n_frequencies,): Z / (1 + H Z), force per displacement of the free plate."""
-    s = np.asarray(2j * np.pi * np.fft.rfftfreq(n_samples, 1 / setup.rate_hz), complex)
-    at = values_at(setup.screen, [(load.x_m, load.y_m)], setup.modes_to_hz)
-    oscillators, receptance = setup.screen.oscillators(setup.modes_to_hz), np.empty(len(s), complex)
-    for start in range(0, len(s), AT_ONCE):
-        part = slice(start, start + AT_ONCE)
-        receptance[part] = Receptances.of(oscillators, setup.screen.plate.mass_kg, s[part]).between(at, at)[0, 0]
-    stiffness = load.dynamic_stiffness(s)
-    return np.asarray(stiffness / (1 + receptance * stiffness))
+@lru_cache(maxsize=64)
+def _stiffness_of_all(setup: Setup, loads: Loads, n_samples: int) -> ComplexArray:
+    """(n_loads, n_frequencies): 1' Z (1 + H Z)^-1, force of all loads per displacement of the free plate."""
+    s = _frequencies(setup, n_samples)
+    stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
+    everything = np.ones((1, len(loads), len(s)), complex)
+    return np.asarray(contact_transfer(everything, _among(setup, _places(loads), n_samples), stiffness)[0])
+
+
+@lru_cache(maxsize=16)
+def _among(setup: Setup, places: Places, n_samples: int) -> ComplexArray:
+    """(n_frequencies, k, k): receptances among places of the free plate."""
+    at = values_at(setup.screen, places, setup.modes_to_hz)
+    starts = range(0, len(_frequencies(setup, n_samples)), AT_ONCE)
+    return np.concatenate([_receptances(setup, n_samples, start).among(at) for start in starts])
+
+
+@lru_cache(maxsize=2)
+def _receptances(setup: Setup, n_samples: int, start: int) -> Receptances:
+    """Of some frequencies, which are the same for all places."""
+    s = _frequencies(setup, n_samples)[start : start + AT_ONCE]
+    return Receptances.of(setup.screen.oscillators(setup.modes_to_hz), setup.screen.plate.mass_kg, s)
+
+
+def _frequencies(setup: Setup, n_samples: int) -> ComplexArray:
+    """(n_frequencies,): those of a discrete transform, i w (rad/s)."""
+    return np.asarray(2j * np.pi * np.fft.rfftfreq(n_samples, 1 / setup.rate_hz), complex)

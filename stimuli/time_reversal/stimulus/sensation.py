@@ -121,7 +121,7 @@ class TimeReversalSensation:
     def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
         """(n_samples,): what a linear contact does to the finger on top of its force; see `contact_force_n`."""
         self._check(signal)
-        return contact_force_n(self.setup, signal, self._finger(contact.force_n))
+        return contact_force_n(self.setup, signal, [self._finger(contact.force_n)])
 
     def _finger(self, force_n: float) -> PlateLoad:
         finger = Fingertip(self.resistance_n_s_per_m, self.mass_kg, self.stiffness_n_per_m, self.exponent)
@@ -184,15 +184,29 @@ class FocusReading:
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
         """The reading in dB re 1 nm; ``-inf`` for none."""
-        loads = Contactor(self.contactor, self.diameter_m).loads(self.setup.screen.plate, self.place_m, contact.force_n)
-        amplitude_m = float(np.abs(displacement_at_focus_m(self.setup, signal, loads)).max(initial=0.0))
+        displacement_m = displacement_at_focus_m(self.setup, signal, self._loads(contact))
+        amplitude_m = float(np.abs(displacement_m).max(initial=0.0))
         return -inf if amplitude_m == 0 else float(20 * np.log10(amplitude_m / READING_M))
 
     def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
-        """(n_samples,): what a linear contact does to a finger on top of its force; nothing of tips on a disc."""
-        if self.contactor != "finger":
-            return np.zeros(0)
-        return contact_force_n(self.setup, signal, Fingertip().load(self.place_m, contact.force_n))
+        """(n_samples,): what a linear contact does to the contactor on top of its force; see `contact_force_n`.
+
+        Of a tip on a disc it is the sum over the disc: where that pulls by more than presses the tip, no part of it can
+        be held; a part may open before.
+        """
+        return contact_force_n(self.setup, signal, self._loads(contact))
+
+    @property
+    def presser(self) -> str:
+        """What presses, in words."""
+        return self._presses.words
+
+    @property
+    def _presses(self) -> Contactor:
+        return Contactor(self.contactor, self.diameter_m)
+
+    def _loads(self, contact: Contact) -> list[PlateLoad | SprungMass]:
+        return self._presses.loads(self.setup.screen.plate, self.place_m, contact.force_n)
 
 
 def _place_m(setup: Setup, x_m: float | None, y_m: float | None) -> Point:

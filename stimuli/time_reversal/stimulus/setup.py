@@ -1,5 +1,6 @@
 """A screen and a place to focus on, as a study file states them, for the stimulus and the model of what is felt."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 
@@ -79,7 +80,11 @@ class Setup(GlassPanel):
 
     def responses_at(self, x_m: float, y_m: float) -> Responses:
         """Displacement responses of every channel at a point over `heard_s`, all modes up to `modes_to_hz`."""
-        return _responses(self, (x_m, y_m))
+        return self.responses_at_each(((x_m, y_m),))
+
+    def responses_at_each(self, places: Sequence[Point]) -> Responses:
+        """The same at some points, at least one."""
+        return _responses(self, tuple(places))
 
     def learnt(self) -> Responses:
         """The first `learnt_s` of the responses at the focus."""
@@ -88,7 +93,7 @@ class Setup(GlassPanel):
 
 
 @lru_cache(maxsize=16)
-def _responses(setup: Setup, at_m: Point) -> Responses:
+def _responses(setup: Setup, places: tuple[Point, ...]) -> Responses:
     return impulse_responses(
-        setup.screen, [at_m], rate_hz=setup.rate_hz, duration_s=setup.heard_s, f_max_hz=setup.modes_to_hz
+        setup.screen, places, rate_hz=setup.rate_hz, duration_s=setup.heard_s, f_max_hz=setup.modes_to_hz
     )
