@@ -4,22 +4,17 @@ The outlook of Zophoniasson's thesis (2017): dynamic and static feedback on one 
 """
 
 from dataclasses import dataclass, field, replace
-from functools import lru_cache
-from math import inf
 
 import numpy as np
 
 from tactometry.arguments.require import expect, finite, positive
-from tactometry.contact import Contact
 from tactometry.signal import Signal
 
-from .arrays import FloatArray
 from .electrovibration.sensation import ElectrovibrationSensation
 from .electrovibration.waveforms.amplitude_modulated import AmplitudeModulated, pulses
 from .time_reversal.responses.responses import Responses
 from .time_reversal.stimulus import focus_train
 from .time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus
-from .time_reversal.stimulus.sensation import TimeReversalSensation
 from .time_reversal.stimulus.setup import Setup
 
 
@@ -145,7 +140,8 @@ def _together(
 
 @dataclass(frozen=True)
 class HybridSensation:
-    """Sensation level of foci and friction together: that of the stronger one.
+    """What a scene of foci and friction together is made of, and nothing that computes
+    (`tactometry.stimuli.scenes.defaults.hybrid.default_scene`): its level is that of the stronger one.
 
     Neither masks the other (an unverified simplification): the foci are felt as if the finger rested at the focus and
     whatever its force, the friction only while it slides.
@@ -160,13 +156,8 @@ class HybridSensation:
 
     Examples
     --------
-    >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
-    >>> focus = FocusTrain(setup, f_max_hz=20e3)
-    >>> signal = Hybrid(focus, AmplitudeModulated(120.0, duration_s=0.5, rate_hz=50e3), 16.0).at(19.0)
-    >>> felt = HybridSensation(setup)
-    >>> at_rest, sliding = (felt.sensation_db(signal, Contact(1.0, speed)) for speed in (0.0, 0.05))
-    >>> at_rest < 0 < sliding
-    True
+    >>> HybridSensation(friction=ElectrovibrationSensation(law="interface")).friction.law
+    'interface'
     """
 
     setup: Setup = field(default_factory=Setup)
@@ -175,32 +166,3 @@ class HybridSensation:
 
     def __post_init__(self) -> None:
         positive("HybridSensation", reference_m=self.reference_m)
-
-    def sensation_db(self, signal: Signal, contact: Contact) -> float:
-        """Sensation level (dB) of a drive of all transducers and the electrode under a finger; ``-inf`` for nothing.
-
-        Raises
-        ------
-        InvalidParameter
-            If the signal is not in volt, or its rate or channels are not those of the setup and one electrode.
-        """
-        foci, friction = _parts(signal)
-        felt = self._of_foci.sensation_db(foci, contact)
-        slid = self.friction.sensation_db(friction, contact) if friction.peak else -inf
-        return max(felt, slid)
-
-    def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
-        """(n_samples,): what foci do to a finger at the focus; see `contact_force_n` of `TimeReversalSensation`."""
-        return self._of_foci.contact_force_n(_parts(signal)[0], contact)
-
-    @property
-    def _of_foci(self) -> TimeReversalSensation:
-        return TimeReversalSensation(self.setup, self.reference_m)
-
-
-@lru_cache(maxsize=32)
-def _parts(signal: Signal) -> tuple[Signal, Signal]:
-    """What the transducers play, until they are silent, and what the electrode does."""
-    n_driven = int(np.flatnonzero(np.any(signal.samples[:-1], axis=0)).max(initial=0)) + 1
-    foci, friction = signal.samples[:-1, :n_driven], signal.samples[-1:]
-    return Signal(foci, signal.rate_hz, signal.unit), Signal(friction, signal.rate_hz, signal.unit)

@@ -216,7 +216,7 @@ def _default_scene(kind: StimulusKind, model: Any, duration_s: float) -> Sensati
     with rewording(lambda words: f"sensation: {words}"):
         scene = resolve(f"tactometry.stimuli.scenes.defaults.{kind.surface}:default_scene")(model, duration_s)
         scene.felt().resolve()
-    return felt(scene, model)
+    return felt(scene)
 
 
 def _keys(table: Mapping[str, Any], factors: Factors, kind: type) -> dict[str, Any]:

@@ -4,6 +4,7 @@ from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
+from functools import cached_property
 from math import comb
 from operator import itemgetter
 
@@ -81,13 +82,18 @@ class Experiment(SessionPlan):
         """Each stimulus, or that of its name in `bank`, where it is strongest: stimuli are ordered by their level, so
         that a session within these is within all."""
         bank = self.bank if bank is None else bank
-        highest: dict[str, Strongest] = {}
+        return tuple(Strongest(name, where, level, bank[name]) for name, (where, level) in self._highest.items())
+
+    @cached_property
+    def _highest(self) -> dict[str, tuple[str, float]]:
+        """Of each stimulus what asks for its highest level, and that level."""
+        highest: dict[str, tuple[str, float]] = {}
         for cell in self.cells.values():
             name = cell.condition.stimulus
             where, _, level = max(self._levels(cell), key=itemgetter(2))
-            if name not in highest or level > highest[name].level:
-                highest[name] = Strongest(name, where, level, bank[name])
-        return tuple(highest.values())
+            if name not in highest or level > highest[name][1]:
+                highest[name] = where, level
+        return highest
 
     def bounds(self, stimulus: str) -> tuple[float, float]:
         """The lowest and the highest level at which a session may ask for a stimulus."""

@@ -1,4 +1,4 @@
-"""The table `[scene]`: the physics between a stimulus and a simulated skin, in place of the default formula.
+"""The table `[scene]`: the physics between a stimulus and a simulated skin, in place of the default scene.
 
 A study states what is played in `[stimulus]` and who touches it in `[touch]`; the scene holds what is between them.
 """

@@ -135,8 +135,9 @@ class Scene:
 
         return lru_cache(maxsize=N_SIGNALS)(of_signal), felt.surface, rest
 
-    def felt(self) -> "Scene":
-        """The scene whose plan gives the sensation of a signal under a contact, both of which each run is given.
+    def felt(self, output: str = SENSATION) -> "Scene":
+        """The scene whose plan gives the sensation of a signal under a contact, both of which each run is given; or
+        another quantity of them.
 
         Effects that make what is played are left out: the signal holds them.
 
@@ -147,7 +148,7 @@ class Scene:
         """
         surface = self.surface.played()
         effects = tuple(effect for effect in self.effects if not effect.in_signal)
-        return replace(self, surface=surface, effects=effects, outputs=(SENSATION,), contacts=surface.touches)
+        return replace(self, surface=surface, effects=effects, outputs=(output,), contacts=surface.touches)
 
     def off(self) -> tuple[Effect, ...]:
         """Effects of the scene of which no output needs a stage."""

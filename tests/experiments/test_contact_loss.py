@@ -5,6 +5,7 @@ import json
 import numpy as np
 import pytest
 from command_line import output
+from felt_models import felt_by
 from scipy.signal import lsim, resample
 
 from tactometry.contact import Contact
@@ -173,6 +174,6 @@ def test_fingers_that_share_a_force_bear_a_part_of_it():
     places = {"index": Place(0.10), "middle": Place(0.13)}
     fingers = FingersSensation(setup, places)
     signal = PlacedFoci(setup, f_max_hz=20e3, voltage_max_v=2e3, places=places, place="middle").at(10.0)
-    alone = TimeReversalSensation(setup, finger_x_m=0.13).contact_force_n(signal, Contact(0.5))
+    alone = felt_by(TimeReversalSensation(setup, finger_x_m=0.13)).contact_force_n(signal, Contact(0.5))
     assert fingers.n_fingers == 2
     assert fingers.contact_force_n(signal, Contact(0.5)).min() == alone.min()

@@ -9,15 +9,18 @@ import pytest
 from command_line import call, output
 from places import DOCS, ROOT
 from scene_cases import ELECTROVIBRATION, TIME_REVERSAL
+from separate_formulas import level_db as formula_db
 from study_texts import changed
 
+from tactometry.config.strict import build
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.cells import STIMULI
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.felt_effects import felt_effects
+from tactometry.experiments.study.felt_scene import FeltScene
 from tactometry.experiments.study.scene_table import felt_scene
-from tactometry.experiments.study.study_file import load, parse
+from tactometry.experiments.study.study_file import builtin, load, parse
 from tactometry.loading import resolve
 from tactometry.stimuli.scenes.effects import EFFECTS, OF_ELECTROVIBRATION, OF_TIME_REVERSAL
 from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation
@@ -52,17 +55,24 @@ def felt_db(text, level=30.0):
 
 
 LEAKY = ("skin_leakage", "contact_area", "force_law", "friction", "friction_lag")
-STUDIES = ("tutorial", "time-reversal-threshold", "hybrid-button")
 CONTACTS = (Contact(1.5), Contact(0.5, 0.02), Contact(3.0, 0.1))
 
 
-@pytest.mark.parametrize("study", STUDIES)
-def test_a_study_without_a_scene_feels_the_scene_of_its_formula(study):
-    """Beside the formula, whose numbers `[sensation]` states."""
-    for cell in wired(load(study)[1].decode()).cells.values():
-        signal, formula = cell.stimulus.at(12.0), cell.sensation.model
-        levels_db = [cell.sensation.sensation_db(signal, contact) for contact in CONTACTS]
-        assert levels_db == pytest.approx([formula.sensation_db(signal, contact) for contact in CONTACTS], abs=1e-9)
+def model_of(cell, **numbers):
+    """What `[sensation]` states of a cell."""
+    kind = STIMULI[cell.condition.stimulus.partition(",")[0]]
+    shared = {name: getattr(cell.stimulus, name) for name in kind.shared}
+    return build(resolve(kind.sensation), numbers, "sensation", **shared)
+
+
+@pytest.mark.parametrize("study", builtin())
+def test_each_stimulus_of_a_built_in_study_is_felt_by_its_scene_as_by_its_formula(study):
+    cells = {cell.condition.stimulus: cell for cell in wired(load(study)[1].decode()).cells.values()}
+    for cell in cells.values():
+        if isinstance(cell.sensation, FeltScene):
+            signal, model = cell.stimulus.at(12.0), model_of(cell)
+            levels_db = [cell.sensation.sensation_db(signal, contact) for contact in CONTACTS]
+            assert levels_db == pytest.approx([formula_db(model, signal, touch) for touch in CONTACTS], abs=1e-12)
 
 
 SENSATIONS = {
@@ -82,11 +92,12 @@ SENSATIONS = {
 @pytest.mark.parametrize("name", SENSATIONS)
 def test_each_key_of_the_formula_is_that_of_an_effect(name):
     keys, kind = SENSATIONS[name]
-    plain, stated = wired(TUTORIAL).sensation(), wired(f"{TUTORIAL}\n[sensation]\n{keys}\n").sensation()
-    signal = next(iter(wired(TUTORIAL).cells.values())).stimulus.at(30.0)
+    study = wired(f"{TUTORIAL}\n[sensation]\n{keys}\n")
+    cell, plain, stated = next(iter(study.cells.values())), wired(TUTORIAL).sensation(), study.sensation()
+    signal, model = cell.stimulus.at(30.0), model_of(cell, **study.study.sensation)
     for contact in CONTACTS[1:]:
         level_db = stated.sensation_db(signal, contact)
-        assert level_db == pytest.approx(stated.model.sensation_db(signal, contact), abs=1e-9)
+        assert level_db == pytest.approx(formula_db(model, signal, contact), abs=1e-12)
         assert level_db != plain.sensation_db(signal, contact)
     assert not kind or kind in {effect.kind for effect in stated.scene.effects}
 
@@ -341,11 +352,11 @@ def test_foci_are_felt_through_a_scene_as_through_the_formula_of_its_effects(cri
     loads = criterion == "loaded"
     table = PLATE if loads else PLATE.replace('{ kind = "finger_load" }, ', "")
     cell = cell_of(of_study("time-reversal-threshold", table), "focus")
-    formula = TimeReversalSensation(cell.stimulus.setup, 8e-6, criterion)
+    model = TimeReversalSensation(cell.stimulus.setup, 8e-6, criterion)
     for contact in (Contact(0.5), Contact(3.0)):
         signal = cell.stimulus.at(20.0)
         assert cell.sensation.sensation_db(signal, contact) == pytest.approx(
-            formula.sensation_db(signal, contact), abs=1e-9
+            formula_db(model, signal, contact), abs=1e-12
         )
 
 

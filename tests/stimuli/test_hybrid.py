@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from felt_models import felt_by
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
@@ -33,16 +34,16 @@ def test_every_channel_is_that_of_its_own_kind():
 @pytest.mark.parametrize("offset_db", [-40.0, 20.0])
 def test_the_stronger_one_is_felt(offset_db):
     signal = Hybrid(FOCUS, FRICTION, offset_db).at(20.0)
-    foci = TimeReversalSensation(SETUP).sensation_db(FOCUS.at(20.0), SLIDING)
-    friction = ElectrovibrationSensation().sensation_db(FRICTION.at(20.0 + offset_db), SLIDING)
+    foci = felt_by(TimeReversalSensation(SETUP)).sensation_db(FOCUS.at(20.0), SLIDING)
+    friction = felt_by(ElectrovibrationSensation()).sensation_db(FRICTION.at(20.0 + offset_db), SLIDING)
     assert (foci > friction) == (offset_db < 0)
-    assert HybridSensation(SETUP).sensation_db(signal, SLIDING) == pytest.approx(max(foci, friction), abs=1e-6)
+    assert felt_by(HybridSensation(SETUP)).sensation_db(signal, SLIDING) == pytest.approx(max(foci, friction), abs=1e-6)
 
 
 def test_a_finger_at_rest_feels_the_foci_alone():
     signal = Hybrid(FOCUS, FRICTION, 20.0).at(20.0)
-    foci = TimeReversalSensation(SETUP).sensation_db(FOCUS.at(20.0), AT_REST)
-    assert HybridSensation(SETUP).sensation_db(signal, AT_REST) == pytest.approx(foci, abs=1e-6)
+    foci = felt_by(TimeReversalSensation(SETUP)).sensation_db(FOCUS.at(20.0), AT_REST)
+    assert felt_by(HybridSensation(SETUP)).sensation_db(signal, AT_REST) == pytest.approx(foci, abs=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -53,7 +54,7 @@ def test_a_finger_at_rest_feels_the_foci_alone():
         (lambda: Hybrid(FOCUS, replace(FRICTION, level_unit="V")), "friction.level_unit: found V, expected dB re 1 V"),
         (lambda: Hybrid(replace(FOCUS, level_unit="m"), FRICTION), "focus.level_unit: found m, expected dB re 1 um"),
         (lambda: Hybrid(FOCUS, FRICTION, np.nan), "electrode_offset_db: found nan, expected a finite number"),
-        (lambda: HybridSensation(SETUP).sensation_db(FOCUS.at(20.0), SLIDING), "found 7 channels"),
+        (lambda: felt_by(HybridSensation(SETUP)).sensation_db(FOCUS.at(20.0), SLIDING), "found 7 channels"),
     ],
 )
 def test_what_does_not_play_as_one_is_refused(build, message):

@@ -55,7 +55,6 @@ from tactometry.stimuli.time_reversal import (
     PulseWidth,
     SigmaDelta,
     Target,
-    TimeReversalSensation,
     TimeReversalStimulus,
 )
 from tactometry.stimuli.time_reversal.design.guide import Transducers
@@ -385,12 +384,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
                 for name in ("sensation_db", "contact_force_n")
             },
             "displacement_at_focus_m": {"setup": SETUP, "signal": AT_SETUP, "loads": [PlateLoad(0.1, 0.1, 9.0)]},
-            **{
-                f"TimeReversalSensation.{name}": {
-                    "self": TimeReversalSensation(SETUP), "signal": AT_SETUP, "contact": Contact(2.0),
-                }
-                for name in ("sensation_db", "displacement_m", "contact_force_n")
-            },
+            "free_displacement": {"signal": AT_SETUP, "setup": SETUP, "at_m": (0.1, 0.1)},
             "loaded_displacement": {"free_m": BUMP, "setup": SETUP, "load": PlateLoad(0.1, 0.1, 9.0)},
             "peaks": {"x": BUMP, "height": 1.0, "apart": 2},
             "events": {"displacement_m": BUMP, "rate_hz": 1e3},

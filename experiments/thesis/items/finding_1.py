@@ -4,9 +4,11 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Literal, get_args
 
+from tactometry.stimuli.scenes.defaults.time_reversal import default_scene
 from tactometry.stimuli.time_reversal.finger import ejection_force_n
 from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation
 
+from ...study.felt_scene import felt
 from ..reproduction import Number, Origin, Reproduction
 from .studies import contact_of, experiment, level_at_threshold_db, threshold_of
 
@@ -36,8 +38,8 @@ def numbers() -> Iterator[Number]:
 def _levels(criterion: Criterion) -> Levels:
     """Force (N) and threshold (dB re 1 um) by the plain criterion on the amplitude of the focus."""
     cells = experiment(STUDY).cells.values()
-    felt = TimeReversalSensation(criterion=criterion)
-    return [(contact_of(cell).force_n, level_at_threshold_db(cell, felt)) for cell in cells]
+    skin = felt(default_scene(TimeReversalSensation(criterion=criterion)))
+    return [(contact_of(cell).force_n, level_at_threshold_db(cell, skin)) for cell in cells]
 
 
 def _threshold(force_n: float, level_db: float) -> Number:

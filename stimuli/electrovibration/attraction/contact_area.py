@@ -14,25 +14,38 @@ from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
-from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect
 
 if TYPE_CHECKING:
     from tactometry.contact import Contact
 
 
+class AreaLaw(Effect):
+    """An area law as an effect of a scene: the area under the finger."""
+
+    kind = "contact_area"
+    slot = "area"
+    requires = ("contact",)
+    reads, gives = ("contact",), "area_m2"
+
+    def area_m2(self, force_n: ArrayLike) -> FloatArray:
+        """Area (m^2), of the shape of `force_n` (N, at least 0)."""
+        raise NotImplementedError
+
+    def __call__(self, contact: "Contact") -> float:
+        return float(self.area_m2(contact.force_n))
+
+
 @dataclass(frozen=True)
-class PowerLawArea(Effect):
+class PowerLawArea(AreaLaw):
     """``A = A_1 (F/1 N)^m``. Both defaults are unverified: 1 cm^2 at 1 N, m = 1/3 (a Hertz sphere has 2/3).
 
     >>> float(PowerLawArea().area_m2(8.0).round(12))
     0.0002
     """
 
-    kind = "contact_area"
-    slot = "area"
     positive = ("area_at_1n_m2",)
     not_negative = ("exponent",)
-    requires = ("contact",)
     assumes = ("the area is a power of the force, and no other after a time",)
 
     area_at_1n_m2: float = 1e-4
@@ -46,14 +59,6 @@ class PowerLawArea(Effect):
             area_m2 = np.where(force > 0, self.area_at_1n_m2 * force**self.exponent, 0.0)
         return require.in_range("PowerLawArea.exponent", area_m2)
 
-    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        return (Stage("contact_area", ("contact",), "area_m2", f"{__name__}:_area_under", dict(vars(self))),)
-
-
-def _area_under(contact: "Contact", **law: float) -> float:
-    """The area under a finger."""
-    return float(PowerLawArea(**law).area_m2(contact.force_n))
-
 
 @runtime_checkable
 class ContactArea(Protocol):
@@ -65,7 +70,7 @@ class ContactArea(Protocol):
 
 @checked
 @dataclass(frozen=True)
-class TableArea:
+class TableArea(AreaLaw):
     """Areas measured at forces, straight lines between them: ink prints were described by such lines.
 
     Parameters
@@ -78,6 +83,8 @@ class TableArea:
     >>> (prints.area_m2([0.0, 0.1, 0.85]) * 1e4).round(9).tolist()
     [0.0, 0.25, 1.0]
     """
+
+    assumes = ("the area follows straight lines between those measured",)
 
     forces_n: tuple[float, ...]
     areas_m2: tuple[float, ...]

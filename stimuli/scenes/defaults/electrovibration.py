@@ -8,9 +8,9 @@ from typing import Final
 from tactometry.arguments.require import expect
 
 from ...composition.effect import Effect
-from ...electrovibration.attraction.contact_area import PowerLawArea
 from ...electrovibration.sensation import ElectrovibrationSensation
 from ...electrovibration.skin.skin import Skin
+from ...perception.channels import BEST_HZ
 from ..scene import SENSATION, Scene
 from ..surfaces.played_electrovibration import PlayedElectrovibration
 from . import ACCURACY, effect
@@ -25,7 +25,7 @@ def default_scene(model: ElectrovibrationSensation, duration_s: float = 1.0) -> 
     Raises
     ------
     InvalidParameter
-        If the area is not that of a power law.
+        If the area law is none that scenes have.
 
     >>> [effect.kind for effect in default_scene(ElectrovibrationSensation()).effects]
     ['skin_leakage', 'contact_area', 'force_law', 'friction', 'friction_lag', 'skin_mobility', 'sensitivity']
@@ -49,12 +49,19 @@ def effects(model: ElectrovibrationSensation) -> Iterator[Effect]:
         yield effect("skin_leakage", skin.corneum_resistivity_ohm_m)
     if skin.gap_m:
         yield effect("air_gap", skin.gap_m)
-    is_effect = isinstance(area, PowerLawArea)
-    expect(is_effect, "ElectrovibrationSensation.area", type(area).__name__, "a PowerLawArea, which scenes have")
-    yield from (law for law in (area,) if isinstance(law, PowerLawArea))
+    is_effect = isinstance(area, Effect)
+    expect(is_effect, "ElectrovibrationSensation.area", type(area).__name__, "a PowerLawArea or a TableArea")
+    yield from (law for law in (area,) if isinstance(law, Effect))
     yield effect("force_law", model.law)
     yield from (one for one in (model.polarity, model.friction, model.lag) if one is not None)
     if model.criterion == "fraction":
         yield effect("weber_fraction")
     yield model.mobility
-    yield effect("sensitivity", model.threshold_m(1.0))
+    yield effect("sensitivity", _threshold_m(model))
+
+
+def _threshold_m(model: ElectrovibrationSensation) -> float:
+    """Displacement of the skin at threshold, at 250 Hz under 1 N."""
+    if model.reference_force_n is None:
+        return model.reference_m
+    return model.reference_force_n * float(model.mobility.gain_m_per_n(BEST_HZ, force_n=1.0))

@@ -15,7 +15,7 @@ def default_scene(model: TimeReversalSensation, duration_s: float = 1.0) -> Scen
     >>> [effect.kind for effect in default_scene(TimeReversalSensation(criterion="loaded")).effects]
     ['finger_load', 'focus_detection']
     """
-    surface = PlayedTimeReversal(model.setup, model.finger_x_m, model.finger_y_m)
+    surface = PlayedTimeReversal(model.setup, model.finger_x_m, model.finger_y_m, model.finger)
     return Scene(surface, tuple(effects(model)), (SENSATION,), ACCURACY, surface.touches)
 
 

@@ -12,7 +12,7 @@ from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes
 
 CONTACT = "tactometry.stimuli.scenes.stages.contact"
-UNDER_LOAD = "tactometry.stimuli.scenes.stages.plate:under_load"
+PLATE = "tactometry.stimuli.scenes.stages.plate"
 REFERENCE_FORCE_N = 2.0
 
 
@@ -56,8 +56,11 @@ class FingerLoad(Effect):
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         """Of a plate that plays a signal, under the one contact of a run."""
-        needs = ("displacement_m", "setup", "place_m", "contact")
-        return (Stage("finger_load", needs, "displacement_m", UNDER_LOAD, dict(vars(self))),)
+        pulp, where = dict(vars(self)), ("setup", "place_m", "contact")
+        return (
+            Stage("finger_load", ("displacement_m", *where), "displacement_m", f"{PLATE}:under_load", pulp),
+            Stage("contact_force", ("signal", *where), "contact_force_n", f"{PLATE}:contact_force", pulp),
+        )
 
     def at_rest(self, scene: Surroundings) -> list[Any]:
         """The contacts that rest."""

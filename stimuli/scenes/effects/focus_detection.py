@@ -51,7 +51,8 @@ def single_event_m_per_v(t_s: "FloatArray", course: "FloatArray") -> float:
     """The amplitude of the single event that is felt as strongly as a course (m/V)."""
     from ...time_reversal.stimulus.sensation import events, felt_amplitude_m
 
-    return felt_amplitude_m(*events(course, 1 / float(t_s[1] - t_s[0])))
+    times_s, peaks = events(course, 1 / float(t_s[1] - t_s[0]))
+    return felt_amplitude_m(times_s, peaks) if peaks.size else 0.0
 
 
 def under_finger(t_s: "FloatArray", courses: "FloatArray") -> float:

@@ -12,6 +12,8 @@ from .played_time_reversal import PlayedTimeReversal
 
 BOTH = "tactometry.stimuli.scenes.stages.both"
 RESTING, SLIDING = "resting", "sliding"
+OF_BOTH = ("contact", "contact_force_n")
+"""The finger is one, and foci alone move it."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +70,7 @@ def _on_side(side: str, stages: tuple[Stage, ...], demand: Callable[[Demand], De
     """Stages whose names are their side's own, sized by what that side asks for; both have one contact."""
 
     def name(quantity: str) -> str:
-        return quantity if quantity == "contact" else f"{side}_{quantity}"
+        return quantity if quantity in OF_BOTH else f"{side}_{quantity}"
 
     def size(own: Callable[[Demand], Size]) -> Callable[[Demand], Size]:
         return lambda asked: own(asked.once(demand))

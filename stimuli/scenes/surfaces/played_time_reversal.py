@@ -5,11 +5,14 @@ from dataclasses import dataclass, field
 from typing import ClassVar
 
 from ...composition.effect import Demand, FingerContact, Stage
+from ...time_reversal.finger import Fingertip
 from ...time_reversal.stimulus.setup import Setup
 from ..effects import OF_TIME_REVERSAL
 from .played import PlayedSurface
 
 PLATE = "tactometry.stimuli.scenes.stages.plate"
+PRESSED = ("signal", "setup", "place_m", "contact")
+FREE = "tactometry.stimuli.time_reversal.stimulus.sensation:free_displacement"
 
 
 @dataclass(frozen=True)
@@ -21,6 +24,8 @@ class PlayedTimeReversal(PlayedSurface):
     setup : Setup
     finger_x_m, finger_y_m : float, optional
         Where the finger is; by default at the focus.
+    finger : Fingertip
+        Whose contact force is told where no effect says that it loads the plate.
 
     Raises
     ------
@@ -43,6 +48,7 @@ class PlayedTimeReversal(PlayedSurface):
     setup: Setup = field(default_factory=Setup)
     finger_x_m: float | None = None
     finger_y_m: float | None = None
+    finger: Fingertip = field(default_factory=Fingertip)
 
     def __post_init__(self) -> None:
         self.setup.plate.check_holds("PlayedTimeReversal.finger_x_m, finger_y_m", self.place_m)
@@ -58,6 +64,7 @@ class PlayedTimeReversal(PlayedSurface):
         return (
             Stage("setup", (), "setup", f"{PLATE}:setup", dict(vars(self.setup))),
             Stage("place", (), "place_m", f"{PLATE}:place", {"x_m": x_m, "y_m": y_m}),
-            Stage("plate", ("signal", "setup", "place_m"), "displacement_m", f"{PLATE}:free_displacement"),
+            Stage("plate", ("signal", "setup", "place_m"), "displacement_m", FREE),
+            Stage("contact_force", PRESSED, "contact_force_n", f"{PLATE}:contact_force", dict(vars(self.finger))),
             Stage("times", ("displacement_m", "setup"), "t_s", f"{PLATE}:times"),
         )

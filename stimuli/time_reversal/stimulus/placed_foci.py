@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import lru_cache
 from itertools import combinations
-from math import dist, inf
+from math import dist, inf, log10
 from typing import Final
 
 from tactometry.arguments.annotations import Positive
@@ -14,10 +14,11 @@ from tactometry.contact import Contact
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray
-from ..finger import FINGER_DIAMETER_M
+from ..finger import FINGER_DIAMETER_M, Fingertip
 from ..responses.responses import Point, Responses
+from .contact_force import contact_force_n
 from .focus_train import FocusTrain
-from .sensation import TimeReversalSensation
+from .sensation import events, felt_amplitude_m, free_displacement
 from .setup import Setup
 
 AT_ONCE: Final = " + "
@@ -191,9 +192,12 @@ class FingersSensation:
         Raises
         ------
         InvalidParameter
-            As `TimeReversalSensation.sensation_db`.
+            As `free_displacement`.
         """
-        return tuple(finger.sensation_db(signal, contact) for finger in self._alone)
+        if contact.force_n == 0 or signal.peak == 0:
+            return (-inf,) * self.n_fingers
+        felt_m = (_felt_m(signal, self.setup, self.places[name].on(self.setup)) for name in self._resting)
+        return tuple(20 * log10(one_m / self.reference_m) for one_m in felt_m)
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
         """The level (dB) at the finger that feels most."""
@@ -201,7 +205,9 @@ class FingersSensation:
 
     def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
         """(n_samples,): what a linear contact does to the finger that it pulls most, on top of the force of each."""
-        forces = (finger.contact_force_n(signal, contact) for finger in self._alone)
+        places_m = (self.places[name].on(self.setup) for name in self._resting)
+        fingers = (Fingertip().load(at_m, contact.force_n) for at_m in places_m)
+        forces = (contact_force_n(self.setup, signal, [finger]) for finger in fingers)
         return min(forces, key=lambda force: float(force.min(initial=0.0)))
 
     @property
@@ -209,8 +215,8 @@ class FingersSensation:
         """How many fingers share the force of a touch."""
         return len(self._resting)
 
-    @property
-    def _alone(self) -> tuple[TimeReversalSensation, ...]:
-        """Each finger as if it were the only one."""
-        places = (self.places[name].on(self.setup) for name in self._resting)
-        return tuple(TimeReversalSensation(self.setup, self.reference_m, finger_x_m=x, finger_y_m=y) for x, y in places)
+
+@lru_cache(maxsize=32)
+def _felt_m(signal: Signal, setup: Setup, at_m: Point) -> float:
+    """What is felt of the free plate at a place, under any contact."""
+    return felt_amplitude_m(*events(free_displacement(signal, setup, at_m), signal.rate_hz))

@@ -45,7 +45,8 @@ READING_M: Final = 1e-9
 @checked
 @dataclass(frozen=True)
 class TimeReversalSensation:
-    """Sensation level of the foci under a finger, by the one that is furthest above threshold, neighbours included.
+    """What a scene of the foci under a finger is made of, and nothing that computes: each is an effect of the scene or
+    of its surface (`tactometry.stimuli.scenes.defaults.time_reversal.default_scene`).
 
     The plate's displacement under the finger is in the ultrasonic range, where touch feels nothing: each focus is felt
     as one event that throws the skin off. Of a train the Pacinian channel sums the energy over 0.2 s
@@ -71,14 +72,8 @@ class TimeReversalSensation:
 
     Examples
     --------
-    >>> from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
-    >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
-    >>> signal = FocusTrain(setup, f_max_hz=20e3).at(20.0)
-    >>> felt, loaded = TimeReversalSensation(setup), TimeReversalSensation(setup, criterion="loaded")
-    >>> abs(round(felt.sensation_db(signal, Contact(force_n=2.0)), 2))
-    0.0
-    >>> loaded.sensation_db(signal, Contact(force_n=2.0)) < -1
-    True
+    >>> TimeReversalSensation(criterion="loaded").finger.load((0.1, 0.1), force_n=0.5).resistance_n_s_per_m
+    5.0
     """
 
     setup: Setup = field(default_factory=Setup)
@@ -94,50 +89,14 @@ class TimeReversalSensation:
     def __post_init__(self) -> None:
         self.setup.plate.check_holds("TimeReversalSensation.finger_x_m, finger_y_m", self._place)
 
-    def sensation_db(self, signal: Signal, contact: Contact) -> float:
-        """Sensation level (dB) of a drive under a finger; ``-inf`` in silence and without contact.
-
-        Raises
-        ------
-        InvalidParameter
-            If the signal is not in volt, or its rate or channels are not those of the setup.
-        """
-        self._check(signal)
-        if contact.force_n == 0 or signal.peak == 0:
-            return -inf
-        if self.criterion == "unloaded":
-            felt_m = _free_felt_m(signal, self.setup, self._place)
-        else:
-            felt_m = felt_amplitude_m(*events(self.displacement_m(signal, contact), signal.rate_hz))
-        return float(20 * np.log10(felt_m / self.reference_m))
-
-    def displacement_m(self, signal: Signal, contact: Contact) -> FloatArray:
-        """(n_samples,): what the plate does under the finger, as far as it counts."""
-        free = _free_displacement(signal, self.setup, self._place)
-        if self.criterion == "unloaded":
-            return free
-        return loaded_displacement(free, self.setup, self._finger(contact.force_n))
-
-    def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
-        """(n_samples,): what a linear contact does to the finger on top of its force; see `contact_force_n`."""
-        self._check(signal)
-        return contact_force_n(self.setup, signal, [self._finger(contact.force_n)])
-
-    def _finger(self, force_n: float) -> PlateLoad:
-        finger = Fingertip(self.resistance_n_s_per_m, self.mass_kg, self.stiffness_n_per_m, self.exponent)
-        return finger.load(self._place, force_n)
+    @property
+    def finger(self) -> Fingertip:
+        """What presses on the plate, and loads it where that counts."""
+        return Fingertip(self.resistance_n_s_per_m, self.mass_kg, self.stiffness_n_per_m, self.exponent)
 
     @property
     def _place(self) -> Point:
         return _place_m(self.setup, self.finger_x_m, self.finger_y_m)
-
-    def _check(self, signal: Signal) -> None:
-        n_channels = signal.samples.shape[0]
-        if signal.unit != "V" or n_channels != self.setup.n_transducers or signal.rate_hz != self.setup.rate_hz:
-            raise InvalidParameter(
-                f"sensation_db.signal: found {n_channels} channels in {signal.unit!r} at {signal.rate_hz:g} Hz, "
-                f"expected {self.setup.n_transducers} in volt ('V') at {self.setup.rate_hz:g} Hz, as in the setup"
-            )
 
 
 @checked
@@ -213,6 +172,24 @@ def _place_m(setup: Setup, x_m: float | None, y_m: float | None) -> Point:
     """A place on the screen; what is not said of it is that of the focus."""
     at_x_m, at_y_m = setup.focus_m
     return at_x_m if x_m is None else x_m, at_y_m if y_m is None else y_m
+
+
+@checked
+def free_displacement(signal: Signal, setup: Setup, at_m: Point) -> FloatArray:
+    """(n_samples,): what the plate does at a place as long as nothing is on it.
+
+    Raises
+    ------
+    InvalidParameter
+        If the signal is not in volt, or its rate or channels are not those of the setup.
+    """
+    n_channels = signal.samples.shape[0]
+    if signal.unit != "V" or n_channels != setup.n_transducers or signal.rate_hz != setup.rate_hz:
+        raise InvalidParameter(
+            f"signal: found {n_channels} channels in {signal.unit!r} at {signal.rate_hz:g} Hz, expected "
+            f"{setup.n_transducers} in volt ('V') at {setup.rate_hz:g} Hz, as in the setup"
+        )
+    return np.asarray(emitted(signal, setup.responses_at(*at_m))[0])
 
 
 @checked
@@ -327,17 +304,6 @@ def felt_amplitude_m(times_s: Vector, peaks_m: Vector) -> float:
     times, peaks = np.asarray(times_s, float), np.asarray(peaks_m, float)
     expect(len(times) == len(peaks), "peaks_m", len(peaks), f"{len(times)}, one per time")
     return summed_amplitude(times, peaks)
-
-
-@lru_cache(maxsize=N_CACHED)
-def _free_displacement(signal: Signal, setup: Setup, at_m: Point) -> FloatArray:
-    return np.asarray(emitted(signal, setup.responses_at(*at_m))[0])
-
-
-@lru_cache(maxsize=N_CACHED)
-def _free_felt_m(signal: Signal, setup: Setup, at_m: Point) -> float:
-    """What is felt of the free plate, under any contact."""
-    return felt_amplitude_m(*events(_free_displacement(signal, setup, at_m), signal.rate_hz))
 
 
 @lru_cache(maxsize=N_CACHED)

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import (
     CoulombFriction,
     DryFriction,
@@ -27,9 +28,9 @@ from tactometry.stimuli.electrovibration import (
     stick_slip,
 )
 from tactometry.stimuli.electrovibration.attraction.force import force_form
-from tactometry.stimuli.electrovibration.sensation import _room_for_the_square
 from tactometry.stimuli.electrovibration.skin.relaxation import Relaxations
 from tactometry.stimuli.electrovibration.waveforms.pieces import straight
+from tactometry.stimuli.scenes.stages.record import recorded
 
 AREA_M2, FINGER = 1e-4, Finger()
 
@@ -112,7 +113,8 @@ def test_a_sensor_knows_nothing_of_the_future() -> None:
 @pytest.mark.parametrize("n", [8, 9, 400, 401])
 def test_samples_at_twice_the_rate_pass_through_the_old_ones(n: int) -> None:
     voltage_v = np.random.default_rng(n).normal(size=n)
-    found_v, rate_hz = _room_for_the_square(voltage_v, 20e3)
+    finer = recorded(Signal(voltage_v[None], 20e3, "V"), share=1e-4)
+    found_v, rate_hz = finer.voltage_v, finer.rate_hz
     assert (found_v.size, rate_hz) == (2 * n, 40e3)
     np.testing.assert_allclose(found_v[::2], voltage_v, atol=1e-12)
 

@@ -5,6 +5,7 @@ import hashlib
 import numpy as np
 import pytest
 from command_line import call
+from felt_models import felt_by
 from hypothesis import given, strategies as st
 from study_texts import changed
 from tables import trial_rows
@@ -54,7 +55,7 @@ def test_a_sinusoidal_grating_under_a_steady_finger_is_felt_as_a_tone_of_its_fre
     texture = Grating(SPEED_M_PER_S / frequency_hz, "sinusoidal")
     signal = under(texture, [0.0, 1.0], [0.0, SPEED_M_PER_S], rise_s=5e-5)
     tone = AmplitudeModulated(frequency_hz=frequency_hz, carrier_hz=2000.0).at(30.0)
-    felt_db, tone_db = (ElectrovibrationSensation().sensation_db(each, CONTACT) for each in (signal, tone))
+    felt_db, tone_db = (felt_by(ElectrovibrationSensation()).sensation_db(each, CONTACT) for each in (signal, tone))
     assert felt_db == pytest.approx(tone_db, abs=0.05)
 
 

@@ -11,7 +11,6 @@ import corneum_closed_form as closed_form
 import numpy as np
 import pytest
 
-from tactometry.contact import Contact
 from tactometry.errors import TactometryError
 from tactometry.signal import Signal
 from tactometry.stimuli import electrovibration as ev
@@ -168,7 +167,6 @@ FUNCTIONS: dict[str, Call] = {
 
 STACK = CONSTRUCTORS["Stack"][0](**CONSTRUCTORS["Stack"][1])
 CORNERS = ev.Square(frequency_hz=60.0).corners
-MODEL = ev.ElectrovibrationSensation()
 FOLLOWED = ev.FollowedTexture(ev.Grating(1e-3), duration_s=0.1, ramp_s=0.01)
 
 METHODS: dict[str, Call] = {
@@ -180,13 +178,10 @@ METHODS: dict[str, Call] = {
     "CoulombFriction.coefficient_at": (ev.CoulombFriction(0.5, -0.1).coefficient_at, {"force_n": 1.0}),
     "CoulombFriction.modulation_n": (ev.CoulombFriction().modulation_n, {"electrostatic_n": [1.0], "force_n": 1.0}),
     "DispersiveLayer.properties": (TABLE.properties, {"frequency_hz": [0.0, 60.0]}),
-    "ElectrovibrationSensation.sensation_db": (MODEL.sensation_db, {
-        "signal": SINE.at(40.0), "contact": Contact(force_n=1.0, speed_m_per_s=0.05)}),
     "Finger.at_speed": (ev.Finger.at_speed, {"speed_m_per_s": 0.05}),
     "ForceForm.force_n": (FORM.force_n, {"layer_v": np.array(V), "polarity": ev.Polarity(0.5)}),
     "FrictionLag.cutoff_hz": (ev.FrictionLag().cutoff_hz, {"speed_m_per_s": 0.05}),
     "FrictionLag.gain": (ev.FrictionLag().gain, {"frequency_hz": [60.0], "speed_m_per_s": 0.05}),
-    "ElectrovibrationSensation.threshold_m": (MODEL.threshold_m, {"force_n": 1.0}),
     "FollowedTexture.at": (FOLLOWED.at, {"level": 20.0}),
     "FollowedTexture.check_motion": (FOLLOWED.check_motion, {"speed_m_per_s": 0.05, "positions_hz": 1e3}),
     "FollowedTexture.parts": (FOLLOWED.parts, {"x_m": np.array([0.0, 1e-4]), "before": None}),
@@ -257,9 +252,9 @@ RESULTS = {ev.Motion, ev.StickSlip}
 PROTOCOLS = {ev.ContactArea, ev.Texture}
 UNBOUNDED = {
     "cutoff_hz", "corneum_resistance_ohm", "Skin.corneum_resistance_ohm", "rate_per_s", "rates_per_s",
-    "resistivity_ohm_m", "corneum_resistivity_ohm_m", "tau_s", "ElectrovibrationSensation.sensation_db",
+    "resistivity_ohm_m", "corneum_resistivity_ohm_m", "tau_s",
 }  # fmt: skip
-"""What is infinite by definition: a conductor's corner and rate, a lossless skin's resistivity, silence in decibel."""
+"""What is infinite by definition: a conductor's corner and rate, a lossless skin's resistivity."""
 
 
 def spoilt(value: Any, hostile: tuple[Any, ...]) -> Iterator[Any]:

@@ -2,11 +2,13 @@
 
 import numpy as np
 import pytest
+from felt_models import felt_by
 from hypothesis import given, strategies as st
 from sampled_corneum import corneum_voltage_v
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
+from tactometry.experiments.study.felt_scene import FeltScene
 from tactometry.stimuli.electrovibration import (
     ElectrovibrationSensation,
     Polarity,
@@ -59,10 +61,11 @@ def test_samples_and_pieces_have_the_same_asymmetry() -> None:
 
 
 def test_positive_pulses_are_felt_less_than_negative_and_biphasic_ones_once_it_is_asked_for() -> None:
-    def felt_db(polarity: str, model: ElectrovibrationSensation) -> float:
+    def felt_db(polarity: str, model: FeltScene) -> float:
         return model.sensation_db(pulses(polarity).at(30.0), TOUCH)
 
-    even, asymmetric = ElectrovibrationSensation(), ElectrovibrationSensation(polarity=Polarity(0.5))
+    models = ElectrovibrationSensation(), ElectrovibrationSensation(polarity=Polarity(0.5))
+    even, asymmetric = map(felt_by, models)
     assert felt_db("positive", even) == pytest.approx(felt_db("negative", even), abs=1e-9)
     positive_db, negative_db, biphasic_db = (felt_db(p, asymmetric) for p in ("positive", "negative", "biphasic"))
     assert positive_db < min(negative_db, biphasic_db) - 0.2

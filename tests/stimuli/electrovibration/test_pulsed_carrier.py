@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from felt_models import felt_by
 from hypothesis import given, strategies as st
 
 from tactometry.contact import Contact
@@ -31,7 +32,7 @@ def test_up_to_any_zero_of_the_carrier_the_square_adds_up_to_half_a_sample(level
 @pytest.mark.parametrize("level", [28.0, 34.0, 36.0, 40.0])
 def test_it_feels_as_the_carrier_does(level):
     """Within 0.6 dB: steep flanks lose less through the skin than a sine does."""
-    stimulus, model, contact = pulsed(duration_s=0.5), ElectrovibrationSensation(), Contact(1.0, 0.05)
+    stimulus, model, contact = pulsed(duration_s=0.5), felt_by(ElectrovibrationSensation()), Contact(1.0, 0.05)
     asked_db, made_db = (model.sensation_db(each.at(level), contact) for each in (stimulus.waveform, stimulus))
     assert made_db == pytest.approx(asked_db, abs=0.6)
 

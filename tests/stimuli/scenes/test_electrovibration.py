@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from felt_models import felt_by
 from fresh_processes import counted
 from hard_cases import hard_case
 from hypothesis import HealthCheck, given, settings
@@ -131,7 +132,7 @@ def test_the_sensation_is_that_of_the_observer_up_to_its_flat_top_window():
     effects = [default(k) for k in ("force_law", "skin_leakage", "contact_area", "friction", "friction_lag")]
     scene = Scene(surface, (*effects, default("sensitivity")), ("sensation_db",), 1e-3, SLIDING)
     signal: Signal = Sine(60.0).at(40.0)
-    model = ElectrovibrationSensation(friction=CoulombFriction(), lag=FrictionLag())
+    model = felt_by(ElectrovibrationSensation(friction=CoulombFriction(), lag=FrictionLag()))
     observer_db = model.sensation_db(signal, Contact(2.0, 0.05))
     assert abs(run(scene)["sensation_db"] - observer_db) < 0.1
 

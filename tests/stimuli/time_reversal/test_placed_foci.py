@@ -5,6 +5,7 @@ from math import inf
 
 import numpy as np
 import pytest
+from felt_models import felt_by
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
@@ -58,7 +59,7 @@ def test_each_finger_feels_the_field_of_all_foci_under_it():
 
 def test_a_finger_alone_feels_what_the_sensation_of_a_focus_says():
     signal, skin = foci("index").at(26.0), FingersSensation(SETUP, PLACES, ("middle",))
-    alone = TimeReversalSensation(SETUP, finger_x_m=0.12)
+    alone = felt_by(TimeReversalSensation(SETUP, finger_x_m=0.12))
     assert skin.fingers_db(signal, TOUCH) == (alone.sensation_db(signal, TOUCH),)
 
 

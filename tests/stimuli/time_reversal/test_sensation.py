@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from felt_models import felt_by
 from hypothesis import given, settings, strategies as st
 from scipy.signal import find_peaks
 
@@ -26,6 +27,7 @@ from tactometry.stimuli.time_reversal.stimulus.sensation import (
     TimeReversalSensation,
     events,
     felt_amplitude_m,
+    free_displacement,
     loaded_displacement,
     peaks,
 )
@@ -40,11 +42,11 @@ def train(**changes):
 
 
 def loaded(setup, **finger):
-    return TimeReversalSensation(setup, criterion="loaded", **finger)
+    return felt_by(TimeReversalSensation(setup, criterion="loaded", **finger))
 
 
 def felt_db(level, force_n=FAINTEST_N, **changes):
-    return TimeReversalSensation(SMALL).sensation_db(train(**changes).at(level), Contact(force_n))
+    return felt_by(TimeReversalSensation(SMALL)).sensation_db(train(**changes).at(level), Contact(force_n))
 
 
 def test_the_level_is_the_unloaded_amplitude_of_the_focus():
@@ -82,7 +84,7 @@ def test_more_force_on_a_loaded_plate_never_adds_sensation(forces_n):
 def test_a_focus_of_the_reference_amplitude_is_at_threshold_under_every_force():
     """As the thesis found; science note 5.3 keeps an effect of force as an option."""
     drive = train().at(20.0)
-    felt = TimeReversalSensation(SMALL)
+    felt = felt_by(TimeReversalSensation(SMALL))
     assert felt.sensation_db(drive, Contact(3.0)) == pytest.approx(0.0, abs=1e-3)
     assert felt.sensation_db(drive, Contact(0.5)) == felt.sensation_db(drive, Contact(5.0))
 
@@ -96,7 +98,7 @@ def test_stronger_transducers_need_less_voltage(changes):
 def test_no_contact_and_no_voltage_are_not_felt():
     assert felt_db(20.0, 0.0) == -np.inf
     silence = Signal(np.zeros((8, 350)), SMALL.rate_hz, "V")
-    assert TimeReversalSensation(SMALL).sensation_db(silence, Contact(1.0)) == -np.inf
+    assert felt_by(TimeReversalSensation(SMALL)).sensation_db(silence, Contact(1.0)) == -np.inf
 
 
 @pytest.mark.parametrize(("mass_kg", "stiffness_n_per_m"), [(0.0, 0.0), (1e-4, 0.0), (0.0, 1e5)])
@@ -112,21 +114,21 @@ def test_the_displacement_under_the_finger_is_that_of_the_loaded_plate(mass_kg, 
         f_max_hz=SMALL.modes_to_hz,
     )
     expected = emitted(drive, heard)[0]
-    felt = loaded(SMALL, mass_kg=mass_kg, stiffness_n_per_m=stiffness_n_per_m)
-    found = felt.displacement_m(drive, Contact(2.0))
+    free = free_displacement(drive, SMALL, SMALL.focus_m)
+    found = loaded_displacement(free, SMALL, finger.load(SMALL.focus_m, 2.0))
     assert np.linalg.norm(found - expected) < 0.02 * np.linalg.norm(expected)
 
 
 def test_a_pin_holds_the_plate_still():
     drive = train().at(20.0)
-    free = TimeReversalSensation(SMALL, criterion="unloaded").displacement_m(drive, Contact(1.0))
+    free = free_displacement(drive, SMALL, SMALL.focus_m)
     pinned = loaded_displacement(free, SMALL, PlateLoad(*SMALL.focus_m, stiffness_n_per_m=1e20))
     assert np.abs(pinned).max() < 1e-9 * np.abs(free).max()
 
 
 def test_a_finger_elsewhere_feels_less_than_at_the_focus():
     drive = train().at(20.0)
-    away = TimeReversalSensation(SMALL, finger_x_m=0.2, finger_y_m=0.06)
+    away = felt_by(TimeReversalSensation(SMALL, finger_x_m=0.2, finger_y_m=0.06))
     assert away.sensation_db(drive, Contact(0.5)) < felt_db(20.0, 0.5) - 6
 
 
@@ -134,7 +136,7 @@ def test_a_finger_elsewhere_feels_less_than_at_the_focus():
 def test_the_foci_of_a_pattern_are_its_events(pattern):
     stimulus = train(pattern=pattern)
     drive = stimulus.at(20.0)
-    displacement = TimeReversalSensation(SMALL).displacement_m(drive, Contact(FAINTEST_N))
+    displacement = free_displacement(drive, SMALL, SMALL.focus_m)
     times_s, peaks_m = events(displacement, SMALL.rate_hz)
     n = round(stimulus.emission_s * SMALL.rate_hz)
     expected_s = focus_samples(stimulus.foci, SMALL.rate_hz, n) / SMALL.rate_hz
@@ -183,7 +185,7 @@ def test_of_reverberation_alone_the_largest_peak_is_felt():
 @pytest.mark.parametrize("pattern", ["P2", "P3"])
 def test_lobes_of_a_pattern_above_its_reverberation_are_events(pattern):
     stimulus = train(pattern=pattern)
-    displacement = TimeReversalSensation(SMALL).displacement_m(stimulus.at(20.0), Contact(FAINTEST_N))
+    displacement = free_displacement(stimulus.at(20.0), SMALL, SMALL.focus_m)
     times_s, _ = events(displacement, SMALL.rate_hz)
     n = round(stimulus.emission_s * SMALL.rate_hz)
     lobes_s = focus_samples(stimulus.foci, SMALL.rate_hz, n)[np.abs(stimulus.foci.weights) > 0.2] / SMALL.rate_hz
@@ -317,6 +319,6 @@ def test_a_setup_that_cannot_be_is_refused_in_one_sentence(changes, sentence):
 
 def test_a_signal_of_another_screen_is_refused():
     with pytest.raises(InvalidParameter, match=r"found 2 channels in 'V' at 50000 Hz, expected 8 in volt"):
-        TimeReversalSensation(SMALL).sensation_db(Signal(np.ones((2, 9)), 50e3, "V"), Contact(1.0))
+        felt_by(TimeReversalSensation(SMALL)).sensation_db(Signal(np.ones((2, 9)), 50e3, "V"), Contact(1.0))
     with pytest.raises(InvalidParameter, match=r"found 8 channels in 'm' at 50000 Hz, expected 8 in volt"):
-        TimeReversalSensation(SMALL).sensation_db(Signal(np.ones((8, 9)), 50e3, "m"), Contact(1.0))
+        felt_by(TimeReversalSensation(SMALL)).sensation_db(Signal(np.ones((8, 9)), 50e3, "m"), Contact(1.0))
