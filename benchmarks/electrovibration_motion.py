@@ -24,7 +24,6 @@ from tactometry.stimuli.electrovibration import CoulombFriction, Finger, Pieces,
 from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
 from tactometry.stimuli.electrovibration.motion.driven_motion import plan_of
 from tactometry.stimuli.electrovibration.motion.finger import sliding
-from tactometry.stimuli.electrovibration.motion.lift import flow
 
 Real = NDArray[np.float64]
 FINGER, MU, END_S = Finger(), 0.5, 0.05
@@ -182,7 +181,6 @@ def main() -> None:
         for name, pieces in INPUTS.items():
             form = form_of(tau_s)
             truth = reference(pieces, form)
-            flow.cache_clear()
             plan_of.cache_clear()
             cold = milliseconds(lambda: exact(pieces, form), 1)  # noqa: B023
             warm = milliseconds(lambda: exact(pieces, form), 51)  # noqa: B023

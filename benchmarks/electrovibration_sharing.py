@@ -21,7 +21,7 @@ from tactometry.stimuli.electrovibration import (
     sliding_many,
 )
 from tactometry.stimuli.electrovibration.attraction.force import force_form
-from tactometry.stimuli.electrovibration.motion.lift import flow
+from tactometry.stimuli.electrovibration.motion.driven_motion import plan_of
 from tactometry.stimuli.electrovibration.waveforms.pieces import straight
 from tactometry.stimuli.scenes.defaults.electrovibration import default_scene
 
@@ -33,7 +33,7 @@ def many_stimuli() -> None:
     tone = Sine(frequency_hz=240.0, ramp_s=0.0, duration_s=0.05).pieces(0.0)
     heights_v = np.geomspace(1.0, 200.0, 10_000)
     sliding(T_S, tone, form, finger=Finger(), friction=CoulombFriction(), force_n=1.0)
-    before = flow.cache_info().misses
+    before = plan_of.cache_info().misses
     start = time.process_time()
     for height_v in heights_v:
         sliding(T_S, tone.scaled(height_v), form, finger=Finger(), friction=CoulombFriction(), force_n=1.0)
@@ -44,8 +44,8 @@ def many_stimuli() -> None:
     for part in range(0, 10_000, 500):
         sliding_many(T_S, stimuli[part : part + 500], form, finger=Finger(), friction=CoulombFriction(), force_n=1.0)
     seconds = time.process_time() - start
-    made = flow.cache_info().misses - before
-    print(f"the same, 500 at a time: {seconds:.2f} s, {made} new exponentials")
+    made = plan_of.cache_info().misses - before
+    print(f"the same, 500 at a time: {seconds:.2f} s, {made} new plans")
 
 
 def many_sensations() -> None:

@@ -4,30 +4,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ...arrays import FloatArray, IndexArray
+from ...arrays import FloatArray
 from ...compiled import compiled, entry, uniform
+from .driven_motion import DrivenPlan
 from .phases import Heights, Phases
 
 Bare = tuple[Any, ...]
-
-
-class DrivenPlan(NamedTuple):
-    """A driven linear system over time, for any heights.
-
-    The nodes that were asked for, the first node of each piece, and whether the circuit has a line and a slope among
-    its states, whose linear `form` is the voltage that pulls. Over each interval the states go on by ``maps[kinds[i]]``
-    and take up ``drives[kinds[i]]`` of the products of the circuit's states.
-    """
-
-    phases: Phases
-    wanted: IndexArray
-    first: IndexArray
-    has_line: bool
-    has_slope: bool
-    form: FloatArray
-    kinds: IndexArray
-    maps: FloatArray
-    drives: FloatArray
 
 
 class FullSlip(NamedTuple):
@@ -110,17 +92,16 @@ def states(heights: Heights, plan: DrivenPlan) -> FloatArray:
 
 @compiled
 def march(z: FloatArray, newton: float, plan: DrivenPlan) -> FloatArray:
-    """``x_(i+1) = map x_i + newton drive P(z_i)`` from 0, (n, n_nodes): P the products of z, upper triangle."""
+    """``x_(i+1) = map x_i + newton z_i drive z_i`` from 0, (n, n_nodes)."""
     kinds, maps, drives = plan.kinds, plan.maps, plan.drives
     n, n_nodes = maps.shape[1], z.shape[1]
     path = np.zeros((n, n_nodes))
     for row in range(n):
-        place = 0
         for a in range(len(z)):
             for b in range(a, len(z)):
+                factor = newton if a == b else 2 * newton  # the forms are symmetric
                 for i in range(n_nodes - 1):
-                    path[row, i + 1] += newton * drives[kinds[i], row, place] * z[a, i] * z[b, i]
-                place += 1
+                    path[row, i + 1] += factor * drives[kinds[i], row, a, b] * z[a, i] * z[b, i]
     for i in range(n_nodes - 1):
         for row in range(n):
             total = path[row, i + 1]
@@ -128,11 +109,6 @@ def march(z: FloatArray, newton: float, plan: DrivenPlan) -> FloatArray:
                 total += maps[kinds[i], row, column] * path[column, i]
             path[row, i + 1] = total
     return path
-
-
-def respond(newton: float, heights: Heights, plan: DrivenPlan) -> FloatArray:
-    """Driven states (n, n_wanted) under the force ``newton u^2``, u the linear form of the circuit's states."""
-    return _respond(newton, uniform(heights), _bare(plan))
 
 
 def slide(newton: float, finger: FullSlip, heights: Heights, plan: DrivenPlan) -> FloatArray:
@@ -150,12 +126,6 @@ def _bare(plan: DrivenPlan) -> Bare:
 @compiled
 def _plan(bare: Bare) -> DrivenPlan:
     return DrivenPlan(Phases(*bare[0]), *bare[1:])
-
-
-@entry
-def _respond(newton: float, heights: Bare, plan: Bare) -> FloatArray:
-    whole = _plan(plan)
-    return march(states(Heights(*heights), whole), newton, whole)[:, whole.wanted]
 
 
 @entry

@@ -1,13 +1,13 @@
 """Motion of a linear system under the force of a voltage in pieces: planned once, then run for any voltage.
 
 A relaxation that has decayed (`phases.DECAYED` time constants after the start of a piece) follows its input and is left
-out of the lift, which bounds every exponent.
+out of the flow, which bounds every exponent.
 """
 
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,13 +17,11 @@ from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray, IndexArray
 from ..attraction.force import ForceForm
-from ..skin.relaxation import Relaxations
+from ..skin.relaxation import Relaxations, scan
+from ..skin.solution import Solution
 from ..waveforms.pieces import Pieces
-from .lift import Circuit, LinearSystem, flow, pairs
-from .phases import Heights, heights, moving, nodes_of, phases
-
-if TYPE_CHECKING:
-    from .compiled_loops import DrivenPlan
+from .driven_flow import Circuit, LinearSystem, flows
+from .phases import Heights, Phases, heights, moving, nodes_of, phases
 
 Kind = tuple[float, tuple[bool, ...]]
 """Length of an interval and which relaxations move in it."""
@@ -31,12 +29,64 @@ CYCLES_MAX = 1e7
 """The most periods of a lag or a finger between two times: rounding is 1e-9 of the largest force there."""
 
 
-def linear_response(pieces: Pieces, form: ForceForm, system: LinearSystem, t_s: ArrayLike) -> FloatArray:
-    """States (n, n_times) of a linear system from 0 under the force of a voltage, exactly, at ascending times."""
-    from .compiled_loops import respond
+AT_ONCE = 1024
+"""Nodes whose products are made together: their states stay in cache, and BLAS starts no threads for them."""
 
-    plan = plan_of(Timing(pieces, t_s), form.relaxations, system)
-    return respond(form.newton_per_v2, heights(pieces), plan)
+
+class DrivenPlan(NamedTuple):
+    """A driven linear system over time, for any heights.
+
+    The nodes that were asked for, the first node of each piece, and whether the circuit has a line and a slope among
+    its states, whose linear `form` is the voltage that pulls. Over each interval the states go on by ``maps[kinds[i]]``
+    and take up the quadratic forms ``drives[kinds[i]]`` of the circuit's states.
+    """
+
+    phases: Phases
+    wanted: IndexArray
+    first: IndexArray
+    has_line: bool
+    has_slope: bool
+    form: FloatArray
+    kinds: IndexArray
+    maps: FloatArray
+    drives: FloatArray
+
+
+def first_order_response(pieces: Pieces, force: ForceForm, system: LinearSystem, t_s: ArrayLike) -> FloatArray:
+    """(n_times,) the one state of a linear system from 0 under the force of a voltage, exactly, at ascending times.
+
+    `compiled_loops` does the same for more states; one needs no loop, and numba takes half a second to load.
+    """
+    plan = plan_of(Timing(pieces, t_s), force.relaxations, system)
+    taken_up = force.newton_per_v2 * _products(circuit_states(pieces, force.relaxations, plan), plan)
+    return np.asarray(scan(plan.maps[plan.kinds, 0, 0], np.r_[0.0, taken_up])[plan.wanted])
+
+
+def circuit_states(pieces: Pieces, relaxations: Relaxations, plan: DrivenPlan) -> FloatArray:
+    """States (n_states, n_nodes) of a circuit, in the order of `Circuit`."""
+    phases, piece, n_relax = plan.phases, plan.phases.piece, len(plan.phases.decay)
+    at, slopes = n_relax + plan.has_line + plan.has_slope, pieces.slopes_v_per_s[piece]
+    z, turned = np.empty((len(plan.form), len(piece))), phases.turns * pieces.harmonics_v[piece]
+    z[at::2], z[at + 1 :: 2] = turned.real.T, turned.imag.T
+    responses = np.stack([phases.responses.real, -phases.responses.imag], axis=-1).reshape(n_relax, len(z) - at)
+    free = Solution(pieces, relaxations).free_decays
+    z[:n_relax] = free[:, piece] * phases.decay + slopes * phases.line + np.einsum("mk,kn->mn", responses, z[at:])
+    if plan.has_line:
+        z[n_relax] = pieces.offsets_v[piece] + slopes * phases.since
+    if plan.has_slope:
+        z[at - 1] = slopes
+    return z
+
+
+def _products(z: FloatArray, plan: DrivenPlan) -> FloatArray:
+    """(n_nodes - 1,) what the one driven state takes up over each interval, under 1 N/V^2."""
+    order = np.argsort(plan.kinds, kind="stable")
+    starts = np.flatnonzero(np.diff(plan.kinds[order])) + 1
+    taken_up = np.empty(len(order))
+    for alike in np.split(order, np.union1d(starts, np.arange(AT_ONCE, len(order), AT_ONCE))):
+        here = z[:, alike]
+        taken_up[alike] = np.einsum("in,in->n", plan.drives[plan.kinds[alike[0]], 0] @ here, here)
+    return taken_up
 
 
 def stack_heights(stimuli: Sequence[Pieces]) -> Heights:
@@ -83,10 +133,8 @@ class Timing:
 
 
 @lru_cache(maxsize=256)
-def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> "DrivenPlan":
-    """The plan of a timing, made once: nodes, decays, turns and exponentials."""
-    from .compiled_loops import DrivenPlan
-
+def plan_of(timing: Timing, relaxations: Relaxations, system: LinearSystem) -> DrivenPlan:
+    """The plan of a timing, made once: nodes, decays, turns and flows."""
     check_times(timing.t_s, timing.pieces)
     nodes = nodes_of(timing.pieces, relaxations, timing.t_s)
     lengths = np.diff(nodes)
@@ -111,16 +159,17 @@ def _check_resolved(system: LinearSystem, longest_s: float) -> None:
 
 
 def _maps(whole: Circuit, system: LinearSystem, groups: Sequence[Kind]) -> tuple[FloatArray, FloatArray]:
-    """(n_kinds, n, n) maps of the states and (n_kinds, n, n_products) of the products over each kind of interval."""
-    from threadpoolctl import threadpool_limits
-
-    circuits = [replace(whole, active=moving) for _, moving in groups]
-    with threadpool_limits(1, "blas"):  # threads that wait for each other over small matrices took 20 times as long
-        flows = [flow(circuit, system, length) for circuit, (length, _) in zip(circuits, groups, strict=True)]
-    n = len(system.input)
-    maps = np.array([step.states for step in flows]).reshape(-1, n, n)
-    drives = np.array([_padded(step.products, circuit) for step, circuit in zip(flows, circuits, strict=True)])
-    return maps, drives.reshape(len(flows), n, -1)
+    """(n_kinds, n, n) maps of the states and (n_kinds, n, n_states, n_states) forms over each kind of interval."""
+    n, n_states = len(system.input), whole.n_states
+    maps, drives = np.zeros((len(groups), n, n)), np.zeros((len(groups), n, n_states, n_states))
+    for active in {moves for _, moves in groups}:
+        alike = [kind for kind, (_, moves) in enumerate(groups) if moves == active]
+        circuit = replace(whole, active=active)
+        found = flows(circuit, system, np.array([groups[kind][0] for kind in alike]))
+        kept = circuit.active_places()
+        maps[alike] = found.states
+        drives[np.ix_(np.array(alike), np.arange(n), kept, kept)] = found.forms
+    return maps, drives
 
 
 def _kinds(lengths: FloatArray, moves: NDArray[np.bool_]) -> tuple[list[Kind], IndexArray]:
@@ -131,14 +180,3 @@ def _kinds(lengths: FloatArray, moves: NDArray[np.bool_]) -> tuple[list[Kind], I
     _, first, kinds = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     means = np.bincount(kinds, lengths) / np.bincount(kinds)
     return [(float(means[k]), tuple(moves[i].tolist())) for k, i in enumerate(first)], kinds
-
-
-def _padded(products: FloatArray, circuit: Circuit) -> FloatArray:
-    """The map of the products (n, n_products) among those of all states, 0 for the relaxations left out."""
-    kept = circuit.active_places()
-    n_all = circuit.n_states + circuit.active.count(False)
-    i, j = pairs(n_all)
-    here = np.isin(i, kept) & np.isin(j, kept)
-    full = np.zeros((products.shape[0], i.size))
-    full[:, here] = products
-    return full

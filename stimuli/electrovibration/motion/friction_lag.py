@@ -101,8 +101,8 @@ def lagged_friction_n(
     [0.5, 5.957, 9.133]
     """
     from ..attraction.force import ForceForm  # what a lag that no output needs does not load
-    from .driven_motion import check_times, linear_response  # slow to load
-    from .lift import LinearSystem
+    from .driven_flow import LinearSystem
+    from .driven_motion import check_times, first_order_response
 
     require.of_kind("lagged_friction_n", ForceForm, form=form)
     t = np.asarray(t_s, dtype=np.float64)
@@ -112,8 +112,7 @@ def lagged_friction_n(
         return np.zeros_like(t)
     rate_per_s = 2 * np.pi * _resolved_hz(lag.cutoff_hz(speed_m_per_s), t)
     low_pass = LinearSystem(((-rate_per_s,),), (mu * rate_per_s,))
-    (lagging_n,) = linear_response(pieces, form, low_pass, t)
-    return np.asarray(mu * force_n + lagging_n)
+    return mu * force_n + first_order_response(pieces, form, low_pass, t)
 
 
 def scene_friction_n(*drive: Any, **lag: float) -> FloatArray:

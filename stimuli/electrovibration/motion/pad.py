@@ -8,7 +8,7 @@ from typing import Final
 from tactometry.arguments.annotations import NotNegative, Positive
 from tactometry.arguments.checked import checked
 
-from .lift import LinearSystem
+from .driven_flow import LinearSystem
 
 MASS_KG_PER_M_PER_S: Final = 3.23e-2
 STIFFNESS_N_S_PER_M2: Final = 4_040.0

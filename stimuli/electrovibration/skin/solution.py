@@ -40,7 +40,7 @@ class Solution:
             If a time is before 0 or after the end.
         """
         t = self._times(t_s)
-        total = np.asarray(self.relaxations.dc_gain * self.pieces.at(t))
+        total = self.relaxations.dc_gain * self.pieces.at(t) if self.relaxations.dc_gain else np.zeros_like(t)
         for order, gain in enumerate(self.relaxations.gains):
             total += gain * self.state_at(order, t)
         return np.asarray(total, dtype=np.float64)
@@ -61,7 +61,7 @@ class Solution:
             return np.zeros_like(t_s)
         piece = self.pieces.index(t_s)
         elapsed = t_s - self.pieces.starts_s[piece]
-        free = self._initial[order][piece] * np.exp(-rate * elapsed)
+        free = self.free_decays[order, piece] * np.exp(-rate * elapsed)
         return np.asarray(free + self._forced_response(order, piece, t_s))
 
     def _times(self, t_s: ArrayLike) -> FloatArray:
@@ -78,9 +78,10 @@ class Solution:
         return self.relaxations.rates_per_s
 
     @cached_property
-    def _initial(self) -> list[FloatArray]:
-        """Per relaxation, (n_pieces,) amplitude of the free decay at the start of each piece."""
-        return [self._chain(order) for order in range(len(self._rates))]
+    def free_decays(self) -> FloatArray:
+        """(n_relaxations, n_pieces): the amplitude of each free decay at the start of each piece."""
+        chains = [self._chain(order) for order in range(len(self._rates))]
+        return np.array(chains).reshape(len(chains), len(self.pieces.starts_s))
 
     def _chain(self, order: int) -> FloatArray:
         rate = self._rates[order]
