@@ -1,8 +1,8 @@
 """When a finger has held a force, or a speed, long enough, and how well it kept it: decided on sample stamps."""
 
 import math
-from dataclasses import dataclass, replace
-from typing import NamedTuple
+from dataclasses import dataclass
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,15 @@ VALID_PART = 0.8
 """The part of a touch that must be in the band for a valid trial (unverified default)."""
 WINDOW_S = 0.05
 """A speed is the way between the ends of a window of this length over its duration (unverified default)."""
+
+G = TypeVar("G")
+
+
+def _then(gate: G, **state: Any) -> G:
+    """As `dataclasses.replace`, of a gate whose numbers were checked once: there is a new one for each sample."""
+    then: G = object.__new__(type(gate))
+    vars(then).update(vars(gate), **state)
+    return then
 
 
 @dataclass(frozen=True)
@@ -70,9 +79,9 @@ class ForceGate:
     def after(self, sample_time_s: float, force_n: float) -> "ForceGate":
         """The gate after a sample of `force_n` (N) stamped `sample_time_s` (s)."""
         if not (math.isfinite(sample_time_s) and self.holds(force_n)):
-            return replace(self, since_s=None, last_s=None)
+            return _then(self, since_s=None, last_s=None)
         since_s = self.since_s if self._follows(sample_time_s) else sample_time_s
-        return replace(self, since_s=since_s, last_s=sample_time_s)
+        return _then(self, since_s=since_s, last_s=sample_time_s)
 
     def _follows(self, sample_time_s: float) -> bool:
         return self.last_s is not None and 0 <= sample_time_s - self.last_s <= self.max_gap_s
@@ -211,13 +220,12 @@ class SpeedGate:
     @property
     def speed_m_per_s(self) -> float | None:
         """The present speed, m/s, at least 0; None while it is not known."""
-        if not self.samples or self._span_s < self.window_s / 2:
-            return None
-        return abs(self.samples[-1][1] - self.samples[0][1]) / self._span_s
+        return self._speed_m_per_s(self.samples) if self.samples else None
 
-    @property
-    def _span_s(self) -> float:
-        return self.samples[-1][0] - self.samples[0][0]
+    def _speed_m_per_s(self, samples: tuple[tuple[float, float], ...]) -> float | None:
+        (begin_s, begin_m), (end_s, end_m) = samples[0], samples[-1]
+        span_s = end_s - begin_s
+        return None if span_s < self.window_s / 2 else abs(end_m - begin_m) / span_s
 
     @property
     def moving(self) -> bool:
@@ -238,18 +246,18 @@ class SpeedGate:
     def after(self, sample_time_s: float, position_m: float) -> "SpeedGate":
         """The gate after a sample of the place along the path (m) stamped `sample_time_s` (s)."""
         if not (math.isfinite(sample_time_s) and math.isfinite(position_m)):
-            return replace(self, samples=(), since_s=None)
-        moved = replace(self, samples=self._window(sample_time_s, position_m))
-        if not moved.holds(moved.speed_m_per_s):
-            return replace(moved, since_s=None)
-        since_s = sample_time_s if self.since_s is None else self.since_s
-        return replace(moved, since_s=since_s)
+            return _then(self, samples=(), since_s=None)
+        samples = self._window(sample_time_s, position_m)
+        kept_s = sample_time_s if self.since_s is None else self.since_s
+        return _then(self, samples=samples, since_s=kept_s if self.holds(self._speed_m_per_s(samples)) else None)
 
     def _window(self, sample_time_s: float, position_m: float) -> tuple[tuple[float, float], ...]:
         if not self.samples or not 0 < sample_time_s - self.samples[-1][0] <= self.max_gap_s:
             return ((sample_time_s, position_m),)
-        kept = (sample for sample in self.samples if sample[0] >= sample_time_s - self.window_s)
-        return (*kept, (sample_time_s, position_m))
+        begin_s = sample_time_s - self.window_s
+        # stamps rise: those that leave the window are the first
+        n_left = next((n for n, (time_s, _) in enumerate(self.samples) if time_s >= begin_s), len(self.samples))
+        return (*self.samples[n_left:], (sample_time_s, position_m))
 
 
 class SpeedCompliance(NamedTuple):

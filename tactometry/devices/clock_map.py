@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import cached_property
 from itertools import pairwise
 from statistics import median
 
@@ -59,6 +60,8 @@ class ClockMap:
             raise InvalidParameter(f"ClockMap: found times {device_s} and {arrival_s}, expected finite numbers")
         now = math.floor(arrival_s / BIN_S)
         difference_s = arrival_s - device_s
+        if self.smallest_s and self.smallest_s[-1][0] == now and self.smallest_s[-1][1] <= difference_s:
+            return self  # most samples tell nothing new
         kept = tuple(pair for pair in self.smallest_s if now - N_BINS < pair[0] <= now)
         if kept and kept[-1][0] == now:
             smallest_s = min(kept[-1][1], difference_s)
@@ -101,23 +104,27 @@ class ClockMap:
         tactometry.errors.DeviceFailed: board: found a clock that runs 1.3 times as fast as this computer's, expected \
 within 2%; mend the device, or what the bench file says of its rate
         """
+        if self._wrong_rate is not None:
+            raise DeviceFailed(
+                f"{name}: found a clock that runs {self._wrong_rate:.3g} times as fast as this computer's, expected "
+                f"within {RATE_TOLERANCE:.0%}; mend the device, or what the bench file says of its rate"
+            )
+
+    @cached_property
+    def _wrong_rate(self) -> float | None:
         # seconds gained a second, from bin to bin; empty bins may lie between
         slopes = sorted(
             (late_s - early_s) / (BIN_S * (n - m)) for (m, early_s), (n, late_s) in pairwise(self.smallest_s)
         )
         if len(slopes) < N_BINS - 1:
-            return
+            return None
         gained_s = min(self.floor_s, self.smallest_s[0][1]) - self.smallest_s[-1][1]
         # the last but one and the second of the sorted slopes: one bin may do something else
         runs_fast = slopes[-2] < -RATE_TOLERANCE and gained_s > GAINED_S
         runs_slow = slopes[1] > SLOWEST
-        if runs_fast or runs_slow:
-            raise DeviceFailed(
-                f"{name}: found a clock that runs {1 - median(slopes):.3g} times as fast as this computer's, expected "
-                f"within {RATE_TOLERANCE:.0%}; mend the device, or what the bench file says of its rate"
-            )
+        return 1 - median(slopes) if runs_fast or runs_slow else None
 
-    @property
+    @cached_property
     def offset_s(self) -> float | None:
         """Our time minus the device's; None before the first sample."""
         return min((difference_s for _, difference_s in self.smallest_s), default=None)

@@ -330,12 +330,15 @@ def test_a_recording_comes_again_in_its_own_time(tmp_path):
     force = streamed_force(
         Reader(recording(tmp_path / "f.csv", "time_s,count\n" + rows)), 0, ForceCalibration(newtons_per_count=1.0)
     )
+    heard = []  # from opening on: what `read` gives begins behind it
+    force.subscribe(lambda times_s, forces_n: heard.extend(zip(times_s.tolist(), forces_n.tolist(), strict=True)))
     begin_s = time.perf_counter()
     force.open()
-    times_s, forces_n = collected(force, lambda times: len(times) == 30)
+    wait_for(lambda: len(heard) == 30)
     end_s = time.perf_counter()
     force.close()
-    assert forces_n.tolist() == list(range(30))
+    times_s, forces_n = zip(*heard, strict=True)
+    assert forces_n == tuple(range(30))
     assert np.allclose(np.diff(times_s), 0.01)
     assert begin_s <= times_s[0]
     assert times_s[-1] <= end_s

@@ -1,12 +1,14 @@
 """One thread per sensor: it takes samples as they come, so that drawing never starves it."""
 
 import contextlib
+import math
 import threading
 import time
 from abc import ABC, abstractmethod
 from collections import deque
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import ClassVar, Final
 
 import numpy as np
@@ -145,19 +147,18 @@ related to this computer's"
 
     def after(self, times_s: FloatArray, arrival_s: float) -> "Arrivals":
         """With a block of at least one sample."""
-        age_s = arrival_s - float(times_s.max())  # of the newest: a block is late if all of it is
+        stamps_s = times_s.tolist()
+        age_s = arrival_s - max(stamps_s)  # of the newest: a block is late if all of it is
         since_s = arrival_s if self.late_since_s is None else self.late_since_s
         late_since_s = since_s if age_s > LATE_S else None
         late_for_s = 0.0 if late_since_s is None else arrival_s - late_since_s
-        before_s = times_s[0] if self.last_s is None else self.last_s
-        steps_s = np.diff(times_s, prepend=before_s)
-        n_steps_back = self.n_steps_back + int(np.count_nonzero(steps_s < 0))
-        fault = _fault(times_s, age_s, late_for_s)
-        return Arrivals(float(times_s[-1]), late_since_s, n_steps_back, fault)
+        before_s = stamps_s[0] if self.last_s is None else self.last_s
+        n_steps_back = self.n_steps_back + sum(late < early for early, late in pairwise((before_s, *stamps_s)))
+        return Arrivals(stamps_s[-1], late_since_s, n_steps_back, _fault(stamps_s, age_s, late_for_s))
 
 
-def _fault(times_s: FloatArray, age_s: float, late_for_s: float) -> str | None:
-    if not np.isfinite(times_s).all():
+def _fault(stamps_s: list[float], age_s: float, late_for_s: float) -> str | None:
+    if not all(map(math.isfinite, stamps_s)):
         return "found a stamp that is no finite number, expected seconds"
     if age_s < -AHEAD_S:
         return (

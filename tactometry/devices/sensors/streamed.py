@@ -170,8 +170,8 @@ def streamed_position(
     reader: Reader, channels: tuple[int, ...], metres_per_count: float, zero_counts: tuple[float, ...] = ()
 ) -> StreamedSensor:
     """A position sensor on one channel per axis; `zero_counts` (default 0) is where a position is 0."""
-    zero = np.array(zero_counts or (0.0,) * len(channels))
-    return StreamedSensor(reader, lambda counts: (counts[:, list(channels)] - zero) * metres_per_count)
+    columns, zero = np.array(channels), np.array(zero_counts or (0.0,) * len(channels))
+    return StreamedSensor(reader, lambda counts: (counts.take(columns, axis=1) - zero) * metres_per_count)
 
 
 def mean_speed_m_per_s(times_s: FloatArray, positions_m: FloatArray) -> float | None:

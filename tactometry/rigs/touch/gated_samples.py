@@ -218,11 +218,10 @@ class Release:
 
     def hear(self, times_s: FloatArray, forces_n: FloatArray) -> None:
         del times_s
-        known_n = forces_n[np.isfinite(forces_n)]
-        if known_n.size:
-            with self._lock:
-                self._low_n = min(self._low_n, float(known_n.min()))
-                self._high_n = max(self._high_n, float(known_n.max()))
+        known_n = [force_n for force_n in forces_n.tolist() if math.isfinite(force_n)]
+        with self._lock:
+            self._low_n = min(self._low_n, *known_n, math.inf)
+            self._high_n = max(self._high_n, *known_n, -math.inf)
 
     def begin(self) -> None:
         """A touch is over: what the force did before does not count."""
