@@ -20,7 +20,7 @@ from tactometry.stimuli.electrovibration import DryFriction, Finger, Sine, Skin,
 from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
 
 Real = NDArray[np.float64]
-FINGER, SPEED, LOAD_N, KINETIC = Finger(), 0.05, 0.5, 0.5
+FINGER, SPEED, LOAD_N, KINETIC = Finger(damping_n_s_per_m=0.0466), 0.05, 0.5, 0.5
 LAYER = force_form("sc_layer", Skin(), 1e-4)
 FORM = ForceForm(LAYER.relaxations, 500 * LAYER.newton_per_v2)
 PIECES = Sine(frequency_hz=60.0, ramp_s=0.0, duration_s=0.1).pieces(46.0)

@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 from tactometry.experiments.cost.problem import Rung
 from tactometry.experiments.ladders import friction_events, skin_propagator, time_integration
-from tactometry.stimuli.electrovibration import DryFriction, Finger, Skin
+from tactometry.stimuli.electrovibration import DryFriction, Skin
 from tactometry.stimuli.electrovibration.attraction.force import force_per_square_volt_n
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
@@ -118,7 +118,7 @@ def break_away() -> list[Rung]:
 def _smooth(tolerance: float) -> tuple[float, float]:
     """Friction as a steep, smooth function of the speed; broken away where it has reached all but a percent."""
     speed, normal_n = friction_events.SPEED_M_PER_S, friction_events.FORCE_N
-    finger, limit_n = Finger.at_speed(speed), DryFriction().static * normal_n
+    finger, limit_n = friction_events.pad(), DryFriction().static * normal_n
     width = 1e2 * tolerance
 
     def slope(_: float, y: Real) -> list[float]:

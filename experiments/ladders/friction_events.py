@@ -1,6 +1,7 @@
 """When a finger breaks away: read off samples of the motion, against the event itself."""
 
 from functools import partial
+from math import pi
 
 import numpy as np
 
@@ -10,13 +11,15 @@ from tactometry.stimuli.electrovibration.attraction.force import force_form
 from ..cost.problem import Problem, Reference, Rung
 
 DURATION_S, FORCE_N, SPEED_M_PER_S = 0.2, 0.2, 0.05
+DAMPING_N_S_PER_M = 4040 / (2 * pi * 13.8e3)
+"""Little, so that the pad sticks for some milliseconds."""
 N_SAMPLES = (20, 200, 2_000, 20_000)
 SILENCE_DB_RE_1V = -120.0
 
 
 def problem() -> Problem:
     """The first break-away under next to no voltage, whose time is known in closed form."""
-    finger, friction = Finger.at_speed(SPEED_M_PER_S), DryFriction(gated=False)
+    finger, friction = pad(), DryFriction(gated=False)
     hold_n = friction.static * FORCE_N - finger.damping_n_s_per_m * SPEED_M_PER_S
     breakaway_s = hold_n / (finger.stiffness_n_per_m * SPEED_M_PER_S)
     return Problem(
@@ -31,13 +34,18 @@ def problem() -> Problem:
     )
 
 
+def pad() -> Finger:
+    """What sticks and slips."""
+    return Finger.at_speed(SPEED_M_PER_S, DAMPING_N_S_PER_M)
+
+
 def _motion(n_samples: int) -> StickSlip:
     pieces = Sine(60.0, DURATION_S, ramp_s=0.05).pieces(SILENCE_DB_RE_1V)
     return stick_slip(
         np.linspace(0, DURATION_S, n_samples),
         pieces,
         force_form("sc_layer", Skin(), 1e-4),
-        finger=Finger.at_speed(SPEED_M_PER_S),
+        finger=pad(),
         friction=DryFriction(gated=False),
         force_n=FORCE_N,
         travel=Travel(SPEED_M_PER_S),

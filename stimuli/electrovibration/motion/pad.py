@@ -12,7 +12,10 @@ from .driven_flow import LinearSystem
 
 MASS_KG_PER_M_PER_S: Final = 3.23e-2
 STIFFNESS_N_S_PER_M2: Final = 4_040.0
-CUTOFF_HZ_S_PER_M: Final = 13_800.0
+DAMPING_N_S_PER_M: Final = 1.5
+"""Of the skin of a fingertip in tangential direction, as in `SkinMobility`: an unverified default, whose order of
+magnitude is from memory of Wiertlewski and Hayward (2012). Mass and stiffness per speed are from Balasubramanian, Pool
+and Vardar (2025), whose abstract, which is what we have, says no damping."""
 
 
 @checked
@@ -22,32 +25,35 @@ class Finger:
 
     The defaults are unverified: a speed of 50 mm/s in `at_speed`.
 
-    >>> round(Finger().natural_frequency_hz, 2)
-    56.29
+    >>> round(Finger().natural_frequency_hz, 2), round(Finger().damping_ratio, 2)
+    (56.29, 1.31)
     """
 
     mass_kg: Positive = 1.615e-3
     stiffness_n_per_m: Positive = 202.0
-    damping_n_s_per_m: NotNegative = 0.0466
+    damping_n_s_per_m: NotNegative = DAMPING_N_S_PER_M
 
     @classmethod
-    def at_speed(cls, speed_m_per_s: Positive) -> "Finger":
+    def at_speed(cls, speed_m_per_s: Positive, damping_n_s_per_m: NotNegative = DAMPING_N_S_PER_M) -> "Finger":
         """The moving mass and stiffness that are published per sliding speed, 20 to 100 mm/s.
 
-        Mass 3.23e-5 kg and stiffness 4.04 N/m per mm/s. The damping is an unverified choice: it puts
-        ``k/(2 pi c)`` at the published cut-off of 13.8 Hz per mm/s.
+        Mass 3.23e-5 kg and stiffness 4.04 N/m per mm/s. The damping is the same at all speeds, an unverified default:
+        3.3 times the critical at 20 mm/s, 0.66 times at 100 mm/s.
 
         >>> slow, fast = Finger.at_speed(0.02), Finger.at_speed(0.1)
         >>> round((fast.mass_kg - slow.mass_kg) * 1e3, 3), round(fast.stiffness_n_per_m - slow.stiffness_n_per_m, 1)
         (2.584, 323.2)
         """
-        stiffness = STIFFNESS_N_S_PER_M2 * speed_m_per_s
-        damping = STIFFNESS_N_S_PER_M2 / (2 * pi * CUTOFF_HZ_S_PER_M)
-        return cls(MASS_KG_PER_M_PER_S * speed_m_per_s, stiffness, damping)
+        return cls(MASS_KG_PER_M_PER_S * speed_m_per_s, STIFFNESS_N_S_PER_M2 * speed_m_per_s, damping_n_s_per_m)
 
     @property
     def natural_frequency_hz(self) -> float:
         return float(sqrt(self.stiffness_n_per_m / self.mass_kg) / (2 * pi))
+
+    @property
+    def damping_ratio(self) -> float:
+        """The damping over the critical one: from 1 on the pad does not ring."""
+        return float(self.damping_n_s_per_m / (2 * sqrt(self.stiffness_n_per_m * self.mass_kg)))
 
     @cached_property
     def system(self) -> LinearSystem:

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FingerDynamics(Effect):
-    """Mass and stiffness as published per sliding speed; the damping is an unverified choice.
+    """Mass and stiffness as published per sliding speed; the damping, of all speeds, is an unverified default.
 
     What is felt is the motion of this skin, in place of that of `skin_mobility`. With `friction` the finger slides
     all the time, and its friction is what it is without; with `dry_friction` it sticks and slips.
@@ -33,7 +33,10 @@ class FingerDynamics(Effect):
     cures = note("add the effects dry_friction and finger_dynamics", "slip_events_s") | note(
         "add the effects friction (or dry_friction) and finger_dynamics", "skin_displacement_m"
     )
-    assumes = ("the pad is one mass, spring and damper; its damping (0.04 of the critical) is unverified",)
+    not_negative = ("damping_n_s_per_m",)
+    assumes = ("the pad is one mass, spring and damper; its damping is unverified",)
+
+    damping_n_s_per_m: float = 1.5
 
     @property
     def natural_rad_per_s(self) -> float:
@@ -56,6 +59,7 @@ class FingerDynamics(Effect):
             ("t_s", "voltage", "form", "friction_law", "contact"),
             "motion",
             f"{__name__}:{'stick_and_slip' if sticks else 'slide'}",
+            dict(vars(self)),
             size=per_sample(500.0 if sticks else 250.0),
         )
         felt = spectrum_stage("skin_spectrum", "skin_displacement_m", "skin_components")
@@ -84,23 +88,23 @@ def _read(name: str, quantity: str) -> Stage:
     return Stage(quantity, ("motion",), quantity, f"{__name__}:read", {"name": name})
 
 
-def slide(*drive: Any) -> "Motion":
+def slide(*drive: Any, damping_n_s_per_m: float) -> "Motion":
     """The motion of a finger in full slip."""
     from ...electrovibration.motion.finger import sliding
     from ...electrovibration.motion.pad import Finger
 
     *attraction, friction, contact = drive
-    finger = Finger.at_speed(contact.speed_m_per_s)
+    finger = Finger.at_speed(contact.speed_m_per_s, damping_n_s_per_m)
     return sliding(*attraction, finger=finger, friction=friction, force_n=contact.force_n)
 
 
-def stick_and_slip(*drive: Any) -> "StickSlip":
+def stick_and_slip(*drive: Any, damping_n_s_per_m: float) -> "StickSlip":
     """The motion of a finger that sticks and slips."""
     from ...electrovibration.motion.pad import Finger
     from ...electrovibration.motion.stick_slip import Travel, stick_slip
 
     *attraction, friction, contact = drive
-    finger, travel = Finger.at_speed(contact.speed_m_per_s), Travel(contact.speed_m_per_s)
+    finger, travel = Finger.at_speed(contact.speed_m_per_s, damping_n_s_per_m), Travel(contact.speed_m_per_s)
     return stick_slip(*attraction, finger=finger, friction=friction, force_n=contact.force_n, travel=travel)
 
 

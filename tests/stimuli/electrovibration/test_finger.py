@@ -24,7 +24,9 @@ from tactometry.stimuli.electrovibration import (
 )
 from tactometry.stimuli.electrovibration.attraction.force import ForceForm, force_form
 from tactometry.stimuli.electrovibration.motion.friction_lag import lagged_friction_n
+from tactometry.stimuli.electrovibration.motion.skin_mobility import SkinMobility
 from tactometry.stimuli.electrovibration.waveforms.pieces import straight
+from tactometry.stimuli.scenes.effects.finger_dynamics import FingerDynamics
 
 FINGER, FRICTION = Finger(), CoulombFriction(0.5)
 AREA_M2 = 1e-4
@@ -219,6 +221,17 @@ def test_published_growth_of_a_finger_with_speed() -> None:
     assert (fast.mass_kg - slow.mass_kg) * 1e3 == pytest.approx(2.584)
     assert fast.stiffness_n_per_m - slow.stiffness_n_per_m == pytest.approx(323.2)
     assert slow.natural_frequency_hz == pytest.approx(np.sqrt(4.04 / 3.23e-5) / (2 * np.pi))
-    for finger, speed in ((slow, 0.02), (fast, 0.1)):
-        corner_hz = finger.stiffness_n_per_m / (2 * np.pi * finger.damping_n_s_per_m)
-        assert corner_hz == pytest.approx(FrictionLag().cutoff_hz(speed))
+    assert slow.damping_n_s_per_m == fast.damping_n_s_per_m
+
+
+def test_a_pad_is_damped_as_the_skin_is() -> None:
+    """By its overshoot behind a step, exp(-pi z/sqrt(1 - z^2)) of a damping ratio z below 1."""
+    t_s, finger = np.linspace(0, 0.1, 10_001), Finger.at_speed(0.1)
+    lossless = force_form("sc_layer", Skin(corneum_resistivity_ohm_m=np.inf), AREA_M2)
+    held = straight([0, 0.1], [100.0, 100.0])
+    deflection_m = sliding(t_s, held, lossless, finger=finger, friction=FRICTION, force_n=0.5).deflection_m
+    ratio = SkinMobility().damping_n_s_per_m / (2 * np.sqrt(4040 * 3.23e-2) * 0.1)
+    overshoot = np.exp(-np.pi * ratio / np.sqrt(1 - ratio**2))
+    swing_m = deflection_m - deflection_m[0]
+    assert swing_m.max() / swing_m[-1] - 1 == pytest.approx(overshoot, rel=1e-3)
+    assert Finger().damping_n_s_per_m == FingerDynamics().damping_n_s_per_m == SkinMobility().damping_n_s_per_m

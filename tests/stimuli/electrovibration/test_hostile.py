@@ -178,7 +178,7 @@ METHODS: dict[str, Call] = {
     "CoulombFriction.coefficient_at": (ev.CoulombFriction(0.5, -0.1).coefficient_at, {"force_n": 1.0}),
     "CoulombFriction.modulation_n": (ev.CoulombFriction().modulation_n, {"electrostatic_n": [1.0], "force_n": 1.0}),
     "DispersiveLayer.properties": (TABLE.properties, {"frequency_hz": [0.0, 60.0]}),
-    "Finger.at_speed": (ev.Finger.at_speed, {"speed_m_per_s": 0.05}),
+    "Finger.at_speed": (ev.Finger.at_speed, {"speed_m_per_s": 0.05, "damping_n_s_per_m": 1.5}),
     "ForceForm.force_n": (FORM.force_n, {"layer_v": np.array(V), "polarity": ev.Polarity(0.5)}),
     "FrictionLag.cutoff_hz": (ev.FrictionLag().cutoff_hz, {"speed_m_per_s": 0.05}),
     "FrictionLag.gain": (ev.FrictionLag().gain, {"frequency_hz": [60.0], "speed_m_per_s": 0.05}),

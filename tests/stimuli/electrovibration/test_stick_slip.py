@@ -25,7 +25,8 @@ from tactometry.stimuli.electrovibration.attraction.force import ForceForm, forc
 from tactometry.stimuli.electrovibration.motion import power_series, stick_slip as sticking
 from tactometry.stimuli.electrovibration.waveforms.pieces import straight
 
-FINGER, FRICTION = Finger(), DryFriction(0.6, 0.5, gated=False)
+FINGER, FRICTION = Finger(damping_n_s_per_m=0.0466), DryFriction(0.6, 0.5, gated=False)
+"""A pad that rings, so that it sticks and slips again and again."""
 LAYER = force_form("sc_layer", Skin(), 1e-4)
 STRONG = ForceForm(LAYER.relaxations, 500 * LAYER.newton_per_v2)
 QUIET = straight([0, 1.0], [0, 0])
