@@ -23,11 +23,13 @@ SessionKey = tuple[str, float]
 
 @dataclass(frozen=True)
 class Origin:
-    """Whether the participants of an analysis are simulated, with their seeds, and what must be said of it."""
+    """Whether the participants of an analysis are simulated, with their seeds and the effects that they felt through,
+    and what must be said of it."""
 
     is_simulated: bool = False
     seeds: tuple[int, ...] = ()
     warnings: tuple[str, ...] = ()
+    felt: tuple[str, ...] = ()
 
     @property
     def line(self) -> str:
@@ -47,7 +49,8 @@ class Origin:
         """
         if not self.is_simulated:
             return ""
-        return f"The participants were simulated by Tactometry ({self._seeds}); no person took part. "
+        felt = "".join(f"What was played was felt through these effects: {words}. " for words in self.felt)
+        return f"The participants were simulated by Tactometry ({self._seeds}); no person took part. {felt}"
 
     @property
     def _seeds(self) -> str:
@@ -66,7 +69,8 @@ def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
     seeds = tuple(sorted({head.seed for head in first_heads if head.rig == SIMULATED}))
     warnings = (*_silence_warnings(trials.rows), *_changes(known))
     if mask.all() and len(mask):
-        origin = Origin(is_simulated=True, seeds=seeds, warnings=warnings)
+        felt = {str(head.facts["felt"]): None for head in first_heads if head.facts.get("felt")}
+        origin = Origin(is_simulated=True, seeds=seeds, warnings=warnings, felt=tuple(felt))
         return trials, replace(origin, warnings=(origin.line.removesuffix("."), *warnings))
     if not mask.any():
         return trials, Origin(warnings=warnings)

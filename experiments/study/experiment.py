@@ -29,6 +29,8 @@ from tactometry.trials.columns import Column, table_columns
 from tactometry.trials.tasks import TASKS
 
 from .cells import WiredCell, Wiring
+from .felt_scene import FeltScene
+from .felt_words import scene_in_words
 from .procedure_table import practice_of
 from .session_plan import Key, SessionPlan, all_cells, crossing_of, key_of, places_of, stream
 from .study_file import Study
@@ -119,6 +121,15 @@ class Experiment(SessionPlan):
         """The model of what is felt of the first cell's stimulus."""
         return next(iter(self.cells.values())).sensation
 
+    @cached_property
+    def felt(self) -> str:
+        """Through which effects simulated participants feel; by stimulus, where they differ; empty without a scene."""
+        by_stimulus = {cell.condition.stimulus: cell.sensation for cell in self.cells.values()}
+        scenes = {name: scene_in_words(skin.scene) for name, skin in by_stimulus.items() if isinstance(skin, FeltScene)}
+        firsts = {words: name for name, words in reversed(scenes.items())}
+        alike = len(firsts) == 1 and len(scenes) == len(by_stimulus)
+        return " | ".join(words if alike else f"{name}: {words}" for words, name in reversed(firsts.items()))
+
     def simulated_participant(self, participant: str, seed: int) -> Observer:
         return self.people.participant(stream(seed, participant, "traits"))
 
@@ -133,6 +144,7 @@ class Experiment(SessionPlan):
             rng_of=lambda n_trials: stream(seed, participant, n_session, "observer", n_trials),
             decisions=DECISIONS,
             by_stimulus={cell.condition.stimulus: cell.sensation for cell in self.cells.values()},
+            felt=self.felt,
         )
 
     def design(self, study_toml: bytes) -> StudyDescription:

@@ -54,7 +54,7 @@ class LeftOut:
         'receptors (instead of sensitivity) +12.6 dB'
         """
         place = f" (instead of {', '.join(self.instead_of)})" if self.instead_of else ""
-        change = f" ({self.why})" if self.change_db is None else f" {self.change_db:+.3g} dB"
+        change = f" ({self.why})" if self.change_db is None else f" {round(self.change_db, 6):+.3g} dB"
         return f"{self.effect}{place}{change}"
 
 

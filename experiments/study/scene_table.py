@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from tactometry.arguments.require import expect
 from tactometry.config.strict import build, build_kind, check_keys
-from tactometry.errors import nearest, rewording
+from tactometry.errors import rewording
 from tactometry.loading import resolve
 from tactometry.protocols.tasks.touch import Sliding, Touch
 from tactometry.stimuli.composition.effect import Effect, Surface
@@ -17,7 +17,7 @@ from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.scene import SENSATION, Scene
 from tactometry.stimuli.scenes.surfaces import SURFACES
 
-from ..scenes import names, path_of
+from ..scenes import path_of
 from .felt_scene import FeltScene, felt
 from .procedure_table import without
 
@@ -39,7 +39,7 @@ class SceneTable:
     Parameters
     ----------
     name : str
-        A built-in scene, whose surface and effects are taken.
+        A built-in scene or a scene file, whose surface and effects are taken.
     surface : mapping
         ``kind`` and the keys of a scene's surface, without those of the tone.
     effects : tuple of mapping
@@ -54,8 +54,6 @@ class SceneTable:
     accuracy: float = 0.05
 
     def __post_init__(self) -> None:
-        known = f"one of {', '.join(names())}{nearest(self.name, names())}"
-        expect(not self.name or self.name in names(), "SceneTable.name", repr(self.name), known)
         both = f"{self.name!r} beside surface or effects"
         expect(not (self.name and (self.surface or self.effects)), "SceneTable.name", both, "one of the two")
         expect(0 < self.accuracy <= 1, "SceneTable.accuracy", self.accuracy, "above 0 and at most 1")
@@ -130,10 +128,12 @@ def _parts_of_table(read: SceneTable, surface: str) -> Parts:
 
 
 def _parts_of_scene(name: str, surface: str) -> Parts:
-    """Surface and effects of a built-in scene, but for what a stimulus states."""
+    """Surface and effects of a built-in scene or of a file, but for what a stimulus states."""
     from tactometry.stimuli.scenes.file import load_scene  # imports what its effects need
 
-    scene = load_scene(path_of(name)).scene
+    with rewording(lambda words: words.replace("FILE", "scene.name", 1)):
+        path = path_of(name)
+    scene = load_scene(path).scene
     of = getattr(scene.surface, surface, scene.surface)  # of a hybrid screen the side that is played on
     kind = of.kind
     expected = f"one on {surface!r}, such as {SUCH_AS[surface]!r}"

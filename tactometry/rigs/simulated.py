@@ -73,7 +73,8 @@ def _speed_compliance(request: Press | Slide, grip: Grip) -> SpeedCompliance | N
 class SimulatedRig(LiveRig):
     """Answers as `observer` does from what `sensation` says that the skin receives.
 
-    `decisions` says how each question is answered, `by_stimulus` names the stimuli that are felt by another model.
+    `decisions` says how each question is answered, `by_stimulus` names the stimuli that are felt by another model,
+    `felt` tells in words through what, for the journal.
     Everything random of trial n comes from `rng_of(n)`, so that a session that is resumed goes on as if it had never
     stopped. Limits are checked as on a bench.
     """
@@ -87,6 +88,7 @@ class SimulatedRig(LiveRig):
     rng_of: Callable[[int], np.random.Generator]
     decisions: Mapping[str, Decision]
     by_stimulus: Mapping[str, Sensation] = field(default_factory=dict)
+    felt: str = ""
 
     def __post_init__(self) -> None:
         self._now_s = 0.0
@@ -100,7 +102,7 @@ class SimulatedRig(LiveRig):
         self._felt: list[Felt] = []
 
     def facts(self) -> Facts:
-        return {"rig": "simulated", "clock": "simulated"}
+        return {"rig": "simulated", "clock": "simulated", **({"felt": self.felt} if self.felt else {})}
 
     def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None:
         self._now_s = elapsed_s

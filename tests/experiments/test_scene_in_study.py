@@ -22,6 +22,7 @@ from tactometry.experiments.study.felt_scene import FeltScene
 from tactometry.experiments.study.scene_table import felt_scene
 from tactometry.experiments.study.study_file import builtin, load, parse
 from tactometry.loading import resolve
+from tactometry.records.head import heads
 from tactometry.stimuli.scenes.effects import EFFECTS, OF_ELECTROVIBRATION, OF_TIME_REVERSAL
 from tactometry.stimuli.time_reversal.stimulus.sensation import TimeReversalSensation
 
@@ -121,6 +122,19 @@ def test_a_built_in_scene_is_that_of_its_effects_under_the_tone_of_the_study():
     assert felt_db(named("electrovibration-panel")) == felt_db(stated)
 
 
+def test_a_scene_file_is_felt_as_its_tables_and_told_with_what_is_not_at_its_default(tmp_path):
+    effects, surface = ", ".join(EFFECT_LINES.values()), '{ insulator_thickness_m = "2 um" }'
+    file = tmp_path / "mine.toml"
+    tone = '{ kind = "electrovibration", frequency_hz = 60, insulator_thickness_m = "2 um" }'
+    contact = "{ force_n = 1.0, speed_m_per_s = 0.05 }"
+    file.write_text(
+        f"outputs = ['t_s', 'sensation_db']\nsurface = {tone}\ncontacts = [{contact}]\neffects = [{effects}]\n"
+    )
+    assert felt_db(named(file)) == felt_db(scene(surface=surface))
+    told = "force_law (law = sc_layer), friction, sensitivity; insulator_thickness_m = 2e-06; accuracy 0.05"
+    assert wired(named(file)).felt == told
+
+
 def test_keys_of_the_surface_are_those_of_a_scene_file():
     thicker = felt_db(scene(surface='{ insulator_thickness_m = "2 um" }'))
     assert thicker < felt_db(scene())
@@ -173,7 +187,12 @@ SENTENCES = {
         scene(surface='{ kind = "time_reversal" }'),
         "scene.surface.kind: found 'time_reversal', expected 'electrovibration', which the stimulus is played on",
     ),
-    "unknown scene": (named("electrovibration-panle"), "did you mean 'electrovibration-panel'?"),
+    "unknown scene": (
+        named("electrovibration-panle"),
+        "scene.name: found 'electrovibration-panle', expected a path or one of a4-screen, electrovibration-panel, "
+        "hybrid-screen, thin-screen; did you mean 'electrovibration-panel'?",
+    ),
+    "no scene file": (named(ROOT / "pyproject.toml"), "pyproject.toml, build-system: found an unknown key"),
     "scene on a plate": (named("a4-screen"), "scene.name: found 'a4-screen', a scene on 'time_reversal', expected one"),
     "both": (
         named("electrovibration-panel", "effects = []\nsurface = { area_m2 = 1e-4 }\n"),
@@ -234,6 +253,11 @@ def test_a_simulation_explains_and_replays(study, tmp_path, capsys):
     simulated = ("simulate", study, "--participants", 1, "--seed", 1, "--out", tmp_path / "d", "--explain")
     assert "taken for granted" in output(capsys, *simulated)
     assert "rows agree" in output(capsys, "replay", tmp_path / "d")
+    told = "force_law (law = sc_layer), friction, sensitivity, contact_area; accuracy 0.05"
+    (journal,) = (tmp_path / "d" / "journals").glob("*.jsonl")
+    assert heads(journal)[0].facts["felt"] == told
+    output(capsys, "analyse", tmp_path / "d", "--report", tmp_path / "r.html")
+    assert f"was felt through these effects: {told}." in (tmp_path / "r.html").read_text(encoding="utf-8")
     default = output(
         capsys, "simulate", "tutorial", "--participants", 1, "--seed", 1, "--out", tmp_path / "e", "--explain"
     )
