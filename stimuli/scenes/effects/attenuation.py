@@ -1,7 +1,8 @@
 """Losses: every mode decays."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from math import log10
+from typing import TYPE_CHECKING, Final
 
 from tactometry.arguments import require
 
@@ -10,6 +11,9 @@ from ...composition.effect import Effect, Surroundings
 
 if TYPE_CHECKING:
     from ...time_reversal.screen.screen import Screen
+
+MOST_DECADES: Final = 12.0
+"""By which a time constant may change up to the end of the band: no glass comes near."""
 
 
 @dataclass(frozen=True)
@@ -39,7 +43,11 @@ class Losses(Effect):
         return replace(screen, attenuation=Attenuation(**vars(self)))
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
-        return PlateContent(tau_s=self.tau_at_s(scene.surface.band_max_hz), ringing_s=3 * self.tau_s)
+        band_max_hz: float = scene.surface.band_max_hz
+        decades = abs(self.exponent * log10(band_max_hz / self.reference_hz))
+        found = f"{self.exponent:g}, by which tau changes {decades:.3g} decades up to band_max_hz"
+        require.expect(decades <= MOST_DECADES, "attenuation.exponent", found, f"at most {MOST_DECADES:g}; lower it")
+        return PlateContent(tau_s=self.tau_at_s(band_max_hz), ringing_s=3 * self.tau_s)
 
     def tau_at_s(self, frequency_hz: float) -> float:
         """The time constant at a frequency."""

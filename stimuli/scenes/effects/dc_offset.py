@@ -1,9 +1,9 @@
 """A constant added to the voltage, the peak kept."""
 
 from dataclasses import dataclass
-from math import isfinite
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
+from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
 from ...composition.content import VoltageContent
@@ -12,6 +12,9 @@ from ...composition.effect import Demand, Effect, Size, Surroundings
 if TYPE_CHECKING:
     from ...electrovibration.attraction.offset import WithOffset
     from ...electrovibration.waveforms.waveform import Waveform
+
+LARGEST: Final = 1e6
+"""A constant a million times the tone leaves nothing of it."""
 
 
 @dataclass(frozen=True)
@@ -30,11 +33,8 @@ class DcOffset(Effect):
     ratio: float
 
     def __post_init__(self) -> None:
-        if not isfinite(self.ratio) or self.ratio == 0:
-            raise InvalidParameter(
-                f"DcOffset.ratio: found {self.ratio}, expected a finite number other than 0; without an offset leave "
-                "the effect out"
-            )
+        sized = f"a number from {-LARGEST:g} to {LARGEST:g} other than 0; without an offset leave the effect out"
+        require.expect(0 < abs(self.ratio) <= LARGEST, "DcOffset.ratio", self.ratio, sized)
 
     def __call__(self, waveform: "Waveform") -> "WithOffset":
         from ...electrovibration.attraction.offset import WithOffset

@@ -397,3 +397,10 @@ def test_a_motion_under_a_finger_takes_the_memory_that_its_limit_counts_on():
     finally:
         tracemalloc.stop()
     assert peak_bytes <= 36 * n_numbers
+
+
+def test_losses_that_no_plate_has_are_refused_before_their_number_is_none():
+    with pytest.raises(
+        InvalidParameter, match=r"attenuation\.exponent: found 1e\+08, by which tau changes .* lower it"
+    ):
+        screen(effect("attenuation", exponent=1e8)).resolve()
