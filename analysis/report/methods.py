@@ -63,6 +63,10 @@ SIMPLE = (
 PAIRS = "paired t-tests with an error of each pair's own"
 GROUPS = "Welch's t-tests between groups"
 CENSORED_PAIRS = "contrasts of this model with an error of each pair's own"
+BAYES = (
+    "Rouder et al. 2009; by pingouin, Vallat 2018, and by a sum over the logarithm of g where that fails, beyond |t| "
+    "of 100 or likelihoods apart by exp(600)"
+)
 REFERENCES = (
     "Moscatelli, A., Mezzetti, M., & Lacquaniti, F. (2012). Modeling psychophysical data at the "
     "population-level: The generalized linear mixed model. Journal of Vision, 12(11), 26.",
@@ -202,7 +206,7 @@ def _pairs(outcomes: Sequence[Outcome], *, has_reference: bool) -> str:
     kinds += [CENSORED_PAIRS] * any(outcome.pairs or outcome.group_pairs for outcome in censored)
     if not kinds:
         return ""
-    bayes = " and Bayes factors (Rouder et al. 2009; by pingouin, Vallat 2018)" if has_bayes else ""
+    bayes = f" and Bayes factors ({BAYES})" if has_bayes else ""
     return (
         f"Conditions were compared by {', '.join(kinds)}, with Holm's correction and simultaneous 95 % intervals "
         f"(Bonferroni's, which may hold 0 where Holm's stepwise p is below .05){bayes}."

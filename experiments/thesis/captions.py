@@ -28,15 +28,12 @@ NOT_MADE: Mapping[str, tuple[str, ...]] = {
         *("figure-5.1", "figure-5.2", "figure-5.3", "figure-5.6"),
         *("figure-6.1", "figure-6.2", "figure-6.4", "figure-6.7", "figure-6.11", "figure-6.14"),
     ),
-    "a measurement on another prototype (Hudin's), which our sources do not describe": (
-        "figure-3.5",
-        "figure-3.17",
-    ),
+    "taken from others' work, on a prototype that our sources do not describe": ("figure-3.5", "figure-3.17"),
     "the gain of an amplifier, whose circuit and load our sources do not describe": ("figure-3.7",),
     "constants from data sheets that our sources do not quote: `tactometry design` has glasses with their sources": (
         "table-3.4",
-        "table-3.5",
     ),
+    'called "Parameters"; of what, our sources do not say': ("table-3.5",),
     "the items of the survey, which our sources do not hold": ("table-5.1",),
 }
 """By the reason."""

@@ -15,6 +15,7 @@ from click.testing import CliRunner
 from places import SHARED
 
 from tactometry.analysis.anova.group_means import group_table
+from tactometry.analysis.anova.post_hoc import MOST_LOG, MOST_T
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import Exclusion
@@ -326,6 +327,11 @@ def test_the_plan_leaves_out_and_says_so_first(planned) -> None:
     assert planned.warnings[0].startswith("left out by the rule force_in_band_share_min = 0.5, numbers of trials: P02 ")
     assert set(planned.tables["excluded"]["participant"]) == {"P02"}
     assert "rules stated beforehand (force_in_band_share_min = 0.5)" in planned.methods
+
+
+def test_the_methods_say_who_computes_bayes_factors(planned) -> None:
+    assert "by pingouin, Vallat 2018" in planned.methods
+    assert f"beyond |t| of {MOST_T:g} or likelihoods apart by exp({MOST_LOG:g})" in planned.methods
 
 
 def test_the_report_has_force_models_pairs_and_references(planned) -> None:

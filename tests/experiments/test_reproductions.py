@@ -15,11 +15,15 @@ from tactometry.errors import InvalidParameter
 from tactometry.experiments.thesis.captions import captions, reason_for
 from tactometry.experiments.thesis.figures.writing import points, write_drawing
 from tactometry.experiments.thesis.items import REPRODUCTIONS, reproduction_of
+from tactometry.experiments.thesis.items.finding_1 import opened_contact
+from tactometry.experiments.thesis.items.studies import experiment
 from tactometry.experiments.thesis.page import page, verdict
 from tactometry.experiments.thesis.reproduction import Number, reproduce
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.session.request import Press
 from tactometry.stimuli.electrovibration.figures import force_against_area
+from tactometry.stimuli.time_reversal.finger import Fingertip
+from tactometry.stimuli.time_reversal.stimulus.sensation import free_displacement, loaded_displacement
 
 PAGE = DOCS / "reproduced.md"
 QUICK = ("table-2.1", "table-4.1", "table-6.1", *(name for name in REPRODUCTIONS if "figure" in name))
@@ -64,7 +68,7 @@ def test_an_item_says_what_the_thesis_states_and_what_is_assumed(name):
     assert item.stated.endswith(".")
     assert item.assumes.endswith(".")
     assert (item.numbers is None) != (item.drawing is None)
-    assert bool(item.outcome) == name.startswith("finding")
+    assert item.outcome or not name.startswith("finding")
 
 
 @pytest.fixture(
@@ -80,6 +84,10 @@ def test_each_number_stands_once_and_is_compared_if_and_only_if_something_is_sta
     assert len(set(places)) == len(places)
     assert all((each.holds is not None) == bool(each.stated) for each in made.numbers)
     assert all(math.isfinite(each.value) for each in made.numbers)
+
+
+def test_what_does_not_agree_has_its_reason(made):
+    assert made.item.outcome or all(each.holds is not False for each in made.compared)
 
 
 def test_the_page_has_what_the_command_makes(made):
@@ -118,6 +126,50 @@ def test_each_caption_of_the_thesis_is_made_or_left_out_for_a_reason():
 
 
 # --- numbers that are known otherwise
+
+
+@pytest.mark.parametrize(
+    ("name", "origin"), [("figure-6.15", "assumed"), ("figure-4.11", "assumed"), ("figure-3.20", "calibrated")]
+)
+def test_a_figure_whose_input_or_constant_was_chosen_for_it_is_not_derived(name, origin):
+    """The input of 6.15 was chosen for its 240 Hz, the tau of 4.11 is put in, the um of 3.20 go with a set constant."""
+    assert reproduction_of(name).origin == origin
+
+
+def of_variants(name):
+    rows = {}
+    for each in reproduce(reproduction_of(name)).numbers:
+        rows.setdefault(each.condition, {})[each.quantity] = each
+    return rows
+
+
+@pytest.mark.slow
+def test_what_finding_3_says_of_its_rows():
+    rows = of_variants("finding-3")
+    falls = {name: [row[f"from 0.5 to 3 N, {f} Hz"].value for f in (60, 120, 240, 480)] for name, row in rows.items()}
+    by_area = -10 / 3 * math.log10(3.0 / 0.5)
+    assert falls["default"] == pytest.approx([by_area] * 4, abs=1e-3)
+    assert falls["a fixed fraction of the load is detected"] == pytest.approx([-2 * by_area] * 4, abs=1e-3)
+    assert falls["area summed by Pacini"] == pytest.approx([by_area, *[1.5 * by_area] * 3], abs=1e-3)
+    resistive = falls["sine, body resistance of 10 kohm"]
+    assert resistive == sorted(resistive)
+    softer = falls["stiffness of the skin as F^(2/3)"]
+    assert softer[0] > 1 > abs(softer[1])
+    assert softer[3] < softer[2] < -1
+    lowest_hz = {name: row["lowest threshold at"].value for name, row in rows.items()}
+    assert (lowest_hz["a pad that slides"], lowest_hz["the same, damped by 0.05 N s/m"]) == (240, 60)
+    assert not any(all(each.holds is not False for each in row.values()) for row in rows.values())
+
+
+def test_a_contact_that_opens_costs_what_one_that_holds_costs():
+    """Finding 1: under the finger the focus falls with force either way; steps twice as fine agree."""
+    coarse, fine = (np.abs(opened_contact(3.0, finer).displacement_m).max() for finer in (8, 16))
+    assert coarse == pytest.approx(fine, rel=1e-3)
+    stimulus = next(iter(experiment("time-reversal-threshold").cells.values())).stimulus
+    setup = stimulus.setup
+    free_m = free_displacement(stimulus.at(20.0), setup, setup.focus_m)
+    held_m = loaded_displacement(free_m, setup, Fingertip().load(setup.focus_m, 3.0))
+    assert fine == pytest.approx(np.abs(held_m).max(), rel=5e-3)
 
 
 def test_the_forces_of_table_6_2_are_those_of_fingers_in_the_band_of_the_gate():

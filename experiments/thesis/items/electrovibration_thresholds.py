@@ -33,7 +33,7 @@ def _thresholds() -> Iterator[Number]:
 
 TABLE_6_3 = Reproduction(
     title="Mean perception threshold by frequency and force",
-    stated="That thresholds are in dB re 1 V peak for three forces (page 16) and lowest at 240 Hz (page 4); "
+    stated="That thresholds are in dB re 1 V peak (page 16) for three forces (page 14) and lowest at 240 Hz (page 4); "
     "the values, the other frequencies and the forces are not in our sources: finding-3.",
     assumes="The stimuli, touches and model of the built-in study electrovibration-threshold (frequencies and "
     "forces are unverified defaults): the force of a square-root carrier vibrates at the frequency of its "

@@ -8,8 +8,9 @@ from tactometry.stimuli.time_reversal.figures.gallery import GALLERY
 from ..figures import focusing
 from ..reproduction import Origin, Reproduction
 
-ASSUMES = "Plate, edges, layout, tau, band and drive of the gallery (unverified defaults)."
-CALIBRATED = f"{ASSUMES} Amplitudes go with the moment per volt of a patch, which was set once."
+ASSUMES = "Plate, edges, layout, tau (set to finding-2), band and drive of the gallery (unverified defaults)."
+CALIBRATED = f"{ASSUMES} Amplitudes go with the moment per volt of a patch, set so that one bit gives 10 um at 30 V."
+OTHERS = "that the thesis took it from others' work"
 
 
 def _figure(number: str, title: str, drawing: Callable[[], Any], origin: Origin, stated: str = "") -> Reproduction:
@@ -39,11 +40,15 @@ FIGURE_3_14 = _of_gallery("3.14", "3.14-frequency-response", "Response at the fo
 FIGURE_3_15 = _of_gallery("3.15", "3.15-stress-and-deflection", "Bending stress and deflection under 2 N")
 FIGURE_3_16 = _of_gallery("3.16 and 4.23", "3.16-resolution-over-mean-frequency", "Resolution against mean frequency")
 FIGURE_3_18 = _of_gallery("3.18 and 4.12", "3.18-amplitude-over-reversal", "Amplitude against reversal time")
-FIGURE_3_19 = _figure("3.19", "A focus repeated", focusing.repeated_focus, "calibrated")
-FIGURE_3_20 = _figure("3.20", "Amplitude against repetition time", focusing.train_over_repetition, "derived")
-FIGURE_3_21 = _of_gallery("3.21 and 4.14", "3.21-contrast", "Contrast by transducers and reversal time")
+FIGURE_3_19 = _figure("3.19", "A focus repeated", focusing.repeated_focus, "calibrated", OTHERS)
+FIGURE_3_20 = _figure(
+    "3.20", "The time constants, and what a short repetition costs", focusing.time_constants, "calibrated"
+)
+FIGURE_3_21 = _of_gallery(
+    "3.21 and 4.14", "3.21-contrast", "Contrast by transducers and reversal time", stated=f"of the first {OTHERS}"
+)
 FIGURE_4_9 = _of_gallery("4.9", "4.9-modulator-noise", "Quantisation noise of the modulators")
-FIGURE_4_11 = _of_gallery("4.11", "4.11-decay-fit", "Exponential fitted to an impulse response")
+FIGURE_4_11 = _of_gallery("4.11", "4.11-decay-fit", "Exponential fitted to an impulse response", "assumed")
 FIGURE_4_13 = _of_gallery("4.13", "4.13-noise-window", "Focus in time, and the window of its noise", "calibrated")
 FIGURE_4_15 = _of_gallery(
     "4.15 to 4.22", "4.15-four-signals", "The four driving signals in time and space", "calibrated"

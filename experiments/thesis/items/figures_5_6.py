@@ -116,9 +116,12 @@ FIGURE_6_8 = Reproduction(
 FIGURE_6_15 = Reproduction(
     title="Mean detection rate against frequency for three forces",
     stated="Figure 6.15 by its caption (page 14); the lowest thresholds at 240 Hz (page 4): finding-3.",
-    assumes=f"{PEOPLE} All at 32 dB re 1 V peak; forces and frequencies of the built-in study are unverified defaults.",
+    assumes=f"{PEOPLE} All at {FRICTION_LEVEL_DB:g} dB re 1 V peak, at which some are felt and some not; forces and "
+    "frequencies of the built-in study are unverified defaults. No constant is set to a voltage, but the input was "
+    "chosen for where its force vibrates, and with it the frequency that is felt most. Over "
+    "which levels the thesis's mean is taken, our sources do not say.",
     drawing=_against_frequency,
-    origin="calibrated",
+    origin="assumed",
 )
 FIGURE_B_1 = Reproduction(
     title="Inked surface against force, as ellipses",

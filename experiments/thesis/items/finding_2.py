@@ -27,7 +27,7 @@ def numbers() -> Iterator[Number]:
             loss = _loss(screen, at_m, resistance)
             yield _number(place, _condition(resistance, tau_s), loss, is_default=is_default)
     relearnt = _loss(A4_PROTOTYPE, (FOCUS,), RESISTANCE_N_S_PER_M, relearn=True)
-    yield Number("at the focus, learnt again", _condition(*DEFAULT), 100 * relearnt, "%", "derived")
+    yield Number("at the focus, learnt again", _condition(*DEFAULT), 100 * relearnt, "%", "calibrated")
 
 
 def _number(place: str, condition: str, loss: float, *, is_default: bool) -> Number:

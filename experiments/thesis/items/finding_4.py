@@ -1,7 +1,8 @@
 """Finding 4: trains at 200 Hz under a sinc please most, a single focus least."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from math import inf
+from statistics import fmean
 
 import numpy as np
 
@@ -15,7 +16,9 @@ from .studies import contact_of, experiment
 STUDY = "time-reversal-patterns"
 SAME_DB = 1.0
 """A difference of less is no order."""
-BEST, LEAST = "P3", "P0"
+LEAST = "P0"
+BEST = ("200 Hz", "sinc")
+"""The frequency and the envelope that please most: stated of each by itself."""
 
 
 def numbers() -> Iterator[Number]:
@@ -28,6 +31,20 @@ def numbers() -> Iterator[Number]:
         yield Number("over the single focus", words(name), level_db - felt_db[LEAST], "dB", "derived")
         yield Number("pleasantness", words(name), liked[name], "of 1", "assumed")
         yield Number("place", words(name), order.index(name) + 1.0, "", "assumed", *_statement(name, order, spread_db))
+
+    yield from _by_factor(liked, spread_db)
+
+
+def _by_factor(liked: Mapping[str, float], spread_db: float) -> Iterator[Number]:
+    """Means over the trains of one frequency, or of one envelope."""
+    trains = {name: words(name).split(", ")[1:] for name in liked if name != LEAST}
+    for column in range(2):
+        values = dict.fromkeys(train[column] for train in trains.values())
+        means = {value: fmean(liked[name] for name in trains if trains[name][column] == value) for value in values}
+        most = max(means, key=lambda value: means[value])
+        for value, mean in means.items():
+            compared = ("pleases most", spread_db >= SAME_DB and value == most) if value in BEST else ()
+            yield Number("mean pleasantness", f"trains, {value}", mean, "of 1", "assumed", *compared)
 
 
 def levels_db() -> dict[str, float]:
@@ -48,11 +65,7 @@ def liking(level_db: float) -> float:
 
 def _statement(name: str, order: list[str], spread_db: float) -> tuple[str, bool | None]:
     """Of patterns that are felt alike no place counts."""
-    places = {BEST: ("first: pleases most", 0), LEAST: ("last: pleases least", len(order) - 1)}
-    if name not in places:
-        return "", None
-    said, place = places[name]
-    return said, spread_db >= SAME_DB and order[place] == name
+    return ("last: pleases least", spread_db >= SAME_DB and order[-1] == name) if name == LEAST else ("", None)
 
 
 def words(name: str) -> str:
@@ -66,15 +79,16 @@ def words(name: str) -> str:
 FINDING = Reproduction(
     title="200 Hz trains under a sinc envelope please most, single foci least",
     stated="200 Hz and a cardinal sine are the most pleasant; a single focus is judged brief and not pleasant "
-    "(page 4); seven patterns P0 to P6 (page 13). Scores, and the other frequency and envelopes, are not in our "
-    "sources.",
+    "(page 4); seven patterns P0 to P6 (pages 13 and 14). Scores, and the other frequency and envelopes, are not in "
+    "our sources; earlier work names 200 to 500 Hz (page 36).",
     assumes="The patterns, level and touch of the built-in study time-reversal-patterns; 500 "
     "Hz, a rectangle and an exponential beside 200 Hz and a sinc are unverified defaults. Pleasantness is an "
-    "inverted U of the sensation level, best at 15 dB (the rating model of simulated participants, unverified). "
-    "A spread of the levels below 1 dB is no order.",
+    f"inverted U of the sensation level L, 1 - 2 min(|L - {COMFORT_DB:g} dB| / {COMFORT_RANGE_DB:g} dB, 1) (the rating "
+    "model of simulated participants, unverified). A spread of the levels below 1 dB is no order.",
     numbers=numbers,
-    outcome="This rating model knows one thing of a pattern, how strongly it is felt, and has its optimum put in. It "
-    "can place a pattern first or last by its strength, but holds nothing that makes an envelope itself pleasant: no "
-    "brevity, no rhythm, no likeness to a click. A single focus is last because it is the weakest and all are below "
-    "the optimum; above it the order would turn round. A rectangle comes before a sinc, as it has the more energy.",
+    outcome="This rating model knows one thing of a pattern, how strongly it is felt, and has its optimum put in. "
+    "A single focus is last because it is the weakest and all are below the optimum, and 200 Hz comes before 500 Hz "
+    "under each envelope because it is felt more strongly; above the optimum both orders would turn round. A rectangle "
+    "comes before a sinc, as it has the more energy: the model holds nothing that makes an envelope itself pleasant, "
+    "no brevity, no rhythm, no likeness to a click.",
 )

@@ -22,8 +22,11 @@ F_MAX_HZ = (10e3, 15e3, 20e3, 25e3)
 ASSUMES = (
     "A4 sheets of Borofloat with supported edges, eight discs along two sides, tau = 3.5 ms, T = 2 tau, one bit at "
     "30 V; bands from 0 Hz on (10 and 25 kHz are named in the list of figures, those between were chosen here); mean "
-    "over five foci around the middle; width at half of the amplitude."
+    "over five foci around the middle; width at half of the amplitude. Glass, places of the discs and tau (set to "
+    "finding-2) are unverified defaults."
 )
+EARLIER = "Earlier work, on a plate that is not described: eight actuators at 30 V, 10 um, resolution 10 mm (page 36)."
+"""Of another prototype: stated, and not compared."""
 
 
 @dataclass(frozen=True)
@@ -93,13 +96,13 @@ def _alphas() -> Iterator[Number]:
 TABLE_3_1 = Reproduction(
     title="Spatial resolution of the focus",
     stated="That there is such a table, in mm, for 2 and 3 mm glass and discs of 12 and 35 mm (pages 11, 12 "
-    "and 16); its values are not in our sources.",
+    f"and 16); its values are not in our sources. {EARLIER}",
     assumes=ASSUMES,
     numbers=_widths,
 )
 TABLE_3_2 = Reproduction(
     title="Displacement amplitude of the focus",
-    stated="That there is such a table, in um (page 16); its values are not in our sources.",
+    stated=f"That there is such a table, in um (page 16); its values are not in our sources. {EARLIER}",
     assumes=f"{ASSUMES} The moment per volt of a patch is the constant that was set so that the prototype of "
     "chapter 4 gives 10 um, and is kept for other glass.",
     numbers=_amplitudes,

@@ -71,11 +71,11 @@ def _sound(emissions: Mapping[str, Emission] = FOUR) -> Figure:
 
 
 def _focus_map(emission: Emission = RIG_BAND) -> Figure:
-    return focus.displacement_map(A4_PROTOTYPE, FOCUS, emission)
+    return focus.displacement_map(rig(35e-3), FOCUS, emission)
 
 
 def _scans(emission: Emission = RIG_BAND) -> Figure:
-    return focus.scans_per_band(A4_PROTOTYPE, FOCUS, [Band(0.0, 5e3), Band(5e3, 15e3), Band(15e3, 25e3)], emission)
+    return focus.scans_per_band(rig(35e-3), FOCUS, [Band(0.0, 5e3), Band(5e3, 15e3), Band(15e3, 25e3)], emission)
 
 
 def _four_signals(emissions: Mapping[str, Emission] = FOUR) -> Figure:

@@ -29,7 +29,7 @@ def label(axes: Axes, x: str, y: str, title: str = "", *, from_zero: bool = Fals
     """Axis labels with units, a light grid, no box; a legend of what is drawn under a name, where `legend` says."""
     axes.set(xlabel=x, ylabel=y)
     if from_zero:
-        axes.set_ylim(0, None)
+        axes.set_ylim(0, 1.05 * axes.dataLim.y1)  # else values far above 0 stand on the upper edge
     if axes.get_legend_handles_labels()[0]:
         axes.legend(frameon=False, **legend)
     axes.set_title(title, fontsize="medium")

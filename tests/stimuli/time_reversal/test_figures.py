@@ -74,7 +74,7 @@ def curve(name, axes=0, line=0):
 
 
 def test_the_focus_map_shows_the_amplitude_of_the_focus_in_micrometres():
-    h = SMALL.responses(A4_PROTOTYPE, [FOCUS])
+    h = SMALL.responses(rig(35e-3), [FOCUS])
     x_mm, u_um = curve("3.8-focus-map", axes=1)
     assert np.interp(FOCUS[0] * 1e3, x_mm, u_um) == pytest.approx(focus_amplitude(drive(h, 30.0), h) * 1e6, rel=3e-2)
     assert u_um.max() == pytest.approx(np.interp(FOCUS[0] * 1e3, x_mm, u_um), rel=2e-2)
