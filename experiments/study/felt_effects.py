@@ -52,6 +52,8 @@ class LeftOut:
 
         >>> LeftOut("receptors", ("sensitivity",), 12.6).words
         'receptors (instead of sensitivity) +12.6 dB'
+        >>> LeftOut("receptors", change_db=4e-16).words
+        'receptors +0 dB'
         """
         place = f" (instead of {', '.join(self.instead_of)})" if self.instead_of else ""
         change = f" ({self.why})" if self.change_db is None else f" {round(self.change_db, 6):+.3g} dB"
@@ -69,6 +71,7 @@ class FeltEffects:
     assumed: tuple[str, ...]
     predicted_error: str
     sensation_db: float
+    rests_on: tuple[str, ...] = ()
 
     @property
     def lines(self) -> list[str]:
@@ -78,6 +81,7 @@ class FeltEffects:
             f"{', '.join(self.felt)} (predicted error {self.predicted_error})",
             f"left out, and what it would change: {'; '.join(effect.words for effect in self.left_out) or 'nothing'}",
             f"taken for granted: {'; '.join(self.assumed) or 'nothing'}",
+            f"the level rests on {'; '.join(self.rests_on) or 'no number of the scene'}",
         )
         return [line for text in paragraphs for line in textwrap.wrap(text, WIDTH, subsequent_indent="    ")]
 
@@ -107,6 +111,7 @@ def _explanation(cell: WiredCell, scene: Scene, level: float) -> FeltEffects:
         felt.assumed(),
         error_in_words(felt.resolve()),
         felt_db,
+        felt.rests_on(),
     )
 
 

@@ -154,8 +154,9 @@ class Effect:
     `kind` is its name in a scene file. Two effects in one `slot` are refused. `requires` names what must be in the
     scene beside it: a slot, ``contact``, ``sliding contact`` or ``resting contact``. `excludes` names kinds that
     contradict it, with the reason and the cure; `felt_excludes` those of them that do where a signal is played and no
-    course is computed, if they are fewer. `assumes` says what it takes for granted, in words. `cures` says of
-    quantities that nothing gives how to add this effect.
+    course is computed, if they are fewer. `assumes` says what it takes for granted, in words, and `rests_on`
+    which one number sets the absolute size of what it gives. `cures` says of quantities that nothing gives how to add
+    this effect.
 
     `in_signal` says that it makes what is played, or the plate that it is learnt on: a signal that is played holds it.
 
@@ -183,6 +184,7 @@ class Effect:
     excludes: ClassVar[Mapping[str, str]] = {}
     felt_excludes: ClassVar[Mapping[str, str] | None] = None
     assumes: ClassVar[tuple[str, ...]] = ()
+    rests_on: ClassVar[str] = ""
     cures: ClassVar[Mapping[str, str]] = {}
     reads: ClassVar[tuple[str, ...]] = ()
     gives: ClassVar[str]

@@ -102,11 +102,16 @@ def _off(scene: Scene) -> list[Row]:
 
 
 def _assumed(scene: Scene) -> list[str]:
-    return _wrapped(f"taken for granted: {'; '.join(scene.assumed())}")
+    return [*_wrapped(f"taken for granted: {'; '.join(scene.assumed())}"), *_wrapped(rests_on_in_words(scene))]
 
 
 def _wrapped(text: str) -> list[str]:
     return textwrap.wrap(text, WIDTH, subsequent_indent="    ")
+
+
+def rests_on_in_words(scene: Scene) -> str:
+    """Which numbers its absolute levels rest on; empty of none."""
+    return f"absolute levels rest on {'; '.join(scene.rests_on())}" if scene.rests_on() else ""
 
 
 def error_in_words(plan: Plan) -> str:

@@ -162,6 +162,10 @@ class Scene:
         of_surface = (words for slot, words in self.surface.assumes.items() if slot not in slots)
         return (*of_surface, *(words for effect in called_for for words in effect.assumes))
 
+    def rests_on(self) -> tuple[str, ...]:
+        """The numbers that set the absolute size of these outputs, in words."""
+        return tuple(effect.rests_on for effect in self._called_for(self._unsized()) if effect.rests_on)
+
     def _check_outputs(self) -> None:
         for n, output in enumerate(self.outputs):
             if output in self.surface.given:

@@ -49,7 +49,7 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
         _film(scene_file, movie)
     if not explain:
         pulled = pulled_fingers(result) or plans.pulled_by(scene_file.scene, plan, given)
-        record = _record(result, pulled)
+        record = _record(result, pulled) | {"rests_on": scene_file.scene.rests_on()}
         say(_text(scene_file, record, result, pulled), record)
 
 
@@ -133,7 +133,8 @@ def _text(scene_file: SceneFile, record: dict[str, Any], result: Result, pulled:
     opened = scene_file.scene.find("lift_off") is not None
     cure = "" if opened else "; the effect 'lift_off' follows it"
     lifted = [f"{finger.line}{cure}" for finger in pulled if finger.lifts_off]
-    return "\n".join([*lines, *lifted, f"predicted error {error}, {times}"])
+    rests_on = list(filter(None, [plans.rests_on_in_words(scene_file.scene)]))
+    return "\n".join([*lines, *rests_on, *lifted, f"predicted error {error}, {times}"])
 
 
 def _range(value: Any) -> str:

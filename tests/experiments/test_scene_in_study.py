@@ -241,6 +241,9 @@ def test_a_dry_run_tells_what_is_felt_and_what_was_left_out(study, capsys):
     assert "through force_law, friction, sensitivity, contact_area (predicted error" in words
     assert "receptors (instead of sensitivity) " in words
     assert "taken for granted: no resistance of body and source" in words
+    assert (
+        "the level rests on the force law (one of four, which differ by a factor near 1000); the displacement" in words
+    )
     record = json.loads(output(capsys, "run", study, "--participant", "P01", "--dry-run", "--json"))
     (felt,) = record["felt"]
     changes = {each["effect"]: each["change_db"] for each in felt["left_out"]}

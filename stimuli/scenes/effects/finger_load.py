@@ -33,7 +33,11 @@ class FingerLoad(Effect):
     excludes = note(
         "a force at a point sinks into a plate with shear without limit; remove 'shear' or 'finger_load'", "shear"
     )
-    assumes = ("a contact is linear and two-sided: it pulls as well as it presses, and never lifts off",)
+    assumes = (
+        "a contact is linear and two-sided: it pulls as well as it presses, and never lifts off",
+        "mass, damping and stiffness of a contact are the same at all frequencies",
+    )
+    rests_on = "the resistance of a finger (calibrated: by the default 2 N take 30 % of a focus, as the thesis found)"
 
     resistance_n_s_per_m: float = 10.0
     mass_kg: float = 0.0

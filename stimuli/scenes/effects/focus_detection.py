@@ -27,6 +27,7 @@ class FocusDetection(Effect):
     reads, gives = ("felt_at_1v_m", "voltage_v"), "sensation_db"
     cures = note("add the effect focus_detection", "sensation_db")
     assumes = ("every focus is felt as one event of displacement, whatever its course; a train by its energy in 0.2 s",)
+    rests_on = "the amplitude of a single focus at threshold (calibrated: 10 um are the thesis's)"
 
     reference_m: float = 10e-6
 

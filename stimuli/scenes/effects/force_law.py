@@ -31,7 +31,7 @@ class ForceLaw(Effect):
     cures = note(
         "add the effect force_law and name one of the four laws; their forces differ by a factor near 1000", "form"
     )
-    assumes = ("one force law of four, which differ by a factor near 1000",)
+    rests_on = "the force law (one of four, which differ by a factor near 1000)"
 
     law: Law
 

@@ -23,6 +23,7 @@ class Patches(Effect):
     in_signal = True
     positive = ("side_m", "moment_n_per_v")
     assumes = ("patches have neither mass nor stiffness",)
+    rests_on = "the moment per volt of a patch (calibrated: the default gives 10 um on A4 of 1.1 mm by one bit of 30 V)"
 
     side_m: float = 10e-3
     moment_n_per_v: float = 8.2e-4

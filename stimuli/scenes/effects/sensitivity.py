@@ -31,6 +31,7 @@ class Sensitivity(Effect):
     cures = note("add the effects friction and sensitivity, or receptors", "sensation_db")
     excludes = note("both are thresholds by frequency; remove 'sensitivity' or 'receptors'", "receptors")
     assumes = ("nothing sums over time or area",)
+    rests_on = "the displacement of the skin at threshold (by default 0.1 um at 250 Hz, unverified)"
 
     reference_m: float = 1e-7
 

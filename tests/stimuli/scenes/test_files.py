@@ -195,9 +195,33 @@ def test_the_plan_in_words_opens_with_what_is_taken_for_granted():
 
 @pytest.mark.parametrize("kind", EFFECTS)
 def test_every_effect_says_what_it_takes_for_granted(kind):
-    assumes = resolve(EFFECTS[kind]).assumes
-    assert isinstance(assumes, tuple)
-    assert all(words and words == words.strip(" .;") for words in assumes)
+    effect = resolve(EFFECTS[kind])
+    assert isinstance(effect.assumes, tuple)
+    assert all(words and words == words.strip(" .;") for words in effect.assumes)
+    assert effect.rests_on == effect.rests_on.strip(" .;")
+
+
+def test_a_level_is_told_with_the_constant_that_it_rests_on(capsys):
+    """Whoever prints a level names it; an output that does not take the constant does not."""
+    from command_line import output
+
+    said = output(capsys, "scene", "a4-screen")
+    assert "absolute levels rest on the moment per volt of a patch (calibrated: " in said
+    found = load_scene(path_of("a4-screen"))
+    explained = " ".join(explanation(replace(found.scene, outputs=("peak_m",)), found.given).split())
+    assert "absolute levels rest on the moment per volt of a patch" in explained
+    assert "single focus at threshold" not in explained
+    assert replace(found.scene, effects=(), outputs=("peak_m",), contacts=()).rests_on() == ()
+
+
+def test_amplitudes_go_with_the_constant_that_they_rest_on():
+    scene = replace(load_scene(path_of("a4-screen")).scene, outputs=("peak_m",), accuracy=0.1)
+    patches = next(effect for effect in scene.effects if effect.kind == "patches")
+    others = tuple(effect for effect in scene.effects if effect is not patches)
+    twice = replace(patches, moment_n_per_v=2 * patches.moment_n_per_v)
+    plans = (replace(scene, effects=(*others, moved)).resolve() for moved in (patches, twice))
+    once_m, twice_m = (plan.run({"voltage_v": 30.0})["peak_m"] for plan in plans)
+    assert twice_m == pytest.approx(2 * once_m, rel=1e-12)
 
 
 def test_a_finger_that_a_linear_contact_pulls_is_said_to_lift_off(tmp_path, capsys):
