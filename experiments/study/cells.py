@@ -29,7 +29,8 @@ class StimulusKind:
 
     `stands` says that it is at one place, which a finger that slides would leave; `follows`, that only one that slides
     feels it. `parts` names the kinds that a table within may have, by its key. `surface` is the kind of surface that a
-    scene may have under it; empty where none may.
+    scene may have under it; empty where none may. `scene` is the module of `tactometry.stimuli.scenes.defaults` that
+    makes its default one, that of the surface unless it is named.
     """
 
     stimulus: str
@@ -39,6 +40,7 @@ class StimulusKind:
     follows: bool = False
     parts: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     surface: str = "electrovibration"
+    scene: str = ""
 
 
 ELECTROVIBRATION = "tactometry.stimuli.electrovibration.sensation:ElectrovibrationSensation"
@@ -71,7 +73,8 @@ STIMULI: Mapping[str, StimulusKind] = {
         "tactometry.stimuli.time_reversal.stimulus.placed_foci:FingersSensation",
         ("setup", "places"),
         stands=True,
-        surface="",
+        surface="time_reversal",
+        scene="foci",
     ),
     "hybrid": StimulusKind(
         "tactometry.stimuli.hybrid:Hybrid",
@@ -80,6 +83,7 @@ STIMULI: Mapping[str, StimulusKind] = {
         surface="hybrid",
     ),
 }
+DEFAULTS = "tactometry.stimuli.scenes.defaults"
 TOUCHES: Mapping[str, type[Pressing] | type[Sliding]] = {"press": Pressing, "slide": Sliding}
 
 
@@ -214,7 +218,7 @@ class Wiring:
 def _default_scene(kind: StimulusKind, model: Any, duration_s: float) -> Sensation:
     """The scene that a model stands for."""
     with rewording(lambda words: f"sensation: {words}"):
-        scene = resolve(f"tactometry.stimuli.scenes.defaults.{kind.surface}:default_scene")(model, duration_s)
+        scene = resolve(f"{DEFAULTS}.{kind.scene or kind.surface}:default_scene")(model, duration_s)
         scene.felt().resolve()
     return felt(scene)
 

@@ -90,10 +90,11 @@ def _panel(stated: Mapping[str, Any], stimulus: Any, where: str) -> Any:
 
 
 def _plate(stated: Mapping[str, Any], stimulus: Any, where: str) -> Any:
-    """A plate as the stimulus states it, and where the finger is."""
-    from tactometry.stimuli.scenes.surfaces.played_time_reversal import PlayedTimeReversal
-
-    return build(PlayedTimeReversal, without(stated, "kind"), where, setup=stimulus.setup)
+    """A plate as the stimulus states it, and where the finger is, or which of its places have one."""
+    shared = {name: getattr(stimulus, name) for name in ("setup", "places") if hasattr(stimulus, name)}
+    touched = "played_fingers:PlayedFingers" if "places" in shared else "played_time_reversal:PlayedTimeReversal"
+    played = resolve(f"tactometry.stimuli.scenes.surfaces.{touched}")
+    return build(played, without(stated, "kind"), where, **shared)
 
 
 def _both(stated: Mapping[str, Any], stimulus: Any, where: str) -> Surface:

@@ -272,6 +272,11 @@ class Surface:
     assumes: ClassVar[Mapping[str, str]]
     touches: ClassVar[tuple[FingerContact, ...]] = ()
 
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Of fingers that tell under which of them something is felt; none where one finger feels it."""
+        return ()
+
     def stages(self, scene: "Demand") -> tuple[Stage, ...]:
         raise NotImplementedError
 

@@ -6,6 +6,8 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from tactometry.arguments.require import expect
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter, nearest
@@ -117,11 +119,22 @@ class Scene:
         >>> round(loud - soft, 6), scene.sensation(Sine(60.0).at(40.0), Contact(1.5))
         (20.0, -inf)
         """
+        return max(self.fingers_db(signal, contact))
+
+    def fingers_db(self, signal: "Signal", contact: Contact) -> tuple[float, ...]:
+        """The same at each finger of a surface that several touch, of which `sensation` is the highest.
+
+        Raises
+        ------
+        InvalidParameter
+            As `sensation`.
+        """
         of_signal, surface, under_contact = self._felt_plans
         handed = of_signal(signal)
         if handed is None or not surface.reaches(contact):
-            return -math.inf
-        return float(under_contact.run({**handed, "contact": contact})[SENSATION])
+            return (-math.inf,) * max(len(surface.names), 1)
+        levels_db = under_contact.run({**handed, "contact": contact})[SENSATION]
+        return tuple(np.atleast_1d(levels_db).tolist())
 
     @cached_property
     def _felt_plans(self) -> "tuple[OfSignal, Surface, Plan]":

@@ -5,23 +5,21 @@ import json
 import numpy as np
 import pytest
 from command_line import output
-from felt_models import felt_by
 from scipy.signal import lsim, resample
+from study_texts import changed
 
 from tactometry.contact import Contact
 from tactometry.experiments.study.contact_loss import pulled_fingers
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load, parse
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.finger import Contactor
+from tactometry.stimuli.time_reversal.finger import Contactor, Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import emitted
 from tactometry.stimuli.time_reversal.lift_off import one_sided_contact, one_sided_contacts
 from tactometry.stimuli.time_reversal.stimulus.contact_force import FINER, contact_force_n
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
-from tactometry.stimuli.time_reversal.stimulus.placed_foci import FingersSensation, Place, PlacedFoci
 from tactometry.stimuli.time_reversal.stimulus.sensation import (
     FocusReading,
-    TimeReversalSensation,
     displacement_at_focus_m,
 )
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
@@ -82,7 +80,7 @@ def test_the_first_level_that_is_told_is_where_a_contact_begins_to_open(study):
 def test_the_force_of_a_contact_that_holds_is_that_of_its_steps_in_time(study):
     cell = next(iter(study.cells.values()))
     signal = cell.stimulus.at(-20.0)
-    force = cell.sensation.contact_force_n(signal, Contact(2.0))
+    (force,) = cell.sensation.contact_force_n(signal, Contact(2.0))
     stepped = contact_course(study, -20.0, 2.0).contact_force_n - 2.0
     by_step = np.interp((np.arange(len(stepped)) - 0.5) / TIMES, np.arange(len(force)) / FINER, force)
     assert stepped == pytest.approx(by_step, abs=1e-2 * np.abs(force).max())
@@ -169,11 +167,39 @@ def test_every_contactor_of_the_study_of_force_loss_is_told_under_every_force():
     }  # fmt: skip
 
 
-def test_fingers_that_share_a_force_bear_a_part_of_it():
-    setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3, learnt_s=3e-3, tau_s=1.5e-3)
-    places = {"index": Place(0.10), "middle": Place(0.13)}
-    fingers = FingersSensation(setup, places)
-    signal = PlacedFoci(setup, f_max_hz=20e3, voltage_max_v=2e3, places=places, place="middle").at(10.0)
-    alone = felt_by(TimeReversalSensation(setup, finger_x_m=0.13)).contact_force_n(signal, Contact(0.5))
-    assert fingers.n_fingers == 2
-    assert fingers.contact_force_n(signal, Contact(0.5)).min() == alone.min()
+LOCALISATION = load("time-reversal-localisation")[1].decode()
+TWO_FINGERS = changed(
+    LOCALISATION,
+    {
+        "distance_m = [0.010, 0.013, 0.017, 0.022, 0.028, 0.036, 0.050]": "distance_m = [0.010]",
+        "f_max_hz = 3e3": f"{SETUP}\nvoltage_max_v = 2e3\nf_max_hz = 20e3",
+        "voltage_peak_v = 200.0": "voltage_peak_v = 2e3",
+    },
+)
+TWO_FINGERS = "\n".join(line for line in TWO_FINGERS.splitlines() if not line.startswith('"0.0') or '"0.01"' in line)
+
+
+def test_fingers_that_share_a_force_are_told_each_as_they_answer_together():
+    """Beside both contacts stepped in time, which move the plate under each other."""
+    study = wired(TWO_FINGERS)
+    cell = next(cell for cell in study.cells.values() if cell.condition.factors["place"] == "index")
+    setup, signal = cell.stimulus.setup, cell.stimulus.at(-20.0)
+    places = [(0.121, 0.093), (0.131, 0.093)]
+    loads = [Fingertip().load(at_m, 0.5) for at_m in places]
+    free_m = np.stack([emitted(signal, setup.responses_at(*at_m))[0] for at_m in places])
+    fine_m = resample(free_m, TIMES * free_m.shape[1], axis=1)[:, : TIMES * (signal.samples.shape[1] + 25)]
+    stepped = one_sided_contacts(setup.screen, fine_m, loads, np.full(2, 0.5), TIMES * setup.rate_hz, setup.modes_to_hz)
+    told = cell.sensation.contact_force_n(signal, Contact(1.0))
+    for answered, force in zip(stepped.contact_force_n - 0.5, told, strict=True):
+        by_step = np.interp((np.arange(len(answered)) - 0.5) / TIMES, np.arange(len(force)) / FINER, force)
+        assert answered == pytest.approx(by_step, abs=1e-2 * np.abs(told).max())
+    alone = contact_force_n(setup, signal, loads[1:])  # beside the focus
+    assert np.abs(alone - told[1]).max() > 0.05 * np.abs(alone).max()
+
+
+def test_contact_is_told_for_each_finger_of_a_study():
+    index, middle = pulled_fingers(wired(TWO_FINGERS))
+    assert (index.presser, middle.presser) == ("finger at index", "finger at middle")
+    assert index.force_n == middle.force_n == 0.5
+    assert "the plate would pull a finger at index of 0.5 N by " in index.line
+    assert index.first_level != middle.first_level

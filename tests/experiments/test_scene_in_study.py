@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import subprocess
 import sys
 
@@ -464,3 +465,52 @@ def test_the_plate_of_the_page_is_felt_loaded_and_not():
     told = felt_effects(of_study("time-reversal-threshold", f"\n{table}"))
     assert [one.felt for one in told] == [("focus_detection",)]
     assert {one.effect: one.change_db for one in told[0].left_out}["finger_load"] < -1
+
+
+# --- fingers on places
+
+
+TWO = """
+[sensation]
+fingers = ["index", "middle"]                   # which places have a finger; each feels the field of all foci there
+"""
+
+
+def on_fingers(scene_table):
+    """The study of localisation at one distance, with a scene of its own."""
+    text = changed(load("time-reversal-localisation")[1].decode(), {TWO: f"\n{scene_table}\n"})
+    text = text.replace("[0.010, 0.013, 0.017, 0.022, 0.028, 0.036, 0.050]", "[0.050]")
+    return "\n".join(line for line in text.splitlines() if not line.startswith('"0.0') or '"0.05"' in line)
+
+
+DETECTED = 'effects = [{ kind = "focus_detection" }]'
+
+
+def fingers_db(scene_table):
+    cell = next(iter(wired(on_fingers(scene_table)).cells.values()))
+    return cell.sensation.fingers_db(cell.stimulus.at(12.0), Contact(1.0))
+
+
+def test_foci_under_fingers_are_felt_through_the_scene_of_the_study():
+    default_db = fingers_db(TWO)
+    assert fingers_db(f"[scene]\n{DETECTED}") == default_db
+    index_db = fingers_db(f'[scene]\nsurface = {{ fingers = ["index"] }}\n{DETECTED}')
+    assert index_db == default_db[:1]
+    loaded = 'effects = [{ kind = "finger_load" }, { kind = "focus_detection" }]'
+    assert all(found < free for found, free in zip(fingers_db(f"[scene]\n{loaded}"), default_db, strict=True))
+    assert fingers_db('[scene]\nname = "a4-screen"') == fingers_db(f"[scene]\n{loaded}")
+
+
+FINGER_SENTENCES = {
+    '"index", "index"': "scene.surface.fingers[1]: found 'index' twice, expected each place once: two fingers",
+    '"ring"': "scene.surface.fingers: found 'ring', expected one of index, middle",
+    "1e300": "scene.surface.fingers[0]: found 1e+300, expected",
+    "nan": "scene.surface.fingers[0]: found nan, expected",
+}
+
+
+@pytest.mark.parametrize("fingers", FINGER_SENTENCES)
+def test_fingers_of_a_scene_that_rest_nowhere_are_refused(fingers):
+    text = on_fingers(f"[scene]\nsurface = {{ fingers = [{fingers}] }}\n{DETECTED}")
+    with pytest.raises(InvalidParameter, match=re.escape(FINGER_SENTENCES[fingers])):
+        wired(text)

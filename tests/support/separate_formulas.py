@@ -16,11 +16,12 @@ from tactometry.stimuli.hybrid import HybridSensation
 from tactometry.stimuli.perception.channels import as_at_250_hz
 from tactometry.stimuli.perception.detection import components
 from tactometry.stimuli.time_reversal.focusing.focusing import emitted
+from tactometry.stimuli.time_reversal.stimulus.placed_foci import FingersSensation
 from tactometry.stimuli.time_reversal.stimulus.sensation import (
     TimeReversalSensation,
     events,
     felt_amplitude_m,
-    loaded_displacement,
+    loaded_displacements,
 )
 
 HIGH_SHARE = 1e-4
@@ -78,7 +79,7 @@ def _(model: TimeReversalSensation, signal, contact):
         felt_m = _felt_m(signal, model.setup, at_m)
     else:
         load = model.finger.load(at_m, contact.force_n)
-        loaded_m = loaded_displacement(_free_m(signal, model.setup, at_m), model.setup, load)
+        loaded_m = loaded_displacements(_free_m(signal, model.setup, at_m)[None], model.setup, [load])[0]
         felt_m = felt_amplitude_m(*events(loaded_m, signal.rate_hz))
     return 20 * log10(felt_m / model.reference_m)
 
@@ -92,6 +93,13 @@ def _free_m(signal, setup, at_m):
 def _felt_m(signal, setup, at_m):
     """What is felt of the free plate, under any contact."""
     return felt_amplitude_m(*events(_free_m(signal, setup, at_m), signal.rate_hz))
+
+
+@level_db.register
+def _(model: FingersSensation, signal, contact):
+    places_m = (model.places[name].on(model.setup) for name in model.fingers or model.places)
+    alone = (TimeReversalSensation(model.setup, model.reference_m, finger_x_m=x, finger_y_m=y) for x, y in places_m)
+    return max(level_db(finger, signal, contact) for finger in alone)
 
 
 @level_db.register

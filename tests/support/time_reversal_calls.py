@@ -63,7 +63,7 @@ from tactometry.stimuli.time_reversal.focusing.pattern import Exponential, Raise
 from tactometry.stimuli.time_reversal.responses.bonded_patches import Ceramic, Stiffener
 from tactometry.stimuli.time_reversal.responses.load import SprungMass
 from tactometry.stimuli.time_reversal.responses.plate_constants import MeasuredConstant
-from tactometry.stimuli.time_reversal.stimulus.placed_foci import FingersSensation, Place, PlacedFoci
+from tactometry.stimuli.time_reversal.stimulus.placed_foci import Place, PlacedFoci
 from tactometry.stimuli.time_reversal.stimulus.sensation import FocusReading
 
 PLACES = {"index": Place(0.10), "middle": Place(0.13)}
@@ -368,15 +368,13 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "Place": {"x_m": 0.1, "y_m": 0.1},
             "Place.on": {"self": Place(0.1), "setup": SETUP},
             "FingersSensation": {"setup": SETUP, "places": PLACES, "fingers": ("index",), "reference_m": 1e-5},
-            **{
-                f"FingersSensation.{name}": {
-                    "self": FingersSensation(SETUP, PLACES), "signal": AT_SETUP, "contact": Contact(2.0),
-                }
-                for name in ("fingers_db", "sensation_db", "contact_force_n")
-            },
+            "check_fingers": {"where": "fingers", "setup": SETUP, "places": PLACES, "fingers": ("index",)},
         },
         "stimulus.contact_force": {
-            "contact_force_n": {"setup": SETUP, "signal": AT_SETUP, "loads": [PlateLoad(0.1, 0.1, 9.0)]},
+            **{
+                name: {"setup": SETUP, "signal": AT_SETUP, "loads": [PlateLoad(0.1, 0.1, 9.0)]}
+                for name in ("contact_force_n", "contact_forces_n")
+            },
         },
         "stimulus.sensation": {
             **{
@@ -385,7 +383,8 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             },
             "displacement_at_focus_m": {"setup": SETUP, "signal": AT_SETUP, "loads": [PlateLoad(0.1, 0.1, 9.0)]},
             "free_displacement": {"signal": AT_SETUP, "setup": SETUP, "at_m": (0.1, 0.1)},
-            "loaded_displacement": {"free_m": BUMP, "setup": SETUP, "load": PlateLoad(0.1, 0.1, 9.0)},
+            "place_on": {"setup": SETUP, "x_m": 0.1, "y_m": 0.1},
+            "loaded_displacements": {"free_m": BUMP[None], "setup": SETUP, "loads": [PlateLoad(0.1, 0.1, 9.0)]},
             "peaks": {"x": BUMP, "height": 1.0, "apart": 2},
             "events": {"displacement_m": BUMP, "rate_hz": 1e3},
             "felt_amplitude_m": {"times_s": [0.0, 0.01], "peaks_m": [1e-5, 2e-5]},

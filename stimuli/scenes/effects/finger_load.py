@@ -59,8 +59,8 @@ class FingerLoad(Effect):
         )
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Of a plate that plays a signal, under the one contact of a run."""
-        pulp, where = dict(vars(self)), ("setup", "place_m", "contact")
+        """Of a plate that plays a signal, under the fingers that share the one contact of a run."""
+        pulp, where = dict(vars(self)), ("setup", "places_m", "contact")
         return (
             Stage("finger_load", ("displacement_m", *where), "displacement_m", f"{PLATE}:under_load", pulp),
             Stage("contact_force", ("signal", *where), "contact_force_n", f"{PLATE}:contact_force", pulp),

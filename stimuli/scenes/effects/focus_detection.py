@@ -1,7 +1,6 @@
 """What a finger feels of foci: the level of the strongest above the threshold of a single one."""
 
 from dataclasses import dataclass, replace
-from math import inf, log10
 from typing import TYPE_CHECKING
 
 from ...composition.effect import Effect, Stage, Surroundings, note
@@ -38,14 +37,17 @@ class FocusDetection(Effect):
         return Stage("events", needs, "felt_at_1v_m", target), self.stage()
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Of the displacement where the finger is, as a signal makes it."""
-        events = Stage("events", ("t_s", "displacement_m"), "felt_m", f"{__name__}:single_event_m_per_v")
+        """Of the displacement under each finger, as a signal makes it."""
+        events = Stage("events", ("t_s", "displacement_m"), "felt_m", f"{__name__}:single_events_m")
         return events, replace(self.stage(), needs=("felt_m",))
 
-    def __call__(self, felt_at_1v_m: float, voltage_v: float = 1.0) -> float:
-        """Level above threshold at a voltage; ``-inf`` for silence."""
-        ratio = felt_at_1v_m * abs(voltage_v) / self.reference_m
-        return 20 * log10(ratio) if ratio else -inf
+    def __call__(self, felt_at_1v_m: "float | FloatArray", voltage_v: float = 1.0) -> "float | FloatArray":
+        """Level above threshold at a voltage, of one finger or of each; ``-inf`` for silence."""
+        import numpy as np
+
+        with np.errstate(divide="ignore"):
+            level_db: float | FloatArray = 20 * np.log10(felt_at_1v_m * abs(voltage_v) / self.reference_m)
+        return level_db
 
 
 def single_event_m_per_v(t_s: "FloatArray", course: "FloatArray") -> float:
@@ -59,3 +61,10 @@ def single_event_m_per_v(t_s: "FloatArray", course: "FloatArray") -> float:
 def under_finger(t_s: "FloatArray", courses: "FloatArray") -> float:
     """The same, of the first of some courses."""
     return single_event_m_per_v(t_s, courses[0])
+
+
+def single_events_m(t_s: "FloatArray", courses_m: "FloatArray") -> "FloatArray":
+    """(n_fingers,): the same of each course (m), as a signal makes it."""
+    import numpy as np
+
+    return np.array([single_event_m_per_v(t_s, course_m) for course_m in courses_m])

@@ -4,6 +4,8 @@ import numpy as np
 
 from tactometry.signal import Signal
 
+from ...arrays import FloatArray
+
 
 def resting(signal: Signal) -> Signal:
     """What the transducers play, until they are silent."""
@@ -15,3 +17,8 @@ def resting(signal: Signal) -> Signal:
 def sliding(signal: Signal) -> Signal:
     """What the electrode plays."""
     return Signal(signal.samples[-1:], signal.rate_hz, signal.unit)
+
+
+def stronger(foci_db: FloatArray, friction_db: float) -> float:
+    """The level of what is felt most, of the foci or of the friction."""
+    return max(float(np.max(foci_db)), friction_db)

@@ -1,5 +1,6 @@
-"""A plate under drives that are played: the displacement where a finger is, and what its load takes of it."""
+"""A plate under drives that are played: the displacement where fingers are, and what their load takes of it."""
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,8 @@ from ...arrays import FloatArray
 if TYPE_CHECKING:
     from tactometry.signal import Signal
 
-    from ...time_reversal.responses.responses import Point
+    from ...time_reversal.responses.load import PlateLoad
+    from ...time_reversal.stimulus.contact_force import Places
     from ...time_reversal.stimulus.setup import Setup
 
 
@@ -22,27 +24,40 @@ def setup(**fields: Any) -> "Setup":
     return Setup(**fields)
 
 
-def place(x_m: float, y_m: float) -> "Point":
-    """Where a finger is."""
-    return x_m, y_m
+def places(x_m: tuple[float, ...], y_m: tuple[float, ...]) -> "Places":
+    """Where fingers are."""
+    return tuple(zip(x_m, y_m, strict=True))
+
+
+def free_displacement(signal: "Signal", setup: "Setup", places_m: "Places") -> FloatArray:
+    """(n_fingers, n_samples): what the plate does there as long as nothing is on it."""
+    from ...time_reversal.stimulus.sensation import free_displacement
+
+    return np.stack([free_displacement(signal, setup, at_m) for at_m in places_m])
 
 
 def times(displacement_m: FloatArray, setup: "Setup") -> FloatArray:
     """When the samples are."""
-    return np.arange(displacement_m.size) / setup.rate_hz
+    return np.arange(displacement_m.shape[1]) / setup.rate_hz
 
 
-def under_load(free_m: FloatArray, setup: "Setup", place_m: "Point", contact: Contact, **pulp: float) -> FloatArray:
-    """The displacement under a finger, exact for one linear contact."""
+def under_load(free_m: FloatArray, setup: "Setup", places_m: "Places", contact: Contact, **pulp: float) -> FloatArray:
+    """(n_fingers, n_samples): the displacement under fingers, exact for linear ones: each damps what others feel."""
+    from ...time_reversal.stimulus.sensation import loaded_displacements
+
+    return loaded_displacements(free_m, setup, _loads(places_m, contact, pulp))
+
+
+def contact_force(signal: "Signal", setup: "Setup", places_m: "Places", contact: Contact, **pulp: float) -> FloatArray:
+    """(n_fingers, n_times): what linear contacts do to each finger on top of what presses it."""
+    from ...time_reversal.stimulus.contact_force import contact_forces_n
+
+    return contact_forces_n(setup, signal, _loads(places_m, contact, pulp))
+
+
+def _loads(places_m: "Places", contact: Contact, pulp: Mapping[str, float]) -> "list[PlateLoad]":
+    """Fingers that share the force of a touch."""
     from ...time_reversal.finger import Fingertip
-    from ...time_reversal.stimulus.sensation import loaded_displacement
 
-    return loaded_displacement(free_m, setup, Fingertip(**pulp).load(place_m, contact.force_n))
-
-
-def contact_force(signal: "Signal", setup: "Setup", place_m: "Point", contact: Contact, **pulp: float) -> FloatArray:
-    """What a linear contact does to the finger on top of its force."""
-    from ...time_reversal.finger import Fingertip
-    from ...time_reversal.stimulus.contact_force import contact_force_n
-
-    return contact_force_n(setup, signal, [Fingertip(**pulp).load(place_m, contact.force_n)])
+    finger, force_n = Fingertip(**pulp), contact.force_n / len(places_m)
+    return [finger.load(at_m, force_n) for at_m in places_m]

@@ -46,7 +46,7 @@ class PlayedHybrid(PlayedSurface):
             *parts,
             *_on_side(RESTING, self.time_reversal.stages(self._resting(scene)), self._resting),
             *_on_side(SLIDING, self.electrovibration.stages(self._sliding(scene)), self._sliding),
-            Stage("stronger", levels, "sensation_db", "builtins:max"),
+            Stage("stronger", levels, "sensation_db", f"{BOTH}:stronger"),
         )
 
     def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:

@@ -34,13 +34,25 @@ def contact_force_n(setup: Setup, signal: Signal, loads: Sequence[PlateLoad | Sp
     the free plate under them, until 1 ms behind the drive. U is known until it has fallen by 60 dB, so that a period of
     the transform holds it.
     """
+    return np.asarray(_forces_n(setup, signal, tuple(loads), np.ones((1, len(loads))))[0])
+
+
+@checked
+def contact_forces_n(setup: Setup, signal: Signal, loads: Sequence[PlateLoad | SprungMass]) -> FloatArray:
+    """(n_loads, n_samples): the same of each load, which moves the plate under the others too."""
+    return _forces_n(setup, signal, tuple(loads), np.eye(len(loads)))
+
+
+def _forces_n(setup: Setup, signal: Signal, loads: Loads, of_loads: FloatArray) -> FloatArray:
+    """(n, n_samples): sums of the forces of loads, by their weights (n, n_loads)."""
     played = np.flatnonzero(signal.samples.any(axis=0))
     if not played.size or not loads:
-        return np.zeros(0)
+        return np.zeros((len(of_loads), 0))
     free, n_samples = _free(setup, signal, _places(loads))
-    force = np.einsum("kf,kf->f", _stiffness_of_all(setup, tuple(loads), n_samples), free)
+    stiffness = _stiffness(setup, loads, n_samples, tuple(map(tuple, of_loads.tolist())))
     n_followed = int(played[-1]) + 1 + round(RINGING_S * setup.rate_hz)
-    return np.asarray(FINER * np.fft.irfft(force, n_samples * FINER)[: n_followed * FINER])
+    forces = np.fft.irfft(np.einsum("nkf,kf->nf", stiffness, free), n_samples * FINER)
+    return np.asarray(FINER * forces[:, : n_followed * FINER])
 
 
 def _places(loads: Sequence[PlateLoad | SprungMass]) -> Places:
@@ -60,12 +72,13 @@ def _free(setup: Setup, signal: Signal, places: Places) -> tuple[ComplexArray, i
 
 
 @lru_cache(maxsize=64)
-def _stiffness_of_all(setup: Setup, loads: Loads, n_samples: int) -> ComplexArray:
-    """(n_loads, n_frequencies): 1' Z (1 + H Z)^-1, force of all loads per displacement of the free plate."""
+def _stiffness(setup: Setup, loads: Loads, n_samples: int, of_loads: tuple[tuple[float, ...], ...]) -> ComplexArray:
+    """(n, n_loads, n_frequencies): W Z (1 + H Z)^-1, sums W of the forces of loads per displacement of the free plate
+    under each."""
     s = _frequencies(setup, n_samples)
     stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
-    everything = np.ones((1, len(loads), len(s)), complex)
-    return np.asarray(contact_transfer(everything, _among(setup, _places(loads), n_samples), stiffness)[0])
+    weights = np.repeat(np.array(of_loads, complex)[:, :, None], len(s), axis=2)
+    return contact_transfer(weights, _among(setup, _places(loads), n_samples), stiffness)
 
 
 @lru_cache(maxsize=16)

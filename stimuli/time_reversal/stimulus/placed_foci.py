@@ -4,21 +4,16 @@ from collections.abc import Mapping
 from dataclasses import KW_ONLY, dataclass
 from functools import lru_cache
 from itertools import combinations
-from math import dist, inf, log10
+from math import dist
 from typing import Final
 
 from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import distinct, expect, lookup
-from tactometry.contact import Contact
-from tactometry.signal import Signal
 
-from ...arrays import FloatArray
-from ..finger import FINGER_DIAMETER_M, Fingertip
+from ..finger import FINGER_DIAMETER_M
 from ..responses.responses import Point, Responses
-from .contact_force import contact_force_n
 from .focus_train import FocusTrain
-from .sensation import events, felt_amplitude_m, free_displacement
 from .setup import Setup
 
 AT_ONCE: Final = " + "
@@ -139,10 +134,11 @@ def _mean_of_model(setup: Setup, places: tuple[Point, ...]) -> Responses:
 @checked
 @dataclass(frozen=True)
 class FingersSensation:
-    """Sensation level of foci at each of some fingers that rest on named places, as each would feel it alone.
+    """What a scene of foci under fingers that rest on named places is made of, and nothing that computes
+    (`tactometry.stimuli.scenes.defaults.foci.default_scene`).
 
-    Each finger feels the field of all foci under it by `TimeReversalSensation` with ``criterion = "unloaded"``: that
-    fingers do not damp what others feel is an unverified simplification.
+    Each finger feels the field of all foci under it, by the amplitude of the free plate: that fingers do not damp what
+    others feel is an unverified simplification, which the effect `finger_load` of a scene does without.
 
     Parameters
     ----------
@@ -160,12 +156,8 @@ class FingersSensation:
 
     Examples
     --------
-    >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
-    >>> places = {"index": Place(0.10), "middle": Place(0.13)}
-    >>> signal = PlacedFoci(setup, f_max_hz=20e3, places=places, place="index").at(20.0)
-    >>> index_db, middle_db = FingersSensation(setup, places).fingers_db(signal, Contact(1.0))
-    >>> abs(round(index_db, 2)), middle_db < -3
-    (0.0, True)
+    >>> FingersSensation(Setup(), {"index": Place(0.10), "middle": Place(0.13)}).reference_m
+    1e-05
     """
 
     setup: Setup
@@ -174,49 +166,17 @@ class FingersSensation:
     reference_m: Positive = 10e-6
 
     def __post_init__(self) -> None:
-        distinct("FingersSensation.fingers", self.fingers, "each place once: two fingers do not fit on one")
-        at_m = {name: lookup("FingersSensation.fingers", name, self.places).on(self.setup) for name in self._resting}
-        for name, other in combinations(at_m, 2):
-            apart_m = dist(at_m[name], at_m[other])
-            wide = f"at least the {1e3 * FINGER_DIAMETER_M:g} mm of a fingertip; move a place or name fewer fingers"
-            found = f"{name} and {other} {1e3 * apart_m:.3g} mm apart"
-            expect(apart_m >= FINGER_DIAMETER_M * (1 - 1e-9), "FingersSensation.fingers", found, wide)
-
-    @property
-    def _resting(self) -> tuple[str, ...]:
-        return self.fingers or tuple(self.places)
-
-    def fingers_db(self, signal: Signal, contact: Contact) -> tuple[float, ...]:
-        """The level (dB) at each finger; ``-inf`` in silence and without contact.
-
-        Raises
-        ------
-        InvalidParameter
-            As `free_displacement`.
-        """
-        if contact.force_n == 0 or signal.peak == 0:
-            return (-inf,) * self.n_fingers
-        felt_m = (_felt_m(signal, self.setup, self.places[name].on(self.setup)) for name in self._resting)
-        return tuple(20 * log10(one_m / self.reference_m) for one_m in felt_m)
-
-    def sensation_db(self, signal: Signal, contact: Contact) -> float:
-        """The level (dB) at the finger that feels most."""
-        return max(self.fingers_db(signal, contact), default=-inf)
-
-    def contact_force_n(self, signal: Signal, contact: Contact) -> FloatArray:
-        """(n_samples,): what a linear contact does to the finger that it pulls most, on top of the force of each."""
-        places_m = (self.places[name].on(self.setup) for name in self._resting)
-        fingers = (Fingertip().load(at_m, contact.force_n) for at_m in places_m)
-        forces = (contact_force_n(self.setup, signal, [finger]) for finger in fingers)
-        return min(forces, key=lambda force: float(force.min(initial=0.0)))
-
-    @property
-    def n_fingers(self) -> int:
-        """How many fingers share the force of a touch."""
-        return len(self._resting)
+        check_fingers("FingersSensation.fingers", self.setup, self.places, self.fingers)
 
 
-@lru_cache(maxsize=32)
-def _felt_m(signal: Signal, setup: Setup, at_m: Point) -> float:
-    """What is felt of the free plate at a place, under any contact."""
-    return felt_amplitude_m(*events(free_displacement(signal, setup, at_m), signal.rate_hz))
+@checked
+def check_fingers(where: str, setup: Setup, places: Mapping[str, Place], fingers: tuple[str, ...]) -> None:
+    """Refuse fingers that rest on no place of a plate, or nearer to each other than a fingertip is wide; where none is
+    named they rest on every place."""
+    distinct(where, fingers, "each place once: two fingers do not fit on one")
+    at_m = {name: lookup(where, name, places).on(setup) for name in fingers or places}
+    for name, other in combinations(at_m, 2):
+        apart_m = dist(at_m[name], at_m[other])
+        wide = f"at least the {1e3 * FINGER_DIAMETER_M:g} mm of a fingertip; move a place or name fewer fingers"
+        found = f"{name} and {other} {1e3 * apart_m:.3g} mm apart"
+        expect(apart_m >= FINGER_DIAMETER_M * (1 - 1e-9), where, found, wide)

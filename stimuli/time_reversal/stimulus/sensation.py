@@ -1,5 +1,6 @@
 """What drives do at a place that something presses on: a finger's sensation level, a vibrometer's reading."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from math import inf
@@ -96,7 +97,7 @@ class TimeReversalSensation:
 
     @property
     def _place(self) -> Point:
-        return _place_m(self.setup, self.finger_x_m, self.finger_y_m)
+        return place_on(self.setup, self.finger_x_m, self.finger_y_m)
 
 
 @checked
@@ -139,7 +140,7 @@ class FocusReading:
 
     @property
     def place_m(self) -> Point:
-        return _place_m(self.setup, self.x_m, self.y_m)
+        return place_on(self.setup, self.x_m, self.y_m)
 
     def sensation_db(self, signal: Signal, contact: Contact) -> float:
         """The reading in dB re 1 nm; ``-inf`` for none."""
@@ -156,9 +157,9 @@ class FocusReading:
         return contact_force_n(self.setup, signal, self._loads(contact))
 
     @property
-    def presser(self) -> str:
+    def pressers(self) -> tuple[str, ...]:
         """What presses, in words."""
-        return self._presses.words
+        return (self._presses.words,)
 
     @property
     def _presses(self) -> Contactor:
@@ -168,7 +169,8 @@ class FocusReading:
         return self._presses.loads(self.setup.screen.plate, self.place_m, contact.force_n)
 
 
-def _place_m(setup: Setup, x_m: float | None, y_m: float | None) -> Point:
+@checked
+def place_on(setup: Setup, x_m: float | None, y_m: float | None) -> Point:
     """A place on the screen; what is not said of it is that of the focus."""
     at_x_m, at_y_m = setup.focus_m
     return at_x_m if x_m is None else x_m, at_y_m if y_m is None else y_m
@@ -193,17 +195,22 @@ def free_displacement(signal: Signal, setup: Setup, at_m: Point) -> FloatArray:
 
 
 @checked
-def loaded_displacement(free_m: Vector, setup: Setup, load: PlateLoad) -> FloatArray:
-    """(n_samples,): the displacement at a contact from that of the free plate there: U' = U / (1 + Z H).
+def loaded_displacements(free_m: FloatArray, setup: Setup, loads: Sequence[PlateLoad]) -> FloatArray:
+    """(n_loads, n_samples): the displacement at contacts from that of the free plate there: U' = (1 + H Z)^-1 U.
 
-    Exact for one linear contact; solved on the contour of `load.contour`, as in `load.loaded_responses`.
+    Exact for linear contacts, of which each moves the plate under the others; solved on the contour of `load.contour`,
+    as in `load.loaded_responses`.
     """
-    if load == PlateLoad(load.x_m, load.y_m):
+    shape("loaded_displacements.free_m", free_m, (len(loads), None))
+    if all(load == PlateLoad(load.x_m, load.y_m) for load in loads):
         return free_m
-    s, growth, n_fft = contour(len(free_m), setup.rate_hz)
-    receptance = _receptance(setup, (load.x_m, load.y_m), len(free_m))
-    spectrum = np.fft.rfft(free_m / growth, n_fft) / (1 + load.dynamic_stiffness(s) * receptance)
-    return np.asarray(np.fft.irfft(spectrum, n_fft)[: len(free_m)] * growth)
+    n = free_m.shape[1]
+    s, growth, n_fft = contour(n, setup.rate_hz)
+    stiffness = np.stack([load.dynamic_stiffness(s) for load in loads], axis=1)
+    system = np.eye(len(loads)) + _among(setup, tuple((load.x_m, load.y_m) for load in loads), n) * stiffness[:, None]
+    held = 1 / system if len(loads) == 1 else np.linalg.inv(system)
+    spectrum = np.einsum("fij,jf->if", held, np.fft.rfft(free_m / growth, n_fft))
+    return np.asarray(np.fft.irfft(spectrum, n_fft)[:, :n] * growth)
 
 
 @checked
@@ -307,9 +314,9 @@ def felt_amplitude_m(times_s: Vector, peaks_m: Vector) -> float:
 
 
 @lru_cache(maxsize=N_CACHED)
-def _receptance(setup: Setup, at_m: Point, n_samples: int) -> ComplexArray:
-    at = values_at(setup.screen, [at_m], setup.modes_to_hz)
-    return np.asarray(_receptances_of(setup, n_samples).between(at, at)[0, 0])
+def _among(setup: Setup, places: Places, n_samples: int) -> ComplexArray:
+    """(n_frequencies, n_places, n_places): receptances among places."""
+    return _receptances_of(setup, n_samples).among(values_at(setup.screen, list(places), setup.modes_to_hz))
 
 
 @lru_cache(maxsize=N_CACHED)

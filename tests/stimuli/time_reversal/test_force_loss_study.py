@@ -22,7 +22,7 @@ from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 from tactometry.stimuli.time_reversal.stimulus.sensation import (
     FocusReading,
     displacement_at_focus_m,
-    loaded_displacement,
+    loaded_displacements,
 )
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
@@ -90,7 +90,7 @@ def test_the_reading_is_the_loaded_plate_at_the_focus(kind, place):
 def test_a_finger_at_the_focus_reads_what_it_feels():
     finger = Fingertip().load(SMALL.focus_m, 2.0)
     free = displacement_at_focus_m(SMALL, drive(), [])
-    under = loaded_displacement(free, SMALL, finger)
+    under = loaded_displacements(free[None], SMALL, [finger])[0]
     assert displacement_at_focus_m(SMALL, drive(), [finger]) == pytest.approx(under, abs=1e-9 * np.abs(free).max())
 
 

@@ -28,7 +28,7 @@ from tactometry.stimuli.time_reversal.stimulus.sensation import (
     events,
     felt_amplitude_m,
     free_displacement,
-    loaded_displacement,
+    loaded_displacements,
     peaks,
 )
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
@@ -115,14 +115,14 @@ def test_the_displacement_under_the_finger_is_that_of_the_loaded_plate(mass_kg, 
     )
     expected = emitted(drive, heard)[0]
     free = free_displacement(drive, SMALL, SMALL.focus_m)
-    found = loaded_displacement(free, SMALL, finger.load(SMALL.focus_m, 2.0))
+    found = loaded_displacements(free[None], SMALL, [finger.load(SMALL.focus_m, 2.0)])[0]
     assert np.linalg.norm(found - expected) < 0.02 * np.linalg.norm(expected)
 
 
 def test_a_pin_holds_the_plate_still():
     drive = train().at(20.0)
     free = free_displacement(drive, SMALL, SMALL.focus_m)
-    pinned = loaded_displacement(free, SMALL, PlateLoad(*SMALL.focus_m, stiffness_n_per_m=1e20))
+    pinned = loaded_displacements(free[None], SMALL, [PlateLoad(*SMALL.focus_m, stiffness_n_per_m=1e20)])[0]
     assert np.abs(pinned).max() < 1e-9 * np.abs(free).max()
 
 
