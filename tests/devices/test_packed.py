@@ -237,6 +237,24 @@ def test_a_stop_ends_a_stream_that_is_being_sent_to_a_board_that_hangs(board):
     assert board.wakes_and_ends_with() == SILENCE
 
 
+def test_a_board_that_has_not_all_of_a_stream_when_it_is_over_played_nothing(board):
+    """A touch ends with a stop, and asks for gaps behind it: it was valid, with nothing under the finger."""
+    output = output_to(board)
+    board.hang()
+    for plays_s, n_gaps in ((0.0, 0), (LONG.duration_s, 1)):  # what is cut short tells nothing of the board
+        output.play(LONG)
+        time.sleep(plays_s)
+        output.stop()
+        assert output.n_gaps() == n_gaps
+    output.play(LONG)
+    time.sleep(LONG.duration_s)
+    with pytest.raises(
+        DeviceFailed, match=r"took \d+ bytes of a stream up to the next one, expected all: what was asked"
+    ):
+        output.play(LONG)
+    output.close()
+
+
 def test_a_stop_that_a_board_does_not_read_is_a_failure_and_what_waits_is_taken_back(board):
     """The whole stream waits in the pipe: it must not play when the board wakes up."""
     output = output_to(board)

@@ -72,7 +72,12 @@ WHOLE = {"time-reversal-threshold": 450, "time-reversal-patterns": 7, "hybrid-bu
 """Trials of a session of the built-in study."""
 LOOPED = tuple(WHOLE) if SOAK else ("time-reversal-threshold",)
 """A terminal device takes 4 kB at a time: on a busy machine not each stream of the others in its time."""
-SESSIONS = [*((name, way) for name in WHOLE for way in ("file", "pipe")), *((name, "loopback") for name in LOOPED)]
+LOWEST_V = 20.0
+COMMANDED = f"lowest_supply_v = {LOWEST_V}"
+FIXED = [*((name, way, "") for name in WHOLE for way in ("file", "pipe")), *((name, "loopback", "") for name in LOOPED)]
+WAYS = {"time-reversal-threshold": "loopback", "time-reversal-patterns": "file", "hybrid-button": "pipe"}
+SESSIONS = FIXED + [(name, way, COMMANDED) for name, way, _ in FIXED if SOAK or WAYS[name] == way]
+"""With one supply each way; with one that is commanded each way at full size."""
 PATIENCE_S = 1000.0 if SOAK else 20.0
 ELECTRODE, PLATES = 4, [channel for channel in range(33) if channel != 4]
 
@@ -99,11 +104,11 @@ def short(name, folder):
     return path
 
 
-def on_the_console(capsys, monkeypatch, folder, study):
+def on_the_console(capsys, monkeypatch, folder, study, *more):
     """A session with the bench in a folder; where 1 is no answer, as of a load in steps of 5, the next line is."""
     monkeypatch.setattr("sys.stdin", io.StringIO("1\n5\n" * 5000))
     words = ("run", study, "--participant", "P01", "--rig", "console", "--bench", folder / "bench.toml")
-    return call(capsys, *words, "--out", folder / "d")
+    return call(capsys, *words, "--out", folder / "d", *more)
 
 
 def streams(content):
@@ -155,11 +160,18 @@ def emitted(request, tmp_path, in_background):
     return os.ttyname(node), content
 
 
-@pytest.mark.parametrize(("name", "emitted"), SESSIONS, indirect=["emitted"])
-def test_a_session_is_complete_and_the_board_decodes_what_was_asked_for(name, emitted, tmp_path, capsys, monkeypatch):
+@pytest.mark.parametrize(
+    ("name", "emitted", "more"),
+    SESSIONS,
+    indirect=["emitted"],
+    ids=lambda value: "commanded" if value == COMMANDED else None,
+)
+def test_a_session_is_complete_and_the_board_decodes_what_was_asked_for(
+    name, emitted, more, tmp_path, capsys, monkeypatch
+):
     """At full size the studies as they are built in, each trial of them."""
     path, content = emitted
-    bench, study = board_in(tmp_path, path), name if SOAK else short(name, tmp_path)
+    bench, study = board_in(tmp_path, path, more=more), name if SOAK else short(name, tmp_path)
     status, said, _ = on_the_console(capsys, monkeypatch, tmp_path, study)
     assert status == 0, said
     rows = trial_rows(tmp_path / "d")
@@ -178,8 +190,15 @@ def test_a_session_is_complete_and_the_board_decodes_what_was_asked_for(name, em
         assert answer.digest == signal.digest()
         if (what := (asked.stimulus, asked.level, answer.digest)) not in checked:  # of equal ones one is enough
             checked.add(what)
-            check_decoded(experiment.bank[asked.stimulus], asked.level, signal)
+            supply_v = commanded_v(experiment, asked) if more else SUPPLY_V
+            check_decoded(experiment.bank[asked.stimulus], asked.level, signal, supply_v)
     assert len(bank_on(experiment, bench)) == len({asked.stimulus for asked, _ in felt})
+
+
+def commanded_v(experiment, asked):
+    """In proportion to the level, from the highest of the stimulus down to the lowest supply."""
+    highest = experiment.bounds(asked.stimulus)[1]
+    return max(SUPPLY_V * 10 ** ((asked.level - highest) / 20), LOWEST_V)
 
 
 def check_decoded(stimulus, level, signal, supply_v=SUPPLY_V):
@@ -297,7 +316,57 @@ def test_a_commanded_supply_makes_foci_of_every_level_by_the_same_bits(tmp_path)
     assert np.count_nonzero(signals[10.0].samples) < np.count_nonzero(signals[14.0].samples)  # below it, bursts
 
 
-COMMANDED = "lowest_supply_v = 20.0"
+class Supplying:
+    """A board at the end of a pipe, which plays until it is to set a supply below one that it reaches; then it closes
+    its line, or waits for its supply with no eye on the line."""
+
+    def __init__(self, pipe, lowest_v, *, closes):
+        self.pipe, self.lowest_v, self.closes = pipe, lowest_v, closes
+        self.n_played, self.ended = 0, threading.Event()
+
+    def run(self):
+        with self.pipe.open("rb") as line:
+            while header := line.read(HEADER_BYTES):
+                [supply_v], n_samples = np.frombuffer(header[24:32]), int.from_bytes(header[32:40], "little")
+                if n_samples and supply_v < self.lowest_v:
+                    break
+                line.read(n_samples * int.from_bytes(header[8:10], "little") * word_bytes(33))
+                self.n_played += n_samples > 0
+            if header and not self.closes:
+                self.ended.wait(PATIENCE_S)
+
+
+@pytest.mark.parametrize(
+    ("closes", "words"),
+    [
+        (True, "board: the board took no more (Broken pipe); the output stopped"),
+        (False, "what was asked for before this"),
+    ],
+    ids=["a supply that is refused", "a supply that does not come"],
+)
+def test_a_supply_that_fails_ends_the_session_and_loses_nothing(
+    closes, words, tmp_path, capsys, monkeypatch, in_background
+):
+    """A board whose supply does not come was taken to have played: its trials were valid, with nothing on the plate."""
+    pipe, study = tmp_path / "board", short("time-reversal-threshold", tmp_path)
+    os.mkfifo(pipe)
+    board_in(tmp_path, pipe, more=COMMANDED)
+    failing = Supplying(pipe, 60.0, closes=closes)
+    in_background(failing.run)
+    status, said, _ = on_the_console(capsys, monkeypatch, tmp_path, study)
+    failing.ended.set()
+    assert status == 3, said
+    assert words in said
+    assert "Traceback" not in said
+    kept = trial_rows(tmp_path / "d")
+    sound = Supplying(pipe, LOWEST_V * (1 - 1e-9), closes=True)
+    in_background(sound.run)
+    status, said, _ = on_the_console(capsys, monkeypatch, tmp_path, study, "--resume")
+    assert status == 0, said
+    rows = trial_rows(tmp_path / "d")
+    assert len(kept) < len(rows)
+    assert rows[: len(kept)] == kept
+    assert call(capsys, "validate", tmp_path / "d")[0] == 0
 
 
 def test_a_board_that_says_no_supply_below_its_own_keeps_it(tmp_path):

@@ -9,15 +9,13 @@ import numpy as np
 import pytest
 from command_line import call
 from emulated import Emulator
-from tables import trial_rows
 from texture_bench import (
     POSITION,
     RELEASED,
     console_session,
-    paths_in,
-    stretches,
     texture_bench,
     texture_study,
+    touches_heard_as_asked,
 )
 
 from tactometry.devices.outputs.frame_feed import FollowingFeed
@@ -32,34 +30,13 @@ from tactometry.experiments.study.study_file import parse
 from tactometry.followed import N_KEPT, FingerPath, FollowedSignal, felt_under
 from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
-from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import FollowedTexture, Grating, Region
-
-FULL_SCALE_V = 100.0
-
-
-def stimulus_of(study):
-    return next(iter(wire(parse(study.read_bytes(), "s.toml"), "s.toml").bank.values()))
 
 
 @pytest.fixture
 def needed():
     if importlib.util.find_spec("sounddevice") is None:
         pytest.skip("no sounddevice: extra audio")
-
-
-def numbers_of(stimulus, path):
-    """What the card should get (n_frames,) under the finger of a path, as whole numbers of 16 bits."""
-    strongest = stimulus.at(34.0)
-    k = np.trunc(strongest.samples / FULL_SCALE_V * 32767)
-    return np.trunc(felt_under(stimulus, Signal(k, strongest.rate_hz, "V"), *path).samples[0])
-
-
-def alike(record, wanted, threshold):
-    """Whether both are the same from the first sample above a threshold to the last: positions are kept rounded."""
-    ends = (np.flatnonzero(np.abs(samples) > threshold)[[0, -1]] for samples in (record, wanted))
-    record, wanted = (samples[first : last + 1] for samples, (first, last) in zip((record, wanted), ends, strict=True))
-    return len(record) == len(wanted) and np.abs(record - wanted).max() <= 2
 
 
 def test_what_the_sink_hears_is_what_the_measured_positions_ask_for(needed, sink, tmp_path, capsys):
@@ -74,16 +51,7 @@ def test_what_the_sink_hears_is_what_the_measured_positions_ask_for(needed, sink
     finally:
         device.close()
     assert status == 0, errors
-    rows, paths = trial_rows(tmp_path / "d"), paths_in(tmp_path / "d")
-    heard = stretches(frames)
-    touched = [row for row in rows if row["positions_digest"]]
-    assert len(heard) == len(touched) >= 2, rows
-    stimulus, n_like = stimulus_of(study), 0
-    for row, record in zip(touched, heard, strict=True):
-        wanted = numbers_of(stimulus, paths[row["positions_digest"]])
-        if row["valid"] == "1" and row["positions_late"] == "0":
-            n_like += any(alike(record[:, 0].astype(float), wanted, threshold) for threshold in (100, 150, 200))
-    assert n_like >= 1, rows
+    touched = touches_heard_as_asked(study, tmp_path / "d", frames)
     assert validate(tmp_path / "d").defects == ()
     (positions,) = (tmp_path / "d" / "journals").glob("*_positions.tsv")
     kept = positions.read_bytes()

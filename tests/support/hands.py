@@ -34,3 +34,12 @@ class Hands:
         self._send(self._X.MotionNotify, x=round(width / 2 + x * height), y=round(height / 2 - y * height))
         self._send(self._X.ButtonPress, 1)
         self._send(self._X.ButtonRelease, 1)
+
+    def point(self, x_px, y_px):
+        """Move the pointer of the display: where the server says that it is then, px."""
+        self._send(self._X.MotionNotify, x=x_px, y=y_px)
+        place = self._display.screen().root.query_pointer()
+        return place.root_x, place.root_y
+
+    def close(self):
+        self._display.close()

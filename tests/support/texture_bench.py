@@ -7,8 +7,14 @@ import numpy as np
 from benches import gain_toml
 from patience import LONGEST_PROGRAM_S
 from study_texts import changed
+from tables import trial_rows
 
-from tactometry.experiments.study.study_file import load
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load, parse
+from tactometry.followed import felt_under
+from tactometry.signal import Signal
+
+FULL_SCALE_V = 100.0
 
 METRES_PER_COUNT = 5e-5
 """Of the emulator's count of its samples, of which it takes a thousand a second: the finger moves at 50 mm/s."""
@@ -107,3 +113,38 @@ def stretches(frames, least=4800):
     cuts = np.flatnonzero(np.diff(heard) > least)
     firsts, lasts = np.r_[heard[:1], heard[cuts + 1]], np.r_[heard[cuts], heard[-1:]]
     return [frames[first : last + 1] for first, last in zip(firsts, lasts, strict=True)]
+
+
+def touches_heard_as_asked(study, data, frames):
+    """The rows of all touches of a session, after a look at what the sink heard (n_frames, n_channels).
+
+    As many stretches as touches, and where no place was late, each sample as the places in the data set ask for.
+    """
+    rows, paths = trial_rows(data), paths_in(data)
+    touched, heard = [row for row in rows if row["positions_digest"]], stretches(frames)
+    assert len(heard) == len(touched) >= 2, rows
+    stimulus, n_alike = next(iter(wire(parse(study.read_bytes(), "s.toml"), "s.toml").bank.values())), 0
+    for row, record in zip(touched, heard, strict=True):
+        if row["valid"] == "1" and row["positions_late"] == "0":
+            n_alike += alike(record[:, 0].astype(float), numbers_of(stimulus, paths[row["positions_digest"]]))
+    assert n_alike >= 1, rows
+    return touched
+
+
+def numbers_of(stimulus, path):
+    """What the card should get (n_frames,) under the finger of a path, as whole numbers of 16 bits."""
+    strongest = stimulus.at(34.0)
+    k = np.trunc(strongest.samples / FULL_SCALE_V * 32767)
+    return np.trunc(felt_under(stimulus, Signal(k, strongest.rate_hz, "V"), *path).samples[0])
+
+
+def alike(record, wanted):
+    """Whether both are the same from the first sample above one of some thresholds to the last: positions are kept
+    rounded."""
+    return any(_alike_above(threshold, record, wanted) for threshold in (100, 150, 200))
+
+
+def _alike_above(threshold, record, wanted):
+    ends = (np.flatnonzero(np.abs(samples) > threshold)[[0, -1]] for samples in (record, wanted))
+    record, wanted = (samples[first : last + 1] for samples, (first, last) in zip((record, wanted), ends, strict=True))
+    return len(record) == len(wanted) and np.abs(record - wanted).max() <= 2

@@ -23,7 +23,7 @@ from ...errors import DeviceFailed, InvalidParameter
 from ...signal import Signal
 from .bit_stream import decode, encode, stop_stream
 from .gain import Gain, SignalChain, required_gain
-from .output import AmplifiedDriver
+from .output import LONGEST_WORD_S, AmplifiedDriver
 
 OPEN_WITHIN_S: Final = 5.0
 """A board that does not read yet is waited for."""
@@ -241,6 +241,7 @@ class PackedOutput(AmplifiedDriver):
         self._stream_of = functools.lru_cache(maxsize=1)(encode)
         """The stream of a signal; the last one is kept, so that `play` begins at once."""
         self._n_bytes = 0
+        self._over_s, self._is_torn = 0.0, False
 
     def facts(self) -> dict[str, str | int | float | None]:
         return {"n_bytes": self._n_bytes + (0 if self._sending is None else self._sending.n_sent)}
@@ -286,12 +287,23 @@ class PackedOutput(AmplifiedDriver):
         if not self._is_open:
             raise DeviceFailed(f"output {self.name!r}: it is closed, nothing was played; open it first")
         with self._turn:
-            self._finish()
+            self._end_whole()
             # a stop that the board did not read has let its line go
             self._line = self._line or open_line(self._path, AGAIN_WITHIN_S)
             onset_s = time.perf_counter()
+            self._over_s, self._is_torn = onset_s + signal.duration_s, False
             self._sending = Sending(self._line, self._stream_of(signal), signal.duration_s + SEND_BESIDE_S)
         return onset_s
+
+    def _end_whole(self) -> None:
+        """As `_finish`, before another signal: nobody has asked for gaps since then."""
+        before = self._sending
+        self._finish()
+        if before is not None and self._is_torn:
+            raise DeviceFailed(
+                f"{self._path}: the board took {before.n_sent} bytes of a stream up to the next one, expected all: "
+                "what was asked for before this was not played; restart the board"
+            )
 
     def _finish(self) -> None:
         """End what is being sent; a line with a torn stream is let go."""
@@ -300,10 +312,16 @@ class PackedOutput(AmplifiedDriver):
             return
         whole = sending.end(STOP_WITHIN_S)
         self._n_bytes += sending.n_sent
+        self._is_torn = not whole and time.perf_counter() >= self._over_s
         if not whole:
             self._let_go()
         if sending.failure is not None:
             raise sending.failure
+
+    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int:
+        """1 where the signal was over before the board had all of its stream: it played nothing."""
+        del longest_wait_s
+        return int(self._is_torn)
 
     def stop(self) -> None:
         """Zero now, within twice `STOP_WITHIN_S`.
