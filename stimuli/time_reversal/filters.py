@@ -12,6 +12,7 @@ from tactometry.arguments.require import within
 from tactometry.errors import InvalidParameter
 
 from ..arrays import ComplexArray, FloatArray
+from ..fast_length import fast_length
 
 AUDIBLE_MAX_HZ: Final = 20e3
 """Where the audible-band filter begins to pass; unverified default."""
@@ -28,10 +29,8 @@ class GainCurve(Protocol):
 @checked
 def filtered(samples: FloatArray, rate_hz: Positive, gain: GainCurve) -> FloatArray:
     """Samples (..., n) behind a linear element; what rings beyond the end, or before the beginning, is cut off."""
-    from scipy.fft import next_fast_len
-
     n = samples.shape[-1]
-    n_fft = int(next_fast_len(max(2 * n, 1), real=True))  # what wraps round falls into zeros that are cut off
+    n_fft = fast_length(max(2 * n, 1))  # what wraps round falls into zeros that are cut off
     frequency_hz = np.asarray(np.fft.rfftfreq(n_fft, 1 / rate_hz), float)
     return np.asarray(np.fft.irfft(np.fft.rfft(samples, n_fft) * gain.at(frequency_hz), n_fft)[..., :n])
 

@@ -14,7 +14,7 @@ from tactometry.stimuli.perception.detection import blackman_harris
 DRAWING_AND_TABLES = {"matplotlib", "pandas", "statsmodels", "pingouin"}
 NEVER = {
     ("scene", "electrovibration-panel"): {*DRAWING_AND_TABLES, "numba", "scipy"},
-    ("scene", "a4-screen"): {*DRAWING_AND_TABLES, "scipy.signal", "scipy.optimize", "scipy.stats"},
+    ("scene", "a4-screen"): {*DRAWING_AND_TABLES, "numba", "scipy"},
     ("studies",): {*DRAWING_AND_TABLES, "numba", "scipy"},
 }
 ASK = """

@@ -7,12 +7,12 @@ import numpy as np
 
 from tactometry.errors import InvalidParameter
 
-from ...arrays import ComplexArray, FloatArray, real_product
+from ...arrays import ComplexArray, FloatArray
 from ...time_reversal.finger import Fingertip
-from ...time_reversal.responses.load import PlateLoad, contact_transfer
+from ...time_reversal.responses.load import CHUNK, PlateLoad, compliances, contact_transfer
 from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import PointForce
-from .motion import PlateMotion, answer, moving_modes
+from .motion import PlateMotion, moving_modes
 
 Numbers = tuple[float, ...]
 
@@ -24,11 +24,14 @@ def loaded_motion(motion: PlateMotion, x_m: Numbers, y_m: Numbers, force_n: Numb
     _check_places(motion.screen, contacts)
     places = tuple(PointForce(contact.x_m, contact.y_m) for contact in contacts)
     screen = replace(motion.screen, sources=(*motion.screen.sources, *places))
-    forces = _forces(motion, screen, contacts)
-    oscillators, at = moving_modes(screen, motion.modes_to_hz, motion.static_to_hz)
-    pushed = np.ascontiguousarray(at[:, -len(places) :])
-    amplitude = answer(oscillators, screen.plate.mass_kg, motion.s, lambda part: real_product(pushed, -forces[:, part]))
-    amplitude += motion.amplitude
+    amplitude, forces = np.empty_like(motion.amplitude), np.empty((len(contacts), len(motion.s)), complex)
+    for start in range(0, len(motion.s), CHUNK):  # what is computed on the way takes no more memory than these
+        part = slice(start, start + CHUNK)
+        free = motion.among(part)
+        units = [_unit_motion(replace(free, screen=replace(screen, sources=places)), n) for n in range(len(places))]
+        forces[:, part] = _forces(free, units, contacts)
+        pulled = sum(unit.amplitude * force for unit, force in zip(units, forces[:, part], strict=True))
+        np.subtract(free.amplitude, pulled, out=amplitude[:, part])
     return replace(motion, screen=screen, amplitude=amplitude, played=np.vstack([motion.played, -forces]))
 
 
@@ -42,22 +45,21 @@ def contact_force(motion: PlateMotion, oversampling: int, n: int) -> FloatArray:
     return motion.course(-motion.played[-n:], oversampling)
 
 
-def _forces(motion: PlateMotion, screen: Screen, contacts: Sequence[PlateLoad]) -> ComplexArray:
-    """(n_contacts, n_frequencies): on the fingers, Z (1 + H Z)^-1 U."""
+def _forces(motion: PlateMotion, units: Sequence[PlateMotion], contacts: Sequence[PlateLoad]) -> ComplexArray:
+    """(n_contacts, n_frequencies): on the fingers, Z (1 + H Z)^-1 U, from the motions by a unit force at each."""
     points = tuple((contact.x_m, contact.y_m) for contact in contacts)
-    unit = replace(motion, screen=replace(screen, sources=screen.sources[-len(contacts) :]))
-    among = np.stack([_unit_motion(unit, n).of_points(points) for n in range(len(contacts))], axis=1)
+    among = np.stack([unit.of_points(points) for unit in units], axis=1)
     stiffness = np.stack([contact.dynamic_stiffness(motion.s) for contact in contacts], axis=1)
     free = motion.of_points(points)[None]
     return np.asarray(contact_transfer(free, among.transpose(2, 0, 1), stiffness)[0])
 
 
 def _unit_motion(unit: PlateMotion, contact: int) -> PlateMotion:
-    """The motion by a unit force at one contact, at every frequency."""
+    """The motion by a unit force at one contact, at each frequency."""
     played = np.zeros((len(unit.screen.sources), len(unit.s)), complex)
     played[contact] = 1.0
     oscillators, at = moving_modes(unit.screen, unit.modes_to_hz, unit.static_to_hz)
-    amplitude = answer(oscillators, unit.screen.plate.mass_kg, unit.s, lambda part: at[:, contact, None])
+    amplitude = at[:, contact, None] * compliances(oscillators, unit.screen.plate.mass_kg, unit.s)
     return replace(unit, amplitude=amplitude, played=played)
 
 

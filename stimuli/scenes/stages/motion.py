@@ -16,7 +16,7 @@ from tactometry.errors import InvalidParameter
 from ...arrays import ComplexArray, FloatArray, real_product
 from ...time_reversal.oscillators.oscillators import Oscillators
 from ...time_reversal.plate.modes import Modes, values
-from ...time_reversal.responses.load import CHUNK, Receptances, contour
+from ...time_reversal.responses.load import CHUNK, compliances, contour
 from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import PointForce
 from .emission import EmittedSignal, Points
@@ -55,6 +55,10 @@ class PlateMotion:
     def modes(self) -> Modes:
         """Those that move, and behind them those that follow."""
         return self.screen.modes(self.static_to_hz)
+
+    def among(self, part: slice) -> "PlateMotion":
+        """The same at some of the frequencies."""
+        return replace(self, amplitude=self.amplitude[:, part], played=self.played[:, part], s=self.s[part])
 
     def turning(self, t_s: FloatArray) -> ComplexArray:
         """(n_frequencies, n_times): what brings spectra to times from the focus instant."""
@@ -165,7 +169,7 @@ def answer(
     amplitude = np.empty((len(oscillators.omega_rad_per_s), len(s)), complex)
     for start in range(0, len(s), CHUNK):
         part = slice(start, start + CHUNK)
-        amplitude[:, part] = push(part) * Receptances.of(oscillators, mass_kg, s[part]).compliance
+        np.multiply(push(part), compliances(oscillators, mass_kg, s[part]), out=amplitude[:, part])
     return amplitude
 
 

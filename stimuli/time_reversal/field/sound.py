@@ -16,6 +16,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray
+from ...fast_length import COMPLEX, fast_length
 from ..oscillators.oscillators import Oscillators
 from ..plate.plate import Plate
 from ..responses.responses import chunks
@@ -153,12 +154,10 @@ def velocity_spectrum(screen: Screen, signal: Signal, f_max_hz: float) -> tuple[
     Its integral over frequency is the time integral of the mean over the plate of v^2 (m^2/s). Since
     <phi^2> = 1 the mean over the plate is the sum over modes.
     """
-    from scipy.fft import next_fast_len
-
     positive("Screen.attenuation", tau_s=screen.attenuation.tau_s)
     oscillators = screen.oscillators(f_max_hz)
     n_ringing = round(6 * screen.attenuation.tau_s * signal.rate_hz)  # until e^-12 of the energy is left
-    n_fft = int(next_fast_len(2 * signal.samples.shape[1] + n_ringing))
+    n_fft = fast_length(2 * signal.samples.shape[1] + n_ringing, COMPLEX)
     frequency_hz = np.fft.rfftfreq(n_fft, 1 / signal.rate_hz)
     played = np.fft.rfft(signal.samples, n_fft) / signal.rate_hz
     w = np.asarray(2 * np.pi * frequency_hz, float)

@@ -17,6 +17,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray
+from ...fast_length import fast_length
 from ..filters import Band
 from ..responses.load import Attached, loaded_responses
 from ..responses.responses import Point, Responses, band_limited, samples_in
@@ -106,13 +107,11 @@ def drive(
 @checked
 def emitted(signal: Signal, responses: Responses) -> FloatArray:
     """(n_points, n_samples + n_response_samples - 1): the time signal at every point, by fast convolution."""
-    from scipy.fft import next_fast_len
-
     _same_channels(signal, responses)
     n = max(signal.samples.shape[1] + responses.n_samples - 1, 0)
     if signal.samples.shape[1] == 0 or responses.n_samples == 0:
         return np.zeros((responses.n_points, n))
-    n_fft = int(next_fast_len(n, real=True))
+    n_fft = fast_length(n)
     spectrum = np.einsum("qf,pqf->pf", np.fft.rfft(signal.samples, n_fft), np.fft.rfft(responses.samples, n_fft))
     return np.asarray(np.fft.irfft(spectrum, n_fft)[:, :n])
 

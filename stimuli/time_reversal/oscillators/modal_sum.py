@@ -16,10 +16,10 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
-from ...arrays import ComplexArray, FloatArray, IntArray
+from ...arrays import ComplexArray, FloatArray, IndexArray, IntArray
+from ...fast_length import fast_length
 from .oscillators import Oscillators, turns
 
 WIDTH: Final = 16
@@ -35,6 +35,10 @@ FEWEST_MODES: Final = 64
 SHORTEST: Final = 128
 TILE: Final = 32
 """Pairs that are transformed together: their grids stay in cache."""
+BLOCK: Final = 64
+"""Bins that are filled by one matrix product."""
+BESSEL: Final = 1 / np.cumprod(np.r_[1.0, np.arange(1.0, 57.0)]) ** 2
+"""1 / k!^2: ``I_0(2 w^(1/2)) = sum_k w^k / k!^2`` (Abramowitz and Stegun, 9.6.10), to the last digit up to w = 400."""
 
 
 def modal_sums(
@@ -62,7 +66,8 @@ def modal_sums(
     fast = _alike(oscillators, (stop - start) / rate_hz)
     if stop - start < SHORTEST or np.count_nonzero(fast) < FEWEST_MODES:
         return np.matmul(weights, oscillators.impulse(rate_hz, start, stop, quantity), out=total)
-    _transform(oscillators.of(fast), weights[:, fast], rate_hz, start, quantity, total)
+    ascending = np.flatnonzero(fast)[np.argsort(oscillators.split_rad_per_s[fast], kind="stable")]
+    _transform(oscillators.of(ascending), weights[:, ascending], rate_hz, start, quantity, total)
     if not fast.all():
         total += weights[:, ~fast] @ oscillators.of(~fast).impulse(rate_hz, start, stop, quantity)
     return total
@@ -77,9 +82,7 @@ class _Grid:
 
     @classmethod
     def of(cls, n: int) -> "_Grid":
-        from scipy.fft import next_fast_len
-
-        return cls(n, 2 * int(next_fast_len(math.ceil(LONGER * n / 2), real=True)))
+        return cls(n, 2 * fast_length(math.ceil(LONGER * n / 2)))
 
     @property
     def middle(self) -> int:
@@ -97,9 +100,9 @@ class _Grid:
 
     def kernel(self, bins: ComplexArray) -> ComplexArray:
         """I_0(beta (1 - (2 x / width)^2)^(1/2)) at distances x in bins, complex for a decay."""
-        from scipy.special import iv
-
-        return np.asarray(iv(0, self.beta * np.sqrt(1 - (2 * bins / WIDTH) ** 2)))
+        return np.asarray(
+            np.polynomial.polynomial.polyval((self.beta / 2) ** 2 * (1 - (2 * bins / WIDTH) ** 2), BESSEL)
+        )
 
     def transform(self) -> FloatArray:
         """(n,): the kernel's Fourier transform at the samples, width sinh(r) / r."""
@@ -124,8 +127,9 @@ def _common_decay(oscillators: Oscillators) -> float:
 def _transform(
     oscillators: Oscillators, weights: FloatArray, rate_hz: float, start: int, quantity: str, out: FloatArray
 ) -> None:
+    """The sums over modes in ascending order, written to `out`."""
     grid = _Grid.of(out.shape[1])
-    first, kernel = _spread_kernel(oscillators, grid, rate_hz, start, quantity)
+    kernels, modes = _in_blocks(grid, *_spread_kernel(oscillators, grid, rate_hz, start, quantity))
     # the decay that the modes share is no part of the transform: from the middle, where their phases are taken
     decay = np.exp(-_common_decay(oscillators) / rate_hz * (np.arange(grid.n) - grid.middle))
     scale = decay * (grid.n_fft / 2) / grid.transform()
@@ -133,7 +137,7 @@ def _transform(
     late, early = slice(grid.middle, None), slice(None, grid.middle)
     for row in range(0, len(weights), TILE):
         rows = out[row : row + TILE]
-        signal = _tile(weights[row : row + TILE], first, kernel, grid)
+        signal = _tile(weights[row : row + TILE], kernels, modes, grid)
         np.multiply(signal[:, : grid.n - grid.middle], scale[late], out=rows[:, late])
         np.multiply(signal[:, grid.n_fft - grid.middle :], scale[early], out=rows[:, early])
     if start == 0 and quantity == "displacement":
@@ -153,25 +157,27 @@ def _spread_kernel(
     return first, -1j * oscillators.analytic(rate_hz, start + grid.middle, quantity)[:, None] * values
 
 
-def _tile(weights: FloatArray, first: IntArray, kernel: ComplexArray, grid: _Grid) -> FloatArray:
-    """(n_rows, n_fft): what the spread bins become in time; bins beyond 0 and Nyquist fold back, conjugate."""
-    from scipy.fft import irfft
+def _in_blocks(grid: _Grid, first: IntArray, kernel: ComplexArray) -> tuple[FloatArray, IndexArray]:
+    """(n, 2 (BLOCK + width)): kernels among the bins of the block in which they begin, as pairs of real numbers.
 
-    wide = np.zeros((len(weights), 2 * (grid.n_bins + 2 * WIDTH)))
-    _spread(weights, kernel.view(float), first + WIDTH, wide)
-    bins = wide.view(complex)
+    And (n_blocks + 1,): the modes of each block, in order. The first bins are ascending, from -width.
+    """
+    blocks, place = np.divmod(first + WIDTH, BLOCK)
+    kernels = np.zeros((len(first), BLOCK + WIDTH), complex)
+    np.put_along_axis(kernels, place[:, None] + np.arange(WIDTH), kernel, axis=1)
+    n_blocks = (grid.n_bins + 2 * WIDTH) // BLOCK + 1
+    return kernels.view(float), np.searchsorted(blocks, np.arange(n_blocks + 1))
+
+
+def _tile(weights: FloatArray, kernels: FloatArray, modes: IndexArray, grid: _Grid) -> FloatArray:
+    """(n_rows, n_fft): what the spread bins become in time; bins beyond 0 and Nyquist fold back, conjugate."""
+    bins = np.zeros((len(weights), (len(modes) - 1) * BLOCK + WIDTH), complex)
+    wide = bins.view(float)
+    for block in np.flatnonzero(np.diff(modes)).tolist():
+        inside = slice(modes[block], modes[block + 1])
+        wide[:, 2 * BLOCK * block :][:, : kernels.shape[1]] += weights[:, inside] @ kernels[inside]
     spectrum = bins[:, WIDTH : WIDTH + grid.n_bins]
     spectrum[:, :WIDTH] += np.conj(bins[:, WIDTH:0:-1])
     last = WIDTH + grid.n_bins - 1
     spectrum[:, -WIDTH:] += np.conj(bins[:, last : last + WIDTH][:, ::-1])
-    return np.asarray(irfft(spectrum, grid.n_fft))
-
-
-@njit(cache=True, fastmath=True)  # type: ignore[untyped-decorator]
-def _spread(weights: FloatArray, kernel: FloatArray, first: IntArray, wide: FloatArray) -> None:
-    n_rows, n_modes = weights.shape
-    for row in range(n_rows):
-        for mode in range(n_modes):
-            weight, at = weights[row, mode], 2 * first[mode]
-            for k in range(2 * WIDTH):
-                wide[row, at + k] += weight * kernel[mode, k]
+    return np.fft.irfft(spectrum, grid.n_fft)

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments.require import expect, one_of, positive
 
-from ...arrays import ComplexArray, FloatArray
+from ...arrays import ComplexArray, FloatArray, IndexArray
 
 BLOCK: Final = 64
 STILL_RAD_PER_S: Final = 1e-150
@@ -95,7 +95,7 @@ class Oscillators:
         """(n,): at one sample, what the response of each mode, all swinging, is the imaginary part of."""
         return self._phasor(np.array([float(sample)]), rate_hz)[:, 0] * self._weight(quantity)
 
-    def of(self, which: NDArray[np.bool_]) -> "Oscillators":
+    def of(self, which: NDArray[np.bool_] | IndexArray) -> "Oscillators":
         """Some of the modes."""
         return Oscillators(self.omega_rad_per_s[which], self.decay_per_s[which])
 

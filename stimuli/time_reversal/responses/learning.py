@@ -23,6 +23,7 @@ from tactometry.files.durable import read_file
 from tactometry.files.samples import Npz
 
 from ...arrays import FloatArray
+from ...fast_length import fast_length
 from ..oscillators.oscillators import QUANTITIES
 from .responses import Responses, samples_in
 
@@ -122,11 +123,9 @@ def deconvolve(
     >>> deconvolve(pulse, np.convolve(pulse, h), 3, regularisation=0.0).round(9).tolist()
     [0.0, 2.0, -1.0]
     """
-    from scipy.fft import next_fast_len
-
     within("deconvolve", 1, recorded.shape[-1], n_samples=n_samples)
     within("deconvolve", 0.0, 1e6, regularisation=regularisation)
-    n_fft = int(next_fast_len(played.shape[-1] + recorded.shape[-1], real=True))
+    n_fft = fast_length(played.shape[-1] + recorded.shape[-1])
     spectrum = np.fft.rfft(played, n_fft)
     power = np.square(np.abs(spectrum))
     expect(power.any(), "played", "zeros alone", "an excitation")

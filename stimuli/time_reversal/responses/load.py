@@ -19,6 +19,7 @@ from tactometry.arguments.require import shape, whole
 from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray, real_product
+from ...fast_length import fast_length
 from ..oscillators.oscillators import Oscillators
 from ..screen.screen import Screen
 from .responses import Point, Responses, impulse_responses, values_at
@@ -113,6 +114,16 @@ class SprungMass:
         return self.stiffness_n_per_m * inertia / (self.stiffness_n_per_m + inertia)
 
 
+def compliances(oscillators: Oscillators, mass_kg: float, s: ComplexArray) -> ComplexArray:
+    """1 / (M (s^2 + 2 a s + w^2)), (n_modes, n_frequencies), of modes at complex frequencies (rad/s)."""
+    decay_per_s = oscillators.decay_per_s
+    if (decay_per_s == decay_per_s[:1]).all():
+        decay_per_s = decay_per_s[:1]  # one row for all modes
+    stiffness = s * (s + 2 * decay_per_s[:, None]) + oscillators.omega_rad_per_s[:, None] ** 2
+    stiffness *= mass_kg
+    return np.divide(1, stiffness, out=stiffness)
+
+
 @checked
 @dataclass(frozen=True, eq=False)
 class Receptances:
@@ -126,8 +137,7 @@ class Receptances:
     @classmethod
     def of(cls, oscillators: Oscillators, mass_kg: Positive, s: ComplexArray) -> "Receptances":
         """`compliance` (n_modes, n_frequencies)."""
-        omega2 = oscillators.omega_rad_per_s[:, None] ** 2
-        return cls(1 / (mass_kg * (s * (s + 2 * oscillators.decay_per_s[:, None]) + omega2)))
+        return cls(compliances(oscillators, mass_kg, s))
 
     def between(self, to: FloatArray, of: FloatArray) -> ComplexArray:
         """(n_to, n_of, n_frequencies) from weights (n_modes, n_to) and (n_modes, n_of), by one matrix product."""
@@ -279,10 +289,8 @@ def contour(n_samples: int, rate_hz: Positive) -> tuple[ComplexArray, FloatArray
     """Complex frequencies, the factor exp(sigma t) that undoes their shift, and the length of the
     transform.
     """
-    from scipy.fft import next_fast_len
-
     whole("contour", lowest=1, n_samples=n_samples)
-    n_fft = int(next_fast_len(2 * n_samples, real=True))
+    n_fft = fast_length(2 * n_samples)
     shift = -math.log(WRAP_AROUND) * rate_hz / n_fft  # sigma, by which exp(-sigma t) falls to that in one period
     s = np.asarray(shift + 2j * np.pi * np.fft.rfftfreq(n_fft, 1 / rate_hz), complex)
     return s, np.asarray(np.exp(shift * np.arange(n_samples) / rate_hz), float), n_fft

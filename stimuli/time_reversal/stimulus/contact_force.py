@@ -10,6 +10,7 @@ from tactometry.arguments.checked import checked
 from tactometry.signal import Signal
 
 from ...arrays import ComplexArray, FloatArray
+from ...fast_length import fast_length
 from ..focusing.focusing import emitted
 from ..responses.load import PlateLoad, Receptances, SprungMass, contact_transfer
 from ..responses.responses import Point, values_at
@@ -62,12 +63,10 @@ def _places(loads: Sequence[PlateLoad | SprungMass]) -> Places:
 @lru_cache(maxsize=4)
 def _free(setup: Setup, signal: Signal, places: Places) -> tuple[ComplexArray, int]:
     """(n_places, n_frequencies): spectra of the free plate, which no force changes, and of how many samples."""
-    from scipy.fft import next_fast_len
-
     n_played = int(np.flatnonzero(signal.samples.any(axis=0))[-1]) + 1
     driven = Signal(signal.samples[:, :n_played], signal.rate_hz, signal.unit)
     free_m = emitted(driven, setup.responses_at_each(places))
-    n_samples = int(next_fast_len(free_m.shape[1], real=True))
+    n_samples = fast_length(free_m.shape[1])
     return np.fft.rfft(free_m, n_samples), n_samples
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hard_cases import hard_case
 from hypothesis import given, settings, strategies as st
+from scipy.special import iv
 
 from tactometry.stimuli.time_reversal.oscillators import modal_sum
 from tactometry.stimuli.time_reversal.oscillators.modal_sum import FEWEST_MODES, SHORTEST, modal_sums
@@ -98,6 +99,19 @@ def test_the_result_is_written_where_it_is_wanted(rng):
     assert np.array_equal(out[:, 100:500], modal_sums(modes, weights, RATE_HZ, 0, 400))
     assert not out[:, :100].any()
     assert not out[:, 500:].any()
+
+
+def test_modes_in_any_order_have_one_sum(rng):
+    modes, weights, order = oscillators(), rng.normal(size=(3, 200)), rng.permutation(200)
+    expected = modal_sums(modes, weights, RATE_HZ, 0, 700)
+    np.testing.assert_array_equal(modal_sums(modes.of(order), weights[:, order], RATE_HZ, 0, 700), expected)
+
+
+@pytest.mark.parametrize("away", [0.0, 1e-3, 0.3])
+def test_the_kernel_is_a_bessel_function(away):
+    grid, bins = modal_sum._Grid.of(1750), np.linspace(-8, 8, 401) + 1j * away
+    expected = iv(0, grid.beta * np.sqrt(1 - (bins / 8) ** 2))
+    np.testing.assert_allclose(grid.kernel(bins), expected, rtol=0, atol=2e-14 * np.abs(expected).max())
 
 
 def test_turns_hold_twice_the_digits_of_a_double():
