@@ -231,6 +231,11 @@ class Effect:
         return None
 
 
+def is_changed(quantity: str, scene: Surroundings) -> bool:
+    """Whether an effect of a scene changes a quantity that something else makes: no shortcut may pass it by."""
+    return any(quantity in effect.reads and effect.gives == quantity for effect in scene.effects)
+
+
 class Quantity(Effect):
     """An effect that is itself the quantity that it gives, such as a law."""
 

@@ -13,7 +13,7 @@ from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
-from ...composition.effect import Effect, Stage, Surroundings, note
+from ...composition.effect import Effect, Stage, Surroundings, is_changed, note
 
 if TYPE_CHECKING:
     from ...perception.detection import Components
@@ -96,7 +96,9 @@ class CoulombFriction(Effect):
         return self.stage(), Stage("friction", needs, "friction_force_n", f"{__name__}:friction_n")
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """A factor of every component of the attraction."""
+        """A factor of every component of the attraction, unless another effect acts on its course."""
+        if is_changed("friction_force_n", scene):
+            return self.stages(scene)
         needs = ("attraction_components", "friction_law", "contact")
         return self.stage(), Stage("friction", needs, "components", f"{__name__}:friction_components")
 

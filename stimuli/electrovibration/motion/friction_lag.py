@@ -13,7 +13,7 @@ from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
-from ...composition.effect import Effect, Stage, Surroundings
+from ...composition.effect import Effect, Stage, Surroundings, is_changed
 from ...composition.sampling import per_sample
 from ..waveforms.pieces import Pieces
 from .coulomb_friction import CoulombFriction
@@ -61,7 +61,10 @@ class FrictionLag(Effect):
         return (Stage("friction_lag", needs, "friction_force_n", target, dict(vars(self)), size=size),)
 
     def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        """Of each component in its steady state, as the exact course costs a hundred times as much."""
+        """Of each component in its steady state, as the exact course costs a hundred times as much; that course where
+        another effect acts on it."""
+        if is_changed("friction_force_n", scene):
+            return tuple(replace(stage, size=None) for stage in self.stages(scene))
         target = f"{__name__}:steady"
         return (Stage("friction_lag", ("components", "contact"), "components", target, dict(vars(self))),)
 

@@ -7,9 +7,10 @@ from typing import ClassVar
 
 from tactometry.contact import Contact
 
-from ...composition.effect import Demand, FingerContact, Stage
+from ...composition.effect import Demand, FingerContact, Stage, is_changed
 from ...electrovibration.skin.skin import Skin
 from ..effects import OF_ELECTROVIBRATION
+from ..stages.circuit import of_true_area
 from ..stages.reading import spectrum_of_record
 from ..stages.record import sampling
 from .panel import ASSUMES, SKIN_MOTION
@@ -25,7 +26,8 @@ class PlayedElectrovibration(PlayedSurface):
     """A panel that any voltage is played on, one channel of samples.
 
     What depends on the voltage alone is computed for a contact of 1 m^2: area, friction and lag are factors of its
-    components. Where one is not (a body in series, a finger that sticks), its effect asks for the true area.
+    components. Where one is not (a body in series, a finger that sticks), its effect asks for the true area, and so
+    does one that changes the course of friction.
 
     Parameters
     ----------
@@ -64,6 +66,7 @@ class PlayedElectrovibration(PlayedSurface):
             Stage("area_factor", area, area[0], f"{RECORD}:grown"),
             spectrum_of_record("spectrum_of_friction", "friction_force_n", "components"),
             SKIN_MOTION,
+            *((of_true_area(),) if is_changed("friction_force_n", scene) else ()),
         )
 
     def reaches(self, contact: Contact) -> bool:

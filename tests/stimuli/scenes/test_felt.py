@@ -1,7 +1,8 @@
 """What a finger feels of a signal through a scene: closed forms, silence, and refusals of another signal."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from math import inf
+from typing import ClassVar
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from scipy.signal import resample
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
-from tactometry.stimuli.composition.effect import FingerContact
+from tactometry.stimuli.composition.effect import Effect, FingerContact
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
     CoulombFriction,
@@ -24,10 +25,12 @@ from tactometry.stimuli.electrovibration import (
     force_form,
 )
 from tactometry.stimuli.perception.detection import components
+from tactometry.stimuli.scenes.effects import OF_ELECTROVIBRATION
 from tactometry.stimuli.scenes.effects.sensitivity import Sensitivity
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.stages import record
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
+from tactometry.stimuli.scenes.surfaces.played_electrovibration import PlayedElectrovibration
 
 FELT = ("force_law", "friction", "sensitivity")
 TOUCH = Contact(1.5, 0.05)
@@ -142,6 +145,36 @@ def test_a_finger_that_sticks_and_slips_is_felt_by_its_course():
     expected_db = touched.resolve().run({"level_db_re_1v": 40.0})["sensation_db"]
     signal = Sine(60.0, 0.5, rate_hz=100_000.0).at(40.0)
     assert scene.sensation(signal, Contact(0.5, 0.05)) == pytest.approx(expected_db, abs=0.1)
+
+
+@dataclass(frozen=True)
+class Sweat(Effect):
+    """An effect as the recipe makes one: it changes the course of friction, and says nothing of what is felt."""
+
+    kind = slot = "sweat"
+    reads, gives = ("friction_force_n",), "friction_force_n"
+
+    left_share: float
+
+    def __call__(self, friction_force_n):
+        return self.left_share * friction_force_n
+
+
+class Sweaty(PlayedElectrovibration):
+    effects: ClassVar = {**OF_ELECTROVIBRATION, "sweat": ""}
+
+
+@pytest.mark.parametrize("kinds", [(), ("contact_area",), ("friction_lag",), ("body_resistance",)])
+def test_an_effect_that_acts_on_the_course_of_friction_is_felt(kinds):
+    scene = replace(felt(*kinds), surface=Sweaty())
+    signal, touch = Sine(60.0, 0.5).at(30.0), Contact(2.0, 0.05)
+    whole, half = (
+        replace(scene, effects=(*scene.effects, Sweat(share))).sensation(signal, touch) for share in (1, 0.5)
+    )
+    assert half - whole == pytest.approx(20 * np.log10(0.5), abs=1e-9)
+    assert whole == pytest.approx(
+        scene.sensation(signal, touch), abs=0.01
+    )  # components of a lag are in their steady state
 
 
 def test_a_signal_that_is_no_voltage_is_refused():
