@@ -10,7 +10,7 @@ from datetime import date
 
 import numpy as np
 import pytest
-from benches import gain_toml
+from benches import UDP_HAND, gain_toml
 from emulated import Emulator, wait_for
 from force_bench import BENCH, N_TRIALS, study_in
 from tables import trial_rows
@@ -86,7 +86,8 @@ def follow(terminal, seen):
             os.write(terminal, orders.pop(0)[1].encode())
 
 
-NETWORK = """
+NETWORK = (
+    """
 [screen]
 fullscreen = false
 [output]
@@ -104,17 +105,10 @@ duration_s = 30.0
 current_peak_a = "1 mA"
 duty = 0.8
 session_s = "1 h"
-[sensors.hand]
-kind = "udp"
-address = "127.0.0.1"
-port = {port}
-rate_hz = 1000
-[force]
-sensor = "hand"
-channel = 2
-newtons_per_count = 0.01
-release = false
 """
+    + UDP_HAND
+    + "release = false\n"
+)
 
 
 def test_a_network_sensor_that_dies_in_a_trial_pauses_the_session_until_it_is_back(display, tmp_path, in_background):

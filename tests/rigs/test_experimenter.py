@@ -8,6 +8,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 import pytest
+from kept_events import Kept
 from patience import LONGEST_WAIT_S
 from sampled import Sampled
 
@@ -64,25 +65,6 @@ class Terminal:
         for file in (self.source, self.output, self._file):
             with suppress(OSError):
                 file.close()
-
-
-class Kept:
-    """Events in a list."""
-
-    recorded_s = None
-
-    def __init__(self):
-        self.events = []
-
-    def note(self, event):
-        self.events.append(event)
-
-    def keep_path(self, digest, lines):
-        """No texture is followed here."""
-
-    @property
-    def told(self):
-        return [(event.kind, event.facts.get("text")) for event in self.events]
 
 
 @pytest.fixture

@@ -22,6 +22,19 @@ def gain_toml(measured_with, *values, **more):
     return "\n".join(["[output.gain]", *rows, ""])
 
 
+UDP_HAND = """\
+[sensors.hand]
+kind = "udp"
+address = "127.0.0.1"
+port = {port}
+rate_hz = 1000
+[force]
+sensor = "hand"
+channel = 2
+newtons_per_count = 0.01
+"""
+"""A force that comes in datagrams."""
+
 FILE_BENCH = """
 [screen]
 fullscreen = false

@@ -5,8 +5,10 @@ It reads study files by name as JSON, and feels the first stimulus of each in a 
 
 import gc
 import json
-import os
 import sys
+from functools import partial
+
+from copies import in_a_copy
 
 from tactometry.contact import Contact
 from tactometry.experiments.study.experiment import wire
@@ -20,23 +22,8 @@ def modules_of(text):
     return [name for name in sys.modules if name.startswith("tactometry.")]
 
 
-def in_a_copy(text):
-    """The same, in a copy of this process."""
-    read, write = os.pipe()
-    child = os.fork()
-    if not child:
-        with os.fdopen(write, "w") as answer:
-            json.dump(modules_of(text), answer)
-        os._exit(0)
-    os.close(write)
-    with os.fdopen(read) as heard:
-        answer = json.load(heard)
-    os.waitpid(child, 0)
-    return answer
-
-
 if __name__ == "__main__":
     gc.disable()
     import scipy.signal  # noqa: F401 - slow to load, and of no effect alone
 
-    json.dump({name: in_a_copy(text) for name, text in json.load(sys.stdin).items()}, sys.stdout)
+    json.dump({name: in_a_copy(partial(modules_of, text)) for name, text in json.load(sys.stdin).items()}, sys.stdout)

@@ -6,9 +6,10 @@ only run scenes without any effect.
 
 import gc
 import json
-import os
 import sys
 from dataclasses import replace
+
+from copies import in_a_copy
 
 from tactometry.stimuli.scenes.file import scene_of
 
@@ -45,17 +46,7 @@ def told(table):
 
 def compared(without, with_it):
     """A scene without an effect, the scene with it, and the first one anew, in a copy of this process."""
-    read, write = os.pipe()
-    child = os.fork()
-    if not child:
-        with os.fdopen(write, "w") as answer:
-            json.dump([told(without), told(with_it), told(without)], answer)
-        os._exit(0)
-    os.close(write)
-    with os.fdopen(read) as heard:
-        answers = json.load(heard)
-    os.waitpid(child, 0)
-    return answers
+    return in_a_copy(lambda: [told(without), told(with_it), told(without)])
 
 
 def _load_libraries():

@@ -4,7 +4,7 @@ import subprocess
 import sys
 
 import numpy as np
-from benches import gain_toml
+from benches import UDP_HAND, gain_toml
 from patience import LONGEST_PROGRAM_S
 from study_texts import changed
 from tables import trial_rows
@@ -20,7 +20,8 @@ METRES_PER_COUNT = 5e-5
 """Of the emulator's count of its samples, of which it takes a thousand a second: the finger moves at 50 mm/s."""
 RELEASED = "0.5:30,3:100"
 
-BENCH = """
+BENCH = (
+    """
 [screen]
 fullscreen = false
 [output]
@@ -41,16 +42,9 @@ duration_s = 30.0
 current_peak_a = "5 mA"
 duty = 1.0
 session_s = "1 h"
-[sensors.hand]
-kind = "udp"
-address = "127.0.0.1"
-port = {port}
-rate_hz = 1000
-[force]
-sensor = "hand"
-channel = 2
-newtons_per_count = 0.01
 """
+    + UDP_HAND
+)
 POSITION = f"""
 [position]
 sensor = "hand"

@@ -95,7 +95,8 @@ def sound_spectra(spectra: Mapping[str, NoiseSpectrum], f_max_hz: float = 125e3)
         one.plot(f / 1e3, level, color=BLUE, linewidth=0.8)
         one.axvspan(0, 20, color=ORANGE, alpha=0.15)
         one.set_ylim(-40, 70)
-        label(one, "Frequency (kHz)", "dB re 20 µPa/√Hz", f"{name}: {spectrum.a_weighted_db:.0f} dBA")
+        title = f"{name}: {spectrum.a_weighted_db:.0f} dBA; shaded: audible"
+        label(one, "Frequency (kHz)", "dB re 20 µPa/√Hz", title)
     return figure
 
 

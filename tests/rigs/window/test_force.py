@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hard_cases import exact_case
+from kept_events import Kept
 from patience import LONGEST_WAIT_S
 from sampled import Sampled
 
@@ -254,21 +255,6 @@ def test_a_force_that_drifts_out_of_its_band_makes_the_trial_invalid(bench_with,
     touched = bench_with(lambda time_s: drifted_n if "play 5 V" in log else 1.0).answer(PRESS)
     assert (touched.valid, touched.invalid_reason) == (False, reason)
     assert touched.force_in_band < 0.8
-
-
-class Kept:
-    """Events in a list."""
-
-    recorded_s = None
-
-    def __init__(self):
-        self.events = []
-
-    def note(self, event):
-        self.events.append(event)
-
-    def keep_path(self, digest, lines):
-        """No texture is followed here."""
 
 
 @pytest.mark.usefixtures("unhurried_sensors")

@@ -73,6 +73,11 @@ def curve(name, axes=0, line=0):
     return np.asarray(found.get_xdata(), float), np.asarray(found.get_ydata(), float)
 
 
+def test_values_far_above_zero_stand_below_the_upper_edge():
+    (axes,) = drawn("4.34-resolution-of-foci").axes
+    assert max(line.get_ydata().max() for line in axes.lines[:2]) < 0.97 * axes.get_ylim()[1]
+
+
 def test_the_focus_map_shows_the_amplitude_of_the_focus_in_micrometres():
     h = SMALL.responses(rig(35e-3), [FOCUS])
     x_mm, u_um = curve("3.8-focus-map", axes=1)

@@ -1,0 +1,19 @@
+"""What a copy of this process answers, which leaves no trace in it."""
+
+import json
+import os
+
+
+def in_a_copy(of):
+    """The answer of a function without arguments, as JSON has it."""
+    read, write = os.pipe()
+    child = os.fork()
+    if not child:
+        with os.fdopen(write, "w") as answer:
+            json.dump(of(), answer)
+        os._exit(0)
+    os.close(write)
+    with os.fdopen(read) as heard:
+        answer = json.load(heard)
+    os.waitpid(child, 0)
+    return answer
