@@ -1,6 +1,7 @@
 """The field around the focus instant, frame by frame."""
 
 from dataclasses import dataclass
+from math import ceil
 from typing import Any
 
 from tactometry.arguments.require import expect
@@ -11,14 +12,16 @@ from ..stages.scaling import at_voltage
 
 MAP = "tactometry.stimuli.scenes.stages.map"
 MOST_NUMBERS = 5e7
+FRAMES_PER_PERIOD = 8
+"""Of the top of the band: from four on a wave is seen to move the way it goes."""
 
 
 @dataclass(frozen=True)
 class Movie(Effect):
-    """`n_frames` at equal steps over `span_s`, the focus in the middle.
+    """`n_frames` at equal steps over `span_s`, the focus in the middle; by default 8 to a period of the band's top.
 
-    >>> Movie().n_frames
-    61
+    >>> Movie().span_s
+    0.00025
     """
 
     kind = "movie"
@@ -26,12 +29,12 @@ class Movie(Effect):
     positive = ("span_s",)
     cures = note("add the effect movie", "movie_m", "frames_s")
 
-    n_frames: int = 61
-    span_s: float = 0.5e-3
+    n_frames: int | None = None
+    span_s: float = 0.25e-3
 
     def __post_init__(self) -> None:
         super().__post_init__()
-        expect(self.n_frames >= 2, "Movie.n_frames", self.n_frames, "at least 2")
+        expect(self.n_frames is None or self.n_frames >= 2, "Movie.n_frames", self.n_frames, "at least 2")
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         needs = ("motion", "frames_s", "x_m", "y_m")
@@ -43,7 +46,14 @@ class Movie(Effect):
 
     def _frames_size(self, demand: Demand) -> Size:
         self._check_span(demand.surface)
-        return Size({"n_frames": self.n_frames, "span_s": self.span_s})
+        return Size({"n_frames": self._n_frames(demand.surface), "span_s": self.span_s})
+
+    def _n_frames(self, surface: Any) -> int:
+        """As many as asked for, or an odd number, so that one is that of the focus."""
+        if self.n_frames is not None:
+            return self.n_frames
+        band_max_hz: float = surface.band_max_hz
+        return 2 * ceil(FRAMES_PER_PERIOD * band_max_hz * self.span_s / 2) + 1
 
     def _numbers_size(self, demand: Demand) -> Size:
         return Size(n_operations=float(self._n_numbers(demand)))
@@ -53,11 +63,12 @@ class Movie(Effect):
 
     def _n_numbers(self, demand: Demand) -> int:
         n_x, n_y = demand.once(demand.surface.grid)
-        n_numbers: int = self.n_frames * n_x * n_y
+        n_frames = self._n_frames(demand.surface)
+        n_numbers: int = n_frames * n_x * n_y
         if n_numbers > MOST_NUMBERS:
             raise InvalidParameter(
-                f"movie: found {self.n_frames} frames of {n_x} x {n_y} points, expected at most {MOST_NUMBERS:.2g} "
-                "numbers; loosen the accuracy or lower n_frames"
+                f"movie: found {n_frames} frames of {n_x} x {n_y} points, expected at most {MOST_NUMBERS:.2g} "
+                "numbers; loosen the accuracy, lower n_frames or shorten span_s"
             )
         return n_numbers
 

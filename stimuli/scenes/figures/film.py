@@ -1,25 +1,58 @@
 """The wave that focuses, as a film."""
 
 import shutil
+from functools import cache
 from importlib.util import find_spec
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-from matplotlib import animation, rc_context
+from matplotlib import animation, colormaps, rc_context
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from PIL import Image
 
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ..result import Result
-from .focus import draw_map
+from .focus import DIVERGING, draw_map
 
 FORMATS = (".gif", ".mp4")
 FRAMES_PER_S = 20
 SIZE_IN = (6.4, 4.6)
 RESOLUTION_DPI = 100
+GREYS = 31
+"""For words and lines."""
+
+
+class MapWriter(animation.AbstractMovieWriter):
+    """A GIF whose colours are those of a map, and greys: an own choice for each frame takes white ones, and is slow."""
+
+    def setup(self, fig: Figure, outfile: Any, dpi: float | None = None) -> None:
+        super().setup(fig, outfile, dpi)
+        self._pictures: list[Image.Image] = []
+
+    def grab_frame(self, **options: Any) -> None:
+        drawn = BytesIO()
+        self.fig.savefig(drawn, format="rgba", dpi=self.dpi, **options)
+        picture = Image.frombytes("RGBA", self.frame_size, drawn.getvalue()).convert("RGB")
+        self._pictures.append(picture.quantize(palette=_palette(), dither=Image.Dither.NONE))
+
+    def finish(self) -> None:
+        first, *others = self._pictures
+        first.save(self.outfile, save_all=True, append_images=others, duration=round(1e3 / self.fps), loop=0)
+
+
+@cache
+def _palette() -> Image.Image:
+    """255 colours are what a GIF has, beside one for what does not change."""
+    of_map = colormaps[DIVERGING](np.linspace(0, 1, 255 - GREYS))[:, :3]
+    greys = np.repeat(np.linspace(0, 1, GREYS), 3).reshape(GREYS, 3)
+    image = Image.new("P", (1, 1))
+    image.putpalette(np.rint(255 * np.concatenate([of_map, greys])).astype(np.uint8).tobytes())
+    return image
 
 
 def write_film(result: Result, title: str, path: Path) -> None:
@@ -44,12 +77,13 @@ def write_film(result: Result, title: str, path: Path) -> None:
             image.set_data(frame.T * 1e6)
             axes.set_title(f"{time_s * 1e6:+.0f} µs from the focus", fontsize="small")
             writer.grab_frame()
+            figure.set_layout_engine("none")  # all frames are laid out as the first
 
 
 def _writer(path: Path) -> Any:
     expect(path.suffix in FORMATS, "--movie", repr(str(path)), f"a name that ends in {' or '.join(FORMATS)}")
     if path.suffix == ".gif":
-        return animation.PillowWriter(fps=FRAMES_PER_S)
+        return MapWriter(fps=FRAMES_PER_S)
     if not _ffmpeg():
         raise InvalidParameter(
             "--movie: found no ffmpeg, which writes MP4, expected it; install it or the package imageio-ffmpeg (the "

@@ -170,6 +170,19 @@ def test_a_film_has_a_picture_for_each_frame(tmp_path):
         write_film(film(), "a focus", tmp_path / "a.avi")
 
 
+def test_a_film_has_the_colours_of_its_map(tmp_path):
+    """Those of each frame were chosen anew, by how often they come: twenty of a scale of a few hundred."""
+    from matplotlib import colormaps
+    from PIL import Image
+
+    write_film(film(), "a focus", tmp_path / "a.gif")
+    with Image.open(tmp_path / "a.gif") as picture:
+        picture.seek(1)
+        shown = np.unique(np.asarray(picture.convert("RGB")).reshape(-1, 3), axis=0).astype(float)
+    for colour in 255 * colormaps["RdBu_r"](np.linspace(0, 1, 64))[:, :3]:  # its bar has all of them
+        assert np.abs(shown - colour).max(axis=1).min() <= 3
+
+
 def test_a_film_is_mp4_where_there_is_ffmpeg_and_refused_elsewhere(tmp_path, monkeypatch):
     pytest.importorskip("imageio_ffmpeg")
     write_film(film(), "a focus", tmp_path / "a.mp4")

@@ -154,6 +154,16 @@ def test_a_movie_shows_the_field_at_the_focus_instant():
     assert np.abs(got["movie_m"][2]).max() > np.abs(got["movie_m"][0]).max()
 
 
+@pytest.mark.parametrize("band_max_hz", [15e3, 60e3])
+def test_by_default_a_film_has_eight_frames_to_the_shortest_period_and_one_at_the_focus(band_max_hz):
+    """61 frames of 0.5 ms were two to a period of 60 kHz, so that waves seemed to stand or to run back."""
+    scene = screen(LOSSY, ONE_BIT, effect("movie"), outputs=("frames_s",), accuracy=0.1)
+    surface = replace(scene.surface, band_max_hz=band_max_hz, rate_hz=4 * band_max_hz)
+    frames_s = run(replace(scene, surface=surface))["frames_s"]
+    assert 0.9 / (8 * band_max_hz) < np.diff(frames_s).max() <= 1.0001 / (8 * band_max_hz)
+    assert frames_s[len(frames_s) // 2] == 0
+
+
 # --- off costs nothing
 
 
