@@ -9,15 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import NotNegative, Positive
 from tactometry.arguments.checked import checked
 
 from ...arrays import FloatArray
 from ..waveforms.pieces import Pieces
 from ..waveforms.sine import Sine
 from ..waveforms.waveform import LevelUnit, Ramped, check_nyquist
-from .maps import GreyImage, HeightMap
+from .maps import HeightMap
 from .played_texture import SensorModel, finest_period_m
-from .texture import Bump, Image, Texture, Velvet
+from .texture import Bump, Texture, Velvet
 from .way import Way, directions_along, without_jitter
 
 
@@ -64,17 +65,15 @@ class FollowedTexture(Ramped):
     """
 
     texture: Texture | Velvet
-    carrier_hz: float = 2_000.0
+    carrier_hz: Positive = 2_000.0
     duration_s: float = 1.0
     ramp_s: float = 0.05
-    rate_hz: float = 20_000.0
-    rise_s: float = 1e-3
-    turn_m: float = 1e-4
+    rate_hz: Positive = 20_000.0
+    rise_s: Positive = 1e-3
+    turn_m: NotNegative = 1e-4
     level_unit: LevelUnit = "dB re 1 V"
 
     def __post_init__(self) -> None:
-        require.positive("FollowedTexture", carrier_hz=self.carrier_hz, rise_s=self.rise_s, rate_hz=self.rate_hz)
-        require.not_negative("FollowedTexture", turn_m=self.turn_m)
         super().__post_init__()
         check_nyquist("FollowedTexture", "carrier_hz", self.carrier_hz, self.rate_hz)
         short = f"at most duration_s, {self.duration_s:g} s"
@@ -152,7 +151,7 @@ class FollowedTexture(Ramped):
         tactometry.errors.InvalidParameter: FollowedTexture.carrier_hz: found 2000 Hz, expected at least twice the \
 frequency of the texture under the finger (4000 Hz); raise the carrier, slow down or widen the texture
         """
-        period_m = shortest_period_m(self.texture)
+        period_m = finest_period_m(self.texture)
         if period_m is None:
             return
         twice_hz = 2 * speed_m_per_s / period_m
@@ -175,14 +174,3 @@ def _filled(x_m: FloatArray, known: NDArray[np.bool_], way: Way | None) -> Float
     padded_m = np.concatenate([[0.0 if way is None else way.y_m], np.where(known, x_m, 0.0)])
     at = np.maximum.accumulate(np.where(known, np.arange(1, x_m.size + 1), 0))
     return np.asarray(padded_m[at])
-
-
-def shortest_period_m(texture: Texture | Velvet) -> float | None:
-    """The shortest period (m) of a texture of a study, as `finest_period_m`.
-
-    >>> shortest_period_m(HeightMap(pixel_m=1e-3, values=(0.0, 1.0)))
-    0.002
-    """
-    if isinstance(texture, GreyImage):
-        return finest_period_m(Image(np.zeros(2), texture.pixel_m))
-    return 2 * texture.pixel_m if isinstance(texture, HeightMap) else finest_period_m(texture)

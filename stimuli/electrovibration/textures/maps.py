@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from tactometry.arguments import require
+from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 from tactometry.files.durable import read_file
@@ -47,7 +48,7 @@ class Mapped:
         If it cannot be read.
     """
 
-    pixel_m: float
+    pixel_m: Positive
     values: tuple[float, ...] = ()
     path: str | None = None
     sha256: str | None = None
@@ -56,7 +57,6 @@ class Mapped:
 
     def __post_init__(self) -> None:
         owner = type(self).__name__
-        require.positive(owner, pixel_m=self.pixel_m)
         found = "both or none of values and path"
         require.expect(bool(self.values) != (self.path is not None), owner, found, "one of the two")
         rows = self._read(owner, self.path) if self.path is not None else np.array([self.values])

@@ -14,6 +14,7 @@ from tactometry.signal import Signal
 from ...arrays import FloatArray
 from ..waveforms.sampled import strongest_hz
 from ..waveforms.waveform import LevelUnit, check_nyquist, check_timing, peak_voltage_v, ramped
+from .maps import Mapped
 from .texture import Bump, Grating, Image, Noise, Region, Texture, Velvet
 
 
@@ -182,7 +183,7 @@ def finest_period_m(texture: Texture | Velvet) -> float | None:
 
     Of a sinusoidal or sawtooth grating, tufts or a band of noise it is the shortest one itself; else twice the
     narrowest part: of a square grating the part that is on or off, of a region its width, of a bump its `width_m`, of
-    an image a pixel. Positions closer than half of it miss no part.
+    an image or heights a pixel. Positions closer than half of it miss no part.
 
     >>> finest_period_m(Grating(2e-3)), finest_period_m(Grating(2e-3, duty=0.25))
     (0.002, 0.001)
@@ -196,7 +197,7 @@ def finest_period_m(texture: Texture | Velvet) -> float | None:
             return period_m if depth else None
         case Noise(high_per_m=high_per_m):
             return 1 / high_per_m
-        case Image(pixel_m=width_m) | Bump(width_m=width_m):
+        case Image(pixel_m=width_m) | Mapped(pixel_m=width_m) | Bump(width_m=width_m):
             return 2 * width_m
         case Region(left_m=left_m, right_m=right_m):
             return 2 * (right_m - left_m)

@@ -7,6 +7,7 @@ from hypothesis import example, given, strategies as st
 
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.electrovibration import PulseTrain, Sampled, Sine, Square, Step, Trapezoid
+from tactometry.stimuli.electrovibration.textures.maps import GreyImage, HeightMap
 from tactometry.stimuli.electrovibration.textures.played_texture import PlayedTexture, finest_period_m, straight_path_m
 from tactometry.stimuli.electrovibration.textures.texture import Bump, Grating, Image, Noise, Region, Texture, Velvet
 
@@ -131,6 +132,16 @@ def test_noise_of_an_extreme_exponent_is_its_strongest_line(exponent: float) -> 
             lambda: PlayedTexture(Grating(10e-6, "sinusoidal"), PATH),
             "PlayedTexture.path_m: found a step of 5e-06 m, expected less than half of the texture's period (5e-06 "
             "m); else the texture aliases: widen it, slow down or raise rate_hz",
+        ),
+        (
+            lambda: PlayedTexture(HeightMap(pixel_m=5e-6, values=(0.0, 1.0)), PATH),
+            "PlayedTexture.path_m: found a step of 5e-06 m, expected less than half of the texture's period (5e-06 "
+            "m); else the texture aliases: widen it, slow down or raise rate_hz",
+        ),
+        (
+            lambda: PlayedTexture(GreyImage(pixel_m=40e-6, values=(0.0, 1.0)), PATH),
+            "PlayedTexture.carrier_hz: found 2000.0 Hz, expected at least twice the frequency of the texture under "
+            "the finger (2500 Hz); raise the carrier, slow down or widen the texture",
         ),
         (
             lambda: PlayedTexture(Grating(80e-6, "sinusoidal"), PATH),
