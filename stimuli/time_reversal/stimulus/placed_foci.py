@@ -7,9 +7,11 @@ from itertools import combinations
 from math import dist
 from typing import Final
 
+import numpy as np
+
 from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import distinct, expect, lookup
+from tactometry.arguments.require import distinct, expect, lookup, of_kind
 
 from ..finger import FINGER_DIAMETER_M
 from ..responses.responses import Point, Responses
@@ -112,6 +114,7 @@ class PlacedFoci(FocusTrain):
 def _check_places(foci: PlacedFoci) -> None:
     expect(isinstance(foci.places, Mapping), "PlacedFoci.places", foci.places, "a table of places by their names")
     expect(len(foci.places) > 1, "PlacedFoci.places", f"{len(foci.places)} of them", "at least two to tell apart")
+    of_kind("PlacedFoci.places", Place, **foci.places)
     for name, place in foci.places.items():
         is_name = bool(name.strip()) and name.isprintable() and AT_ONCE.strip() not in name
         expect(is_name, "PlacedFoci.places", repr(name), f"a name on one line without {AT_ONCE.strip()!r}")
@@ -124,8 +127,6 @@ def _check_places(foci: PlacedFoci) -> None:
 
 @lru_cache(maxsize=16)
 def _mean_of_model(setup: Setup, places: tuple[Point, ...]) -> Responses:
-    import numpy as np
-
     each = [setup.responses_at(*at_m) for at_m in places]
     everywhere = Responses(np.concatenate([heard.samples for heard in each]), setup.rate_hz)
     return everywhere.mean_of(range(len(each)))

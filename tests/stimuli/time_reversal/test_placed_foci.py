@@ -130,6 +130,7 @@ def test_a_board_that_switches_makes_foci_at_once():
             {"places": {**PLACES, "same": Place(0.12, 0.093)}},
             r"PlacedFoci.places.same: found the point of middle, \(0.12, 0.093\) m, expected a point of its own",
         ),
+        ({"places": {**PLACES, "far": 0.2}}, "PlacedFoci.places.far: found 0.2, expected a Place"),
         ({"places": {"index": Place()}}, "PlacedFoci.places: found 1 of them, expected at least two to tell apart"),
         ({"places": {**PLACES, "a+b": Place(0.2)}}, r"PlacedFoci.places: found 'a\+b', expected a name on one line"),
     ],
