@@ -1,4 +1,4 @@
-"""Loops that numba compiles: the one import of its decorator.
+"""Loops that numba compiles as it does by default; what wants more of it names the decorator itself.
 
 Machine code on disk is found by the types of its arguments. An `entry` takes plain tuples therefore: a named one would
 tie a file that outlives this source to the name of a class in it. `uniform` arguments keep it to one machine code: a

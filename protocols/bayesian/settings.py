@@ -112,10 +112,9 @@ class QuestPlusSettings:
         return grid_values("QuestPlusSettings", self.spacing, low=self.low, high=self.high, n_levels=self.n_levels)
 
     def _grid(self) -> ParameterGrid:
-        stated = {"threshold_low": self.threshold_low, "threshold_high": self.threshold_high}
         as_levels = {"threshold_low": self.low, "threshold_high": self.high, "n_thresholds": self.n_levels}
-        grid = as_levels | without_none({**stated, "n_thresholds": self.n_thresholds})
-        thresholds = grid_values("QuestPlusSettings", self.spacing, **grid)
+        stated = without_none({name: getattr(self, name) for name in as_levels})
+        thresholds = grid_values("QuestPlusSettings", self.spacing, **as_levels | stated)
         bounds = {"width_low": self.width_low, "width_high": self.width_high, "n_widths": self.n_widths}
         widths = grid_values("QuestPlusSettings", "log", **bounds)
         return ParameterGrid(thresholds, widths, self.guess_rates, self.lapse_rates, self.shape)
