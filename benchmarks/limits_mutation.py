@@ -20,7 +20,7 @@ SOURCE = (ROOT / LIMITS).read_text(encoding="utf-8")
 def mutants() -> dict[str, str]:
     """Sources with one thing changed, by what was changed."""
     found = {}
-    for line in re.findall(r"^ +_hold\(.*\)$", SOURCE, re.M):
+    for line in re.findall(r"^ +_check\(.*\)$", SOURCE, re.M):
         found[f"no {line.split(chr(34))[1]}"] = SOURCE.replace(line, line[: len(line) - len(line.lstrip())] + "pass")
     changes = {
         "no unit": ('signal.unit != "V"', "False"),
@@ -41,10 +41,10 @@ def mutants() -> dict[str, str]:
         ),
         "displacement of unknown gain": ("and load.displacement_m_per_v is None", "and False"),
         "any value of a limit": ('positive("Limits", ', "dict("),
-        "a duty above 1": ("self.duty is not None and self.duty > 1", "False"),
+        "a duty above 1": ("self.duty is None or self.duty <= 1", "True"),
         "a generous rounding": ("ROUNDING = 1e-12", "ROUNDING = 1e-3"),
-        "never above": ("if not found <= limit", "if False and found <= limit"),
-        "NaN passes": ("if not found <= limit * (1 + ROUNDING)", "if found > limit * (1 + ROUNDING)"),
+        "never above": ("if not value <= limit", "if False and value <= limit"),
+        "NaN passes": ("if not value <= limit * (1 + ROUNDING)", "if value > limit * (1 + ROUNDING)"),
         "the new signal does not count": (
             "exposure.after(begin_s, duration_s, self.duty_window_s).played_s",
             "exposure.played_s",

@@ -4,9 +4,12 @@ or that are no factor of components add.
 OMP_NUM_THREADS=1 python benchmarks/scene_in_study.py
 """
 
+import sys
 import time
 from collections.abc import Callable
 from dataclasses import replace
+from functools import partial
+from pathlib import Path
 from statistics import median
 
 from tactometry.contact import Contact
@@ -17,6 +20,8 @@ from tactometry.stimuli.electrovibration import AmplitudeModulated, Electrovibra
 from tactometry.stimuli.scenes.effects import EFFECTS
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.scene import Scene
+
+sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "tests" / "support")]
 
 N_ROUNDS = 60
 STIMULUS = AmplitudeModulated(240.0, duration_s=0.5)
@@ -39,6 +44,8 @@ def with_effects(scene: Scene, *tables: tuple[str, dict[str, float]]) -> Scene:
 
 
 def ways() -> dict[str, Feel]:
+    from separate_formulas import level_db
+
     panel = load_scene(path_of("electrovibration-panel")).scene
     scenes = {f"scene, accuracy {accuracy:g}": replace(panel, accuracy=accuracy) for accuracy in (0.01, 0.05)}
     plain = replace(panel, effects=tuple(effect for effect in panel.effects if effect.slot != "dynamics"))
@@ -46,7 +53,8 @@ def ways() -> dict[str, Feel]:
     scenes["the same, one effect off"] = with_effects(plain, ("finger_dynamics", {}))
     scenes["body_resistance"] = with_effects(panel, ("body_resistance", {"resistance_ohm": 1e4}))
     scenes["dry_friction"] = with_effects(panel, ("dry_friction", {}), ("finger_dynamics", {}))
-    return {"formula": ElectrovibrationSensation().sensation_db, **{name: of.sensation for name, of in scenes.items()}}
+    formula = partial(level_db, ElectrovibrationSensation())
+    return {"formula": formula, **{name: of.sensation for name, of in scenes.items()}}
 
 
 def main() -> None:
