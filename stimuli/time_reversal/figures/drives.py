@@ -121,7 +121,8 @@ def _density(noise: FloatArray, rate_hz: float) -> tuple[FloatArray, FloatArray]
 
 
 def _smoothed(spectrum: NoiseSpectrum, f_max_hz: float, width_hz: float = 500.0) -> tuple[FloatArray, FloatArray]:
-    edges = np.arange(0, min(f_max_hz, spectrum.frequency_hz[-1]), width_hz)
-    bins = np.digitize(spectrum.frequency_hz, edges)
-    mean = np.array([spectrum.pressure_pa2_per_hz[bins == i + 1].mean() for i in range(len(edges))])
-    return edges + width_hz / 2, NoiseSpectrum(edges, mean).level_db_re_20upa
+    n_bands = int(min(f_max_hz, spectrum.frequency_hz[-1]) / width_hz)
+    bands = (spectrum.frequency_hz / width_hz).astype(int)  # what lies above the last is drawn nowhere
+    mean = np.array([spectrum.pressure_pa2_per_hz[bands == n].mean() for n in range(n_bands)])
+    middles_hz = width_hz * (np.arange(n_bands) + 0.5)
+    return middles_hz, NoiseSpectrum(middles_hz, mean).level_db_re_20upa

@@ -131,6 +131,13 @@ def test_sound_figure_names_the_level():
     assert "dBA" in figure.axes[0].get_title()
 
 
+def test_sound_above_what_is_drawn_does_not_count_in_the_last_band():
+    f = np.linspace(0.0, 500e3, 5001)
+    figure = drives.sound_spectra({"SDM": NoiseSpectrum(f, np.where(f < 125e3, 1e-9, 0.0))})
+    levels_db = figure.axes[0].lines[0].get_ydata()
+    assert levels_db == pytest.approx(levels_db[0])
+
+
 def test_measured_points_are_drawn():
     figure = theory.resolution_over_mean_frequency(A4_SCREEN, [(12.5e3, 15e-3), (20e3, 12e-3)])
     (drawn,) = [line for line in figure.axes[0].lines if line.get_marker() == "s"]
