@@ -23,7 +23,7 @@ from tactometry.observers.finger import SimulatedFinger
 from tactometry.session.request import Press
 from tactometry.stimuli.electrovibration.figures import force_against_area
 from tactometry.stimuli.time_reversal.finger import Fingertip
-from tactometry.stimuli.time_reversal.stimulus.sensation import free_displacement, loaded_displacement
+from tactometry.stimuli.time_reversal.stimulus.sensation import free_displacement, loaded_displacements
 
 PAGE = DOCS / "reproduced.md"
 QUICK = ("table-2.1", "table-4.1", "table-6.1", *(name for name in REPRODUCTIONS if "figure" in name))
@@ -168,7 +168,7 @@ def test_a_contact_that_opens_costs_what_one_that_holds_costs():
     stimulus = next(iter(experiment("time-reversal-threshold").cells.values())).stimulus
     setup = stimulus.setup
     free_m = free_displacement(stimulus.at(20.0), setup, setup.focus_m)
-    held_m = loaded_displacement(free_m, setup, Fingertip().load(setup.focus_m, 3.0))
+    held_m = loaded_displacements(free_m[None], setup, [Fingertip().load(setup.focus_m, 3.0)])
     assert fine == pytest.approx(np.abs(held_m).max(), rel=5e-3)
 
 
