@@ -432,6 +432,10 @@ ON_A_PLATE = {
         "such as 'a4-screen'",
     ),
     "a scene without a threshold": ('name = "thin-screen"', "add the effect focus_detection"),
+    "a finger that lifts off": (
+        'effects = [{ kind = "focus_detection" }, { kind = "finger_load" }, { kind = "lift_off" }]',
+        "scene.effects: found 'lift_off' where signals are felt, expected the linear contact of 'finger_load'; remove",
+    ),
     "a finger beside the plate": (
         'effects = [{ kind = "focus_detection" }]\nsurface = { finger_x_m = 2.0 }',
         "scene.surface.finger_x_m, finger_y_m: found (2.0, ",

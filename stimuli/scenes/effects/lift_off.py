@@ -6,6 +6,7 @@ from math import pi
 from typing import Any
 
 from tactometry.arguments.require import expect
+from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
 from ..stages.truncation import cut_of, n_frequencies, n_modes
@@ -43,6 +44,13 @@ class LiftOff(Effect):
             opened,
             Stage("contact_forces", ("motion", "oversampling"), "per_volt_forces", answers, {"n": n}),
             Stage("lost_contact", ("motion",), "contact_lost_s", f"{OPEN_CONTACT}:lost_s"),
+        )
+
+    def felt_stages(self, scene: Surroundings) -> tuple[Stage, ...]:
+        """None: each level and force would be a solution in time, of minutes; what is felt is of a linear contact."""
+        raise InvalidParameter(
+            "effects: found 'lift_off' where signals are felt, expected the linear contact of 'finger_load'; remove "
+            "'lift_off': a dry run tells from which level on contact is lost, `tactometry scene` what that changes"
         )
 
     def _size(self, demand: Demand) -> Size:
