@@ -69,7 +69,7 @@ class Signal:
     @property
     def peak(self) -> float:
         """The largest absolute sample in `unit`; 0 for an empty signal."""
-        return float(np.max(np.abs(self.samples), initial=0.0))
+        return float(max(self.samples.max(initial=0.0), -self.samples.min(initial=0.0)))
 
     def __eq__(self, other: object) -> bool:
         """By what is played, so that a cache computes once for each waveform.

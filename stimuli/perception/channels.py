@@ -54,8 +54,8 @@ def channel_levels_db(skin: Components, reference_m: float = THRESHOLD_M) -> Flo
     [-inf, -inf, 20.0]
     """
     positive("channel_levels_db", reference_m=reference_m)
-    heard = skin.amplitudes > 0
-    levels_db = 20 * np.log10(skin.amplitudes[heard] / reference_m) - channel_thresholds_db(skin.frequencies_hz[heard])
+    felt = skin.amplitudes > 0
+    levels_db = 20 * np.log10(skin.amplitudes[felt] / reference_m) - channel_thresholds_db(skin.frequencies_hz[felt])
     return np.asarray(levels_db.max(axis=1, initial=-np.inf))
 
 
@@ -77,8 +77,22 @@ def as_at_250_hz(parts: Components) -> Components:
     >>> as_at_250_hz(Components(np.array([0.1, 125.0, 900.0]), np.ones(3))).amplitudes.round(4).tolist()
     [0.2512]
     """
-    heard, f_hz, weights = _weights(np.asarray(parts.frequencies_hz, np.float64).tobytes())
-    return Components(f_hz, parts.amplitudes[heard] * weights)
+    within, f_hz, weights = _weights(np.asarray(parts.frequencies_hz, np.float64).tobytes())
+    return Components(f_hz, parts.amplitudes[within] * weights)
+
+
+def heard(parts: Components) -> Components:
+    """The components that any channel answers to.
+
+    >>> heard(Components(np.array([0.1, 125.0, 900.0]), np.ones(3))).frequencies_hz
+    array([125.])
+    """
+    within = _within(parts.frequencies_hz)
+    return Components(parts.frequencies_hz[within], parts.amplitudes[within])
+
+
+def _within(frequencies_hz: FloatArray) -> IntArray:
+    return np.flatnonzero((frequencies_hz >= HEARS_HZ[NP_III][0]) & (frequencies_hz <= HEARS_HZ[P][1]))
 
 
 @lru_cache(maxsize=64)
@@ -86,9 +100,9 @@ def _weights(lines_hz: bytes) -> tuple[IntArray, FloatArray, FloatArray]:
     """Which of some frequencies any channel answers to, those, and how strongly each is felt: a signal that is felt
     under many fingers has the same frequencies each time."""
     frequencies_hz = np.frombuffer(lines_hz)
-    heard = np.flatnonzero((frequencies_hz >= HEARS_HZ[NP_III][0]) & (frequencies_hz <= HEARS_HZ[P][1]))
-    f_hz = frequencies_hz[heard]
-    return heard, f_hz, np.asarray(10 ** (-channel_thresholds_db(f_hz).min(axis=0) / 20))
+    within = _within(frequencies_hz)
+    f_hz = frequencies_hz[within]
+    return within, f_hz, np.asarray(10 ** (-channel_thresholds_db(f_hz).min(axis=0) / 20))
 
 
 def highest_level_db(weighed: Components, reference_m: float) -> float:

@@ -25,6 +25,14 @@ class Components:
     frequencies_hz: FloatArray
     amplitudes: FloatArray
 
+    def times(self, gain: FloatArray | float) -> "Components":
+        """What a gain, of all or of each, makes of them.
+
+        >>> Components(np.array([60.0]), np.array([0.5])).times(3.0).amplitudes
+        array([1.5])
+        """
+        return Components(self.frequencies_hz, gain * self.amplitudes)
+
 
 def components(samples: ArrayLike, rate_hz: float, padding: int = 1) -> Components:
     """The peaks of the amplitude spectrum of a record (n_samples,), its mean left out.

@@ -7,7 +7,6 @@ from functools import cached_property
 from math import isfinite
 from typing import Any
 
-from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ..composition.effect import Stage
@@ -66,18 +65,20 @@ class Plan:
         InvalidParameter
             If a quantity is missing or not finite, or one is given that the plan does not take.
         """
-        if set(given) != set(self.given):
+        program = self._program
+        if given.keys() != program.given:
             raise InvalidParameter(
                 f"scene: found {', '.join(sorted(given)) or 'nothing'} given, expected "
                 f"{', '.join(self.given) or 'nothing'}"
             )
         for name, value in given.items():
-            expect(not isinstance(value, (int, float)) or isfinite(value), f"given.{name}", value, "a finite number")
-        registers = [*self._program.constants, *(given[name] for name in self.given)]
-        registers += [None] * self._program.n_varying
-        for call, read, written in self._program.steps:
-            registers[written] = call(*(registers[n] for n in read))
-        return {name: registers[n] for name, n in self._program.outputs.items()}
+            if isinstance(value, (int, float)) and not isfinite(value):
+                raise InvalidParameter(f"given.{name}: found {value}, expected a finite number")
+        registers = [*program.constants, *[given[name] for name in self.given]]
+        registers += [None] * program.n_varying
+        for call, read, written in program.steps:
+            registers[written] = call(*[registers[n] for n in read])
+        return {name: registers[n] for name, n in program.outputs.items()}
 
     @cached_property
     def _program(self) -> "_Program":
@@ -98,6 +99,7 @@ class _Program:
     """Values that never change, then the steps of a run."""
 
     constants: tuple[Any, ...]
+    given: frozenset[str]
     n_varying: int
     steps: tuple[Step, ...]
     outputs: Mapping[str, int]
@@ -116,7 +118,8 @@ def _compile(plan: Plan) -> _Program:
     for n, stage in enumerate(varying):
         steps.append((stage.bind(), tuple(at[need] for need in stage.needs), first + n))
         at[stage.gives] = first + n
-    return _Program(tuple(values.values()), len(varying), tuple(steps), {name: at[name] for name in plan.outputs})
+    outputs = {name: at[name] for name in plan.outputs}
+    return _Program(tuple(values.values()), frozenset(plan.given), len(varying), tuple(steps), outputs)
 
 
 def _split(stages: Sequence[Stage], given: Collection[str]) -> tuple[list[Stage], list[Stage]]:

@@ -4,7 +4,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -25,7 +25,9 @@ ROUNDING = 1e-9
 SENSATION = "sensation_db"
 N_SIGNALS = 64
 """Of which what does not depend on a contact is kept: each may hold courses of the whole record."""
-OfSignal = Callable[["Signal"], dict[str, Any] | None]
+N_CONTACTS = 256
+OfContact = Callable[[Contact], tuple[float, ...]]
+OfSignal = Callable[["Signal"], OfContact]
 
 
 @dataclass(frozen=True)
@@ -129,24 +131,27 @@ class Scene:
         InvalidParameter
             As `sensation`.
         """
-        of_signal, surface, under_contact = self._felt_plans
-        handed = of_signal(signal)
-        if handed is None or not surface.reaches(contact):
-            return (-math.inf,) * max(len(surface.names), 1)
-        levels_db = under_contact.run({**handed, "contact": contact})[SENSATION]
-        return tuple(np.atleast_1d(levels_db).tolist())
+        return self._of_signal(signal)(contact)
 
     @cached_property
-    def _felt_plans(self) -> "tuple[OfSignal, Surface, Plan]":
-        """What is computed once for a signal, the surface that it is played on, and the rest of the plan."""
+    def _of_signal(self) -> OfSignal:
+        """What each signal is felt as under a contact: the plan in two parts, of which the first is run once for a
+        signal, and levels that were told before."""
         felt = self.felt()
         early, rest = parted(felt.resolve(), "contact")
 
-        def of_signal(signal: "Signal") -> dict[str, Any] | None:
-            handed = early.run({"signal": signal})
-            return handed if signal.peak else None
+        def of_signal(signal: "Signal") -> OfContact:
+            handed, sounds = early.run({"signal": signal}), bool(signal.samples.any())
 
-        return lru_cache(maxsize=N_SIGNALS)(of_signal), felt.surface, rest
+            def under(contact: Contact) -> tuple[float, ...]:
+                if not (sounds and felt.surface.reaches(contact)):
+                    return (-math.inf,) * max(len(felt.surface.names), 1)
+                levels_db = rest.run({**handed, "contact": contact})[SENSATION]
+                return tuple(np.atleast_1d(levels_db).tolist())
+
+            return lru_cache(maxsize=N_CONTACTS)(under)
+
+        return lru_cache(maxsize=N_SIGNALS)(of_signal)
 
     def felt(self, output: str = SENSATION) -> "Scene":
         """The scene whose plan gives the sensation of a signal under a contact, both of which each run is given; or

@@ -6,11 +6,13 @@ import re
 import subprocess
 import sys
 
+import electrovibration_formula
+import hybrid_formula
 import pytest
+import time_reversal_formula
 from command_line import call, output
 from places import DOCS, ROOT
 from scene_cases import ELECTROVIBRATION, TIME_REVERSAL
-from separate_formulas import level_db as formula_db
 from study_texts import changed
 
 from tactometry.config.strict import build
@@ -60,6 +62,14 @@ LEAKY = ("skin_leakage", "contact_area", "force_law", "friction", "friction_lag"
 CONTACTS = (Contact(1.5), Contact(0.5, 0.02), Contact(3.0, 0.1))
 
 
+FORMULAS = {
+    "ElectrovibrationSensation": electrovibration_formula.level_db,
+    "TimeReversalSensation": time_reversal_formula.level_db,
+    "FingersSensation": time_reversal_formula.strongest_db,
+    "HybridSensation": hybrid_formula.level_db,
+}
+
+
 def model_of(cell, **numbers):
     """What `[sensation]` states of a cell."""
     kind = STIMULI[cell.condition.stimulus.partition(",")[0]]
@@ -69,10 +79,12 @@ def model_of(cell, **numbers):
 
 @pytest.mark.parametrize("study", builtin())
 def test_each_stimulus_of_a_built_in_study_is_felt_by_its_scene_as_by_its_formula(study):
-    cells = {cell.condition.stimulus: cell for cell in wired(load(study)[1].decode()).cells.values()}
+    experiment = wired(load(study)[1].decode())
+    cells = {cell.condition.stimulus: cell for cell in experiment.cells.values()}
     for cell in cells.values():
         if isinstance(cell.sensation, FeltScene):
-            signal, model = cell.stimulus.at(12.0), model_of(cell)
+            signal, model = cell.stimulus.at(12.0), model_of(cell, **experiment.study.sensation)
+            formula_db = FORMULAS[type(model).__name__]
             levels_db = [cell.sensation.sensation_db(signal, contact) for contact in CONTACTS]
             assert levels_db == pytest.approx([formula_db(model, signal, touch) for touch in CONTACTS], abs=1e-12)
 
@@ -99,7 +111,7 @@ def test_each_key_of_the_formula_is_that_of_an_effect(name):
     signal, model = cell.stimulus.at(30.0), model_of(cell, **study.study.sensation)
     for contact in CONTACTS[1:]:
         level_db = stated.sensation_db(signal, contact)
-        assert level_db == pytest.approx(formula_db(model, signal, contact), abs=1e-12)
+        assert level_db == pytest.approx(electrovibration_formula.level_db(model, signal, contact), abs=1e-12)
         assert level_db != plain.sensation_db(signal, contact)
     assert not kind or kind in {effect.kind for effect in stated.scene.effects}
 
@@ -384,7 +396,7 @@ def test_foci_are_felt_through_a_scene_as_through_the_formula_of_its_effects(cri
     for contact in (Contact(0.5), Contact(3.0)):
         signal = cell.stimulus.at(20.0)
         assert cell.sensation.sensation_db(signal, contact) == pytest.approx(
-            formula_db(model, signal, contact), abs=1e-12
+            time_reversal_formula.level_db(model, signal, contact), abs=1e-12
         )
 
 

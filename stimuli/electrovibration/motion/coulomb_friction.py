@@ -110,4 +110,4 @@ def friction_n(electrostatic_n: FloatArray, law: CoulombFriction, contact: Conta
 
 def friction_components(parts: "Components", law: CoulombFriction, contact: Contact) -> "Components":
     """Components of the friction that those of an attraction cause."""
-    return replace(parts, amplitudes=law.coefficient_at(contact.force_n) * parts.amplitudes)
+    return parts.times(law.coefficient_at(contact.force_n))

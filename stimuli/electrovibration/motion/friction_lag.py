@@ -39,6 +39,7 @@ class FrictionLag(Effect):
     positive = ("floor_hz",)
     not_negative = ("slope_hz_per_m_per_s", "intercept_hz")
     requires = ("friction", "sliding contact")
+    reads, gives = ("components", "contact"), "components"
 
     slope_hz_per_m_per_s: float = 13_800.0
     intercept_hz: float = 0.0
@@ -65,14 +66,11 @@ class FrictionLag(Effect):
         another effect acts on it."""
         if is_changed("friction_force_n", scene):
             return tuple(replace(stage, size=None) for stage in self.stages(scene))
-        target = f"{__name__}:steady"
-        return (Stage("friction_lag", ("components", "contact"), "components", target, dict(vars(self))),)
+        return (self.stage(),)
 
-
-def steady(parts: "Components", contact: Contact, **lag: float) -> "Components":
-    """Components behind a lag."""
-    gain = FrictionLag(**lag).gain(parts.frequencies_hz, contact.speed_m_per_s)
-    return replace(parts, amplitudes=parts.amplitudes * gain)
+    def __call__(self, components: "Components", contact: Contact) -> "Components":
+        """Components behind the lag."""
+        return components.times(self.gain(components.frequencies_hz, contact.speed_m_per_s))
 
 
 @checked

@@ -12,7 +12,7 @@ from tactometry.contact import Contact
 
 from ...arrays import FloatArray
 from ...composition.content import VoltageContent
-from ...composition.effect import Effect, Stage, Surroundings, note
+from ...composition.effect import Effect, Surroundings, note
 
 if TYPE_CHECKING:
     from ...perception.detection import Components
@@ -45,6 +45,8 @@ class SkinMobility(Effect):
     positive = ("stiffness_n_per_m", "damping_n_s_per_m")
     not_negative = ("mass_kg", "stiffness_exponent")
     requires = ("friction", "sliding contact")
+    reads, gives = ("components", "contact"), "skin_components"
+    stage_name = "skin_motion"
     excludes = note("it moves the skin by itself; remove 'skin_mobility' or 'finger_dynamics'", "finger_dynamics")
     assumes = ("the pulp is one mass, spring and damper that neither speed nor amplitude changes",)
 
@@ -74,22 +76,12 @@ class SkinMobility(Effect):
         elastic = skin.stiffness_n_per_m - skin.mass_kg * omega * omega
         return np.asarray(1 / np.hypot(elastic, skin.damping_n_s_per_m * omega))
 
-    def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        needs, target = ("components", "contact"), f"{__name__}:skin_motion"
-        return (Stage("skin_motion", needs, "skin_components", target, dict(vars(self))),)
+    def __call__(self, components: "Components", contact: Contact) -> "Components":
+        """Components of the skin (m) by those of friction (N)."""
+        return components.times(self.gain_m_per_n(components.frequencies_hz, contact.force_n))
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
         """Its slope by frequency: the logarithm of each of two poles changes by at most 1 over its distance."""
         skin = self.under(scene.contacts[0].force_n)
         poles = np.roots([skin.mass_kg, skin.damping_n_s_per_m, skin.stiffness_n_per_m])
         return VoltageContent(steepest_db_per_hz=float(40 * pi / np.log(10) * np.sum(1 / -poles.real)))
-
-
-def displacement(skin: SkinMobility, friction: "Components", force_n: float) -> "Components":
-    """The components of the skin's displacement (m) by those of a lateral force (N)."""
-    return replace(friction, amplitudes=friction.amplitudes * skin.gain_m_per_n(friction.frequencies_hz, force_n))
-
-
-def skin_motion(friction: "Components", contact: Contact, **mobility: float) -> "Components":
-    """Components of the skin (m) by those of friction (N)."""
-    return displacement(SkinMobility(**mobility), friction, contact.force_n)

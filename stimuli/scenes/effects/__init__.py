@@ -46,4 +46,5 @@ OF_TIME_REVERSAL: Mapping[str, str] = {
     "drive_energy": "tactometry.stimuli.scenes.effects.drive_energy:DriveEnergy",
     "focus_detection": "tactometry.stimuli.scenes.effects.focus_detection:FocusDetection",
 }
+OF_HYBRID: Mapping[str, str] = {**OF_TIME_REVERSAL, **OF_ELECTROVIBRATION}
 EFFECTS: Mapping[str, str] = {**OF_ELECTROVIBRATION, **OF_TIME_REVERSAL}

@@ -1,6 +1,6 @@
 """A fixed fraction of the load is detected: what is felt counts in proportion to the force that presses."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from ...composition.effect import Effect
@@ -25,11 +25,11 @@ class WeberFraction(Effect):
     slot = "criterion"
     positive = ("reference_n",)
     requires = ("friction", "sliding contact")
-    reads, gives = ("components", "contact"), "components"
+    reads, gives = ("skin_components", "contact"), "skin_components"
     assumes = ("a fixed fraction of friction is detected at any force",)
 
     reference_n: float = 1.0
 
-    def __call__(self, components: "Components", contact: "Contact") -> "Components":
+    def __call__(self, skin_components: "Components", contact: "Contact") -> "Components":
         """Components as they count beside the force of the finger."""
-        return replace(components, amplitudes=self.reference_n / contact.force_n * components.amplitudes)
+        return skin_components.times(self.reference_n / contact.force_n)

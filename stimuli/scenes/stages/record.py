@@ -3,7 +3,6 @@
 A signal is taken as it is played, straight from sample to sample, so that any waveform is felt alike.
 """
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from tactometry.errors import InvalidParameter
 from ...arrays import FloatArray
 from ...composition.effect import Demand, Size
 from ...composition.record import VoltageRecord
+from ...perception.channels import heard
 from ...perception.detection import Components, components
 from .spectrum import padding_for, peak_error
 
@@ -92,10 +92,10 @@ def times(record: VoltageRecord) -> FloatArray:
 
 
 def components_of(record: VoltageRecord, course: FloatArray, padding: int) -> Components:
-    """The components of a course over the record, its mean left out."""
-    return components(course, record.rate_hz, padding)
+    """The components of a course over the record that any channel of touch answers to."""
+    return heard(components(course, record.rate_hz, padding))
 
 
 def grown(parts: Components, area_m2: float, form_area_m2: float) -> Components:
     """The force under an area from that under another: what does not drive the body is in proportion."""
-    return replace(parts, amplitudes=area_m2 / form_area_m2 * parts.amplitudes)
+    return parts.times(area_m2 / form_area_m2)

@@ -7,6 +7,7 @@ from typing import ClassVar
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, FingerContact, Size, Stage, Surface
+from ..effects import OF_HYBRID
 from .electrovibration import Electrovibration
 from .time_reversal import TimeReversal
 
@@ -35,7 +36,7 @@ class HybridScreen(Surface):
     """
 
     kind = "hybrid"
-    effects: ClassVar[Mapping[str, str]] = {**TimeReversal.effects, **Electrovibration.effects}
+    effects: ClassVar[Mapping[str, str]] = OF_HYBRID
     given = (*TimeReversal.given, *Electrovibration.given)
     assumes: ClassVar[Mapping[str, str]] = {
         **TimeReversal.assumes,

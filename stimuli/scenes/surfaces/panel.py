@@ -17,6 +17,6 @@ SKIN_MOTION = Stage(
     "skin_motion",
     ("components", "contact"),
     "skin_components",
-    "tactometry.stimuli.electrovibration.motion.skin_mobility:skin_motion",
+    "tactometry.stimuli.electrovibration.motion.skin_mobility:SkinMobility",
 )
 """The skin moves as `SkinMobility` has it by default."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, replace
 from typing import ClassVar
 
 from ...composition.effect import Demand, Effect, Size, Stage
-from .hybrid import HybridScreen
+from ..effects import OF_HYBRID
 from .played import PlayedSurface
 from .played_electrovibration import PlayedElectrovibration
 from .played_time_reversal import PlayedTimeReversal
@@ -28,7 +28,7 @@ class PlayedHybrid(PlayedSurface):
     """
 
     kind = "hybrid"
-    effects: ClassVar[Mapping[str, str]] = HybridScreen.effects
+    effects: ClassVar[Mapping[str, str]] = OF_HYBRID
     assumes: ClassVar[Mapping[str, str]] = {
         **PlayedTimeReversal.assumes,
         **PlayedElectrovibration.assumes,
