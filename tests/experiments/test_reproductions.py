@@ -136,6 +136,11 @@ def test_a_figure_whose_input_or_constant_was_chosen_for_it_is_not_derived(name,
     assert reproduction_of(name).origin == origin
 
 
+def test_what_the_resistivity_of_the_corneum_was_chosen_for_is_not_derived():
+    origins = {each.quantity: each.origin for each in reproduce(reproduction_of("table-6.1")).numbers}
+    assert origins["time constant"] == origins["corner of the high-pass"] == "calibrated"
+
+
 def of_variants(name):
     rows = {}
     for each in reproduce(reproduction_of(name)).numbers:
@@ -201,7 +206,7 @@ def test_an_item_is_written_with_its_labels(capsys, tmp_path):
     said = output(capsys, "reproduce", "table-6.1", "--out", tmp_path)
     with (tmp_path / "table-6.1.csv").open(newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
-    assert {row["origin"] for row in rows} == {"assumed", "derived"}
+    assert {row["origin"] for row in rows} == {"assumed", "derived", "calibrated"}
     assert all(f"{row['quantity']}, {row['condition']}: " in said for row in rows)
 
 
@@ -213,7 +218,9 @@ def test_the_page_is_made_by_the_command(capsys, tmp_path):
 
 def test_json_has_the_numbers(capsys):
     told = json.loads(output(capsys, "reproduce", "table-6.1", "--json"))
-    assert [each["origin"] for each in told["table-6.1"]["numbers"]] == ["assumed"] * 6 + ["derived"] * 6
+    assert [each["origin"] for each in told["table-6.1"]["numbers"]] == ["assumed"] * 6 + ["derived"] * 3 + [
+        "calibrated"
+    ] * 3
 
 
 def test_an_unknown_item_is_one_sentence(capsys):

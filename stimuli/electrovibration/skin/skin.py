@@ -22,7 +22,8 @@ INSULATOR, GAP, CORNEUM = 0, 1, 2
 class Skin:
     """Insulator, air gap and stratum corneum (resistor parallel to capacitor) in series with the body.
 
-    All defaults are the unverified parameter set "P0": usual magnitudes, not measured values.
+    All defaults are the unverified parameter set "P0": usual magnitudes, not measured values. The resistivity was
+    chosen for a corner near the 500 Hz that Meyer, Peshkin and Colgate (2013) predict, and do not find.
 
     Parameters
     ----------
