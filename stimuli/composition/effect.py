@@ -268,7 +268,8 @@ class Surface:
 
     `effects` holds the kinds that it knows, in the order in which they act, and where their classes are. `given` names
     the quantities that each run is given, `touches` the fingers that stand for any where a run is given its contact.
-    `assumes` says, by slot, what holds as long as no effect fills the slot.
+    `assumes` says, by slot, what holds as long as no effect fills the slot; `refuses`, by kind, what to take in place
+    of an effect that one might look for here, and why.
     """
 
     kind: ClassVar[str]
@@ -276,6 +277,7 @@ class Surface:
     given: ClassVar[tuple[str, ...]]
     assumes: ClassVar[Mapping[str, str]]
     touches: ClassVar[tuple[FingerContact, ...]] = ()
+    refuses: ClassVar[Mapping[str, str]] = {}
 
     @property
     def names(self) -> tuple[str, ...]:

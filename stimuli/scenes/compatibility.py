@@ -27,6 +27,9 @@ def check_effects(effects: Sequence[Effect], scene: Surroundings) -> None:
 
 
 def _check_place(effect: Effect, scene: Surroundings, where: str) -> None:
+    refused = scene.surface.refuses.get(effect.kind)
+    if refused:
+        raise InvalidParameter(f"{where}: found {effect.kind!r} on {scene.surface.kind!r}, expected {refused}")
     if effect.kind not in scene.surface.effects:
         raise InvalidParameter(
             f"{where}: found {effect.kind!r}, which {scene.surface.kind!r} does not know, expected an effect of "

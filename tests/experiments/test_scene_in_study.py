@@ -530,3 +530,83 @@ def test_fingers_of_a_scene_that_rest_nowhere_are_refused(fingers):
     text = on_fingers(f"[scene]\nsurface = {{ fingers = [{fingers}] }}\n{DETECTED}")
     with pytest.raises(InvalidParameter, match=re.escape(FINGER_SENTENCES[fingers])):
         wired(text)
+
+
+# --- masking, and receptors behind foci
+
+
+DETECTION = '{ kind = "focus_detection" }'
+AT_REST, IN_MOTION = Contact(1.0), Contact(1.0, 0.05)
+MASKED = '{ kind = "masking", level_db_re_threshold = 25.0 }'
+
+
+@pytest.mark.parametrize("pattern", ["P0", "P1", "P6"])
+def test_a_masker_raises_the_threshold_of_foci_by_its_rule(pattern):
+    text = FOCI.replace('pattern = "P0"', f'pattern = "{pattern}"')
+    studies = [wired(f"{text}\n[scene]\neffects = [{of}]\n") for of in (DETECTION, f"{DETECTION}, {MASKED}")]
+    signal = next(iter(studies[0].cells.values())).stimulus.at(4.0)
+    free_db, masked_db = (study.sensation().sensation_db(signal, AT_REST) for study in studies)
+    assert free_db - masked_db == pytest.approx(0.52 * 25.0)
+
+
+def test_a_masker_raises_the_threshold_at_each_finger():
+    free_db = fingers_db(f"[scene]\n{DETECTED}")
+    masked_db = fingers_db(f"[scene]\neffects = [{DETECTION}, {MASKED}]")
+    assert [free - masked for free, masked in zip(free_db, masked_db, strict=True)] == pytest.approx([13.0, 13.0])
+
+
+def hybrid_db(*more, contact=IN_MOTION, level=28.0):
+    effects = ", ".join([DETECTION, *EFFECT_LINES.values(), *more])
+    experiment = of_study("hybrid-button", f"[variants.feedback.both.scene]\neffects = [{effects}]\n")
+    cell = cell_of(experiment, "hybrid")
+    return cell.sensation.sensation_db(cell.stimulus.at(level), contact)
+
+
+def test_a_masker_raises_both_thresholds_of_a_hybrid():
+    for contact in (AT_REST, IN_MOTION):  # foci alone, then the stronger of both
+        assert hybrid_db(contact=contact) - hybrid_db(MASKED, contact=contact) == pytest.approx(13.0)
+
+
+def test_receptors_feel_the_friction_of_a_hybrid_and_its_foci_are_felt_as_before():
+    receptors = [line.replace("sensitivity", "receptors") for line in EFFECT_LINES.values()]
+    effects = ", ".join([DETECTION, *receptors])
+    cell = cell_of(of_study("hybrid-button", f"[variants.feedback.both.scene]\neffects = [{effects}]\n"), "hybrid")
+    signal = cell.stimulus.at(28.0)
+    for contact in (AT_REST, IN_MOTION):
+        assert cell.sensation.sensation_db(signal, contact) == pytest.approx(hybrid_db(contact=contact), abs=0.05)
+
+
+def test_foci_beside_friction_mask_each_other_where_a_study_asks_for_it():
+    foci_db, both_db = hybrid_db(contact=AT_REST), hybrid_db()
+    assert both_db > foci_db > 0  # friction is the stronger one
+    foci = '{ kind = "cross_masking", target = "foci" }'
+    assert hybrid_db(foci, contact=AT_REST) == pytest.approx(foci_db)  # no friction, no masker
+    assert hybrid_db(foci) == pytest.approx(foci_db - 0.52 * both_db)
+    friction = '{ kind = "cross_masking", target = "friction", slope = 0.25 }'
+    assert hybrid_db(friction) == pytest.approx(both_db - 0.25 * foci_db)
+    faint_db = hybrid_db(foci, level=-20.0)  # below its threshold a masker does not mask
+    assert faint_db == pytest.approx(hybrid_db(contact=AT_REST, level=-20.0))
+
+
+REFUSED = {
+    DETECTION + ', { kind = "receptors" }': "scene.effects[1]: found 'receptors' on 'time_reversal', expected "
+    "'focus_detection' in its place: a focus is felt as one event, whose spectrum in the skin no source states",
+    '{ kind = "summation" }': "scene.effects[0]: found 'summation' on 'time_reversal', expected 'focus_detection'",
+    DETECTION
+    + ', { kind = "cross_masking", target = "foci" }': "found 'cross_masking', which 'time_reversal' does not",
+    DETECTION + ', { kind = "masking", level_db_re_threshold = nan }': "level_db_re_threshold: found nan, expected",
+    DETECTION + ', { kind = "masking", level_db_re_threshold = "loud" }': "level_db_re_threshold: found 'loud'",
+    DETECTION + ', { kind = "masking" }': "effects[1].level_db_re_threshold: found no such key, expected a number",
+}
+
+
+@pytest.mark.parametrize("effects", REFUSED)
+def test_effects_that_foci_are_not_felt_by_are_refused_with_their_cure(effects):
+    with pytest.raises(InvalidParameter) as refusal:
+        wired(f"{FOCI}\n[scene]\neffects = [{effects}]\n")
+    assert REFUSED[effects] in str(refusal.value)
+
+
+def test_a_target_that_is_none_is_refused():
+    with pytest.raises(InvalidParameter, match="target: found 'thumb', expected one of foci, friction"):
+        hybrid_db('{ kind = "cross_masking", target = "thumb" }')

@@ -45,6 +45,12 @@ OF_TIME_REVERSAL: Mapping[str, str] = {
     "airborne_sound": "tactometry.stimuli.scenes.effects.airborne_sound:AirborneSound",
     "drive_energy": "tactometry.stimuli.scenes.effects.drive_energy:DriveEnergy",
     "focus_detection": "tactometry.stimuli.scenes.effects.focus_detection:FocusDetection",
+    "masking": "tactometry.stimuli.scenes.effects.masking:Masking",
 }
-OF_HYBRID: Mapping[str, str] = {**OF_TIME_REVERSAL, **OF_ELECTROVIBRATION}
-EFFECTS: Mapping[str, str] = {**OF_ELECTROVIBRATION, **OF_TIME_REVERSAL}
+OF_HYBRID: Mapping[str, str] = {
+    # what both sides know acts behind all else of either
+    **{kind: target for kind, target in OF_TIME_REVERSAL.items() if kind not in OF_ELECTROVIBRATION},
+    **OF_ELECTROVIBRATION,
+    "cross_masking": "tactometry.stimuli.scenes.effects.cross_masking:CrossMasking",
+}
+EFFECTS: Mapping[str, str] = {**OF_ELECTROVIBRATION, **OF_TIME_REVERSAL, **OF_HYBRID}

@@ -9,7 +9,9 @@ from ...composition.effect import Effect, Stage, Surroundings
 class Masking(Effect):
     """A masker of the same frequency, `level_db_re_threshold` above its own threshold, above 0.
 
-    The threshold rises by `slope` times that level. 0.52, from 13 dB at 25 dB, is an unverified default.
+    The threshold rises by `slope` times that level. 0.52, from 13 dB at 25 dB (Sci. Rep. 2018, doi
+    10.1038/s41598-018-22865-x), is an unverified default; so is that foci are masked alike, by a vibration in the
+    channel that feels them.
 
     >>> Masking(25.0).slope
     0.52
@@ -17,6 +19,7 @@ class Masking(Effect):
 
     kind = "masking"
     slot = "masking"
+    assumes = ("the masker is felt by the channel that feels the signal, as one of its frequency",)
     positive = ("level_db_re_threshold", "slope")
 
     level_db_re_threshold: float

@@ -13,7 +13,7 @@ from .time_reversal import TimeReversal
 
 SLIDING = "sliding_"
 """In front of the names of stages, and of those quantities that both surfaces have, on the side that slides."""
-OF_BOTH = ("t_s", "motion", "sensation_db")
+SHARED = ("t_s", "motion", "sensation_db")
 ELECTRODE_V = "electrode_voltage_v"
 
 
@@ -53,10 +53,14 @@ class HybridScreen(Surface):
         return (*self._on(plate, self._resting), *map(_renamed, self._on(panel, self._sliding)))
 
     def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:
-        """The stages of an effect, on the side where it acts."""
+        """The stages of an effect, on each side where it acts, or across both."""
+        resting: tuple[Stage, ...] = ()
+        sliding: tuple[Stage, ...] = ()
         if effect.kind in TimeReversal.effects:
-            return self._on(super().stages_of(effect, self._resting(scene)), self._resting)
-        return tuple(map(_renamed, self._on(super().stages_of(effect, self._sliding(scene)), self._sliding)))
+            resting = self._on(super().stages_of(effect, self._resting(scene)), self._resting)
+        if effect.kind in Electrovibration.effects:
+            sliding = self._on(super().stages_of(effect, self._sliding(scene)), self._sliding)
+        return (*resting, *map(_renamed, sliding)) or super().stages_of(effect, scene)
 
     def cure(self, quantity: str) -> str:
         """As on the side that has the quantity."""
@@ -99,4 +103,4 @@ def _renamed(stage: Stage) -> Stage:
 
 
 def _name(quantity: str) -> str:
-    return ELECTRODE_V if quantity == "voltage_v" else f"{SLIDING}{quantity}" if quantity in OF_BOTH else quantity
+    return ELECTRODE_V if quantity == "voltage_v" else f"{SLIDING}{quantity}" if quantity in SHARED else quantity

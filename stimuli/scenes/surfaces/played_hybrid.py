@@ -20,8 +20,8 @@ OF_BOTH = ("contact", "contact_force_n")
 class PlayedHybrid(PlayedSurface):
     """A plate with an electrode on it, whose last channel is that of the electrode.
 
-    Neither masks the other (an unverified simplification): foci are felt as if the finger rested at the focus, friction
-    while it slides.
+    Neither masks the other (an unverified simplification, which the effect `cross_masking` does without): foci are felt
+    as if the finger rested at the focus, friction while it slides.
 
     >>> PlayedHybrid().given
     ('signal', 'contact')
@@ -32,7 +32,8 @@ class PlayedHybrid(PlayedSurface):
     assumes: ClassVar[Mapping[str, str]] = {
         **PlayedTimeReversal.assumes,
         **PlayedElectrovibration.assumes,
-        "hybrid": "neither foci nor friction mask the other, and foci are felt as by a finger that rests",
+        "cross_masking": "neither foci nor friction mask the other",
+        "hybrid": "foci are felt as by a finger that rests",
     }
     touches = (*PlayedTimeReversal.touches, *PlayedElectrovibration.touches)
 
@@ -50,10 +51,15 @@ class PlayedHybrid(PlayedSurface):
         )
 
     def stages_of(self, effect: Effect, scene: Demand) -> tuple[Stage, ...]:
-        """The stages of an effect, on the side where it acts."""
-        if effect.kind in self.time_reversal.effects:
-            return _on_side(RESTING, self.time_reversal.stages_of(effect, self._resting(scene)), self._resting)
-        return _on_side(SLIDING, self.electrovibration.stages_of(effect, self._sliding(scene)), self._sliding)
+        """The stages of an effect, on each side where it acts, or across both."""
+        sides = ((RESTING, self.time_reversal, self._resting), (SLIDING, self.electrovibration, self._sliding))
+        of_sides = [
+            stage
+            for side, surface, demand in sides
+            if effect.kind in surface.effects
+            for stage in _on_side(side, surface.stages_of(effect, demand(scene)), demand)
+        ]
+        return tuple(of_sides) or super().stages_of(effect, scene)
 
     def cure(self, quantity: str) -> str:
         """As on the side that has the quantity."""

@@ -9,6 +9,7 @@ from ...time_reversal.finger import Fingertip
 from ...time_reversal.stimulus.sensation import place_on
 from ...time_reversal.stimulus.setup import Setup
 from ..effects import OF_TIME_REVERSAL
+from .plate import REFUSES
 from .played import PlayedSurface
 
 if TYPE_CHECKING:
@@ -28,6 +29,7 @@ class PlayedPlate(PlayedSurface):
 
     kind = "time_reversal"
     effects = OF_TIME_REVERSAL
+    refuses = REFUSES
     assumes: ClassVar[Mapping[str, str]] = {
         "plate": "plate, patches and losses as the stimulus states them, at the temperature at which it learnt",
         "amplifier": "amplifiers without a roll-off",

@@ -15,6 +15,7 @@ from ...time_reversal.screen.glass_panel import LEARNT_S, GlassPanel
 from ..effects import OF_TIME_REVERSAL
 from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes, wavenumber_rad_per_m
+from .plate import REFUSES
 
 EMISSION = "tactometry.stimuli.scenes.stages.emission"
 MOTION = "tactometry.stimuli.scenes.stages.motion"
@@ -63,6 +64,7 @@ class TimeReversal(GlassPanel, Surface):
 
     kind = "time_reversal"
     effects = OF_TIME_REVERSAL
+    refuses = REFUSES
     given = ("voltage_v",)
     assumes: ClassVar[Mapping[str, str]] = {
         "edges": "edges simply supported all around",

@@ -79,13 +79,24 @@ SCENES = dict(scenes())
 EVERY = [(name, kind) for name, scene in SCENES.items() for kind in scene.surface.effects]
 
 
-def needs_of(kind):
+MASKING = {
+    ("time_reversal", "masking"): [effect("masking", level_db_re_threshold=25.0), effect("focus_detection")],
+    ("hybrid", "cross_masking"): [
+        effect("cross_masking", target="foci"), effect("focus_detection"), *with_needs("sensitivity")
+    ],
+}  # fmt: skip
+"""Of a surface and an effect that another surface knows by other needs, or none does."""
+
+
+def needs_of(kind, surface):
+    if (surface, kind) in MASKING:
+        return MASKING[surface, kind]
     return tuned(kind) if kind in TIME_REVERSAL else with_needs(kind) if kind in ELECTROVIBRATION else [default(kind)]
 
 
 def pair(scene, kind):
     """The effects of a scene without one and with it: what shares a slot with it or acts on it is left out."""
-    mine, *needs = [found for found in scene.effects if found.kind == kind] or needs_of(kind)
+    mine, *needs = [found for found in scene.effects if found.kind == kind] or needs_of(kind, scene.surface.kind)
     added = (mine, *needs)
     slots = {found.slot for found in added}
     barred = {name for found in added for name in (found.kind, *found.excludes)}
