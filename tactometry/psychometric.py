@@ -15,7 +15,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import special
 
 from .arguments.require import expect, lookup, positive, within
 from .errors import InvalidParameter
@@ -87,9 +86,23 @@ def _log_of_minus(log_probability: Array) -> Array:
         return np.log(-log_probability)
 
 
+def _log_ndtr(z: Array) -> Array:
+    from scipy.special import log_ndtr  # slow to load
+
+    return np.asarray(log_ndtr(z))
+
+
+def _log_expit(z: Array) -> Array:
+    from scipy.special import log_expit
+
+    return np.asarray(log_expit(z))
+
+
 def _normal_at(log_cdf: Array, log_sf: Array) -> Array:
+    from scipy.special import ndtri_exp
+
     # from the smaller tail: the logarithm of the larger is near 0 and has lost where on the curve it is
-    return np.where(log_cdf < log_sf, special.ndtri_exp(log_cdf), -special.ndtri_exp(log_sf))
+    return np.where(log_cdf < log_sf, ndtri_exp(log_cdf), -ndtri_exp(log_sf))
 
 
 _GUMBEL = Shape(
@@ -103,16 +116,16 @@ _GUMBEL = Shape(
 SHAPES: Mapping[str, Shape] = MappingProxyType(
     {
         "normal": Shape(
-            log_cdf=special.log_ndtr,
-            log_sf=lambda z: special.log_ndtr(-z),
+            log_cdf=_log_ndtr,
+            log_sf=lambda z: _log_ndtr(-z),
             log_pdf=lambda z: -0.5 * z * z - 0.5 * np.log(2 * np.pi),
             score=lambda z: -z,
             at=_normal_at,
         ),
         "logistic": Shape(
-            log_cdf=special.log_expit,
-            log_sf=lambda z: special.log_expit(-z),
-            log_pdf=lambda z: special.log_expit(z) + special.log_expit(-z),
+            log_cdf=_log_expit,
+            log_sf=lambda z: _log_expit(-z),
+            log_pdf=lambda z: _log_expit(z) + _log_expit(-z),
             score=lambda z: -np.tanh(0.5 * z),
             at=lambda log_cdf, log_sf: log_cdf - log_sf,
         ),

@@ -7,7 +7,6 @@ from math import prod
 from typing import Literal, Self, get_args
 
 import numpy as np
-from scipy.special import logsumexp
 
 from tactometry.arguments.require import at_most, expect, lookup, numbers, of_kind, one_of
 from tactometry.errors import rewording
@@ -261,6 +260,8 @@ class SharedQuestPlus:
 
     @cached_property
     def _views(self) -> Mapping[str, QuestPlusRun]:
+        from scipy.special import logsumexp  # slow to load
+
         evidence = {track: logsumexp(self._log_joint(track), axis=0) for track in self.tracks}
         return {track: self._view(track, evidence) for track in self.tracks}
 

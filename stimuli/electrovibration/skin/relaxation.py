@@ -1,6 +1,7 @@
 """Sums of first-order high-passes, exact for an input that is linear between its samples."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -11,7 +12,9 @@ from tactometry.arguments.checked import checked
 
 from ...arrays import ComplexArray, FloatArray
 
-BLOCK = 4096
+BLOCK = 32
+AT_ONCE = 128
+"""Blocks of one matrix product: BLAS starts no threads for so few."""
 
 
 @dataclass(frozen=True)
@@ -95,39 +98,42 @@ def high_passed(steps_v: FloatArray, decay: float) -> FloatArray:
 
     Notes
     -----
-    ``y_n = exp(-decay) y_(n-1) + phi1(decay) step_n``. The recurrence restarts every `BLOCK` samples from
-    a state carried with the exponential of the whole block: else the rounding of ``exp(-decay)`` near 1 adds
-    up (1e-9 over 1e7 samples).
+    ``y_n = exp(-decay) y_(n-1) + phi1(decay) step_n``.
     """
     weighted = steps_v * phi1(decay)
     # the first is a jump, which passes whole; a relaxation without duration passes nothing
     weighted[..., :1] = steps_v[..., :1] * (0.0 if np.isinf(decay) else 1.0)
-    n = weighted.shape[-1]
-    if n <= BLOCK or decay == 0:
-        return _recurrence(weighted, decay)
-    return _in_blocks(weighted, decay)[..., :n]
+    return decaying_sum(weighted, decay)
 
 
-def _recurrence(weighted: FloatArray, decay: float) -> FloatArray:
-    if decay == 0 or not weighted.size:
-        return np.cumsum(weighted, axis=-1)
-    from .compiled_decay import decaying_sum  # slow to load
+def decaying_sum(values: FloatArray, decay: float) -> FloatArray:
+    """``y_n = exp(-decay) y_(n-1) + x_n`` along the last axis, from rest: a matrix over blocks, then over their ends.
 
-    rows = np.ascontiguousarray(weighted).reshape(-1, weighted.shape[-1])
-    return np.asarray(decaying_sum(rows, float(np.exp(-decay))).reshape(weighted.shape))
+    What a block begins with decays through it by exponentials and not by repeated products: else the rounding of
+    ``exp(-decay)`` near 1 adds up (1e-9 over 1e7 samples).
 
-
-def _in_blocks(weighted: FloatArray, decay: float) -> FloatArray:
-    *lead, n = weighted.shape
-    n_blocks = -(-n // BLOCK)
+    >>> decaying_sum(np.array([1.0, 1.0, 0.0]), np.log(2)).tolist()
+    [1.0, 1.5, 0.75]
+    """
+    *lead, n = values.shape
+    stack = min(-(-n // BLOCK), AT_ONCE)
+    n_blocks = stack * -(-n // max(stack * BLOCK, 1))
     padded = np.zeros((*lead, n_blocks * BLOCK))
-    padded[..., :n] = weighted
-    inside = _recurrence(padded.reshape(*lead, n_blocks, BLOCK), decay)
-    ends = _recurrence(inside[..., -1], decay * BLOCK)
-    # the state that a block begins with decays through it, by exponentials and not by repeated products
-    carried = np.exp(-decay * np.arange(1, BLOCK + 1))
-    inside[..., 1:, :] += ends[..., :-1, None] * carried
-    return inside.reshape(*lead, n_blocks * BLOCK)
+    padded[..., :n] = values
+    blocks = padded.reshape(*lead, n_blocks // max(stack, 1), stack, BLOCK) @ _decays(decay).T
+    blocks = blocks.reshape(*lead, n_blocks, BLOCK)
+    if n_blocks > 1:
+        before = decaying_sum(blocks[..., -1], decay * BLOCK)[..., :-1, None]
+        blocks[..., 1:, :] += before * np.exp(-decay * np.arange(1, BLOCK + 1))
+    return blocks.reshape(*lead, n_blocks * BLOCK)[..., :n]
+
+
+@lru_cache(maxsize=64)
+def _decays(decay: float) -> FloatArray:
+    """(BLOCK, BLOCK): the weight of each earlier value at each later one."""
+    later = np.subtract.outer(np.arange(BLOCK), np.arange(BLOCK))
+    passed = np.multiply(decay, later, out=np.zeros(later.shape), where=later > 0)
+    return np.tril(np.exp(-passed))
 
 
 def _high_pass(s: ComplexArray, rate_per_s: float) -> ComplexArray:
