@@ -124,5 +124,5 @@ def _smoothed(spectrum: NoiseSpectrum, f_max_hz: float, width_hz: float = 500.0)
     n_bands = int(min(f_max_hz, spectrum.frequency_hz[-1]) / width_hz)
     bands = (spectrum.frequency_hz / width_hz).astype(int)  # what lies above the last is drawn nowhere
     mean = np.array([spectrum.pressure_pa2_per_hz[bands == n].mean() for n in range(n_bands)])
-    middles_hz = width_hz * (np.arange(n_bands) + 0.5)
+    middles_hz = np.asarray(width_hz * np.arange(0.5, n_bands), float)
     return middles_hz, NoiseSpectrum(middles_hz, mean).level_db_re_20upa
