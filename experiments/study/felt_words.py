@@ -1,14 +1,14 @@
 """What a scene lets a participant feel, in words for journals and reports."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import is_dataclass
+from dataclasses import MISSING, fields, is_dataclass
 from typing import Any, Final
 
 from tactometry.config.strict import fields_of
 from tactometry.stimuli.composition.effect import Effect
 from tactometry.stimuli.scenes.scene import Scene
 
-OF_STIMULUS: Final = ("setup", "duration_s")
+OF_STIMULUS: Final = ("setup", "places", "duration_s")
 """What of a surface the stimulus states."""
 
 
@@ -16,8 +16,16 @@ def scene_in_words(scene: Scene) -> str:
     """The effects that are felt, what of the surface is not at its default, and the error that is tolerated."""
     off, surface = scene.felt().off(), scene.surface
     effects = ", ".join(effect_in_words(effect) for effect in scene.effects if effect not in off)
-    stated = _deviations(vars(surface), vars(type(surface)()))
+    stated = _deviations(vars(surface), dict(_usual(type(surface))))
     return "; ".join([effects, *stated, f"accuracy {scene.accuracy:g}"])
+
+
+def _usual(kind: Any) -> Iterator[tuple[str, Any]]:
+    """The defaults of a class, of the fields that have one."""
+    for field in fields(kind):
+        default = field.default if field.default_factory is MISSING else field.default_factory()
+        if default is not MISSING:
+            yield field.name, default
 
 
 def effect_in_words(effect: Effect) -> str:

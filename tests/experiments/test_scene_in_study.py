@@ -610,3 +610,11 @@ def test_effects_that_foci_are_not_felt_by_are_refused_with_their_cure(effects):
 def test_a_target_that_is_none_is_refused():
     with pytest.raises(InvalidParameter, match="target: found 'thumb', expected one of foci, friction"):
         hybrid_db('{ kind = "cross_masking", target = "thumb" }')
+
+
+def test_the_journal_of_a_session_with_fingers_says_what_they_felt():
+    """Scenes of the fingers have fields that only the stimulus states."""
+    from tactometry.experiments.study.felt_words import scene_in_words
+
+    felt = next(iter(wired(on_fingers(TWO)).cells.values())).sensation
+    assert scene_in_words(felt.scene) == "focus_detection; fingers = ('index', 'middle'); accuracy 0.02"
