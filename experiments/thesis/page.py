@@ -22,11 +22,11 @@ that most numbers here can be compared with nothing. Each number is
 - **calibrated** (c): one constant was set to it, or to what it is proportional to,
 - **assumed** (a): the input says so.
 
-Three constants of the models are set to what the thesis states: the resistance of a finger at 2 N with the attenuation
-constant tau (to 30 % and 6 %, finding-2), the moment per volt of a patch (so that one bit at 30 V gives 10 um), and the
-amplitude of a focus at threshold (10 um, finding-1). What is set or proportional to them is calibrated; what hangs on
-them otherwise is derived, given them. Inputs that were chosen for what is stated (a carrier in finding-3) make it
-assumed.
+Four constants of the models are set to what the thesis states: the resistance of a finger at 2 N and the attenuation
+constant tau (together, to 30 % and 6 %, finding-2), the moment per volt of a patch (so that one bit at 30 V gives
+10 um), and the amplitude of a focus at threshold (10 um, finding-1). What is set or proportional to them is calibrated;
+what hangs on them otherwise is derived, given them. What comes of an input that was chosen for it (a carrier in
+finding-3) is assumed.
 
 In the tables ✓ agrees with what is stated and ✗ does not; of what our sources hold nothing there is no mark.
 Only a derived number that agrees with what is stated counts as *reproduced*. This page is made by the command;

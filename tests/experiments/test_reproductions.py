@@ -167,14 +167,13 @@ def test_what_finding_3_says_of_its_rows():
 
 
 def test_a_contact_that_opens_costs_what_one_that_holds_costs():
-    """Finding 1: under the finger the focus falls with force either way; steps twice as fine agree."""
-    coarse, fine = (np.abs(opened_contact(3.0, finer).displacement_m).max() for finer in (8, 16))
-    assert coarse == pytest.approx(fine, rel=1e-3)
+    """Finding 1: under the finger the focus falls with force either way."""
+    opened_m = np.abs(opened_contact(3.0).displacement_m).max()
     stimulus = next(iter(experiment("time-reversal-threshold").cells.values())).stimulus
     setup = stimulus.setup
     free_m = free_displacement(stimulus.at(20.0), setup, setup.focus_m)
     held_m = loaded_displacements(free_m[None], setup, [Fingertip().load(setup.focus_m, 3.0)])
-    assert fine == pytest.approx(np.abs(held_m).max(), rel=5e-3)
+    assert opened_m == pytest.approx(np.abs(held_m).max(), rel=5e-3)
 
 
 def test_the_forces_of_table_6_2_are_those_of_fingers_in_the_band_of_the_gate():
