@@ -85,7 +85,7 @@ def _panel(stated: Mapping[str, Any], stimulus: Any, where: str) -> Any:
     """An electrode, whose layers are stated as those of a scene."""
     for name in TONE:
         expect(name not in stated, f"{where}.{name}", "what [stimulus] states", "it there alone; remove it")
-    panel: Surface = build_kind({**SILENT, **stated, "duration_s": stimulus.duration_s}, where, SURFACES)
+    panel: Any = build_kind({**SILENT, **stated, "duration_s": stimulus.duration_s}, where, SURFACES)
     return panel.played()
 
 

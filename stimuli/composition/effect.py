@@ -226,6 +226,10 @@ class Effect:
         """What it brings into the motion of a plate."""
         return PlateContent()
 
+    def in_setup(self) -> Mapping[str, Any]:
+        """Fields of the `Setup` of a plate, by an effect that makes it: what is played on it does not hold them."""
+        return {}
+
     def wavenumber_rad_per_m(self, plate: Any, frequency_hz: float) -> float | None:
         """Of the waves in a plate, by an effect that changes them; None leaves them as they are."""
         return None
@@ -287,7 +291,7 @@ class Surface:
     def stages(self, scene: "Demand") -> tuple[Stage, ...]:
         raise NotImplementedError
 
-    def played(self) -> "Surface":
+    def played(self, scene: Surroundings) -> "Surface":
         """The same surface, where each run is given the signal that is played and the finger that feels it.
 
         Raises
@@ -296,8 +300,8 @@ class Surface:
             If no signal can be given to it.
         """
         raise InvalidParameter(
-            f"surface.kind: found {self.kind!r}, of which no played signal is felt, expected 'electrovibration', or a "
-            "plate as a stimulus states it (PlayedTimeReversal, PlayedHybrid)"
+            f"surface.kind: found {self.kind!r}, of which no played signal is felt, expected 'electrovibration' or "
+            "'time_reversal', or what a stimulus states (PlayedHybrid)"
         )
 
     def reaches(self, contact: Contact) -> bool:

@@ -157,14 +157,14 @@ class Scene:
         """The scene whose plan gives the sensation of a signal under a contact, both of which each run is given; or
         another quantity of them.
 
-        Effects that make what is played are left out: the signal holds them.
+        Effects that make what is played are left out, as the signal holds them; the plate keeps those that make it.
 
         Raises
         ------
         InvalidParameter
             If no signal can be given to the surface.
         """
-        surface = self.surface.played()
+        surface = self.surface.played(self)
         effects = tuple(effect for effect in self.effects if not effect.in_signal)
         return replace(self, surface=surface, effects=effects, outputs=(output,), contacts=surface.touches)
 

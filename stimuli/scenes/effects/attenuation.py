@@ -49,6 +49,11 @@ class Losses(Effect):
         require.expect(decades <= MOST_DECADES, "attenuation.exponent", found, f"at most {MOST_DECADES:g}; lower it")
         return PlateContent(tau_s=self.tau_at_s(band_max_hz), ringing_s=3 * self.tau_s)
 
+    def in_setup(self) -> dict[str, float]:
+        found = f"{self.exponent:g} where a signal is felt"
+        require.expect(self.exponent == 0, "attenuation.exponent", found, "0: the plate of a stimulus has one tau_s")
+        return {"tau_s": self.tau_s}
+
     def tau_at_s(self, frequency_hz: float) -> float:
         """The time constant at a frequency."""
         return float(self.tau_s * (frequency_hz / self.reference_hz) ** -self.exponent)

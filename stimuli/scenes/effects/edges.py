@@ -56,6 +56,9 @@ class Edges(Alteration):
             )
         return Size(error=error)
 
+    def in_setup(self) -> dict[str, str]:
+        return {"boundary": self.boundary}
+
     def in_plate(self, scene: Surroundings) -> PlateContent:
         return PlateContent(most_ritz_modes=MOST_RITZ_MODES)
 

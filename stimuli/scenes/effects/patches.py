@@ -40,5 +40,8 @@ class Patches(Effect):
             )
         return Size({"n_transducers": surface.n_transducers, "inset_m": surface.inset_m, **vars(self)})
 
+    def in_setup(self) -> dict[str, float]:
+        return vars(self)
+
     def in_plate(self, scene: Surroundings) -> PlateContent:
         return PlateContent(reach_m=self.side_m / 2)

@@ -29,6 +29,9 @@ class Shear(Effect):
     def __call__(self, screen: "Screen") -> "Screen":
         return replace(screen, shear_factor=self.factor)
 
+    def in_setup(self) -> dict[str, float]:
+        return {"shear_factor": self.factor}
+
     def wavenumber_rad_per_m(self, plate: "Plate", frequency_hz: float) -> float:
         """Of the waves at a frequency."""
         from ...time_reversal.plate.dispersion import mindlin_wavenumber_rad_per_m

@@ -17,7 +17,7 @@ from .panel import ASSUMES, SKIN_MOTION
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
-    from ...composition.effect import Demand
+    from ...composition.effect import Demand, Surroundings
     from ...electrovibration.skin.skin import Skin
     from ...electrovibration.waveforms.pieces import Pieces
     from ...electrovibration.waveforms.waveform import Waveform
@@ -90,7 +90,7 @@ class Electrovibration(Surface):
             Stage("peak", force, "peak_force_n", HIGHEST, size=once),
         )
 
-    def played(self) -> "PlayedElectrovibration":
+    def played(self, scene: "Surroundings | None" = None) -> "PlayedElectrovibration":
         """The panel under whatever voltage is played."""
         from .played_electrovibration import PlayedElectrovibration
 

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Self
 
-from ...composition.effect import Demand, Effect, Stage, Surface
+from ...composition.effect import Demand, Effect, Stage, Surface, Surroundings
 
 
 class PlayedSurface(Surface):
@@ -20,6 +20,6 @@ class PlayedSurface(Surface):
         """As what is felt excludes them."""
         return effect.excludes if effect.felt_excludes is None else effect.felt_excludes
 
-    def played(self) -> Self:
+    def played(self, scene: Surroundings) -> Self:
         """It is played already."""
         return self

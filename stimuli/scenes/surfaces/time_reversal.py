@@ -1,14 +1,14 @@
 """A plate that focuses by time reversal: from a voltage to a focus, with whatever effects are called for."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from math import ceil, pi, sqrt
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, Final
 
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
-from ...composition.effect import Demand, Size, Stage, Surface
+from ...composition.effect import Demand, Size, Stage, Surface, Surroundings
 from ...time_reversal.plate.glass import GLASSES
 from ...time_reversal.plate.plate import Plate
 from ...time_reversal.screen.glass_panel import LEARNT_S, GlassPanel
@@ -17,6 +17,11 @@ from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes, wavenumber_rad_per_m
 from .plate import REFUSES
 
+if TYPE_CHECKING:
+    from .played_time_reversal import PlayedTimeReversal
+
+OF_EVERY_STIMULUS: Final = {"tau_s", "side_m"}
+"""Fields of a `Setup` that a plate has by effects alone, and every stimulus by default."""
 EMISSION = "tactometry.stimuli.scenes.stages.emission"
 MOTION = "tactometry.stimuli.scenes.stages.motion"
 MAP = "tactometry.stimuli.scenes.stages.map"
@@ -101,6 +106,21 @@ class TimeReversal(GlassPanel, Surface):
     def stages(self, scene: Demand) -> tuple[Stage, ...]:
         _check_rest(scene)
         return (*self._emission(), *self._motion(), *self._courses(), *self._map())
+
+    def played(self, scene: Surroundings) -> "PlayedTimeReversal":
+        """The plate as a stimulus states it, by the effects that make it, the first finger where it rests."""
+        from ...time_reversal.stimulus.setup import Setup
+        from .played_time_reversal import PlayedTimeReversal
+
+        made = {name: value for effect in scene.effects for name, value in effect.in_setup().items()}
+        stated = set(made) >= OF_EVERY_STIMULUS
+        lacking = "a plate without losses or patches where a signal is felt"
+        require.expect(stated, "effects", lacking, "both, as a stimulus has them; add 'attenuation' and 'patches'")
+        panel = {field.name: getattr(self, field.name) for field in fields(GlassPanel)}
+        modes_to_hz = min(self.band_max_hz + self.flank_hz, self.rate_hz / 2)
+        setup = Setup(**panel, **made, modes_to_hz=modes_to_hz, learnt_s=self.reversal_s)
+        places = [(touch.x_m, touch.y_m) for touch in scene.contacts if not touch.slides]
+        return PlayedTimeReversal(setup, *(places[0] if places else ()))
 
     def _emission(self) -> tuple[Stage, ...]:
         learning = {name: getattr(self, name) for name in ("rate_hz", "reversal_s", "band_max_hz", "flank_hz")}

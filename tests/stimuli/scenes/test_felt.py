@@ -31,6 +31,7 @@ from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.stages import record
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.played_electrovibration import PlayedElectrovibration
+from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 
 FELT = ("force_law", "friction", "sensitivity")
 TOUCH = Contact(1.5, 0.05)
@@ -188,10 +189,44 @@ def test_a_scene_without_a_threshold_names_the_cure():
         scene.sensation(Sine(60.0, 0.5).at(30.0), TOUCH)
 
 
-def test_no_signal_is_felt_on_a_plate():
-    scene = Scene(small_screen(), (), ("peak_m",))
-    with pytest.raises(InvalidParameter, match=r"found 'time_reversal', of which no played signal is felt"):
-        scene.sensation(Sine(60.0, 0.5).at(30.0), Contact(1.0))
+NO_STIMULUS = {
+    "no losses, no patches": ((), r"^effects: found a plate without losses or patches where .* add 'attenuation' and"),
+    "losses by frequency": (
+        (effect("attenuation", exponent=0.5),),
+        r"^attenuation\.exponent: found 0\.5 where a signal",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", NO_STIMULUS)
+def test_no_signal_is_felt_on_a_plate_that_no_stimulus_has(name):
+    effects, sentence = NO_STIMULUS[name]
+    with pytest.raises(InvalidParameter, match=sentence):
+        Scene(small_screen(), effects, ("peak_m",)).sensation(Sine(60.0, 0.5).at(30.0), Contact(1.0))
+
+
+PLATE = (effect("attenuation", tau_s=2e-3), effect("patches", side_m=8e-3))
+
+
+@pytest.mark.parametrize("kinds", [(), ("finger_load",)])
+def test_on_the_plate_of_a_scene_a_stimulus_is_felt_as_the_scene_feels_its_own_drive(kinds):
+    """The scene computes its modes and its drive by itself, in a band that has no sharp end: 0.07 dB."""
+    others = (effect(kind) for kind in ("one_bit", *kinds, "focus_detection"))
+    scene = Scene(small_screen(), (*PLATE, *others), ("sensation_db",), 0.02, (FingerContact(1.5),))
+    drive = FocusTrain(scene.felt().surface.setup, f_max_hz=15e3).at(0.0)
+    level_db = scene.resolve().run({"voltage_v": drive.peak})["sensation_db"]
+    assert scene.sensation(drive, Contact(1.5)) == pytest.approx(level_db, abs=0.2)
+
+
+def test_the_plate_that_a_signal_is_felt_on_is_that_of_all_effects_that_make_it():
+    effects = (*PLATE, effect("edges", boundary="FFFF"), effect("shear"), effect("focus_detection"))
+    touch = FingerContact(1.5, x_m=0.03, y_m=0.02)
+    played = Scene(small_screen(), effects, ("sensation_db",), contacts=(touch,)).felt().surface
+    assert (played.finger_x_m, played.finger_y_m) == (0.03, 0.02)
+    assert {name: getattr(played.setup, name) for name in OF_PLATE} == OF_PLATE
+
+
+OF_PLATE = {"tau_s": 2e-3, "side_m": 8e-3, "boundary": "FFFF", "shear_factor": 5 / 6, "modes_to_hz": 18e3}
 
 
 def test_settings_are_chosen_once_and_a_spectrum_is_read_once_for_a_signal(monkeypatch):
