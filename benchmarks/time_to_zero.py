@@ -43,14 +43,23 @@ def touched(window, sink, force_n):
     import player
     from zero_scene import PRESS, RATE_HZ, Noting, Scene
 
+    from tactometry.devices.sensors.reader import now_s
+
     class Timed(Scene):
         def felt(self, time_s):
             if self.force_n == 1.0:
                 self.held_s = self.source.zero_s + time_s
             return self.force_n
 
+    class Told(Noting):
+        told_s = None
+
+        def stop(self):
+            self.told_s = self.told_s or now_s()
+            super().stop()
+
     sink.begin()
-    driver = Noting(player.settings({"rate_hz": RATE_HZ, "n_channels": 2, "device": "pulse"}).driver(player.GAIN))
+    driver = Told(player.settings({"rate_hz": RATE_HZ, "n_channels": 2, "device": "pulse"}).driver(player.GAIN))
     scene = Timed(Kept(window), driver, sink)
     ender = threading.Thread(target=scene.when_heard, args=(setattr, scene, "force_n", force_n))
     ender.start()
