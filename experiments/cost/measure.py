@@ -1,4 +1,4 @@
-"""Errors and prices of a ladder: contenders interleaved, the first call apart, medians and spread, peak memory."""
+"""Errors and prices of a ladder: contenders interleaved, first calls apart, medians and spread, peak memory."""
 
 import math
 import statistics
@@ -58,23 +58,30 @@ class Climb:
         return [point for point in self.points if point.contender == contender]
 
 
-def climb(problem: Problem, n_rounds: int = N_ROUNDS) -> Climb:
+def climb(problem: Problem, n_rounds: int = N_ROUNDS, cold_s: Callable[[int], float] | None = None) -> Climb:
     """Measure a ladder on one thread; errors are the same in every run, times are not.
 
     Without rounds the first call is the time, and memory is not measured (0). What is not paid in computing time is
-    run_once once.
+    run once. `cold_s` times the first call of a rung, by its place, in a process of its own: without it the first call
+    is that of this process, behind the reference and the rungs before it.
     """
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
         answer = problem.reference.answer()
-        firsts = [run_once(rung.run) for rung in problem.rungs]
+        firsts = [_first(rung, place, cold_s) for place, rung in enumerate(problem.rungs)]
         rounds = [_round(problem.rungs, first=not n) for n in range(n_rounds)]
     points = tuple(
         _point(problem, rung, first, [times[n] for times in rounds if n in times], answer)
         for n, (rung, first) in enumerate(zip(problem.rungs, firsts, strict=True))
     )
     return Climb(problem, points, answer)
+
+
+def _first(rung: Rung, place: int, cold_s: Callable[[int], float] | None) -> tuple[float, Any]:
+    """Time of the first call, and the answer."""
+    here_s, answer = run_once(rung.run)
+    return (here_s if cold_s is None or rung.price is not None else cold_s(place)), answer
 
 
 def _round(rungs: Sequence[Rung], *, first: bool) -> dict[int, float]:

@@ -21,12 +21,12 @@ tactometry cost all --page docs/cost.md   # this page
 ```
 
 A ladder is one problem with settings from coarse to fine. Each rung has its error against the stated reference, the
-median and interquartile range of its time (contenders interleaved, one thread), the first call apart as *cold* (with
-what is imported and loaded for it, and for no ladder before), peak memory and the size of the answer. Errors are the
-same in every run; times are those of the machine below. A result that is not finite is an *unstable* point and is
-drawn. No error below the reference's own uncertainty is believed, and every reference agrees with an independent one.
-Three prices are paid: computing time, time of emission (`reversal-time-*`) and the time of participants (`procedures`,
-`group-threshold`).
+median and interquartile range of its time (contenders interleaved, one thread) as *warm*, the first call in a process
+of its own as *cold* (with what is imported and loaded for it; where the price is not computing time, the one call that
+is made), peak memory and the size of the answer. Errors are the same in every run; times are those of the machine
+below. A result that is not finite is an *unstable* point and is drawn. No error below the reference's own uncertainty
+is believed, and every reference agrees with an independent one. Three prices are paid: computing time, time of emission
+(`reversal-time-*`) and the time of participants (`procedures`, `group-threshold`).
 
 Intervals of a threshold aim at different things: those of the posterior have their ladder in `threshold-fit`, those of
 the likelihood in `threshold-likelihood`, and those of the bootstrap, of where the mode falls in answers drawn anew from

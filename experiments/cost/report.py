@@ -13,7 +13,7 @@ ROW = "{:<29}{:>9}{:>10}{:>10}{:>10}{:>8}{:>11}{:>11}"
 
 
 def table(climb: Climb) -> str:
-    """The points of a ladder, 98 columns wide, and the cheapest rungs; *cold* is the first call, *warm* the median."""
+    """The points of a ladder, 98 columns wide, and the cheapest rungs; *cold* is a first call, *warm* the median."""
     head = ROW.format("setting", "error", "price", "cold (s)", "warm (s)", "+- (s)", "memory (B)", "answer (B)")
     problem = climb.problem
     lines = [f"{problem.name}: {problem.title}", f"against {problem.reference.by}", f"price: {problem.price}", head]

@@ -2,6 +2,7 @@
 
 from dataclasses import asdict
 from datetime import UTC, datetime
+from functools import partial
 from pathlib import Path
 
 import click
@@ -9,6 +10,7 @@ import click
 from tactometry.experiments.cost.measure import Climb, climb
 from tactometry.experiments.cost.report import answers, machine, table, write_csv
 from tactometry.experiments.ladders import LADDERS, problem_of
+from tactometry.experiments.ladders.cold import cold_s
 
 from ..arguments.require import one_of
 from .output import path_option, progress, say, subcommand
@@ -26,8 +28,7 @@ def command(*, ladder: str, out: Path | None, page: Path | None, rounds: int) ->
     """
     one_of("LADDER", ladder, ("all", *LADDERS))
     names = list(LADDERS) if ladder == "all" else [ladder]
-    problems = [problem_of(name) for name in names]
-    climbs = [climb(problem, rounds) for problem in progress(problems, len(problems), "ladders")]
+    climbs = [climb(problem_of(name), rounds, partial(cold_s, name)) for name in progress(names, len(names), "ladders")]
     if out is not None:
         _write(climbs, out)
     if page is not None:

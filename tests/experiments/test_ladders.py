@@ -18,6 +18,7 @@ from tactometry.experiments.cost.peers import RECORD, peers_of, recorded_on
 from tactometry.experiments.cost.problem import Problem, Reference, Rung
 from tactometry.experiments.cost.report import answers, label, table
 from tactometry.experiments.ladders import LADDERS, problem_of
+from tactometry.experiments.ladders.cold import cold_s
 
 PAGE = DOCS / "cost.md"
 N_RUNGS = {} if SOAK else {"group-threshold": 3}
@@ -105,6 +106,15 @@ def test_a_point_says_what_it_took():
         assert min(point.price, point.first_s, point.median_s) > 0
         assert point.spread_s >= 0
         assert point.answer_bytes == 8
+
+
+def test_a_cold_time_is_that_of_a_process_of_its_own():
+    """Machine code is loaded for each, a hundred times as long as a call; in one process, for the first alone."""
+    problem = problem_of("time-integration")
+    short = replace(problem, rungs=problem.rungs[:2])
+    here = [point.first_s for point in climb(short, n_rounds=1).points]
+    cold = [point.first_s for point in climb(short, n_rounds=1, cold_s=partial(cold_s, problem.name)).points]
+    assert here[1] < 0.1 < min(cold)
 
 
 def test_what_is_not_finite_is_unstable_and_kept():
