@@ -2,13 +2,14 @@
 
 import hashlib
 import platform
-from importlib import metadata
 
 DISTRIBUTIONS = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "msgspec", "psychopy")
 
 
 def versions() -> dict[str, str]:
     """Versions of Python, the system and the packages that data depend on; what is not installed is left out."""
+    from importlib import metadata  # slow to load
+
     by_name = {"python": platform.python_version(), "system": platform.system(), "machine": platform.machine()}
     for name in DISTRIBUTIONS:
         try:

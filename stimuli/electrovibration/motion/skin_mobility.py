@@ -72,13 +72,16 @@ class SkinMobility(Effect):
         """
         require.positive("SkinMobility.gain_m_per_n", force_n=force_n)
         frequencies_hz = require.not_negative_array("SkinMobility.gain_m_per_n.frequency_hz", frequency_hz)
+        return self._gain_m_per_n(frequencies_hz, force_n)
+
+    def _gain_m_per_n(self, frequencies_hz: FloatArray, force_n: float) -> FloatArray:
         skin, omega = self.under(force_n), 2 * pi * frequencies_hz
         elastic = skin.stiffness_n_per_m - skin.mass_kg * omega * omega
         return np.asarray(1 / np.hypot(elastic, skin.damping_n_s_per_m * omega))
 
     def __call__(self, components: "Components", contact: Contact) -> "Components":
         """Components of the skin (m) by those of friction (N)."""
-        return components.times(self.gain_m_per_n(components.frequencies_hz, contact.force_n))
+        return components.times(self._gain_m_per_n(components.frequencies_hz, contact.force_n))
 
     def in_voltage(self, scene: Surroundings) -> VoltageContent:
         """Its slope by frequency: the logarithm of each of two poles changes by at most 1 over its distance."""
