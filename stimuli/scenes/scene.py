@@ -4,13 +4,15 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
-from typing import TYPE_CHECKING
+from typing import Final
 
 import numpy as np
 
-from tactometry.arguments.require import expect
+from tactometry.arguments.magnitudes import is_number
+from tactometry.arguments.require import expect, of_kind
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter, nearest
+from tactometry.signal import Signal
 
 from ..composition.effect import Demand, Effect, FingerContact, Setting, Stage, Surface
 from .chain import required_stages
@@ -18,16 +20,14 @@ from .compatibility import check_effects
 from .plan import Plan, parted
 from .result import unit_of
 
-if TYPE_CHECKING:
-    from tactometry.signal import Signal
-
+TOUCHES: Final = (Contact, FingerContact)
 ROUNDING = 1e-9
 SENSATION = "sensation_db"
 N_SIGNALS = 64
 """Of which what does not depend on a contact is kept: each may hold courses of the whole record."""
 N_CONTACTS = 256
 OfContact = Callable[[Contact], tuple[float, ...]]
-OfSignal = Callable[["Signal"], OfContact]
+OfSignal = Callable[[Signal], OfContact]
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,9 @@ class Scene:
     settings: Mapping[str, Mapping[str, Setting]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        expect(0 < self.accuracy <= 1, "Scene.accuracy", self.accuracy, "above 0 and at most 1")
+        _check_kinds(self)
+        is_share = is_number(self.accuracy) and 0 < self.accuracy <= 1
+        expect(is_share, "Scene.accuracy", self.accuracy, "above 0 and at most 1")
         if not self.outputs:
             raise InvalidParameter("Scene.outputs: found none, expected at least one quantity")
         check_effects(self.effects, self)
@@ -99,7 +101,7 @@ class Scene:
         given = tuple(name for name in self.surface.given if any(name in stage.needs for stage in stages))
         return Plan(tuple(self._overridden(stages)), given, self.outputs)
 
-    def sensation(self, signal: "Signal", contact: Contact) -> float:
+    def sensation(self, signal: Signal, contact: Contact) -> float:
         """Level (dB) above the threshold of detection of a signal under a finger, which takes the place of the
         contacts of the scene; ``-inf`` in silence, without contact, and at rest where only a finger that slides feels.
 
@@ -123,7 +125,7 @@ class Scene:
         """
         return max(self.fingers_db(signal, contact))
 
-    def fingers_db(self, signal: "Signal", contact: Contact) -> tuple[float, ...]:
+    def fingers_db(self, signal: Signal, contact: Contact) -> tuple[float, ...]:
         """The same at each finger of a surface that several touch, of which `sensation` is the highest.
 
         Raises
@@ -131,6 +133,7 @@ class Scene:
         InvalidParameter
             As `sensation`.
         """
+        _check_felt(signal, contact)
         return self._of_signal(signal)(contact)
 
     @cached_property
@@ -140,7 +143,7 @@ class Scene:
         felt = self.felt()
         early, rest = parted(felt.resolve(), "contact")
 
-        def of_signal(signal: "Signal") -> OfContact:
+        def of_signal(signal: Signal) -> OfContact:
             handed, sounds = early.run({"signal": signal}), bool(signal.samples.any())
 
             def under(contact: Contact) -> tuple[float, ...]:
@@ -157,7 +160,8 @@ class Scene:
         """The scene whose plan gives the sensation of a signal under a contact, both of which each run is given; or
         another quantity of them.
 
-        Effects that make what is played are left out, as the signal holds them; the plate keeps those that make it.
+        Effects that make what is played are left out, as the signal holds them, and so is what acts on them alone; the
+        plate keeps those that make it.
 
         Raises
         ------
@@ -165,7 +169,8 @@ class Scene:
             If no signal can be given to the surface.
         """
         surface = self.surface.played(self)
-        effects = tuple(effect for effect in self.effects if not effect.in_signal)
+        held = {effect.slot for effect in self.effects if effect.in_signal}
+        effects = tuple(effect for effect in self.effects if held.isdisjoint((effect.slot, *effect.requires)))
         return replace(self, surface=surface, effects=effects, outputs=(output,), contacts=surface.touches)
 
     def off(self) -> tuple[Effect, ...]:
@@ -227,6 +232,20 @@ class Scene:
                 _check_known(where, key, list(chosen), f"setting of {name}")
                 _check_like(where, settings[key], chosen[key])
         return [_with(stage, self.settings.get(stage.name, {})) for stage in stages]
+
+
+def _check_felt(signal: object, contact: object) -> None:
+    if not (isinstance(signal, Signal) and isinstance(contact, TOUCHES)):  # a session asks often
+        of_kind("Scene.sensation", Signal, signal=signal)
+        of_kind("Scene.sensation", TOUCHES, contact=contact)
+
+
+def _check_kinds(scene: Scene) -> None:
+    of_kind("Scene", Surface, surface=scene.surface)
+    for name, kind in (("effects", Effect), ("outputs", str), ("contacts", FingerContact)):
+        of_kind("Scene", (tuple, list), **{name: getattr(scene, name)})
+        for n, one in enumerate(getattr(scene, name)):
+            of_kind("Scene", kind, **{f"{name}[{n}]": one})
 
 
 def _size_all(stages: Sequence[Stage], demand: Demand) -> Sequence[Stage]:

@@ -11,6 +11,7 @@ from scipy.signal import resample
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
+from tactometry.experiments.scenes import path_of
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import Effect, FingerContact
 from tactometry.stimuli.electrovibration import (
@@ -27,6 +28,7 @@ from tactometry.stimuli.electrovibration import (
 from tactometry.stimuli.perception.detection import components
 from tactometry.stimuli.scenes.effects import OF_ELECTROVIBRATION
 from tactometry.stimuli.scenes.effects.sensitivity import Sensitivity
+from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.stages import record
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
@@ -227,6 +229,43 @@ def test_the_plate_that_a_signal_is_felt_on_is_that_of_all_effects_that_make_it(
 
 
 OF_PLATE = {"tau_s": 2e-3, "side_m": 8e-3, "boundary": "FFFF", "shear_factor": 5 / 6, "modes_to_hz": 18e3}
+
+
+def test_a_built_in_screen_is_felt_without_its_sound_which_acts_on_losses_that_make_the_plate():
+    screen, drive = load_scene(path_of("a4-screen")).scene, FocusTrain().at(20.0)
+    silent = replace(screen, effects=tuple(one for one in screen.effects if one.kind != "airborne_sound"))
+    silent = replace(silent, outputs=("sensation_db",))
+    assert screen.sensation(drive, Contact(2.0)) == silent.sensation(drive, Contact(2.0))
+
+
+FELT_WRONGLY = {
+    "no signal": ((None, TOUCH), r"^Scene\.sensation\.signal: found None, expected a Signal$"),
+    "samples": ((np.zeros(9), TOUCH), r"^Scene\.sensation\.signal: found array.*, expected a Signal$"),
+    "a force": ((Sine(60.0).at(30.0), 1.5), r"^Scene\.sensation\.contact: found 1\.5, expected a Contact or a FingerC"),
+}
+
+
+@pytest.mark.parametrize("name", FELT_WRONGLY)
+def test_what_is_no_signal_or_no_contact_is_refused(name):
+    arguments, sentence = FELT_WRONGLY[name]
+    with pytest.raises(InvalidParameter, match=sentence):
+        felt().sensation(*arguments)
+
+
+MADE_WRONGLY = {
+    "outputs": ("sensation_db", r"^Scene\.outputs: found 'sensation_db', expected a tuple or a list$"),
+    "effects": (("friction",), r"^Scene\.effects\[0\]: found 'friction', expected "),
+    "contacts": ((1.0,), r"^Scene\.contacts\[0\]: found 1\.0, expected a FingerContact$"),
+    "surface": (None, r"^Scene\.surface: found None, expected a Surface$"),
+    "accuracy": ("fine", r"^Scene\.accuracy: found fine, expected above 0 and at most 1$"),
+}
+
+
+@pytest.mark.parametrize("name", MADE_WRONGLY)
+def test_a_scene_of_what_is_none_is_refused(name):
+    value, sentence = MADE_WRONGLY[name]
+    with pytest.raises(InvalidParameter, match=sentence):
+        replace(felt(), **{name: value})
 
 
 def test_settings_are_chosen_once_and_a_spectrum_is_read_once_for_a_signal(monkeypatch):
