@@ -259,25 +259,34 @@ def test_every_strongest_stimulus_of_a_built_in_study_passes_the_guard_of_a_boar
         assert final.digest() == strongest.signal.digest()
 
 
-def test_a_level_above_the_board_is_refused_before_anything_plays(tmp_path, capsys, monkeypatch):
+def checked(capsys, monkeypatch, folder, study):
+    """As `on_the_console`; without a display, whose keys would be waited for."""
+    monkeypatch.delenv("DISPLAY", raising=False)
+    status, _, found = call(capsys, "check", study, "--bench", folder / "bench.toml", "--out", folder / "d")
+    return status, found, ""
+
+
+TRIED = pytest.mark.parametrize("tried", [checked, on_the_console], ids=["check", "run"])
+
+
+@TRIED
+@pytest.mark.parametrize("more", ["", "lowest_supply_v = 20.0"], ids=["fixed", "commanded"])
+def test_a_level_above_the_board_is_refused_before_anything_plays(tried, more, tmp_path, capsys, monkeypatch):
     (tmp_path / "board").touch()
-    board_in(tmp_path, tmp_path / "board", supply_v=50.0)
-    status, said, _ = on_the_console(capsys, monkeypatch, tmp_path, short("time-reversal-threshold", tmp_path))
-    assert status == 3
+    board_in(tmp_path, tmp_path / "board", supply_v=50.0, more=more)
+    status, said, _ = tried(capsys, monkeypatch, tmp_path, short("time-reversal-threshold", tmp_path))
+    assert status == 3, said
+    assert "Traceback" not in said
     assert "level: found 30.0 dB re 1 um, a focus of 31.62 um" in said
     assert "lower it, lengthen reversal_s, or raise the supply" in said
     assert not list(streams((tmp_path / "board").read_bytes()))
 
 
-@pytest.mark.parametrize("command", ["check", "run"])
-def test_electrovibration_below_a_fixed_supply_is_refused_with_the_cure(command, tmp_path, capsys, monkeypatch):
+@TRIED
+def test_electrovibration_below_a_fixed_supply_is_refused_with_the_cure(tried, tmp_path, capsys, monkeypatch):
     (tmp_path / "board").touch()
     board_in(tmp_path, tmp_path / "board")
-    name = "electrovibration-threshold"
-    if command == "run":
-        status, said, _ = on_the_console(capsys, monkeypatch, tmp_path, name)
-    else:
-        status, _, said = call(capsys, "check", name, "--bench", tmp_path / "bench.toml", "--out", tmp_path / "d")
+    status, said, _ = tried(capsys, monkeypatch, tmp_path, "electrovibration-threshold")
     assert status != 0
     assert (
         "level: found 0.3162 V, expected at least 17.89 V, which pulses of 1 sample at the 100 V of the supply" in said
