@@ -7,7 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-from tactometry.arguments.require import expect, not_zero, one_of, some
+from tactometry.arguments.require import expect, finite, not_zero, one_of, some
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import as_table, build, build_kind, check_keys
 from tactometry.config.toml import errors_in, read_table
@@ -104,6 +104,7 @@ class PositionPart:
         n_zeros = len(self.zero_counts)
         expect(n_zeros in (0, len(self.channels)), "PositionPart.zero_counts", n_zeros, "one for each channel, or none")
         not_zero("PositionPart", metres_per_count=self.metres_per_count)
+        finite("PositionPart", **{f"zero_counts[{n}]": zero for n, zero in enumerate(self.zero_counts)})
 
 
 @dataclass(frozen=True)

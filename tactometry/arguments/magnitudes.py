@@ -26,6 +26,7 @@ DOMAINS: Mapping[str, tuple[float, float]] = {
     "_ohm": (1e-20, 1e20),
     "_ohm_m": (1e-30, 1e30),
     "_rad": (0.0, 1e9),
+    "_per_count": (0.0, 1e9),
     "_share": (0.0, 1e30),
     "_per_v2": (0.0, 1e100),
 }

@@ -124,6 +124,7 @@ def not_zero(owner: str, /, **values: object) -> None:
     tactometry.errors.InvalidParameter: ForceCalibration.newtons_per_count: found 0.0, expected a finite number but 0
     """
     _each(owner, values, lambda value: is_number(value) and value != 0, "a finite number but 0")
+    finite(owner, **values)  # its magnitude
 
 
 def between(owner: str, low: float, high: float, /, **values: object) -> None:

@@ -107,7 +107,10 @@ def table_of_numbers(lines: TextIO, n_columns: int | None = None) -> NDArray[np.
     """
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of no rows, which is said below
-        table = np.asarray(np.loadtxt(lines, delimiter=",", ndmin=2), dtype=np.float64)
+        try:
+            table = np.asarray(np.loadtxt(lines, delimiter=",", ndmin=2), dtype=np.float64)
+        except ValueError as error:  # behind the fault it tells programmers what to do
+            raise ValueError(str(error).split(";")[0].rstrip(".")) from None
     if table.size == 0:
         raise ValueError("found no row of numbers, expected at least one")
     if n_columns is not None and table.shape[1] != n_columns:

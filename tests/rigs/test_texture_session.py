@@ -3,13 +3,17 @@
 import importlib.util
 import io
 import json
+import threading
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from command_line import call
-from emulated import Emulator
+from emulated import Emulator, wait_for
+from sound_server import Sink, alsa_in
+from tables import trial_rows
 from texture_bench import (
+    METRES_PER_COUNT,
     POSITION,
     RELEASED,
     console_session,
@@ -77,6 +81,42 @@ REFUSED = {
         3,
         "found a texture, whose signal follows the finger, expected one that is known when it begins; play it through",
     ),
+    "no scale": (
+        {},
+        {f"metres_per_count = {METRES_PER_COUNT}": "metres_per_count = 1e300"},
+        2,
+        "bench.toml, position.metres_per_count: found 1e+300, expected a number of at most 1e+09",
+    ),
+    "no zero": (
+        {},
+        {"channels = [0]": "channels = [0]\nzero_counts = [nan]"},
+        2,
+        "bench.toml, position.zero_counts[0]: found nan, expected a finite number",
+    ),
+    "no such channel": (
+        {},
+        {"channels = [0]": "channels = [99]"},
+        2,
+        "position.channels: found 99, expected from 0 to 5, a channel of udp 127.0.0.1:9",
+    ),
+    "a place of long ago": (
+        {"more": "position_latency_s = 2.5"},
+        {},
+        2,
+        "bench.toml, output.position_latency_s: found 2.5, expected at most 1",
+    ),
+    "a block of years": (
+        {"more": "block_s = 1e11"},
+        {},
+        2,
+        "bench.toml, output.block_s: found 1e+11, expected at most 1",
+    ),
+    "a block of nothing": (
+        {"more": "block_s = 1e-9"},
+        {},
+        2,
+        "bench.toml, output.block_s: found 4.8e-05 samples, expected at least one at rate_hz",
+    ),
     "too slow": (
         {"position": POSITION},
         {"rate_hz = 1000\n": "rate_hz = 40\n"},
@@ -105,6 +145,32 @@ def test_a_bench_that_cannot_follow_is_refused_before_anything_is_opened(
     words_of = ("run", study, "--participant", "P01", "--rig", "console", "--bench", bench, "--out", tmp_path / "d")
     found, said, _ = call(capsys, *words_of)
     assert (found, words in said) == (status, True), said
+
+
+@pytest.mark.slow
+def test_a_sound_server_that_goes_away_ends_the_session_and_loses_nothing(needed, tmp_path):
+    own, device = Sink(tmp_path, alsa_in(tmp_path)), Emulator("udp", tmp_path, profile=RELEASED)
+    study = texture_study(tmp_path, {"repeats = 4": "repeats = 200"})
+    bench, data = texture_bench(tmp_path, device.udp_port), tmp_path / "d"
+
+    def pull_the_plug():
+        wait_for(lambda: any('"Record"' in path.read_text() for path in (data / "journals").glob("*.jsonl")))
+        own.server.kill()
+
+    plug = threading.Thread(target=pull_the_plug)
+    plug.start()
+    try:
+        status, _, errors = console_session(study, bench, data, own.env)
+        plug.join()
+    finally:
+        device.close()
+        own.close()
+    assert status == 3, errors
+    [said] = [line for line in errors.splitlines() if line.startswith("tactometry: ")]
+    assert "output 'audio pulse': it is not open, or stopped by itself; nothing was played" in said
+    assert "Traceback" not in errors
+    assert len(trial_rows(data)) >= 1
+    assert validate(data).defects == ()
 
 
 def test_check_tells_of_a_bench_that_cannot_follow(tmp_path):

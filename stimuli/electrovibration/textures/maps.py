@@ -1,6 +1,7 @@
 """Textures out of a study file: a row of a picture, and heights along a line, written there or in a file beside it."""
 
 import io
+import warnings
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
@@ -79,10 +80,19 @@ class Mapped:
 
 
 def _grey_of_picture(content: bytes) -> FloatArray:
-    from PIL import Image as Picture  # slow to load
+    from PIL import Image as Picture, UnidentifiedImageError  # slow to load
 
-    with Picture.open(io.BytesIO(content)) as picture:
-        return np.asarray(picture.convert("L"), dtype=np.float64) / 255
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", Picture.DecompressionBombWarning)
+            with Picture.open(io.BytesIO(content)) as picture:
+                return np.asarray(picture.convert("L"), dtype=np.float64) / 255
+    except UnidentifiedImageError:
+        raise ValueError("found no picture") from None
+    except SyntaxError as error:  # a part of the file that no standard knows
+        raise ValueError(str(error)) from None
+    except (Picture.DecompressionBombWarning, Picture.DecompressionBombError):
+        raise ValueError(f"found more than {Picture.MAX_IMAGE_PIXELS} pixels") from None
 
 
 @checked

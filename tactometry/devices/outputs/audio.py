@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arguments.require import expect, not_negative, positive
+from ...arguments.require import at_most, expect, not_negative, positive, without_none
 from ...errors import DeviceFailed
 from ...followed import Course, FollowedSignal
 from ...signal import Signal
@@ -25,6 +25,8 @@ from .output import LONGEST_WORD_S, AmplifiedDriver
 FADE_S = 1e-3
 """A stop falls to zero within this time, or within a block where that is shorter (unverified default)."""
 LONGEST_START_S = 2.0
+LONGEST_S: Final = {"block_s": 1.0, "latency_s": 10.0, "position_latency_s": 1.0}
+"""Of what is stated: later nothing stops, and nothing follows a finger (unverified default)."""
 N_LEADS: Final = 400
 """Blocks whose lead is remembered: two seconds, as `block_s` is by default."""
 POSITION_AGE_S: Final = 0.005
@@ -62,9 +64,12 @@ class AudioSettings:
     def __post_init__(self) -> None:
         refuse_default("AudioSettings", self.device)
         positive("AudioSettings", rate_hz=self.rate_hz, block_s=self.block_s)
-        not_negative("AudioSettings", latency_s=self.latency_s)
-        if self.position_latency_s is not None:
-            not_negative("AudioSettings", position_latency_s=self.position_latency_s)
+        stated_s = without_none({name: getattr(self, name) for name in LONGEST_S})
+        not_negative("AudioSettings", **stated_s)
+        for name, value_s in stated_s.items():
+            at_most(f"AudioSettings.{name}", value_s, LONGEST_S[name])
+        frames = self.block_s * self.rate_hz
+        expect(frames >= 1, "AudioSettings.block_s", f"{frames:.3g} samples", "at least one at rate_hz")
         once = len(set(self.channels)) == len(self.channels) > 0 and min(self.channels) >= 0
         outlets = "at least one outlet, each from 0 and named once"
         expect(once, "AudioSettings.channels", list(self.channels), outlets)

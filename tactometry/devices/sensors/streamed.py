@@ -7,7 +7,7 @@ from datetime import date
 
 import numpy as np
 
-from ...arguments.require import expect, not_zero, without_none
+from ...arguments.require import expect, finite, not_zero, without_none
 from ...errors import InvalidParameter
 from ...signal import FloatArray
 from ..measured import Measured
@@ -115,6 +115,7 @@ class ForceCalibration(Measured):
         expect(len(forms) == 1, "ForceCalibration", several, "exactly one")
         if self.newtons_per_count is not None:
             not_zero("ForceCalibration", newtons_per_count=self.newtons_per_count)
+            finite("ForceCalibration", zero_count=self.zero_count)
         if self.polynomial is not None:
             enough = len(self.polynomial) >= 2 and np.isfinite(self.polynomial).all()
             expect(enough, "ForceCalibration.polynomial", self.polynomial, "at least two finite numbers")

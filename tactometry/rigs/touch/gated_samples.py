@@ -178,6 +178,11 @@ class FingerMotion(GatedSamples[SpeedGate]):
         return self.gate.moving
 
     @property
+    def silent(self) -> bool:
+        """Whether the sensor tells no place, or only lost ones."""
+        return self._trace.quiet(HALT_S) or self.gate.speed_m_per_s is None
+
+    @property
     def loss(self) -> Reason | None:
         """Why nothing may play any more: the finger has left its band of speed, or the sensor is silent."""
         if self._trace.quiet(HALT_S):

@@ -79,6 +79,12 @@ class Held:
         """The stamp of the sample that opened the last gate."""
         return max(samples.opened_s for samples in self._gated if samples.opened_s is not None)
 
+    @property
+    def missed(self) -> Reason:
+        """Why it did not open in time: where force is held, a finger without a place is no fault of its own."""
+        placeless = self.finger_motion is not None and self.finger_motion.silent and self.applied_force.gate.open
+        return "sensor_lost" if placeless else "timeout"
+
     def fire(self, fire: Callable[[], float | None]) -> float | None:
         """Begin to play what these sensors let through: they hear on, but what opened the gate stands."""
         self.let_through_s = self.opened_s
@@ -187,7 +193,7 @@ class TouchCourse:
             begun = self._await_begin(held, trigger, sensor)
             if begun is None:
                 self.setup.say("not played")
-                return Touched(time.perf_counter(), None, None, valid=False, invalid_reason="timeout"), None
+                return Touched(time.perf_counter(), None, None, valid=False, invalid_reason=held.missed), None
             cut_by = self._interruption(held, trigger, *begun)
         self.setup.emitter.stop()
         self.setup.release.begin()
@@ -205,13 +211,22 @@ class TouchCourse:
         begin_s = said_s = self._present(self._bar(held, playing=False))
         while trigger.begun is None:
             said_s = self._tell_force(held, said_s)
-            if held.applied_force.silent:
-                self.setup.pause(silence(sensor), lambda: not held.applied_force.silent)
+            if (silent := self._silence(held, sensor)) is not None:
+                self.setup.pause(silent, lambda: self._silence(held, sensor) is None)
             if time.perf_counter() > max(begin_s, self.setup.presenter.paused_until_s) + self.request.timeout_s:
                 trigger.disarm()
                 break
             self._frame(held, playing=False)
         return trigger.begun  # asked after disarming: it may have fired just before
+
+    def _silence(self, held: Held, sensor: StreamedSensor) -> str | None:
+        """Which sensor is silent, and why; of one of position only where it went away: a finger that is off the
+        surface has no place."""
+        if held.applied_force.silent:
+            return silence(sensor)
+        position = self.setup.position
+        failure = None if held.finger_motion is None or position is None else position.reader.failure
+        return None if failure is None else f"the position sensor is silent ({failure})"
 
     def _tell_force(self, held: Held, said_s: float) -> float:
         """Tell the experimenter the force, once in a while: when it was told last."""

@@ -123,3 +123,21 @@ def test_the_page_shows_the_finger_beside_the_moving_dot(slid, watched):
     assert len(rings) > 10
     assert min(rings) < -0.3 * half < 0.3 * half < max(rings)
     assert max(map(abs, [*dots, *rings])) <= 1.1 * half
+
+
+def test_a_position_sensor_that_went_away_pauses_the_session_until_it_is_back(slid):
+    """Longer than the touch is waited for: that it was not held in time was no fault of the finger."""
+    begin_s = time.perf_counter()
+
+    def place_m(time_s):
+        if time.perf_counter() < begin_s + 2 * SLIDE.timeout_s:
+            raise OSError("unplugged")
+        return float(triangle(0.05 * time_s, PATH_M))
+
+    assert slid(place_m).valid
+
+
+def test_a_finger_without_a_place_is_a_lost_sensor_and_not_late(slid, log):
+    touched = slid(lambda time_s: None)
+    assert (touched.valid, touched.invalid_reason, touched.digest) == (False, "sensor_lost", None)
+    assert "play 5 V" not in log

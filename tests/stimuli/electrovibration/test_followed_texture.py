@@ -1,6 +1,8 @@
 """A texture that follows a finger: against a tone of the same envelope, piece by piece, and out of a study file."""
 
 import hashlib
+import struct
+import zlib
 
 import numpy as np
 import pytest
@@ -144,3 +146,46 @@ REFUSED = {
 def test_what_no_texture_can_be_is_refused_in_one_sentence(changes, words):
     with pytest.raises(InvalidParameter, match=words):
         wired(changed(TEXT, changes))
+
+
+def png(width_px, height_px, *more):
+    """A picture with other chunks where rows are expected."""
+    head = (b"IHDR", struct.pack(">IIBBBBB", width_px, height_px, 8, 0, 0, 0, 0))
+    chunks = [head, (b"IDAT", zlib.compress(b"")), *more, (b"IEND", b"")]
+    packed = (struct.pack(">I", len(d)) + k + d + struct.pack(">I", zlib.crc32(k + d)) for k, d in chunks)
+    return b"\x89PNG\r\n\x1a\n" + b"".join(packed)
+
+
+NO_MAPS = {
+    "no picture": ("map.png", b"words", "cannot be read (found no picture), expected CSV or PNG"),
+    "a picture without pixels": ("map.png", png(0, 5), "map.png cannot be read ("),
+    "a picture that fills the memory": ("map.png", png(60_000, 60_000), "(found more than 89478485 pixels)"),
+    "a chunk of no standard": (
+        "map.png",
+        png(5, 5, (b"\x9aX\xe6`", b"")),
+        "(broken PNG file (chunk b'",
+    ),
+    "rows of two lengths": (
+        "map.csv",
+        b"0,1\n1\n",
+        "(the number of columns changed from 2 to 1 at row 2), expected CSV",
+    ),
+    "no numbers": ("map.csv", b"", "(found no row of numbers, expected at least one), expected CSV"),
+    "a number that is none": ("map.csv", b"0,nan\n", "stimulus.texture.values[1]: found nan, expected a finite number"),
+}
+
+
+@pytest.mark.parametrize("kind", ["image", "height_map"])
+@pytest.mark.parametrize(("name", "content", "words"), NO_MAPS.values(), ids=NO_MAPS)
+def test_a_file_that_holds_no_map_is_refused_in_one_sentence(kind, name, content, words, tmp_path, capsys):
+    path, digest = tmp_path / name, hashlib.sha256(content).hexdigest()
+    path.write_bytes(content)
+    texture = f'texture = {{ kind = "{kind}", pixel_m = "1 mm", path = "{path}", sha256 = "{digest}" }}'
+    text = load("grating-roughness")[1].decode().replace('texture = { kind = "grating", shape = "square" }', texture)
+    lines = [
+        line for line in text.splitlines() if not line.startswith(("period_m = ", "counterbalance", "[variants", '"0.'))
+    ]
+    (tmp_path / "study.toml").write_text("\n".join(lines), encoding="utf-8")
+    status, said, _ = call(capsys, "run", tmp_path / "study.toml", "--participant", "P01", "--dry-run")
+    assert (status, said.count("\n")) == (2, 0)
+    assert words in said
