@@ -60,6 +60,13 @@ def test_a_sound_header_that_says_something_else_is_refused(at, value, message):
         decode(header + stream[HEADER_BYTES:])
 
 
+@pytest.mark.parametrize(("n_channels", "expected"), [(0, "at least 1"), (1_000_000_000, "at most 65535")])
+def test_a_board_of_channels_that_no_stream_has_is_refused(n_channels, expected):
+    """Before a signal is made for each of them, which no memory holds."""
+    with pytest.raises(InvalidParameter, match=rf"n_channels: found {n_channels}, expected a whole number, {expected}"):
+        PackedSettings("board", n_channels, 250e3)
+
+
 def test_a_stream_of_too_many_channels_is_not_made():
     with pytest.raises(InvalidParameter, match="found 65536 channels, expected from 1 to 65535"):
         stop_stream(65_536, RATE_HZ)

@@ -21,7 +21,7 @@ import numpy as np
 from ...arguments.require import expect, positive, whole
 from ...errors import DeviceFailed, InvalidParameter
 from ...signal import Signal
-from .bit_stream import decode, encode, stop_stream
+from .bit_stream import MOST_CHANNELS, decode, encode, stop_stream
 from .gain import Gain, SignalChain, required_gain
 from .output import LONGEST_WORD_S, AmplifiedDriver
 
@@ -205,7 +205,8 @@ class PackedSettings:
     lowest_supply_v: float | None = None
 
     def __post_init__(self) -> None:
-        positive("PackedSettings", n_channels=self.n_channels, rate_hz=self.rate_hz)
+        whole("PackedSettings", lowest=1, highest=MOST_CHANNELS, n_channels=self.n_channels)
+        positive("PackedSettings", rate_hz=self.rate_hz)
         if self.lowest_supply_v is not None:
             positive("PackedSettings", lowest_supply_v=self.lowest_supply_v)
         if self.electrode is not None:
