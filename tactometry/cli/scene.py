@@ -41,7 +41,7 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
         with errors_in(file):
             plan = scene_file.scene.resolve()
             given = plans.values_for(plan, scene_file.given)
-        result = _result(plan, given, cache)
+        result = _result(file, plan, given, cache)
     if figure is not None:
         with writing(figure):
             _figure(result, scene_file.title).savefig(figure, dpi=150)
@@ -53,12 +53,14 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
         say(_text(scene_file, record, result, pulled), record)
 
 
-def _result(plan: Plan, given: dict[str, float], cache: Path | None) -> Result:
+def _result(file: str, plan: Plan, given: dict[str, float], cache: Path | None) -> Result:
+    """What only a run finds wrong is of the file too."""
     if cache is None:
-        return compute(plan, given)
+        with errors_in(file):
+            return compute(plan, given)
     from tactometry.stimuli.scenes.cache import cached_result
 
-    with writing(cache):
+    with writing(cache), errors_in(file):
         return cached_result(plan, given, cache)
 
 

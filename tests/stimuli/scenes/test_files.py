@@ -137,6 +137,21 @@ def test_the_command_names_the_file_that_holds_what_is_wrong(tmp_path, capsys, o
         assert capsys.readouterr().err.startswith(f"tactometry: {file}, {place}: found")
 
 
+def test_a_modulator_that_overloads_is_of_the_file_and_no_failure_of_a_device(tmp_path, capsys):
+    screen = (
+        "kind = 'time_reversal'\nn_transducers = 2\nband_max_hz = 5e3\nflank_hz = 500\nrate_hz = 2e4\nreversal_s = 1e-3"
+    )
+    file = tmp_path / "own.toml"
+    file.write_text(
+        f"outputs = ['peak_m']\ngiven = {{ voltage_v = 30.0 }}\n[[effects]]\nkind = 'attenuation'\n"
+        f"[[effects]]\nkind = 'sigma_delta'\nscale = 1e9\n[surface]\n{screen}\n",
+        encoding="utf-8",
+    )
+    for more in ([], ["--explain"], ["--cache", tmp_path / "kept"]):
+        assert status("scene", file, *more) == 2
+        assert capsys.readouterr().err.startswith(f"tactometry: {file}, SigmaDelta(")
+
+
 def test_a_file_that_is_no_toml_or_is_absent_is_one_sentence(tmp_path):
     bad = tmp_path / "bad.toml"
     bad.write_text("outputs = [", encoding="utf-8")
