@@ -29,6 +29,7 @@ from .tasks.applied_force import force_of_participants, force_table, has_force
 from .tasks.goodness import SEED, goodness_columns, goodness_table
 from .tasks.kinds import ANALYSES, CURVES, RESULTS
 from .tasks.rule_estimate import Replay, rule_columns, tracks
+from .tasks.task_analysis import Results
 
 
 def analyse(
@@ -165,10 +166,15 @@ def _outcomes(
     if len(table):
         estimates |= {str(task): rows for task, rows in table.groupby("task")}
     for task in (task for task in ANALYSES if task in estimates):
+        results = RESULTS.get(task, Results({}))
+        compared = estimates[results.compared or task]
+        conditions = [name for name in (*factors, *results.further) if name in compared.columns]
+        # the force applied is known by the factors alone
+        applied = forces if set(conditions) == set(factors) else None
+        # differences that count as none are in the unit of the levels, which an exponent has not
+        bounds = plan.equivalence if results.in_levels else {}
         for dependent in ANALYSES[task].dependents:
-            # differences that count as none are in the unit of the levels, which an exponent has not
-            bounds = {} if task in RESULTS and not RESULTS[task].in_levels else plan.equivalence
-            yield outcome(estimates[task], factors, task, dependent, forces=forces, bounds=bounds, primary=plan.primary)
+            yield outcome(compared, conditions, task, dependent, forces=applied, bounds=bounds, primary=plan.primary)
 
 
 def _hierarchical(

@@ -77,6 +77,11 @@ class Outcome:
     simple: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
     simple_pairs: Mapping[tuple[str, str], pd.DataFrame] = field(default_factory=dict)
 
+    @property
+    def factors(self) -> tuple[str, ...]:
+        """The names of the conditions."""
+        return tuple(self.group.columns[: self.group.columns.get_loc("mean")])
+
     def unit(self, of_levels: str) -> str:
         """Of the dependent value: an exponent has none, and a difference in decibels has no reference."""
         if self.task in RESULTS and not RESULTS[self.task].in_levels:

@@ -14,6 +14,7 @@ from ..result import Analysis
 from ..tasks.cells import CHOICES
 from ..tasks.goodness import goodness_warnings
 from ..tasks.kinds import CURVES, RESULTS
+from ..tasks.localisation import OF_PARTICIPANTS, conditions_of_fits
 from ..threshold.status import Status
 from ..wording import named_cells, percent_text
 
@@ -38,6 +39,7 @@ def warnings_of(analysis: Analysis) -> tuple[str, ...]:
     trials, estimates = analysis.trials, analysis.tables.get("thresholds")
     of_curves = () if estimates is None else _curve_warnings(analysis, estimates)
     of_goodness = () if estimates is None else goodness_warnings(estimates, trials.factors)
+    resolutions = analysis.table(OF_PARTICIPANTS)
     return (
         *analysis.origin.warnings,
         *trials.notes,
@@ -48,6 +50,7 @@ def warnings_of(analysis: Analysis) -> tuple[str, ...]:
         *_unanswered_forms(trials),
         *_quality_warnings(analysis.tables["quality"]),
         *of_goodness,
+        *(goodness_warnings(resolutions, conditions_of_fits(resolutions)) if len(resolutions) else ()),
     )
 
 
@@ -62,8 +65,8 @@ def _exclusion_warnings(excluded: pd.DataFrame | None) -> Iterator[str]:
 def _missing_values(analysis: Analysis) -> Iterator[str]:
     """Of tasks whose values are read off the answers."""
     for outcome in analysis.outcomes:
-        if outcome.task in analysis.tables:
-            yield from _missing_cells(analysis.tables[outcome.task], analysis.factors)
+        if outcome.task in RESULTS:
+            yield from _missing_cells(outcome.estimates, outcome.factors)
 
 
 def _curve_warnings(analysis: Analysis, estimates: pd.DataFrame) -> Iterator[str]:

@@ -174,7 +174,8 @@ def stacked_counts(cells: Sequence[Cell]) -> tuple[Array, Array, Array]:
 
 def catch_counts(cells: Sequence[Cell]) -> tuple[list[int], list[int]]:
     """False alarms and catch trials of cells as a fit uses them: none where the guess rate does not rest on them."""
-    used = [(cell.n_false_alarms, cell.n_catch) if CURVES[cell.task].counts_catch else (0, 0) for cell in cells]
+    counting = {task for task, curve in CURVES.items() if curve.counts_catch}
+    used = [(cell.n_false_alarms, cell.n_catch) if cell.task in counting else (0, 0) for cell in cells]
     return [n_false_alarms for n_false_alarms, _ in used], [n_catch for _, n_catch in used]
 
 

@@ -1,6 +1,6 @@
 """Goodness of fit of each participant in each condition: columns of the estimates, and what is told of them."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -49,16 +49,28 @@ def goodness_columns(
     unit: str,
     rng: np.random.Generator,
 ) -> pd.DataFrame:
+    """As `tested_columns`, of the curves of tasks."""
+    options = {task: curve.options(n_choices, unit) for task, curve in CURVES.items()}
+    return tested_columns(answers, factors, estimates, options, rng)
+
+
+def tested_columns(
+    answers: pd.DataFrame,
+    factors: Sequence[str],
+    estimates: Sequence[Estimate],
+    options: Mapping[str, Mapping[str, Any]],
+    rng: np.random.Generator,
+) -> pd.DataFrame:
     """A row for each estimate, in their order: the statistics of `goodness` but the deviance, each p, and in `misfit`
-    the tests whose p is at most `FLAGGED_P`. Empty where no function was fitted."""
+    the tests whose p is at most `FLAGGED_P`. Empty where no function was fitted. `options` are those of the fits, by
+    task."""
     rows = _in_order(answers, factors)
     values, p = (np.full((len(estimates), len(TESTS)), np.nan) for _ in range(2))
-    for task in CURVES:
+    for task, of_fits in options.items():
         of_task = [n for n, estimate in enumerate(estimates) if estimate.cell.task == task]
         fitted = [n for n in of_task if estimates[n].fit.function is not None]
-        options = CURVES[task].options(n_choices, unit)
         for numbers in _of_like_size(estimates, fitted):
-            tested = _goodness_of(rows, [estimates[n] for n in numbers], numbers, options, rng)
+            tested = _goodness_of(rows, [estimates[n] for n in numbers], numbers, of_fits, rng)
             values[numbers], p[numbers] = tested.statistics, tested.p
     columns: dict[str, Any] = {"deviance_p": p[:, 0]}
     for n, (value, name) in enumerate(zip(STATISTICS, P_COLUMNS.values(), strict=True)):
@@ -116,19 +128,25 @@ def _goodness_of(
     prior = Prior(counts.gap, n_false_alarms=alarms, n_catch=catch, **known)
     # The estimates may be medians: deviance is compared at the mode, as that of the draws is.
     posterior = LogPosterior(curve, counts, prior)
-    theta = climb(posterior, _parameters(estimates, counts)).theta
+    on_axis = _logarithm if curve.on_log_levels else np.asarray
+    theta = climb(posterior, _parameters(estimates, counts, on_axis)).theta
     answers = rows[rows["cell"].isin(cells)]
     number = np.searchsorted(cells, answers["cell"])
     follows = np.bincount(number, answers["follows"], len(cells)) > 0
-    return goodness(posterior, theta, _sequences(answers, number, levels, counts), follows, rng)
+    return goodness(posterior, theta, _sequences(answers, number, on_axis(levels), counts), follows, rng)
 
 
-def _parameters(estimates: Sequence[Estimate], counts: Counts) -> Array:
+def _logarithm(levels: Array) -> Array:
+    """Of levels above 0; places without trials stay 0."""
+    return np.asarray(np.log(np.where(levels > 0, levels, 1.0)))
+
+
+def _parameters(estimates: Sequence[Estimate], counts: Counts, on_axis: Callable[[Array], Array]) -> Array:
     """Of the fitted functions, (n_sets, 4), on the scale of the counts."""
     fits = [estimate.fit for estimate in estimates]
     rows = [(fit.threshold, fit.width, fit.lapse_rate, fit.guess_rate) for fit in fits]
     threshold, width, lapse, guess = np.array(rows, dtype=np.float64).T
-    m = (threshold - counts.centre) / counts.spread
+    m = (on_axis(threshold) - counts.centre) / counts.spread
     v = np.log(width / counts.spread)
     return np.stack([m, v, lapse, guess], axis=1)
 

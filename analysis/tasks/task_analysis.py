@@ -79,8 +79,11 @@ class Results:
     works : tuple of str
         The works that `methods` names.
     dependent : str
-        The column of the table named as the task that is compared between conditions, with a row for each participant
-        and condition; empty: none is.
+        The column that is compared between conditions; empty: none is.
+    compared : str
+        The table that holds it, with a row for each participant and condition; by default that named as the task.
+    further : tuple of str
+        Columns of that table that are conditions beside the factors.
     in_levels : bool
         The dependent value is in the unit of the levels, as are the differences that a plan counts as none.
     title, lead, in_terminal : str
@@ -94,6 +97,8 @@ class Results:
     methods: str = ""
     works: tuple[str, ...] = ()
     dependent: str = ""
+    compared: str = ""
+    further: tuple[str, ...] = ()
     in_levels: bool = True
     title: str = ""
     lead: str = ""

@@ -6,10 +6,21 @@ import numpy as np
 import pandas as pd
 import pytest
 from command_line import status
-from scipy.stats import norm
+from scipy.stats import binom, norm
+from soak import SOAK
+from statsmodels.stats.anova import AnovaRM
 
 from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.tasks.localisation import confusions, errors, mean_resolutions, resolutions, right_answers
+from tactometry.analysis.tasks.goodness import goodness_warnings
+from tactometry.analysis.tasks.localisation import (
+    conditions_of_fits,
+    confusions,
+    errors,
+    mean_resolutions,
+    rates_of_participants,
+    resolutions,
+    right_answers,
+)
 from tactometry.contact import Contact
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
@@ -66,6 +77,63 @@ def test_the_resolution_is_where_answers_are_halfway_from_chance(m):
     halfway_m = alpha * log(2) ** (1 / beta)
     assert found["resolution_m"].iloc[0] == pytest.approx(halfway_m, rel=0.01)
     assert found["resolution_m_low"].iloc[0] < halfway_m < found["resolution_m_high"].iloc[0]
+
+
+LAPSES, ALPHA_M, BETA = 0.04, 0.014, 2.0
+
+
+def drawn(n, rng, m=3, code="P01"):
+    """Answers of a participant with this Weibull function, n at each distance."""
+    rise = 1 - np.exp(-((np.array(DISTANCES_M) / ALPHA_M) ** BETA))
+    right = rng.binomial(n, 1 / m + (1 - 1 / m - LAPSES) * rise)
+    return answers({x: (int(k), n) for x, k in zip(DISTANCES_M, right, strict=True)}, m, code)
+
+
+HALFWAY_M = ALPHA_M * log(2) ** (1 / BETA)
+
+
+def test_a_known_resolution_comes_back_beside_its_guess_rate_and_lapses():
+    (found,) = resolutions(drawn(2000, np.random.default_rng()), FACTORS).to_dict("records")
+    standard_error_m = (found["resolution_m_high"] - found["resolution_m_low"]) / (2 * norm.ppf(0.975))
+    assert abs(found["resolution_m"] - HALFWAY_M) <= AT_1E_4 * standard_error_m
+    assert found["guess_rate"] == pytest.approx(1 / 3)
+    assert found["lapse_rate"] == pytest.approx(LAPSES, abs=AT_1E_4 * sqrt(LAPSES * (1 - LAPSES) / 4000))
+
+
+def test_intervals_of_the_resolution_cover_what_they_say():
+    rng, n = np.random.default_rng(), 400 if SOAK else 100
+    each = resolutions(pd.concat([drawn(30, rng, code=f"P{k:03}") for k in range(n)], ignore_index=True), FACTORS)
+    low, high = each["resolution_m_low"].fillna(0.0), each["resolution_m_high"].fillna(np.inf)
+    n_held = int(((low <= HALFWAY_M) & (high >= HALFWAY_M)).sum())
+    assert binom.ppf(1e-4, n, 0.93) <= n_held  # a Bayesian interval covers 95 % over its priors, not at each truth
+    assert int((each["deviance_p"] <= 0.01).sum()) <= binom.ppf(1 - 1e-4, n, 0.01)
+
+
+def test_the_guess_rate_is_that_of_the_alternatives_on_offer_in_a_condition():
+    rng = np.random.default_rng(1)
+    two, three = drawn(60, rng, 2), drawn(60, rng, 3).assign(force_n=3.0)
+    both = resolutions(pd.concat([two, three], ignore_index=True), FACTORS).set_index("force_n")
+    assert both["guess_rate"].to_dict() == pytest.approx({1.0: 1 / 2, 3.0: 1 / 3})
+    for force_n, alone in ((1.0, two), (3.0, three)):
+        assert resolutions(alone, FACTORS)["resolution_m"].tolist() == [both["resolution_m"][force_n]]
+
+
+def test_answers_that_no_weibull_function_gives_are_told():
+    """A floor above the guess rate and a step, as where two places differ by strength however near they lie."""
+    counts = dict(
+        zip(DISTANCES_M, [(186, 300), (180, 300), (189, 300), (190, 300), (288, 300), (291, 300)], strict=True)
+    )
+    rows = answers(counts, 3)
+    (found,) = resolutions(rows, FACTORS).to_dict("records")
+    assert found["deviance_p"] <= 0.01
+    assert "deviance" in found["misfit"]
+    (said,) = [line for line in warnings_of_answers(rows) if "test of deviance" in line]
+    assert said.startswith("1 of 1 fitted functions have p <= 0.01 in the test of deviance")
+
+
+def warnings_of_answers(rows):
+    each = resolutions(rows, FACTORS)
+    return list(goodness_warnings(each, conditions_of_fits(each)))
 
 
 def test_a_resolution_below_all_distances_is_a_bound_and_no_number():
@@ -186,3 +254,20 @@ def test_a_simulated_participant_of_known_resolution_gives_it_back(tmp_path):
     (found,) = analyse(tmp_path / "data").tables["resolution_participants"].to_dict("records")
     standard_error_m = (found["resolution_m_high"] - found["resolution_m_low"]) / (2 * norm.ppf(0.975))
     assert abs(found["resolution_m"] - known_m) <= AT_1E_4 * standard_error_m
+
+
+def test_rates_of_participants_are_compared_between_distances(tmp_path):
+    """Beside the analysis of variance of statsmodels, without a correction."""
+    rng = np.random.default_rng(4)
+    people = [drawn(12, rng, 2, f"P{k}").assign(task="localisation", valid=1, trial=1) for k in range(5)]
+    rows = pd.concat(people, ignore_index=True)
+    rows["trial"] = rows.groupby("participant").cumcount() + 1
+    rows["correct"] = (rows["target"].astype(str) == rows["response"]).astype(int)
+    rows.drop(columns="force_n").to_csv(tmp_path / "t.csv", index=False)
+    (outcome,) = analyse(tmp_path / "t.csv", within=("place", "distance_m")).outcomes
+    table = rates_of_participants(rows, FACTORS)
+    reference = AnovaRM(table, "rate_correct", "participant", within=["separation_m"]).fit().anova_table
+    found = outcome.anova.set_index("Source").loc["separation_m"]
+    assert (outcome.dependent, outcome.factors) == ("rate_correct", ("separation_m",))
+    assert found["F"] == pytest.approx(reference["F Value"].iloc[0])
+    assert 0 < found["ng2"] <= 1

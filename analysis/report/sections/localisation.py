@@ -8,11 +8,13 @@ import pandas as pd
 from ...figures import localisation as figures
 from ...reading.trials import used_rows
 from ...result import Analysis
+from ...tasks.goodness import MISFIT
 from ...tasks.localisation import CONFUSIONS, DISTANCE, ERROR, ERRORS, OF_PARTICIPANTS, RESOLUTION, TASK, n_alternatives
 from ...tasks.signal_detection import forced_choice_sensitivity
 from ...wording import interval_text, percent_text
 from ..section import Content, Details, Figure, Heading, Lead, ResultKind, Section, TextTable, grid, rows_of
 
+RATES = ("guess_rate", "lapse_rate")
 MM = {DISTANCE: "distance (mm)", ERROR: "from the right place (mm)"}
 
 
@@ -42,8 +44,8 @@ def _resolution(analysis: Analysis) -> Iterator[Content]:
     over = "of the participant's own fit" if _is_one(analysis) else "over participants"
     yield Heading("Resolution")
     yield Lead(
-        "The distance at which answers are halfway from chance to certainty (without lapses "
-        f"{percent_text(half)} right, d′ = {sensitivity:.2f}): mean with 95 % interval {over}."
+        f"The distance at which answers are halfway from chance (1/{m}) to the rate that a participant reaches "
+        f"(without lapses {percent_text(half)} right, d′ = {sensitivity:.2f}): mean with 95 % interval {over}."
     )
     yield grid(_resolution_view(analysis.tables[RESOLUTION]), analysis.factors)
     each = _participants_view(analysis.tables[OF_PARTICIPANTS])
@@ -89,8 +91,12 @@ def _places_view(table: pd.DataFrame) -> pd.DataFrame:
 def _participants_view(each: pd.DataFrame) -> pd.DataFrame:
     """Resolutions with their intervals in one column; notes where there are any."""
     keys = each.columns[: each.columns.get_loc("resolution_m")]
-    shown = ["status", "note"] if (each["note"] != "").any() else ["status"]
+    shown = ["status", *(name for name in ("note", MISFIT) if (each[name] != "").any())]
     told: dict[str, Any] = {"resolution (mm)": _in_mm(each, "resolution_m"), "trials": each["n_trials"]}
+    told |= {
+        name.replace("_", " "): ["" if pd.isna(rate) else percent_text(rate) for rate in each[name].astype(float)]
+        for name in RATES
+    }
     return each[keys].assign(**told, **{name: each[name] for name in shown})
 
 

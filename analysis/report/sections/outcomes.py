@@ -36,7 +36,7 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
 
 
 def _blocks(outcome: Outcome, analysis: Analysis) -> Blocks:
-    factors = analysis.factors
+    factors = outcome.factors
     yield Lead(means_sentence(outcome.group))
     yield grid(outcome.cross, factors)
     yield from _amplitudes(outcome, analysis)
@@ -60,7 +60,7 @@ def _amplitudes(outcome: Outcome, analysis: Analysis) -> Blocks:
         return
     peak = " peak" * bool(analysis.study.procedure)  # the levels of our own stimuli are peaks
     yield Lead(f"The same in {unit.removeprefix(DECIBELS)}{peak}, 10^(level / 20): means are geometric.")
-    yield grid(cross_table(as_amplitudes(outcome.group), analysis.factors), analysis.factors)
+    yield grid(cross_table(as_amplitudes(outcome.group), outcome.factors), outcome.factors)
 
 
 def as_amplitudes(group: pd.DataFrame) -> pd.DataFrame:
@@ -82,7 +82,7 @@ def _figure(outcome: Outcome, analysis: Analysis) -> Figure:
     # With their bounds, which are drawn where a value is not known.
     name, values = dependent_title(outcome.dependent), bounds_of(outcome.estimates, outcome.dependent)
     label = with_unit(name, outcome.unit(analysis.unit))
-    drawing = psychophysics.threshold_figure(outcome.group, values, analysis.factors, outcome.dependent, label)
+    drawing = psychophysics.threshold_figure(outcome.group, values, outcome.factors, outcome.dependent, label)
     triangles = ", open triangles bounds" if values[[LOW, HIGH]].notna().any(axis=None) else ""
     text = f"{name}: {figure_text(outcome.group, f'faint dots are participants{triangles}')}."
     stem = analysis.stem(outcome)
