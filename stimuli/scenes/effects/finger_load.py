@@ -97,7 +97,7 @@ class FingerLoad(Effect):
         ends, touches = demand.once(cut_of), self.at_rest(demand)
         moved = n_modes(demand, ends.modes_to_hz) * n_frequencies(demand, ends)
         settings = {**self._places(demand), "force_n": tuple(touch.force_n for touch in touches), **vars(self)}
-        return Size(settings, n_operations=60.0 * len(touches) * moved)
+        return Size(settings, n_operations=30.0 * len(touches) * moved)
 
     def _places(self, scene: Surroundings) -> dict[str, Setting]:
         x_m, y_m = zip(*self.places_m(scene), strict=True)
