@@ -11,7 +11,7 @@ from tactometry.experiments.scenes import path_of
 from tactometry.stimuli.scenes import explain as plans
 from tactometry.stimuli.scenes.file import SceneFile, load_scene
 from tactometry.stimuli.scenes.lifting import PulledFinger, pulled_fingers
-from tactometry.stimuli.scenes.plan import Plan
+from tactometry.stimuli.scenes.plan import Plan, predicted_s
 from tactometry.stimuli.scenes.result import Result, compute
 
 from ..arguments.require import expect
@@ -19,6 +19,8 @@ from ..config.toml import errors_in
 from .output import figure_option, path_option, say, subcommand, writing
 
 FILM_ACCURACY = 0.1
+LONG_S = 5.0
+"""Predicted time from which on it is told before."""
 
 
 @subcommand("scene electrovibration-panel --explain")
@@ -41,6 +43,7 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
         with errors_in(file):
             plan = scene_file.scene.resolve()
             given = plans.values_for(plan, scene_file.given)
+        _tell_if_long(plan)
         result = _result(file, plan, given, cache)
     if figure is not None:
         with writing(figure):
@@ -51,6 +54,16 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
         pulled = pulled_fingers(result) or plans.pulled_by(scene_file.scene, plan, given)
         record = _record(result, pulled) | {"rests_on": scene_file.scene.rests_on()}
         say(_text(scene_file, record, result, pulled), record)
+
+
+def _tell_if_long(plan: Plan) -> None:
+    """That it takes a while, before it does; to the side of what is printed."""
+    if plan.predicted_s > LONG_S:
+        longest = max(plan.stages, key=predicted_s)
+        click.echo(
+            f"this takes about {plan.predicted_s:.0f} s, most of it {longest.name!r}; a looser accuracy takes less",
+            err=True,
+        )
 
 
 def _result(file: str, plan: Plan, given: dict[str, float], cache: Path | None) -> Result:

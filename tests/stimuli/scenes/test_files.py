@@ -229,6 +229,26 @@ def test_a_level_is_told_with_the_constant_that_it_rests_on(capsys):
     assert replace(found.scene, effects=(), outputs=("peak_m",), contacts=()).rests_on() == ()
 
 
+def test_a_scene_that_takes_long_says_so_before(capsys, monkeypatch):
+    from command_line import call
+
+    assert "this takes about" not in call(capsys, "scene", "electrovibration-panel")[1]
+    monkeypatch.setattr("tactometry.cli.scene.LONG_S", 0.01)
+    code, said, out = call(capsys, "scene", "electrovibration-panel")
+    assert code == 0
+    assert said.startswith("this takes about 0 s, most of it '")
+    assert out.startswith("Electrovibration panel")
+
+
+@pytest.mark.parametrize(("boundary", "times"), [("FFFF", 1.0), ("CFFF", 2.0)])
+def test_the_predicted_time_has_the_modes_of_other_edges(boundary, times):
+    """They took 11 s of processor time, and 30 s without parities along an axis, where 0.06 s were predicted."""
+    scene = load_scene(path_of("a4-screen")).scene
+    effects = (resolve(EFFECTS["attenuation"])(3.5e-3), resolve(EFFECTS["edges"])(boundary))
+    plan = replace(scene, effects=effects, outputs=("peak_m",), contacts=(), accuracy=0.2).resolve()
+    assert plan.predicted_s == pytest.approx(12 * times, rel=0.3)
+
+
 def test_amplitudes_go_with_the_constant_that_they_rest_on():
     scene = replace(load_scene(path_of("a4-screen")).scene, outputs=("peak_m",), accuracy=0.1)
     patches = next(effect for effect in scene.effects if effect.kind == "patches")
