@@ -300,8 +300,8 @@ class Surface:
             If no signal can be given to it.
         """
         raise InvalidParameter(
-            f"surface.kind: found {self.kind!r}, of which no played signal is felt, expected 'electrovibration' or "
-            "'time_reversal', or what a stimulus states (PlayedHybrid)"
+            f"surface.kind: found {self.kind!r}, of which no played signal is felt, expected a surface that says "
+            "how it is played"
         )
 
     def reaches(self, contact: Contact) -> bool:

@@ -2,14 +2,17 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from tactometry.errors import InvalidParameter
 
-from ...composition.effect import Demand, Effect, FingerContact, Size, Stage, Surface
+from ...composition.effect import Demand, Effect, FingerContact, Size, Stage, Surface, Surroundings
 from ..effects import OF_HYBRID
 from .electrovibration import Electrovibration
 from .time_reversal import TimeReversal
+
+if TYPE_CHECKING:
+    from .played_hybrid import PlayedHybrid
 
 SLIDING = "sliding_"
 """In front of the names of stages, and of those quantities that both surfaces have, on the side that slides."""
@@ -61,6 +64,12 @@ class HybridScreen(Surface):
         if effect.kind in Electrovibration.effects:
             sliding = self._on(super().stages_of(effect, self._sliding(scene)), self._sliding)
         return (*resting, *map(_renamed, sliding)) or super().stages_of(effect, scene)
+
+    def played(self, scene: Surroundings) -> "PlayedHybrid":
+        """Both sides as they are played."""
+        from .played_hybrid import PlayedHybrid
+
+        return PlayedHybrid(self.electrovibration.played(), self.time_reversal.played(scene))
 
     def cure(self, quantity: str) -> str:
         """As on the side that has the quantity."""

@@ -26,6 +26,7 @@ from tactometry.stimuli.electrovibration import (
     Square,
     force_form,
 )
+from tactometry.stimuli.hybrid import Hybrid
 from tactometry.stimuli.perception.detection import components
 from tactometry.stimuli.scenes.effects import OF_ELECTROVIBRATION
 from tactometry.stimuli.scenes.effects.sensitivity import Sensitivity
@@ -238,6 +239,29 @@ def test_a_built_in_screen_is_felt_without_its_sound_which_acts_on_losses_that_m
     silent = replace(screen, effects=tuple(one for one in screen.effects if one.kind != "airborne_sound"))
     silent = replace(silent, outputs=("sensation_db",))
     assert screen.sensation(drive, Contact(2.0)) == silent.sensation(drive, Contact(2.0))
+
+
+def test_on_a_hybrid_screen_the_stronger_side_is_felt():
+    screen = load_scene(path_of("hybrid-screen")).scene
+    drives = Hybrid(FocusTrain(), AmplitudeModulated(120.0, duration_s=0.5, rate_hz=250e3))
+    friction = Scene(
+        screen.surface.electrovibration,
+        tuple(one for one in screen.effects if one.kind in OF_ELECTROVIBRATION),
+        ("sensation_db",),
+        screen.accuracy,
+        (FingerContact(1.0, 0.05),),
+    )
+    foci = replace(
+        screen,
+        surface=screen.surface.time_reversal,
+        effects=tuple(one for one in screen.effects if one.kind not in OF_ELECTROVIBRATION),
+        contacts=(FingerContact(1.0),),
+    )
+    signal, level_db = drives.at(28.0), 28.0 + drives.electrode_offset_db
+    slid = friction.sensation(drives.friction.at(level_db), Contact(1.0, 0.05))
+    rested = foci.sensation(drives.focus.at(28.0), Contact(1.0))
+    assert screen.sensation(signal, Contact(1.0)) == pytest.approx(rested, abs=1e-6)
+    assert screen.sensation(signal, Contact(1.0, 0.05)) == pytest.approx(max(rested, slid), abs=1e-6)
 
 
 FELT_WRONGLY = {
