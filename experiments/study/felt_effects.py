@@ -76,8 +76,9 @@ class FeltEffects:
     @property
     def lines(self) -> list[str]:
         """In words, no line longer than 100 columns."""
+        level_db = round(self.sensation_db, 1) + 0.0  # no -0.0
         paragraphs = (
-            f"felt of {self.stimulus} at {self.level}: {self.sensation_db:.1f} dB above threshold, through "
+            f"felt of {self.stimulus} at {self.level}: {level_db:.1f} dB above threshold, through "
             f"{', '.join(self.felt)} (predicted error {self.predicted_error})",
             f"left out, and what it would change: {'; '.join(effect.words for effect in self.left_out) or 'nothing'}",
             f"taken for granted: {'; '.join(self.assumed) or 'nothing'}",

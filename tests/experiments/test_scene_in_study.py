@@ -618,3 +618,14 @@ def test_the_journal_of_a_session_with_fingers_says_what_they_felt():
 
     felt = next(iter(wired(on_fingers(TWO)).cells.values())).sensation
     assert scene_in_words(felt.scene) == "focus_detection; fingers = ('index', 'middle'); accuracy 0.02"
+
+
+def test_what_fingers_take_for_granted_is_told_as_their_scene_has_it():
+    (free,) = felt_effects(wired(on_fingers(TWO)))
+    said = "fingers that do not damp what others feel", "fingers that share the force of a touch evenly"
+    assert set(said) <= set(free.assumed)
+    assert "at rest: 0.0 dB above threshold" in " ".join(free.lines)  # not -0.0
+    loaded = 'effects = [{ kind = "finger_load" }, { kind = "focus_detection" }]'
+    (bearing,) = felt_effects(wired(on_fingers(f"[scene]\n{loaded}")))
+    assert said[0] not in bearing.assumed
+    assert said[1] in bearing.assumed

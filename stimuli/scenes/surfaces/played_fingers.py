@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, ClassVar
 
 from ...time_reversal.finger import Fingertip
 from ...time_reversal.stimulus.placed_foci import Place, check_fingers
@@ -35,6 +35,12 @@ class PlayedFingers(PlayedPlate):
     >>> PlayedFingers(Setup(), {"index": Place(0.10), "middle": Place(0.13)}).names
     ('index', 'middle')
     """
+
+    assumes: ClassVar[Mapping[str, str]] = {
+        **PlayedPlate.assumes,
+        "load": "fingers that do not damp what others feel",
+        "fingers": "fingers that share the force of a touch evenly",
+    }
 
     setup: Setup
     places: Mapping[str, Place]
