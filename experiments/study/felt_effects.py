@@ -52,11 +52,13 @@ class LeftOut:
 
         >>> LeftOut("receptors", ("sensitivity",), 12.6).words
         'receptors (instead of sensitivity) +12.6 dB'
+        >>> LeftOut("weber_fraction", change_db=-1e-15).words
+        'weber_fraction +0 dB'
         >>> LeftOut("receptors", change_db=4e-16).words
         'receptors +0 dB'
         """
         place = f" (instead of {', '.join(self.instead_of)})" if self.instead_of else ""
-        change = f" ({self.why})" if self.change_db is None else f" {round(self.change_db, 6):+.3g} dB"
+        change = f" ({self.why})" if self.change_db is None else f" {round(self.change_db, 6) + 0.0:+.3g} dB"
         return f"{self.effect}{place}{change}"
 
 
