@@ -88,19 +88,20 @@ class LinearSystem:
 class Flows:
     """``x_a(t + h) = sum_b states_ab x_b(t) + sum_ij forms_aij z_i(t) z_j(t)`` for lengths h, for 1 N/V^2.
 
-    `states` (n_lengths, n, n) and `forms` (n_lengths, n, n_states, n_states) of a circuit with n_states; `circuit` are
-    the maps (n_lengths, n_states, n_states) of its own states.
+    `states` (n_lengths, n, n) and `forms` (n_lengths, n, n_states, n_states) of a circuit with n_states; `change`
+    (n_lengths, n_states, n_states) are the maps of its own states less the identity, beside which a short turn of
+    phase would lose its digits.
     """
 
     states: FloatArray
     forms: FloatArray
-    circuit: FloatArray
+    change: FloatArray
 
     def twice(self) -> "Flows":
         """Over lengths twice as long: the first half moves on, the second begins where the circuit is then."""
-        over = self.circuit[:, None]
+        over = (np.eye(self.change.shape[-1]) + self.change)[:, None]
         forms = np.einsum("lab,lbij->laij", self.states, self.forms) + over.swapaxes(-1, -2) @ self.forms @ over
-        return Flows(self.states @ self.states, forms, self.circuit @ self.circuit)
+        return Flows(self.states @ self.states, forms, 2 * self.change + self.change @ self.change)
 
 
 def flows(circuit: Circuit, system: LinearSystem, lengths_s: FloatArray) -> Flows:
@@ -110,8 +111,8 @@ def flows(circuit: Circuit, system: LinearSystem, lengths_s: FloatArray) -> Flow
     flow = _short_flows(circuit, system, fastest_per_s, np.ldexp(fastest_per_s * lengths_s, -doublings))
     for done in range(doublings.max(initial=0)):
         on = doublings > done
-        longer = Flows(flow.states[on], flow.forms[on], flow.circuit[on]).twice()
-        flow.states[on], flow.forms[on], flow.circuit[on] = longer.states, longer.forms, longer.circuit
+        longer = Flows(flow.states[on], flow.forms[on], flow.change[on]).twice()
+        flow.states[on], flow.forms[on], flow.change[on] = longer.states, longer.forms, longer.change
     return flow
 
 
@@ -138,7 +139,7 @@ def _short_flows(circuit: Circuit, system: LinearSystem, unit_per_s: float, leng
     return Flows(
         np.eye(len(m)) + total(_derivatives(m, lambda power: m @ power)),
         total(forms),
-        np.eye(len(z)) + total(_derivatives(z, lambda power: z @ power)),
+        total(_derivatives(z, lambda power: z @ power)),
     )
 
 

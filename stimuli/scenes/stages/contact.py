@@ -9,7 +9,7 @@ from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray
 from ...time_reversal.finger import Fingertip
-from ...time_reversal.responses.load import CHUNK, PlateLoad, compliances, contact_transfer
+from ...time_reversal.responses.load import CHUNK, PlateLoad, contact_transfer
 from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import PointForce
 from .motion import PlateMotion, moving_modes
@@ -59,7 +59,7 @@ def _unit_motion(unit: PlateMotion, contact: int) -> PlateMotion:
     played = np.zeros((len(unit.screen.sources), len(unit.s)), complex)
     played[contact] = 1.0
     oscillators, at = moving_modes(unit.screen, unit.modes_to_hz, unit.static_to_hz)
-    amplitude = at[:, contact, None] * compliances(oscillators, unit.screen.plate.mass_kg, unit.s)
+    amplitude = at[:, contact, None] * oscillators.compliance(unit.screen.plate.mass_kg, unit.s)
     return replace(unit, amplitude=amplitude, played=played)
 
 

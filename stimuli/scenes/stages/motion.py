@@ -16,7 +16,7 @@ from tactometry.errors import InvalidParameter
 from ...arrays import ComplexArray, FloatArray, real_product
 from ...time_reversal.oscillators.oscillators import Oscillators
 from ...time_reversal.plate.modes import Modes, values
-from ...time_reversal.responses.load import CHUNK, compliances, contour
+from ...time_reversal.responses.load import CHUNK, contour
 from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import PointForce
 from .emission import EmittedSignal, Points
@@ -169,7 +169,7 @@ def answer(
     amplitude = np.empty((len(oscillators.omega_rad_per_s), len(s)), complex)
     for start in range(0, len(s), CHUNK):
         part = slice(start, start + CHUNK)
-        np.multiply(push(part), compliances(oscillators, mass_kg, s[part]), out=amplitude[:, part])
+        np.multiply(push(part), oscillators.compliance(mass_kg, s[part]), out=amplitude[:, part])
     return amplitude
 
 

@@ -95,6 +95,15 @@ class Oscillators:
         """(n,): at one sample, what the response of each mode, all swinging, is the imaginary part of."""
         return self._phasor(np.array([float(sample)]), rate_hz)[:, 0] * self._weight(quantity)
 
+    def compliance(self, mass_kg: float, s: ComplexArray) -> ComplexArray:
+        """(n, n_frequencies): 1 / (M (s^2 + 2 a s + w^2)) at complex frequencies (rad/s)."""
+        decay_per_s = self.decay_per_s
+        if (decay_per_s == decay_per_s[:1]).all():
+            decay_per_s = decay_per_s[:1]  # one row for all modes
+        stiffness = s * (s + 2 * decay_per_s[:, None]) + self.omega_rad_per_s[:, None] ** 2
+        stiffness *= mass_kg
+        return np.divide(1, stiffness, out=stiffness)
+
     def of(self, which: NDArray[np.bool_] | IndexArray) -> "Oscillators":
         """Some of the modes."""
         return Oscillators(self.omega_rad_per_s[which], self.decay_per_s[which])

@@ -114,16 +114,6 @@ class SprungMass:
         return self.stiffness_n_per_m * inertia / (self.stiffness_n_per_m + inertia)
 
 
-def compliances(oscillators: Oscillators, mass_kg: float, s: ComplexArray) -> ComplexArray:
-    """1 / (M (s^2 + 2 a s + w^2)), (n_modes, n_frequencies), of modes at complex frequencies (rad/s)."""
-    decay_per_s = oscillators.decay_per_s
-    if (decay_per_s == decay_per_s[:1]).all():
-        decay_per_s = decay_per_s[:1]  # one row for all modes
-    stiffness = s * (s + 2 * decay_per_s[:, None]) + oscillators.omega_rad_per_s[:, None] ** 2
-    stiffness *= mass_kg
-    return np.divide(1, stiffness, out=stiffness)
-
-
 @checked
 @dataclass(frozen=True, eq=False)
 class Receptances:
@@ -137,7 +127,7 @@ class Receptances:
     @classmethod
     def of(cls, oscillators: Oscillators, mass_kg: Positive, s: ComplexArray) -> "Receptances":
         """`compliance` (n_modes, n_frequencies)."""
-        return cls(compliances(oscillators, mass_kg, s))
+        return cls(oscillators.compliance(mass_kg, s))
 
     def between(self, to: FloatArray, of: FloatArray) -> ComplexArray:
         """(n_to, n_of, n_frequencies) from weights (n_modes, n_to) and (n_modes, n_of), by one matrix product."""

@@ -63,7 +63,7 @@ def test_a_flow_is_the_exponential_of_its_equation(
 def test_flows_over_two_lengths_make_one_over_both(first_s: float, second_s: float) -> None:
     circuit = Circuit(Relaxations((0.4,), (RATE_PER_S,)), (240.0,), False, (True,))
     flow = flows(circuit, LAG, np.array([first_s, second_s, first_s + second_s]))
-    (a, b, both), (f, g, h), (one, _, _) = flow.states, flow.forms, flow.circuit
+    (a, b, both), (f, g, h), (one, _, _) = flow.states, flow.forms, np.eye(3) + flow.change
     np.testing.assert_allclose(both, b @ a, rtol=1e-10, atol=1e-300)
     np.testing.assert_allclose(h[0], b[0, 0] * f[0] + one.T @ g[0] @ one, rtol=0, atol=1e-10 * np.abs(h).max())
 
