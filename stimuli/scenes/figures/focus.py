@@ -70,8 +70,9 @@ def _courses(figure: SubFigure, result: Result, drawn: list[str]) -> None:
     for row, name, colour in zip(panels, drawn, cycle(COLOURS), strict=False):
         for panel in row:
             draw_course(panel, values["t_s"], values[name], name, colour)
-        mark(row[0], result, name)
-        row[1].set_ylabel("")
+            mark(panel, result, name)
+        row[1].set(ylabel="")
+        row[1].set_title("", loc="right")  # said beside it
         row[1].set_xlim(-NEAR_S * 1e3, NEAR_S * 1e3)
     for panel in panels[-1]:
         panel.set_xlabel("time from the focus (ms)")

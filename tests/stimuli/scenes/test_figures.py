@@ -44,6 +44,8 @@ def test_a_contact_force_is_drawn_beside_the_load_that_it_comes_on_top_of(draw):
     assert force.get_title(loc="right") == BESIDE_LOAD
     prefix = {"N": 1.0, "mN": 1e-3}[force.get_ylabel().partition("(")[2].rstrip(")")]
     assert force.lines[-1].get_ydata()[0] * prefix == pytest.approx(-2.0)
+    beside = [axes for axes in figure.axes if any(line.get_linestyle() == ":" for line in axes.lines)]
+    assert len(beside) == (2 if draw is focus_sheet else 1)  # from afar and near the focus
 
 
 def test_micrometres_are_written_one_way_and_levels_say_above_what():
