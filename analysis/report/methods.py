@@ -10,6 +10,7 @@ from ..outcomes.ratings import Ratings
 from ..plan import AnalysisPlan
 from ..result import Analysis
 from ..tasks.kinds import CURVES, RESULTS
+from ..tasks.localisation import OF_PARTICIPANTS
 from ..wording import PROCEDURES
 
 PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "matplotlib")
@@ -99,6 +100,7 @@ def methods(analysis: Analysis) -> str:
     parts = [*_fit_methods(table, analysis.n_choices), *_rule_methods(table, procedures)]
     parts += [HIERARCHICAL] if any(outcome.fit for outcome in analysis.hierarchical) else []
     parts += [results.methods for task, results in RESULTS.items() if task in analysis.tables and results.methods]
+    parts += [GOODNESS] if _is_tested(analysis.table(OF_PARTICIPANTS)) and GOODNESS not in parts else []
     parts += _plan_methods(analysis.plan, {name for outcome in analysis.outcomes for name in outcome.equivalence})
     parts += group_methods(analysis.outcomes, analysis.forms, analysis.plan.primary)
     parts += [f"{form.form.title} ({form.form.reference}) was scored per participant." for form in analysis.forms]
@@ -154,9 +156,12 @@ def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:
             "probability of 0.8."
         )
     parts += [curve.methods.format(n_choices=n_choices) for curve in fitted if curve.methods]
-    if table["deviance_p"].notna().any():
-        parts.append(GOODNESS)
-    return parts
+    return [*parts, *([GOODNESS] if _is_tested(table) else [])]
+
+
+def _is_tested(fits: pd.DataFrame) -> bool:
+    """Whether the goodness of any of these fits was tested."""
+    return len(fits) > 0 and bool(fits["deviance_p"].notna().any())
 
 
 def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: str | None) -> list[str]:

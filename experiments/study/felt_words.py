@@ -51,4 +51,10 @@ def _deviations(values: Mapping[str, Any], usual: Mapping[str, Any]) -> Iterator
         if is_dataclass(value) and type(value) is type(usual[name]):
             yield from _deviations(vars(value), vars(usual[name]))
         else:
-            yield f"{name} = {value:.6g}" if isinstance(value, float) else f"{name} = {value}"
+            yield f"{name} = {_in_words(value)}"
+
+
+def _in_words(value: object) -> str:
+    if isinstance(value, tuple):
+        return " and ".join(map(_in_words, value))
+    return f"{value:.6g}" if isinstance(value, float) else f"{value}"

@@ -264,7 +264,12 @@ def test_rates_of_participants_are_compared_between_distances(tmp_path):
     rows["trial"] = rows.groupby("participant").cumcount() + 1
     rows["correct"] = (rows["target"].astype(str) == rows["response"]).astype(int)
     rows.drop(columns="force_n").to_csv(tmp_path / "t.csv", index=False)
-    (outcome,) = analyse(tmp_path / "t.csv", within=("place", "distance_m")).outcomes
+    found = analyse(tmp_path / "t.csv", within=("place", "distance_m"), report=tmp_path / "t.html")
+    (outcome,) = found.outcomes
+    page = (tmp_path / "t.html").read_text("utf-8")
+    assert "Participants: localisation (30 rows)" in page  # theirs, not those of all together
+    assert "Goodness of fit was tested" in page
+    assert "Wichmann" in page
     table = rates_of_participants(rows, FACTORS)
     reference = AnovaRM(table, "rate_correct", "participant", within=["separation_m"]).fit().anova_table
     found = outcome.anova.set_index("Source").loc["separation_m"]

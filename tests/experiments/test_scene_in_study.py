@@ -617,7 +617,7 @@ def test_the_journal_of_a_session_with_fingers_says_what_they_felt():
     from tactometry.experiments.study.felt_words import scene_in_words
 
     felt = next(iter(wired(on_fingers(TWO)).cells.values())).sensation
-    assert scene_in_words(felt.scene) == "focus_detection; fingers = ('index', 'middle'); accuracy 0.02"
+    assert scene_in_words(felt.scene) == "focus_detection; fingers = index and middle; accuracy 0.02"
 
 
 def test_what_fingers_take_for_granted_is_told_as_their_scene_has_it():

@@ -14,7 +14,8 @@ TOLD = {task: results for task, results in RESULTS.items() if results.title or r
 def _views(analysis: Analysis) -> Iterator[tuple[str, pd.DataFrame]]:
     """Each task with its table as a person reads it; a column of notes only where there are any."""
     for task in (task for task in TOLD if task in analysis.tables):
-        table = TOLD[task].view(analysis.tables[task], analysis.trials, analysis.unit)
+        told = analysis.tables[TOLD[task].compared or task]
+        table = TOLD[task].view(told, analysis.trials, analysis.unit)
         is_noted = "note" in table.columns and (table["note"] != "").any()
         yield task, table if is_noted else table.drop(columns="note", errors="ignore")
 
