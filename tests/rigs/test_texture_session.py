@@ -5,6 +5,7 @@ import io
 import json
 import threading
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -31,9 +32,12 @@ from tactometry.experiments.bench.preflight import _followed
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
-from tactometry.followed import N_KEPT, FingerPath, FollowedSignal, felt_under
+from tactometry.followed import N_KEPT, Course, FingerPath, FollowedSignal, felt_under
+from tactometry.rigs.touch.gated_samples import Trace
+from tactometry.rigs.touch.touch import TouchCourse
 from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
+from tactometry.signal import Signal
 from tactometry.stimuli.electrovibration import FollowedTexture, Grating, Region
 
 
@@ -251,3 +255,15 @@ def test_a_path_keeps_its_end_and_no_stamp_that_goes_back():
     times_s = 1e-3 * np.arange(N_KEPT - 100, N_KEPT + 10)
     np.testing.assert_allclose(path.at(times_s), times_s * 1e3)
     assert np.isnan(path.at(np.array([0.0, 1e3]))).all()
+
+
+def test_of_places_with_one_stamp_the_first_is_followed_and_kept():
+    """A touch screen whose kernel stamps nothing is read late on a busy computer: several places come at once."""
+    places, path, kept = Trace(), FingerPath(), []
+    for hear in (places.hear, path.hear):
+        hear(np.array([1.0, 1.0, 1.1]), np.array([[0.0], [5.0], [0.1]]))
+    course = Course(Signal(np.zeros((1, 100)), 1e3, "V"), latency_s=0.0, late=0.0, unknown=0.0)
+    setup = SimpleNamespace(keep_path=lambda digest, lines: kept.append(lines))
+    TouchCourse(None, setup, places)._positions_digest(1.05, course)
+    assert kept == [b"-0.050000\t0.000000000\n0.050000\t0.100000000\n"]
+    assert path.at(np.array([1.05])) == pytest.approx(0.05)

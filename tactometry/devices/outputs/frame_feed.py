@@ -92,8 +92,9 @@ class FollowingFeed(FrameFeed):
             return piece
         path = self._signal.path
         times_s = self.onset_s - self.latency_s + np.arange(begin, begin + len(piece)) / self._signal.rate_hz
+        last_s = path.last_s  # before the places are asked for: the sensor's thread goes on
         places_m = path.at(times_s)
-        self._n_late += len(piece) - int(np.searchsorted(times_s, path.last_s, side="right"))
+        self._n_late += len(piece) - int(np.searchsorted(times_s, last_s, side="right"))
         self._n_unknown += int(np.count_nonzero(np.isnan(places_m)))
         parts, self._before = self._signal.stimulus.parts(places_m, self._before)
         emitted: NDArray[Any] = (piece * parts[:, None]).astype(piece.dtype)  # whole numbers are cut towards zero

@@ -7,6 +7,8 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from ...devices.sensors.streamed import StreamedSensor
 from ...followed import HELD_S, Course, path_lines
 from ...gates import VALID_PART, ForceGate, SpeedGate
@@ -166,7 +168,9 @@ class TouchCourse:
         """The digest of the places that a texture followed, which are kept under it."""
         begin_s = onset_s - course.latency_s
         times_s, positions_m = self.places.between(begin_s - HELD_S, begin_s + course.signal.duration_s)
-        lines = path_lines(times_s - begin_s, positions_m[:, 0] if positions_m.ndim == 2 else positions_m)
+        new = np.diff(times_s, prepend=-np.inf) > 0  # as the texture heard them: of those of one stamp the first
+        along_m = positions_m[:, 0] if positions_m.ndim == 2 else positions_m
+        lines = path_lines(times_s[new] - begin_s, along_m[new])
         digest = hashlib.sha256(lines).hexdigest()[:16]
         self.setup.keep_path(digest, lines)
         return digest

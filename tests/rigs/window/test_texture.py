@@ -28,8 +28,9 @@ rate_hz = {1 / EVERY_S}
 sensor = "pointer"
 channels = [0]
 metres_per_count = {METRES_PER_PX}
-zero_counts = [{SCREEN_PX[0] // 2 - round(PATH_M / METRES_PER_PX / 2)}]
+zero_counts = [{SCREEN_PX[0] // 2 - PATH_M / METRES_PER_PX / 2 - 0.5}]
 """
+"""No pixel lies at an edge of the grating, where the last bit of a place says which side it is on."""
 
 
 @contextmanager
