@@ -24,10 +24,13 @@ class Journal:
     With `resume`, the journal is cut back to its last recorded trial and `replay` gives what it holds. What was cut
     (the torn line, and the requests of the trial that was under way) is returned by `cut`, and kept in the file
     `interruptions` beside it. Events stay.
+
+    Not `syncs_trials`: head and end alone are put on the disk at once, and what lies between is the system's to write,
+    so that a process that is killed loses nothing, and one whose computer stops may lose its last trials.
     """
 
-    def __init__(self, path: Path, *, resume: bool) -> None:
-        self.path = path
+    def __init__(self, path: Path, *, resume: bool, syncs_trials: bool = True) -> None:
+        self.path, self._syncs_trials = path, syncs_trials
         self._file, self._unsynced = _open_locked(path), False
         try:
             _refuse_recorded(path, resume=resume)
@@ -95,7 +98,9 @@ class Journal:
             self._write(encode_line(head, self._before), durable=True)
 
     def append(self, request: Request[Any], answer: object) -> None:
-        self._write(encode_entry(request, answer, self._before), durable=isinstance(request, Record))
+        self._write(
+            encode_entry(request, answer, self._before), durable=self._syncs_trials and isinstance(request, Record)
+        )
 
     def note(self, event: Event) -> None:
         self._write(encode_line(event, self._before), durable=False)

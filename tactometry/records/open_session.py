@@ -97,7 +97,8 @@ def _utc_s(event: Event) -> float | None:
 class OpenSession:
     """What `tactometry.session.run.run` writes to.
 
-    Each trial is flushed and fsynced in the journal, and flushed in the trials file, before `append` returns.
+    Each trial is flushed and fsynced in the journal, and flushed in the trials file, before `append` returns; that of
+    a simulated participant, who can be asked again, is flushed alone, and its session synced where it begins and ends.
     With `resume` an interrupted session goes on; what is lost by that is kept beside the journal, and said in
     `repaired`.
 
@@ -122,7 +123,7 @@ class OpenSession:
         self.recorded_s: float | None = None
         """When the last trial was on the disk, on `time.perf_counter`."""
         _refuse_alike(root, session)
-        self.journal = Journal(path, resume=resume)
+        self.journal = Journal(path, resume=resume, syncs_trials=rig != SIMULATED)
         try:
             _refuse_other(self.journal, session, design)
             head = self.journal.head

@@ -21,8 +21,10 @@ from tactometry.experiments.sessions.recording import Who, record, simulated
 from tactometry.records.data_set import Session, trials_csv
 from tactometry.records.journal import encode_entry, read
 from tactometry.records.open_journal import Journal
+from tactometry.records.open_session import OpenSession
 from tactometry.session.answer import Chosen, Done
 from tactometry.session.request import Choose, Record, Wait
+from tactometry.trials.columns import RIGS
 from tactometry.trials.trial import Trial
 
 
@@ -51,6 +53,37 @@ def test_the_trials_file_is_derived_from_the_journal(lived):
     columns = EXPERIMENT.design(TOML).columns
     trials = next((lived / "data").glob("*.csv")).read_bytes()
     assert trials == trials_csv(recording.trials, Session("P01", 1, "tutorial"), "simulated", columns)
+
+
+@pytest.fixture
+def n_syncs(monkeypatch):
+    """How many files were synced since, in a list."""
+    synced, sync = [], os.fsync
+
+    def counted(file):
+        synced.append(file)
+        sync(file)
+
+    monkeypatch.setattr(os, "fsync", counted)
+    return synced
+
+
+@pytest.mark.parametrize("rig", RIGS)
+def test_trials_of_people_are_synced_one_by_one_and_those_of_a_simulation_with_their_session(tmp_path, n_syncs, rig):
+    keeper = OpenSession(tmp_path, EXPERIMENT.design(TOML), Session("P01", 1, "tutorial"), rig, resume=False)
+    before = len(n_syncs)
+    for n in range(5):
+        keeper.append(Record(Trial(1, n, {}, "staircase", 20.0, "V", "yes_no", 1)), Done(float(n)))
+    assert len(n_syncs) - before == (0 if rig == "simulated" else 5)
+    keeper.close()
+    journal = keeper.journal.path.read_bytes()
+    assert journal.count(b"\n") == 5
+    assert len(n_syncs) - before == (2 if rig == "simulated" else 6)
+
+
+def test_a_simulated_session_is_synced_as_often_whatever_its_number_of_trials(tmp_path, n_syncs):
+    n_trials = live(tmp_path / "d").n_trials
+    assert len(n_syncs) < 20 < n_trials
 
 
 def test_a_recorded_session_is_not_overwritten(lived):
