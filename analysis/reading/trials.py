@@ -6,7 +6,7 @@ Every refusal is one sentence with the file, the row (the header is row 1) and t
 import json
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -84,23 +84,39 @@ def read_trials(
     files = trial_files(path, OWN_FILES if column_map is None else OWN_FILES + FOREIGN_FILES)
     given = column_map or ColumnMap()
     raw = {file: _text_of(file, given) for file in files}
-    trials = raw if column_map is None else {file: trials_of(table, file) for file, table in raw.items()}
-    tables = _with_same_columns({file: _checked_table(table, file) for file, table in trials.items()})
-    if column_map is None:  # the names of another program's files are its own
-        for file, table in tables.items():
-            _refuse_other_code(table, file)
+    texts = raw if column_map is None else {file: trials_of(table, file) for file, table in raw.items()}
+    scale = level_scale or given.level_scale
+    trials = trials_in(texts, path, within=within, level_scale=scale, named_by_us=column_map is None)
+    routines = _routine_notes(sum(map(len, raw.values())) - len(trials.rows))
+    return replace(trials, notes=(*routines, *trials.notes))
+
+
+def trials_in(
+    texts: Mapping[Path, pd.DataFrame],
+    path: Path,
+    *,
+    within: Sequence[str] | None = None,
+    level_scale: str | None = None,
+    named_by_us: bool = True,
+) -> Trials:
+    """Tables of text by file, as `text_cells` reads them, as the trials of `path`; files that are `named_by_us` say by
+    their name whose trials they hold.
+
+    Raises
+    ------
+    InvalidFile, InvalidParameter
+        As `read_trials`.
+    """
+    tables = _with_same_columns({file: _checked_table(table, file) for file, table in texts.items()})
+    for file, table in tables.items() if named_by_us else ():  # the names of another program's files are its own
+        _refuse_other_code(table, file)
     rows = pd.concat(tables.values(), ignore_index=True)
     named = _factors(list(rows.columns), within, path)
     for name in named:
         rows[name] = _factor_values(rows, name)
     factors = named if within is not None else tuple(name for name in named if _is_filled(rows[name]))
-    scale = level_scale or given.level_scale
-    notes = [
-        *_routine_notes(sum(map(len, raw.values())) - len(rows)),
-        *repetitions(rows, named),
-        *([] if scale else wide_levels(rows)),
-    ]
-    return Trials(rows if scale is None else on_scale(rows, scale), factors, path, len(files), tuple(notes))
+    notes = (*repetitions(rows, named), *([] if level_scale else wide_levels(rows)))
+    return Trials(on_scale(rows, level_scale) if level_scale else rows, factors, path, len(tables), notes)
 
 
 def _routine_notes(n: int) -> list[str]:

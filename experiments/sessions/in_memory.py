@@ -1,0 +1,77 @@
+"""A study with simulated participants that leaves no file: its trials as an analysis would read them."""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+import pandas as pd
+
+from tactometry.analysis.reading.trials import Trials, trials_in
+from tactometry.records.data_set import Session, row
+from tactometry.records.description import SIMULATED
+from tactometry.session.replay import Replay
+from tactometry.session.request import Record, Request
+from tactometry.session.run import run
+from tactometry.trials.columns import Column
+from tactometry.trials.trial import Trial
+
+from ..study.experiment import Experiment
+from .recording import Who
+
+NOWHERE: Final = Path("simulated in memory")
+"""In place of the folder of a data set, in what is told of its rows."""
+
+
+class Collector:
+    """A keeper of a session's trials alone, in memory."""
+
+    def __init__(self) -> None:
+        self.trials: list[Trial] = []
+        self.replay = Replay(())
+
+    def append(self, request: Request[Any], answer: object) -> None:
+        del answer
+        if isinstance(request, Record):
+            self.trials.append(request.trial)
+
+    def finish(self) -> None:
+        """There is nothing to close."""
+
+
+def simulated_session(experiment: Experiment, who: Who) -> tuple[Trial, ...]:
+    """The trials of one session of one simulated participant, whose `who.seed` is given.
+
+    >>> from ..study.experiment import wire
+    >>> from ..study.study_file import load
+    >>> experiment = wire(load("tutorial")[0], "tutorial")
+    >>> [trial.level for trial in simulated_session(experiment, Who("P01", seed=1))[:3]]
+    [22.0, 34.0, 28.0]
+    """
+    collector, seed = Collector(), who.seed or 0
+    rig = experiment.simulated_rig(who.participant, who.session, seed)
+    run(experiment.course(who.participant, who.session, who.counterbalancing_number, seed), rig, collector)
+    return tuple(collector.trials)
+
+
+def simulated_trials(experiment: Experiment, sessions: Iterable[Who]) -> Trials:
+    """All sessions, as `analysis.pipeline.analyse_trials` takes them: cell by cell what their data set would hold.
+
+    >>> from ..study.experiment import wire
+    >>> from ..study.study_file import load
+    >>> experiment = wire(load("tutorial")[0], "tutorial")
+    >>> simulated_trials(experiment, [Who("P01", seed=1), Who("P02", seed=1)]).rows["participant"].unique().tolist()
+    ['P01', 'P02']
+    """
+    columns = experiment.design(b"").columns
+    tables = {}
+    for who in sessions:
+        session = Session(who.participant, who.session, experiment.study.name)
+        tables[session.trials(NOWHERE)] = _cells(simulated_session(experiment, who), session, columns)
+    return trials_in(tables, NOWHERE)
+
+
+def _cells(trials: Sequence[Trial], session: Session, columns: Sequence[Column]) -> pd.DataFrame:
+    """As the trials file of a session would be read, row by row below its header."""
+    texts = [row(trial, session, SIMULATED, columns) for trial in trials]
+    table = pd.DataFrame(texts, columns=[column.name for column in columns], dtype=str)
+    return table.assign(row=range(2, len(texts) + 2))

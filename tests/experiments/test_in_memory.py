@@ -1,0 +1,47 @@
+"""A study that is simulated in memory: the rows that its data set on the disk reads back as, and its analysis."""
+
+from pathlib import Path
+
+import pandas as pd
+import pytest
+from command_line import call
+
+from tactometry.analysis.pipeline import analyse_trials
+from tactometry.analysis.reading.trials import read_trials
+from tactometry.experiments.sessions.in_memory import NOWHERE, simulated_session, simulated_trials
+from tactometry.experiments.sessions.recording import Who
+from tactometry.experiments.sessions.simulation import Simulation
+from tactometry.experiments.study.study_file import load
+from tactometry.records.journal import read
+
+STUDIES = ("tutorial", "time-reversal-patterns", "time-reversal-localisation", "hybrid-button")
+
+
+def simulation(name: str) -> Simulation:
+    return Simulation(load(name)[1], name, NOWHERE, n_participants=2, seed=3)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_its_trials_are_those_that_its_data_set_reads_back_as(capsys, tmp_path, name):
+    assert call(capsys, "simulate", name, "--participants", 2, "--seed", 3, "--out", tmp_path)[0] == 0
+    kept, study = read_trials(tmp_path), simulation(name)
+    made = simulated_trials(study.experiment(), study.sessions())
+    assert (made.factors, made.n_files, made.notes) == (kept.factors, kept.n_files, kept.notes)
+    in_folder = made.rows.assign(source=[str(tmp_path / Path(file).relative_to(NOWHERE)) for file in made.rows.source])
+    pd.testing.assert_frame_equal(in_folder[list(kept.rows.columns)], kept.rows)
+    assert call(capsys, "replay", tmp_path)[:2] == (0, "")
+
+
+def test_a_session_is_its_journal(capsys, tmp_path):
+    assert call(capsys, "simulate", "tutorial", "--participants", 1, "--seed", 3, "--out", tmp_path)[0] == 0
+    (journal,) = (tmp_path / "journals").glob("*.jsonl")
+    assert simulated_session(simulation("tutorial").experiment(), Who("P01", seed=3)) == read(journal).trials
+
+
+def test_it_is_analysed_as_simulated(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    study = simulation("tutorial")
+    analysis = analyse_trials(simulated_trials(study.experiment(), study.sessions()))
+    assert analysis.origin.is_simulated
+    assert len(analysis.table("thresholds")) == 4
+    assert list(tmp_path.iterdir()) == []
