@@ -2,12 +2,12 @@
 
 from dataclasses import dataclass
 from math import pi
-from typing import Any
 
 from tactometry.arguments import require
 
 from ...composition.content import PlateContent
 from ...composition.effect import Demand, Effect, Setting, Size, Stage, Surroundings, note
+from ..stages.fingers import at_rest, check_on_plate, farther, places_m
 from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes
 
@@ -49,7 +49,7 @@ class FingerLoad(Effect):
         require.positive("FingerLoad", load=self.resistance_n_s_per_m + self.mass_kg + self.stiffness_n_per_m)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        needs, n = ("motion", "oversampling"), len(self.at_rest(scene))
+        needs, n = ("motion", "oversampling"), len(at_rest(scene))
         return (
             Stage("finger_load", ("motion",), "motion", f"{CONTACT}:loaded_motion", size=self._size),
             Stage("contacts", needs, "per_volt_contacts", f"{CONTACT}:contact_displacement", self._places(scene)),
@@ -66,39 +66,30 @@ class FingerLoad(Effect):
             Stage("contact_force", ("signal", *where), "contact_force_n", f"{PLATE}:contact_force", pulp),
         )
 
-    def at_rest(self, scene: Surroundings) -> list[Any]:
-        """The contacts that rest."""
-        return [touch for touch in scene.contacts if not touch.slides]
-
-    def places_m(self, scene: Surroundings) -> list[tuple[float, float]]:
-        """Where they rest."""
-        at_m = scene.surface.focus_x_m, scene.surface.focus_y_m
-        touches = [(touch.x_m, touch.y_m) for touch in self.at_rest(scene)]
-        return [(at_m[0] if x_m is None else x_m, at_m[1] if y_m is None else y_m) for x_m, y_m in touches]
-
     def impedance_ratio(self, scene: Surroundings) -> float:
         """Of all fingers at the top of the band, over that of the infinite plate."""
         surface = scene.surface
         omega = 2 * pi * surface.band_max_hz
         one = self.resistance_n_s_per_m + self.mass_kg * omega + self.stiffness_n_per_m / omega
-        grown = sum((touch.force_n / REFERENCE_FORCE_N) ** self.exponent for touch in self.at_rest(scene))
+        grown = sum((touch.force_n / REFERENCE_FORCE_N) ** self.exponent for touch in at_rest(scene))
         return float(one * grown / surface.plate.point_impedance_n_s_per_m)
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
         """The plate moves less, and still less far from the focus; a force has more of the top of the band."""
-        surface, ratio = scene.surface, self.impedance_ratio(scene)
-        away = any(touch.x_m is not None for touch in self.at_rest(scene))
+        ratio = self.impedance_ratio(scene)
+        away = any(touch.x_m is not None for touch in at_rest(scene))
         read = any(name.startswith("contact_") for name in scene.outputs)
-        far = (surface.plate.modal_density_s * surface.band_max_hz) ** 0.5 if away and read else 1.0
+        far = farther(scene) if away and read else 1.0
         reading = far * (2.0 if "contact_force_n" in scene.outputs else 1.0)
-        return PlateContent(1 + ratio, load=ratio, reading=reading, places_m=tuple(self.places_m(scene)))
+        return PlateContent(1 + ratio, load=ratio, reading=reading, places_m=tuple(places_m(scene)))
 
     def _size(self, demand: Demand) -> Size:
-        ends, touches = demand.once(cut_of), self.at_rest(demand)
+        check_on_plate(demand)
+        ends, touches = demand.once(cut_of), at_rest(demand)
         moved = n_modes(demand, ends.modes_to_hz) * n_frequencies(demand, ends)
         settings = {**self._places(demand), "force_n": tuple(touch.force_n for touch in touches), **vars(self)}
         return Size(settings, n_operations=30.0 * len(touches) * moved)
 
     def _places(self, scene: Surroundings) -> dict[str, Setting]:
-        x_m, y_m = zip(*self.places_m(scene), strict=True)
+        x_m, y_m = zip(*places_m(scene), strict=True)
         return {"x_m": x_m, "y_m": y_m}

@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ...composition.effect import Effect, Stage, Surroundings, note
+from ..stages.fingers import is_away
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
@@ -13,8 +14,8 @@ if TYPE_CHECKING:
 class FocusDetection(Effect):
     """As in `tactometry.stimuli.time_reversal.TimeReversalSensation`: a single focus of `reference_m` is at threshold.
 
-    With `finger_load` it is what the first finger at rest feels, else a focus that nothing loads. 10 um is an
-    unverified default.
+    It is what the first finger at rest feels where it rests, at the focus without a place of its own or without a
+    finger; it loads the plate with `finger_load` alone. 10 um is an unverified default.
 
     >>> FocusDetection().reference_m
     1e-05
@@ -32,7 +33,8 @@ class FocusDetection(Effect):
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         loaded = scene.find("load") is not None
-        needs = ("t_s", "per_volt_contacts" if loaded else "per_volt_course")
+        free = "per_volt_finger" if is_away(scene) else "per_volt_course"
+        needs = ("t_s", "per_volt_contacts" if loaded else free)
         target = f"{__name__}:{'under_finger' if loaded else 'single_event_m_per_v'}"
         return Stage("events", needs, "felt_at_1v_m", target), self.stage()
 

@@ -9,6 +9,7 @@ from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
+from ..stages.fingers import at_rest, places_m
 from ..stages.truncation import cut_of, n_frequencies, n_modes
 
 OPEN_CONTACT = "tactometry.stimuli.scenes.stages.open_contact"
@@ -36,8 +37,7 @@ class LiftOff(Effect):
     assumes = ("a finger that is thrown off has no mass, sinks back by itself and meets the plate without a rebound",)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        load: Any = scene.find("load")
-        n = len(load.at_rest(scene))
+        n = len(at_rest(scene))
         opened = Stage("lift_off", ("motion", "voltage_v"), "motion", f"{OPEN_CONTACT}:opened_motion", size=self._size)
         answers = f"{OPEN_CONTACT}:contact_answers"
         return (
@@ -57,8 +57,8 @@ class LiftOff(Effect):
         load: Any = demand.find("load")
         mass_kg = load.mass_kg
         expect(mass_kg == 0, "FingerLoad.mass_kg", mass_kg, "0 beside lift_off: two masses that meet have no law here")
-        x_m, y_m = zip(*load.places_m(demand), strict=True)
-        forces_n = tuple(touch.force_n for touch in load.at_rest(demand))
+        x_m, y_m = zip(*places_m(demand), strict=True)
+        forces_n = tuple(touch.force_n for touch in at_rest(demand))
         finer = next(n for n in count(FEWEST) if self._error(demand, n) <= demand.error)
         settings = {"x_m": x_m, "y_m": y_m, "force_n": forces_n, **vars(load), "finer": finer}
         return Size(settings, self._error(demand, finer), self._n_operations(demand, len(x_m), finer))

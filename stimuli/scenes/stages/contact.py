@@ -5,12 +5,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from tactometry.errors import InvalidParameter
-
 from ...arrays import ComplexArray, FloatArray
 from ...time_reversal.finger import Fingertip
 from ...time_reversal.responses.load import CHUNK, PlateLoad, contact_transfer
-from ...time_reversal.screen.screen import Screen
 from ...time_reversal.screen.transducer import PointForce
 from .motion import PlateMotion, moving_modes
 
@@ -21,7 +18,6 @@ def loaded_motion(motion: PlateMotion, x_m: Numbers, y_m: Numbers, force_n: Numb
     """The motion of the plate under fingers: their forces are further channels, exact for linear contacts."""
     finger = Fingertip(**pulp)
     contacts = [finger.load((x, y), f) for x, y, f in zip(x_m, y_m, force_n, strict=True)]
-    _check_places(motion.screen, contacts)
     places = tuple(PointForce(contact.x_m, contact.y_m) for contact in contacts)
     screen = replace(motion.screen, sources=(*motion.screen.sources, *places))
     amplitude, forces = np.empty_like(motion.amplitude), np.empty((len(contacts), len(motion.s)), complex)
@@ -61,12 +57,3 @@ def _unit_motion(unit: PlateMotion, contact: int) -> PlateMotion:
     oscillators, at = moving_modes(unit.screen, unit.modes_to_hz, unit.static_to_hz)
     amplitude = at[:, contact, None] * oscillators.compliance(unit.screen.plate.mass_kg, unit.s)
     return replace(unit, amplitude=amplitude, played=played)
-
-
-def _check_places(screen: Screen, contacts: Sequence[PlateLoad]) -> None:
-    for n, contact in enumerate(contacts):
-        if not screen.plate.contains(contact.x_m, contact.y_m):
-            raise InvalidParameter(
-                f"contacts[{n}]: found ({contact.x_m}, {contact.y_m}) m, expected a place on the plate of "
-                f"{screen.plate.length_m} x {screen.plate.width_m} m"
-            )

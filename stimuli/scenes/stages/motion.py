@@ -185,7 +185,12 @@ def sampling(factor: int) -> int:
 
 def focus_course(motion: PlateMotion, foci: Points, oversampling: int) -> FloatArray:
     """The displacement of the first focus over time (m/V)."""
-    return motion.course(motion.of_points(foci[:1])[0], oversampling)
+    return course_at(motion, oversampling, *foci[0])
+
+
+def course_at(motion: PlateMotion, oversampling: int, x_m: float, y_m: float) -> FloatArray:
+    """The displacement of a place over time (m/V)."""
+    return motion.course(motion.of_points(((x_m, y_m),))[0], oversampling)
 
 
 def _real(numbers: ComplexArray, turning: ComplexArray) -> FloatArray:

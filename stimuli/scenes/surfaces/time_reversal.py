@@ -1,7 +1,7 @@
 """A plate that focuses by time reversal: from a voltage to a focus, with whatever effects are called for."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from math import ceil, pi, sqrt
 from typing import TYPE_CHECKING, Any, ClassVar, Final
 
@@ -13,6 +13,7 @@ from ...time_reversal.plate.glass import GLASSES
 from ...time_reversal.plate.plate import Plate
 from ...time_reversal.screen.glass_panel import LEARNT_S, GlassPanel
 from ..effects import OF_TIME_REVERSAL
+from ..stages.fingers import check_on_plate, felt_at_m
 from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes, wavenumber_rad_per_m
 from .plate import REFUSES
@@ -105,7 +106,7 @@ class TimeReversal(GlassPanel, Surface):
 
     def stages(self, scene: Demand) -> tuple[Stage, ...]:
         _check_rest(scene)
-        return (*self._emission(), *self._motion(), *self._courses(), *self._map())
+        return (*self._emission(), *self._motion(), *self._courses(scene), *self._map())
 
     def played(self, scene: Surroundings) -> "PlayedTimeReversal":
         """The plate as a stimulus states it, by the effects that make it, the first finger where it rests."""
@@ -155,12 +156,15 @@ class TimeReversal(GlassPanel, Surface):
         work = demand.once(_n_moved) * (PRODUCT * self.n_transducers + DIVISION)
         return Size(ends, error, work)
 
-    def _courses(self) -> tuple[Stage, ...]:
+    def _courses(self, scene: Demand) -> tuple[Stage, ...]:
         needs = ("motion", "foci_m", "oversampling")
+        finger_m = dict(zip(("x_m", "y_m"), felt_at_m(scene), strict=True))
+        of_finger = Stage("finger_course", needs[::2], "per_volt_finger", f"{MOTION}:course_at", finger_m)
         return (
             Stage("sampling", (), "oversampling", f"{MOTION}:sampling", size=self._sampling_size),
             Stage("times", ("motion", "oversampling"), "t_s", f"{MOTION}:PlateMotion.times_s"),
             Stage("focus_course", needs, "per_volt_course", f"{MOTION}:focus_course", size=_per_sample(100.0)),
+            replace(of_finger, size=_under_finger),
             at_voltage("focus_signal", "per_volt_course", "focus_displacement_m", _per_sample(1.0)),
         )
 
@@ -244,6 +248,12 @@ def _per_sample(n_operations: float) -> Callable[[Demand], Size]:
         return Size(n_operations=n_operations * n)
 
     return size
+
+
+def _under_finger(demand: Demand) -> Size:
+    """The same of the course under a finger, which must be on the plate."""
+    check_on_plate(demand)
+    return _per_sample(100.0)(demand)
 
 
 def first_magnitude(values: Any, voltage_v: float) -> float:

@@ -223,6 +223,29 @@ def test_on_the_plate_of_a_scene_a_stimulus_is_felt_as_the_scene_feels_its_own_d
     assert scene.sensation(drive, Contact(1.5)) == pytest.approx(level_db, abs=0.2)
 
 
+@pytest.mark.parametrize("place", [{"x_m": 0.03, "y_m": 0.02}, {"y_m": 0.06}], ids=str)
+def test_a_finger_beside_the_focus_is_felt_where_it_rests_whether_it_loads_the_plate_or_not(place):
+    """As under a finger of hardly any load, which is computed another way, and as on the plate of a stimulus, whose
+    samples miss the top of a wave by up to a decibel; the focus is 8 dB and more above both."""
+    scene = Scene(small_screen(flank_hz=500.0), (*PLATE, effect("focus_detection")), ("sensation_db",), 1e-3)
+    drive = FocusTrain(scene.felt().surface.setup, drive="analogue", f_min_hz=1e-3, f_max_hz=15e3).at(0.0)
+    touched = replace(scene, contacts=(FingerContact(1.5, **place),))
+    faint = replace(touched, effects=(*scene.effects, effect("finger_load", resistance_n_s_per_m=1e-9)))
+    at_focus_db, level_db, loaded_db = (
+        one.resolve().run({"voltage_v": drive.peak})["sensation_db"] for one in (scene, touched, faint)
+    )
+    assert level_db == pytest.approx(loaded_db, abs=0.02)
+    assert touched.sensation(drive, Contact(1.5)) == pytest.approx(level_db, abs=1.0)
+    assert level_db < at_focus_db - 8
+
+
+def test_a_finger_beside_the_plate_feels_nothing_of_it():
+    touched = (FingerContact(1.5, x_m=1.0),)
+    scene = Scene(small_screen(), (*PLATE, effect("focus_detection")), ("sensation_db",), contacts=touched)
+    with pytest.raises(InvalidParameter, match=r"^contacts\[0\]: found \(1\.0, 0\.04\) m, expected a place on the pl"):
+        scene.resolve()
+
+
 def test_the_plate_that_a_signal_is_felt_on_is_that_of_all_effects_that_make_it():
     effects = (*PLATE, effect("edges", boundary="FFFF"), effect("shear"), effect("focus_detection"))
     touch = FingerContact(1.5, x_m=0.03, y_m=0.02)
