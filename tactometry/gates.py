@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from .arguments.require import expect, not_negative, positive
+from .errors import InvalidParameter
 
 VALID_PART = 0.8
 """The part of a touch that must be in the band for a valid trial (unverified default)."""
@@ -160,14 +161,17 @@ def stamped_samples(
     sizes = f"{times.shape} stamps and {samples.shape} {name}"
     expect(paired, owner, sizes, f"as many of both, at least {'two' if rising else 'one'}")
     for which, numbers in (("times_s", times), (name, samples)):
-        k = int(np.argmin(np.isfinite(numbers)))  # the first that is not, if there is one
-        finite = "a finite number; leave lost samples out"
-        expect(np.isfinite(numbers[k]), f"{owner}.{which}[{k}]", numbers[k], finite)
-    steps_s = np.diff(times, prepend=-np.inf)
-    wrong = steps_s <= 0 if rising else steps_s < 0
-    k = int(np.argmax(wrong))  # the first, if there is one
-    expected = "a later stamp" if rising else "no step back"
-    expect(not wrong[k], f"{owner}.times_s[{k}]", f"{times[k]} after {times[k - 1]}", expected)
+        finite = np.isfinite(numbers)
+        if not finite.all():
+            k = int(np.argmin(finite))
+            raise InvalidParameter(
+                f"{owner}.{which}[{k}]: found {numbers[k]}, expected a finite number; leave lost samples out"
+            )
+    wrong = times[1:] <= times[:-1] if rising else times[1:] < times[:-1]
+    if wrong.any():
+        k = 1 + int(np.argmax(wrong))
+        expected = "a later stamp" if rising else "no step back"
+        raise InvalidParameter(f"{owner}.times_s[{k}]: found {times[k]} after {times[k - 1]}, expected {expected}")
     return times, samples
 
 

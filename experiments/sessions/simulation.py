@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 
 from tactometry.arguments.require import expect
@@ -46,12 +47,18 @@ class Simulation:
         ]
 
     def experiment(self) -> Experiment:
-        return wire(parse(self.study_toml, self.where), self.where)
+        return _wired(self.study_toml, self.where)
 
     def record(self, who: Who) -> Recorded:
         """One session of one simulated participant."""
         experiment = self.experiment()
         return record(experiment, self.study_toml, self.root, who, simulated(experiment, who), resume=self.resume)
+
+
+@lru_cache(maxsize=1)
+def _wired(study_toml: bytes, where: str) -> Experiment:
+    """One for all sessions of a process, which share what they render and feel."""
+    return wire(parse(study_toml, where), where)
 
 
 def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None = None) -> Iterator[Recorded]:

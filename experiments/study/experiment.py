@@ -20,7 +20,7 @@ from tactometry.protocols.session import session
 from tactometry.protocols.tasks.task import AsksForm, Place, Task
 from tactometry.questionnaire import Questionnaire, questionnaires_of
 from tactometry.records.description import StudyDescription
-from tactometry.rigs.simulated import Sensation, SimulatedRig
+from tactometry.rigs.simulated import Rendering, Sensation, SimulatedRig, rendering
 from tactometry.safety.limits import Limits
 from tactometry.session.request import Play
 from tactometry.session.run import Course
@@ -145,7 +145,13 @@ class Experiment(SessionPlan):
             decisions=DECISIONS,
             by_stimulus={cell.condition.stimulus: cell.sensation for cell in self.cells.values()},
             felt=self.felt,
+            rendered=self._rendered,
         )
+
+    @cached_property
+    def _rendered(self) -> Rendering:
+        """What the simulated sessions share."""
+        return rendering(self.bank, self.study.limits)
 
     def design(self, study_toml: bytes) -> StudyDescription:
         """What the files of a data set say of this study."""

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,9 +74,4 @@ class SimulatedFinger:
         keep = math.exp(-1 / (self.waver_s * self.rate_hz))
         steps = rng.standard_normal(n_samples)
         steps[1:] *= math.sqrt(1 - keep**2)  # the first has the variance of the process: stationary from there on
-        waver = np.empty(n_samples)
-        state = 0.0
-        for n, step in enumerate(steps.tolist()):
-            state = keep * state + step
-            waver[n] = state
-        return waver
+        return np.array([*accumulate(steps.tolist(), lambda state, step: keep * state + step)])

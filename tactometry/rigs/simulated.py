@@ -9,7 +9,7 @@ import numpy as np
 
 from ..arguments.require import expect, lookup
 from ..contact import Contact
-from ..followed import felt_under, straight_way
+from ..followed import FollowsFinger, felt_under, straight_way
 from ..gates import SpeedCompliance, compliance, motion
 from ..observers.decisions import Decision, Felt, Observer
 from ..observers.finger import Grip, SimulatedFinger
@@ -69,12 +69,22 @@ def _speed_compliance(request: Press | Slide, grip: Grip) -> SpeedCompliance | N
     return motion(grip.times_s, grip.positions_m, request.speed_m_per_s, request.speed_tolerance)
 
 
+Rendering = Callable[[str, float], Signal]
+"""The final samples of a stimulus at a level."""
+N_SIGNALS = 128
+
+
+def rendering(bank: Mapping[str, Stimulus], limits: Limits) -> Rendering:
+    """Levels come again and again: each of the last `N_SIGNALS` is rendered and checked once."""
+    return functools.lru_cache(N_SIGNALS)(lambda stimulus, level: render(bank, stimulus, level, limits))
+
+
 @dataclass(eq=False)
 class SimulatedRig(LiveRig):
     """Answers as `observer` does from what `sensation` says that the skin receives.
 
     `decisions` says how each question is answered, `by_stimulus` names the stimuli that are felt by another model,
-    `felt` tells in words through what, for the journal.
+    `felt` tells in words through what, for the journal; `rendered` makes the signals where several sessions share it.
     Everything random of trial n comes from `rng_of(n)`, so that a session that is resumed goes on as if it had never
     stopped. Limits are checked as on a bench.
     """
@@ -89,11 +99,13 @@ class SimulatedRig(LiveRig):
     decisions: Mapping[str, Decision]
     by_stimulus: Mapping[str, Sensation] = field(default_factory=dict)
     felt: str = ""
+    rendered: Rendering | None = None
 
     def __post_init__(self) -> None:
         self._now_s = 0.0
-        # levels come again and again: each is rendered and checked once
-        self._rendered = functools.cache(lambda stimulus, level: render(self.bank, stimulus, level, self.limits))
+        # once: whether an object follows a protocol takes as long to tell as to feel it
+        self._following = {name for name, stimulus in self.bank.items() if isinstance(stimulus, FollowsFinger)}
+        self._rendered = self.rendered or rendering(self.bank, self.limits)
         self._begin_trial(0)
 
     def _begin_trial(self, n_trials: int) -> None:
@@ -114,7 +126,7 @@ class SimulatedRig(LiveRig):
     def _feel(self, stimulus: str, level: float | None, contact: Contact, grip: Grip | None = None) -> str | None:
         """The digest of what is felt; None of a blank."""
         signal = None if level is None else self._rendered(stimulus, level)
-        if signal is not None and grip is not None:
+        if signal is not None and grip is not None and stimulus in self._following:
             signal = felt_under(self.bank[stimulus], signal, grip.times_s, grip.positions_m)
         level_db = float("-inf") if signal is None else self._sensation_db(stimulus, signal, contact)
         self._felt.append(Felt(stimulus, level_db, self._fingers(stimulus, level, contact)))
@@ -124,7 +136,7 @@ class SimulatedRig(LiveRig):
         self, stimulus: str, level: float | None, contact: Contact
     ) -> Callable[[str], tuple[float, ...]] | None:
         """What each finger would feel of any stimulus of the trial in this touch; None where one place feels."""
-        if level is None or not isinstance(self._skin(stimulus), OfFingers):
+        if level is None or not issubclass(type(self._skin(stimulus)), OfFingers):
             return None
 
         def fingers_db(other: str) -> tuple[float, ...]:

@@ -11,8 +11,10 @@ from tactometry.analysis.reading.trials import read_trials
 from tactometry.experiments.sessions.in_memory import NOWHERE, simulated_session, simulated_trials
 from tactometry.experiments.sessions.recording import Who
 from tactometry.experiments.sessions.simulation import Simulation
+from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load
 from tactometry.records.journal import read
+from tactometry.rigs import simulated
 
 STUDIES = ("tutorial", "time-reversal-patterns", "time-reversal-localisation", "hybrid-button")
 
@@ -45,3 +47,16 @@ def test_it_is_analysed_as_simulated(tmp_path, monkeypatch):
     assert analysis.origin.is_simulated
     assert len(analysis.table("thresholds")) == 4
     assert list(tmp_path.iterdir()) == []
+
+
+def test_sessions_share_what_they_render(monkeypatch):
+    made, render = [], simulated.render
+    monkeypatch.setattr(simulated, "render", lambda bank, *what: made.append(what[:2]) or render(bank, *what))
+    experiment = wire(load("tutorial")[0], "tutorial")
+    rows = simulated_trials(experiment, simulation("tutorial").sessions()).rows
+    assert len(set(rows["participant"])) == 2
+    assert len(made) == len(set(made)) > 0
+
+
+def test_a_process_wires_a_study_once():
+    assert simulation("tutorial").experiment() is simulation("tutorial").experiment()
