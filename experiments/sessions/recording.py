@@ -90,7 +90,7 @@ def simulated(experiment: Experiment, who: Who) -> RigKind:
     return RigKind(
         "simulated",
         lambda seed, log: experiment.simulated_rig(who.participant, who.session, seed),
-        lambda seed: experiment.simulated_participant(who.participant, seed).facts(),
+        lambda seed: experiment.simulated_person(who.participant, seed).facts(),
         simulated_time=True,
     )
 

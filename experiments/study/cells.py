@@ -89,12 +89,14 @@ TOUCHES: Mapping[str, type[Pressing] | type[Sliding]] = {"press": Pressing, "sli
 
 @dataclass(frozen=True)
 class WiredCell:
-    """A cell that is wired: its condition, its stimulus, its procedure, and the model of what is felt."""
+    """A cell that is wired: its condition, its stimulus, its procedure, the model of what is felt, and the surface on
+    which it is."""
 
     condition: Condition
     stimulus: Stimulus
     procedure: ReadyProcedure
     sensation: Sensation
+    modality: str = ""
 
 
 def merge(table: Mapping[str, Any], change: Mapping[str, Any]) -> dict[str, Any]:
@@ -163,7 +165,7 @@ class Wiring:
             touch.speed_m_per_s if isinstance(touch, Sliding) else None,
         )
         sensation = self._felt(kind, of, stimulus, touch)
-        return WiredCell(condition, stimulus, self.procedure(of["procedure"]), sensation)
+        return WiredCell(condition, stimulus, self.procedure(of["procedure"]), sensation, kind.surface)
 
     def _name(self, kind: str, factors: Factors, stimulus_class: Any) -> str:
         """Of a stimulus, by all factors that change it: journals hold it, and cells of one name share a stimulus."""

@@ -1,5 +1,6 @@
 """From the numbers of a study to stimuli, sessions and simulated participants."""
 
+import itertools
 from collections import defaultdict
 from collections.abc import Iterator, Mapping
 from contextlib import AbstractContextManager
@@ -8,19 +9,22 @@ from functools import cached_property
 from math import comb
 from operator import itemgetter
 
+import numpy as np
+
 from tactometry.arguments.require import at_most, expect
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import count_of, rewording
 from tactometry.followed import FollowsFinger
 from tactometry.observers.decisions import Observer
 from tactometry.observers.kinds import Population, population_of
+from tactometry.observers.people import Feeling, SimulatedPerson
 from tactometry.protocols.block_state import Condition, Track
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
 from tactometry.protocols.session import session
 from tactometry.protocols.tasks.task import AsksForm, Place, Task
 from tactometry.questionnaire import Questionnaire, questionnaires_of
 from tactometry.records.description import StudyDescription
-from tactometry.rigs.simulated import Rendering, Sensation, SimulatedRig, rendering
+from tactometry.rigs.simulated import Meeting, Rendering, Sensation, SimulatedRig, meeting, rendering
 from tactometry.safety.limits import Limits
 from tactometry.session.request import Play
 from tactometry.session.run import Course
@@ -131,21 +135,39 @@ class Experiment(SessionPlan):
         return " | ".join(words if alike else f"{name}: {words}" for words, name in reversed(firsts.items()))
 
     def simulated_participant(self, participant: str, seed: int) -> Observer:
-        return self.people.participant(stream(seed, participant, "traits"))
+        return self.simulated_person(participant, seed).observer
+
+    def simulated_person(self, participant: str, seed: int) -> SimulatedPerson:
+        return self.people.person(stream(seed, participant, "traits"))
+
+    def feelings(self, participant: str, seed: int) -> dict[Meeting, Feeling]:
+        """How a simulated participant feels each cell: of those that meet the finger alike, as the first."""
+
+        def draws(*words: str) -> np.random.Generator:
+            return stream(seed, participant, *words)
+
+        felt: dict[Meeting, Feeling] = {}
+        for cell in self.cells.values():
+            met = meeting(cell.condition.stimulus, cell.condition.touch.request(cell.condition.stimulus, None, None))
+            if met not in felt:
+                felt[met] = self.people.feeling(cell.condition.factors, cell.modality, draws)
+        return felt
 
     def simulated_rig(self, participant: str, n_session: int, seed: int) -> SimulatedRig:
         # Each trial has a stream of its own, so that a session that is resumed goes on as it would have gone.
+        person, finger = self.simulated_person(participant, seed), self.study.finger
         return SimulatedRig(
             self.bank,
             self.study.limits,
             sensation=self.sensation(),
-            observer=self.simulated_participant(participant, seed),
-            finger=self.study.finger,
+            observer=person.observer,
+            finger=person.finger(finger),
             rng_of=lambda n_trials: stream(seed, participant, n_session, "observer", n_trials),
             decisions=DECISIONS,
             by_stimulus={cell.condition.stimulus: cell.sensation for cell in self.cells.values()},
             felt=self.felt,
             rendered=self._rendered,
+            feelings=self.feelings(participant, seed),
         )
 
     @cached_property
@@ -213,7 +235,16 @@ def _build(study: Study) -> Experiment:
     forms = {name: form_of(study, of.form, f"inquiries.{name}.form") for name, of in study.inquiries.items()}
     questionnaires_of(study.forms)  # those that nothing asks must be sound too
     people = population_of(study.observer, "observer")
+    people.people.check(_levels_of(cells), "observer.people")
     return Experiment(study, table, cells, practice_of(study.practice), forms, people)
+
+
+def _levels_of(cells: Mapping[Key, WiredCell]) -> dict[str, list[float | str]]:
+    """The levels that the factors have in any cell."""
+    levels: dict[str, list[float | str]] = defaultdict(list)
+    for name, level in dict.fromkeys(itertools.chain.from_iterable(cells)):
+        levels[name].append(level)
+    return levels
 
 
 def _cells(study: Study, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:

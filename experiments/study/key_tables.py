@@ -13,6 +13,7 @@ from tactometry.analysis.reading.quality import Exclusion
 from tactometry.loading import resolve
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.kinds import OBSERVERS, USUAL
+from tactometry.observers.people import People
 from tactometry.protocols.block_state import BlockOptions
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.questionnaire import Dimension, Item, Questionnaire
@@ -84,6 +85,7 @@ def study_tables() -> Iterator[tuple[str, KeyTable]]:
     yield "`[sensation.polarity]`", KeyTable(Polarity, {"positive_share": 0.5})
     yield from ((f"`[sensation]`, `{kind}`", _sensation_table(kind)) for kind in OF_SETUP)
     yield from _observers()
+    yield "`[observer.people]`", KeyTable(People)
     yield "`[finger]`", KeyTable(SimulatedFinger)
     yield "`[analysis]`", KeyTable(AnalysisPlan)
     yield "`[analysis.exclusion]`", KeyTable(Exclusion)

@@ -28,7 +28,8 @@ class SimulatedFinger:
 
     All defaults are unverified choices: coefficients of variation of the mean force between trials (the gate opens
     only inside of the band, so values outside are drawn anew) and of the waver within a trial (correlated over
-    `waver_s`), of the mean speed, and of its waver within a trial.
+    `waver_s`), of the mean speed, and of its waver within a trial. `force_factor` and `speed_factor` are habits: how
+    many times the force and the speed that are asked the finger presses and slides, where the band lets it.
     """
 
     force_cv: float = 0.15
@@ -37,11 +38,14 @@ class SimulatedFinger:
     speed_cv: float = 0.10
     speed_waver_cv: float = 0.05
     rate_hz: float = 100.0
+    force_factor: float = 1.0
+    speed_factor: float = 1.0
 
     def __post_init__(self) -> None:
         below_1("SimulatedFinger", force_cv=self.force_cv, waver_cv=self.waver_cv)
         below_1("SimulatedFinger", speed_cv=self.speed_cv, speed_waver_cv=self.speed_waver_cv)
         positive("SimulatedFinger", waver_s=self.waver_s, rate_hz=self.rate_hz)
+        positive("SimulatedFinger", force_factor=self.force_factor, speed_factor=self.speed_factor)
 
     def hold(self, request: Press | Slide, rng: np.random.Generator) -> Grip:
         """One touch as `request` asks for it, at `rate_hz` for its duration."""
@@ -57,17 +61,20 @@ class SimulatedFinger:
     ) -> tuple[NDArray[np.float64], float]:
         if isinstance(request, Press):
             return np.zeros_like(times_s), 0.0
-        mean_m_per_s = request.speed_m_per_s * math.exp(self.speed_cv * float(rng.standard_normal()))
+        mean_m_per_s = (
+            request.speed_m_per_s * self.speed_factor * math.exp(self.speed_cv * float(rng.standard_normal()))
+        )
         speeds = mean_m_per_s * np.maximum(1 + self.speed_waver_cv * self._waver(times_s.size, rng), 0.0)
         # a speed is that of the step behind its sample: nothing follows the last
         path_m = np.concatenate([[0.0], np.cumsum(speeds[:-1]) / self.rate_hz])
         return triangle(path_m, request.length_m), float(speeds[:-1].mean())
 
     def _in_band(self, tolerance: float, rng: np.random.Generator) -> float:
-        for ratio in np.exp(self.force_cv * rng.standard_normal(100)):
+        for ratio in self.force_factor * np.exp(self.force_cv * rng.standard_normal(100)):
             if abs(ratio - 1) <= tolerance:
                 return float(ratio)
-        return 1.0  # a band so narrow that none of a hundred falls into it
+        # none of a hundred falls into the band: it is narrow, or the habit is far from it
+        return float(np.clip(self.force_factor, 1 - tolerance, 1 + tolerance))
 
     def _waver(self, n_samples: int, rng: np.random.Generator) -> NDArray[np.float64]:
         """A stationary first-order process of unit variance."""

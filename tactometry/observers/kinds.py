@@ -1,12 +1,15 @@
 """Every kind of simulated participant, by the name that a study file uses, imported when it is named."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Any, Final, Protocol
 
 import numpy as np
 
-from ..config.strict import build_kind
+from ..arguments.require import expect
+from ..config.strict import build, build_kind
 from .decisions import Observer
+from .people import Draws, Feeling, People, SimulatedPerson, Varied
 
 USUAL: Final = "signal_detection"
 """What a table that names no kind means."""
@@ -15,10 +18,30 @@ OBSERVERS: Final = {
 }
 
 
-class Population(Protocol):
-    """The table of an observer: the people that a participant is drawn from."""
+class Middle(Protocol):
+    """The table of an observer: the middle of the people that a participant is drawn from."""
 
     def participant(self, rng: np.random.Generator) -> Observer: ...
+
+
+@dataclass(frozen=True)
+class Population:
+    """The people that participants are drawn from: their middle, and how they differ from it."""
+
+    middle: Middle
+    people: People = field(default_factory=People)
+
+    def person(self, rng: np.random.Generator) -> SimulatedPerson:
+        """One of them; a middle that knows no traits draws its participant itself."""
+        if not isinstance(self.middle, Varied):
+            return SimulatedPerson(self.middle.participant(rng))
+        traits = self.people.traits(rng)
+        observer: Any = self.middle.person(traits)
+        return SimulatedPerson(observer, traits.force_factor, traits.speed_factor)
+
+    def feeling(self, factors: Mapping[str, float | str], modality: str, draws: Draws) -> Feeling:
+        """How the person of these streams feels a cell."""
+        return Feeling(self.people.deviation_db(factors, modality, draws))
 
 
 def population_of(table: Mapping[str, Any], path: str) -> Population:
@@ -31,8 +54,13 @@ def population_of(table: Mapping[str, Any], path: str) -> Population:
 
     Examples
     --------
-    >>> population_of({"criterion": 2.0}, "observer").criterion
+    >>> population_of({"criterion": 2.0, "people": {"criterion_sd": 0.3}}, "observer").middle.criterion
     2.0
     """
-    people: Population = build_kind({"kind": USUAL, **table}, path, OBSERVERS)
-    return people
+    of_middle = {key: value for key, value in table.items() if key != "people"}
+    middle: Middle = build_kind({"kind": USUAL, **of_middle}, path, OBSERVERS)
+    people = build(People, table.get("people", {}), f"{path}.people")
+    kind = of_middle.get("kind", USUAL)
+    has_traits = isinstance(middle, Varied) or people == People()
+    expect(has_traits, f"{path}.people", f"a table beside the kind {kind!r}, whose people have no traits", "none")
+    return Population(middle, people)

@@ -9,8 +9,11 @@ import numpy as np
 
 from ..arguments.require import below_1, finite, not_negative, positive
 from ..session.request import Facts
+from .people import Traits
 
 COMFORT_DB, COMFORT_RANGE_DB, LIKING_NOISE = 15.0, 25.0, 0.3
+MOST_LAPSES = 0.5
+"""The lapse rate of nobody is drawn higher."""
 
 
 @dataclass(frozen=True)
@@ -33,6 +36,10 @@ class SignalDetectionObserver:
         How much more sensitive than the reference this participant is, in dB of sensation level.
     between_sd_db : float
         Standard deviation of `sensitivity_db` between participants (see `participant`).
+    bias : float
+        Added to the criterion in yes/no tasks, in units of the internal noise: above 0, fewer false alarms and hits.
+    number_factor : float
+        By which a number given for a magnitude is larger than d'.
     latency_s : float
         Median time to answer; answer times are log-normal with a coefficient of variation near 0.3.
 
@@ -48,17 +55,32 @@ class SignalDetectionObserver:
     sensitivity_db: float = 0.0
     between_sd_db: float = 5.0
     latency_s: float = 0.8
+    bias: float = 0.0
+    number_factor: float = 1.0
 
     def __post_init__(self) -> None:
         owner = "SignalDetectionObserver"
         positive(owner, criterion=self.criterion, exponent=self.exponent, latency_s=self.latency_s)
-        finite(owner, sensitivity_db=self.sensitivity_db)
+        positive(owner, number_factor=self.number_factor)
+        finite(owner, sensitivity_db=self.sensitivity_db, bias=self.bias)
         not_negative(owner, between_sd_db=self.between_sd_db)
         below_1(owner, lapse_rate=self.lapse_rate)
 
     def participant(self, rng: np.random.Generator) -> Self:
         """One participant of the population that this observer is the mean of."""
-        return replace(self, sensitivity_db=self.sensitivity_db + self.between_sd_db * float(rng.standard_normal()))
+        return self.person(Traits(sensitivity=float(rng.standard_normal())))
+
+    def person(self, traits: Traits) -> Self:
+        """The participant with these traits."""
+        return replace(
+            self,
+            sensitivity_db=self.sensitivity_db + self.between_sd_db * traits.sensitivity,
+            bias=self.bias + traits.criterion,
+            exponent=self.exponent * traits.exponent_factor,
+            lapse_rate=min(self.lapse_rate * traits.lapse_factor, max(self.lapse_rate, MOST_LAPSES)),
+            latency_s=self.latency_s * traits.latency_factor,
+            number_factor=self.number_factor * traits.number_factor,
+        )
 
     def d_prime(self, sensation_db: float) -> float:
         """The distance between stimulus and noise in units of the noise; 0 for -inf dB, at most 1e6."""
@@ -69,7 +91,7 @@ class SignalDetectionObserver:
         """Whether a stimulus is reported as felt."""
         # all draws, used or not: the generator stands at the same place behind any answer
         noise, lapses, guess = rng.standard_normal(), rng.random() < self.lapse_rate, rng.random() < 0.5
-        return bool(guess) if lapses else bool(self.d_prime(sensation_db) + noise > self.criterion)
+        return bool(guess) if lapses else bool(self.d_prime(sensation_db) + noise > self.criterion + self.bias)
 
     def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:
         """The index of the interval that is felt most."""
@@ -101,11 +123,13 @@ class SignalDetectionObserver:
         first, second = (self.d_prime(level) for level in sensations_db)
         noise, lapses, guess = rng.standard_normal(2), rng.random() < self.lapse_rate, rng.random() < 0.5
         difference = abs(first - second + float(noise[0] - noise[1]))
-        return bool(guess) if lapses else difference > math.sqrt(2) * self.criterion
+        return bool(guess) if lapses else difference > math.sqrt(2) * self.criterion + self.bias
 
     def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """d' with its noise, at least 0, to three digits: a power law of the amplitude, as Stevens found."""
-        return float(f"{max(self.d_prime(sensation_db) + float(rng.standard_normal()), 0.0):.3g}")
+        """d' with its noise, at least 0, in this person's numbers, to three digits: a power law of the amplitude, as
+        Stevens found."""
+        felt = max(self.d_prime(sensation_db) + float(rng.standard_normal()), 0.0)
+        return float(f"{self.number_factor * felt:.3g}")
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
         """An inverted U: best at `COMFORT_DB` above the threshold, worst `COMFORT_RANGE_DB` beside it (unverified)."""

@@ -13,6 +13,7 @@ from ..followed import FollowsFinger, felt_under, straight_way
 from ..gates import SpeedCompliance, compliance, motion
 from ..observers.decisions import Decision, Felt, Observer
 from ..observers.finger import Grip, SimulatedFinger
+from ..observers.people import Feeling
 from ..safety.limits import Limits
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.answer_rules import value_at
@@ -52,6 +53,16 @@ class OfFingers(Sensation, Protocol):
 
 
 READING_S = 2.0
+AS_IT_IS = Feeling()
+
+Meeting = tuple[str, float, float]
+"""How a cell meets the finger: the stimulus, the force in newtons and the speed in m/s that are asked for, or 0."""
+
+
+def meeting(stimulus: str, request: Play | Press | Slide | Adjust) -> Meeting:
+    """How a request meets the finger, or would with another stimulus."""
+    force_n, speed_m_per_s = getattr(request, "target_n", None), getattr(request, "speed_m_per_s", None)
+    return stimulus, force_n or 0.0, speed_m_per_s or 0.0
 
 
 def _value_of(liking: float, scale: Rate | Fill) -> float:
@@ -85,6 +96,7 @@ class SimulatedRig(LiveRig):
 
     `decisions` says how each question is answered, `by_stimulus` names the stimuli that are felt by another model,
     `felt` tells in words through what, for the journal; `rendered` makes the signals where several sessions share it.
+    `feelings` says how this person feels a cell, where not as the models do.
     Everything random of trial n comes from `rng_of(n)`, so that a session that is resumed goes on as if it had never
     stopped. Limits are checked as on a bench.
     """
@@ -100,6 +112,7 @@ class SimulatedRig(LiveRig):
     by_stimulus: Mapping[str, Sensation] = field(default_factory=dict)
     felt: str = ""
     rendered: Rendering | None = None
+    feelings: Mapping[Meeting, Feeling] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         self._now_s = 0.0
@@ -123,34 +136,45 @@ class SimulatedRig(LiveRig):
     def close(self) -> None:
         pass
 
-    def _feel(self, stimulus: str, level: float | None, contact: Contact, grip: Grip | None = None) -> str | None:
+    def _feel(self, request: Play | Press | Slide, contact: Contact, grip: Grip | None = None) -> str | None:
         """The digest of what is felt; None of a blank."""
-        signal = None if level is None else self._rendered(stimulus, level)
-        if signal is not None and grip is not None and stimulus in self._following:
+        stimulus, level = request.stimulus, request.level
+        if level is None:
+            self._felt.append(Felt(stimulus, float("-inf")))
+            return None
+        signal = self._rendered(stimulus, level)
+        if grip is not None and stimulus in self._following:
             signal = felt_under(self.bank[stimulus], signal, grip.times_s, grip.positions_m)
-        level_db = float("-inf") if signal is None else self._sensation_db(stimulus, signal, contact)
-        self._felt.append(Felt(stimulus, level_db, self._fingers(stimulus, level, contact)))
-        return None if signal is None else signal.digest()
+        level_db = self._sensation_db(request, level, signal, contact)
+        self._felt.append(Felt(stimulus, level_db, self._fingers(request, level, contact)))
+        return signal.digest()
 
     def _fingers(
-        self, stimulus: str, level: float | None, contact: Contact
+        self, request: Play | Press | Slide, level: float, contact: Contact
     ) -> Callable[[str], tuple[float, ...]] | None:
         """What each finger would feel of any stimulus of the trial in this touch; None where one place feels."""
-        if level is None or not issubclass(type(self._skin(stimulus)), OfFingers):
+        if not issubclass(type(self._skin(request.stimulus)), OfFingers):
             return None
 
         def fingers_db(other: str) -> tuple[float, ...]:
-            skin = self._skin(other)
+            skin, feeling = self._skin(other), self._feeling(other, request)
             assert isinstance(skin, OfFingers)  # alternatives are stimuli of one kind
-            return skin.fingers_db(self._rendered(other, level), contact)
+            felt_db = skin.fingers_db(self._rendered(other, level), contact)
+            return tuple(each_db + feeling.deviation_db for each_db in felt_db)
 
         return fingers_db
 
     def _skin(self, stimulus: str) -> Sensation:
         return self.by_stimulus.get(stimulus, self.sensation)
 
-    def _sensation_db(self, stimulus: str, signal: Signal, contact: Contact) -> float:
-        return self._skin(stimulus).sensation_db(signal, contact)
+    def _feeling(self, stimulus: str, request: Play | Press | Slide | Adjust) -> Feeling:
+        return self.feelings.get(meeting(stimulus, request), AS_IT_IS)
+
+    def _sensation_db(
+        self, request: Play | Press | Slide | Adjust, level: float, signal: Signal, contact: Contact
+    ) -> float:
+        skin, feeling = self._skin(request.stimulus), self._feeling(request.stimulus, request)
+        return feeling.felt_db(level, lambda: skin.sensation_db(signal, contact))
 
     def _pass(self, duration_s: float) -> float:
         """The present time, which then passes by."""
@@ -159,7 +183,7 @@ class SimulatedRig(LiveRig):
         return now_s
 
     def _play(self, request: Play) -> Played:
-        digest = self._feel(request.stimulus, request.level, Contact(0.0)) or ""
+        digest = self._feel(request, Contact(0.0)) or ""
         return Played(self._pass(request.duration_s), request.level, digest)
 
     def _press(self, request: Press) -> Touched:
@@ -173,7 +197,7 @@ class SimulatedRig(LiveRig):
         force = compliance(grip.times_s, grip.forces_n, request.target_n, request.tolerance)
         speed = _speed_compliance(request, grip)
         reason = broken_condition(request, force, speed)
-        digest = self._feel(request.stimulus, request.level, Contact(force.mean_n, grip.speed_m_per_s), grip)
+        digest = self._feel(request, Contact(force.mean_n, grip.speed_m_per_s), grip)
         self._pass(request.hold_s)
         return Touched(
             onset_s=self._pass(request.duration_s),
@@ -228,11 +252,12 @@ class SimulatedRig(LiveRig):
         return Adjusted(request.level(n_steps), begin_s, round(self._now_s - begin_s, 6))
 
     def _feels(self, request: Adjust, n_steps: int) -> bool:
-        signal = self._rendered(request.stimulus, request.level(n_steps))
+        level = request.level(n_steps)
+        signal = self._rendered(request.stimulus, level)
         contact = Contact(request.target_n or 0.0, request.speed_m_per_s or 0.0)
         way = straight_way(signal.duration_s, contact.speed_m_per_s, TRAJECTORY_M)
         signal = felt_under(self.bank[request.stimulus], signal, *way)
-        return self.observer.detect(self._sensation_db(request.stimulus, signal, contact), self._rng)
+        return self.observer.detect(self._sensation_db(request, level, signal, contact), self._rng)
 
     def _wait(self, request: Wait) -> Done:
         self._pass(request.duration_s)

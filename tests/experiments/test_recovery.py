@@ -38,11 +38,12 @@ def true_threshold(experiment, participant, seed):
     sensation, condition = experiment.sensation(), experiment.conditions[0]
     stimulus = experiment.bank[condition.stimulus]
     contact = Contact(condition.touch.force_n, condition.touch.speed_m_per_s)
-    detects = 1 - norm.sf(observer.criterion)
+    (feeling,) = experiment.feelings(participant, seed).values()
+    criterion = observer.criterion + observer.bias
 
     def excess(level):
-        d_prime = observer.d_prime(sensation.sensation_db(stimulus.at(level), contact))
-        return norm.cdf(d_prime - observer.criterion) - (1 + 1 - detects) / 2
+        felt_db = feeling.felt_db(level, lambda: sensation.sensation_db(stimulus.at(level), contact))
+        return norm.cdf(observer.d_prime(felt_db) - criterion) - (1 + norm.sf(criterion)) / 2
 
     return brentq(excess, -40, 46)
 
@@ -86,6 +87,6 @@ def test_a_finger_at_rest_is_at_chance(tmp_path):
     experiment = wire(replace(study, touch={**study.touch, "speed_m_per_s": 1e-20}), "study")
     sensation, condition = experiment.sensation(), experiment.conditions[0]
     signal = experiment.bank[condition.stimulus].at(46.0)
-    observer = experiment.people
+    observer = experiment.people.middle
     assert sensation.sensation_db(signal, Contact(1.5, 0.0)) == -np.inf
     assert observer.d_prime(-np.inf) == 0

@@ -86,7 +86,10 @@ def test_every_key_of_a_built_in_study_is_in_a_table(study):
             held = merge(held, change.get(where, {}))
         assert set(held) <= names, where
     for where, heading in TABLE_OF.items():
-        assert set(table.get(where, {})) <= {key.name for key in keys_of(TABLES[heading])}
+        held = {key for key in table.get(where, {}) if f"`[{where}.{key}]`" not in TABLES}
+        assert held <= {key.name for key in keys_of(TABLES[heading])}
+    people = table.get("observer", {}).get("people", {})
+    assert set(people) <= {key.name for key in keys_of(TABLES["`[observer.people]`"])}
 
 
 def test_a_session_that_may_last_no_time_is_refused():

@@ -20,13 +20,14 @@ N_NODES = 41
 PEOPLE = "Participants are simulated (signal detection; spread, slope and lapses are unverified defaults)."
 
 
-def share_of_yes(people: SignalDetectionObserver, sensation_db: float) -> float:
-    """Mean rate of yes over a population, by Gauss and Hermite's rule: lapses / 2 + (1 - lapses) Phi(d' - c)."""
+def share_of_yes(people: SignalDetectionObserver, sensation_db: float, spread_db: float) -> float:
+    """Mean rate of yes over people whose sensitivity differs by `spread_db`, by Gauss and Hermite's rule: lapses / 2 +
+    (1 - lapses) Phi(d' - c)."""
     import numpy as np
     from scipy.special import ndtr
 
     nodes, weights = np.polynomial.hermite_e.hermegauss(N_NODES)
-    heard = [people.d_prime(sensation_db + people.between_sd_db * float(node)) for node in nodes]
+    heard = [people.d_prime(sensation_db + spread_db * float(node)) for node in nodes]
     rates = ndtr(np.array(heard) - people.criterion)
     felt = float(weights @ rates / math.sqrt(2 * math.pi))
     return people.lapse_rate / 2 + (1 - people.lapse_rate) * felt
@@ -34,8 +35,10 @@ def share_of_yes(people: SignalDetectionObserver, sensation_db: float) -> float:
 
 def _rate(study: str, cell: WiredCell, level_db: float) -> float:
     people = experiment(study).people
-    assert isinstance(people, SignalDetectionObserver), "the built-in studies name no other"
-    return share_of_yes(people, cell.sensation.sensation_db(cell.stimulus.at(level_db), contact_of(cell)))
+    middle = people.middle
+    assert isinstance(middle, SignalDetectionObserver), "the built-in studies name no other"
+    spread_db = math.hypot(middle.between_sd_db, people.people.deviation_sd_db)
+    return share_of_yes(middle, cell.sensation.sensation_db(cell.stimulus.at(level_db), contact_of(cell)), spread_db)
 
 
 def _against_amplitude() -> Any:

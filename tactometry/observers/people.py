@@ -1,0 +1,237 @@
+"""How people differ: the traits of one person, drawn from a population, and how that person feels each cell."""
+
+import itertools
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from math import exp, hypot
+from typing import Final, Protocol, Self, runtime_checkable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..arguments.require import expect, finite, not_negative, one_of
+from ..config.strict import check_keys
+from ..session.request import Facts
+from ..trials.cells import cell as cell_text
+from .decisions import Observer
+from .finger import SimulatedFinger
+
+TRAITS: Final = ("sensitivity", "criterion", "exponent", "lapse", "latency", "number", "force", "speed")
+"""What is drawn together for a person, in this order: the first is the first number of the person's stream."""
+MODALITIES: Final[Mapping[str, tuple[str, ...]]] = {"hybrid": ("electrovibration", "time_reversal")}
+"""Surfaces that are felt by several modalities, whose deviations are averaged (unverified default)."""
+
+
+@dataclass(frozen=True)
+class Traits:
+    """One person beside the middle of the population.
+
+    `sensitivity` is in standard deviations of the population, `criterion` is added in units of the internal noise, the
+    others are factors of exponent, lapse rate, time to answer, numbers that are given, force and speed.
+    """
+
+    sensitivity: float = 0.0
+    criterion: float = 0.0
+    exponent_factor: float = 1.0
+    lapse_factor: float = 1.0
+    latency_factor: float = 1.0
+    number_factor: float = 1.0
+    force_factor: float = 1.0
+    speed_factor: float = 1.0
+
+
+@runtime_checkable
+class Varied(Protocol):
+    """The middle of a population whose people have traits."""
+
+    def person(self, traits: Traits) -> Self: ...
+
+
+@dataclass(frozen=True)
+class Feeling:
+    """How one person feels one cell: so many decibels more than the skin model says; or, where `threshold` is stated
+    in the unit of the level, `level - threshold` in place of what it says, times `stretch`."""
+
+    deviation_db: float = 0.0
+    threshold: float | None = None
+    stretch: float = 1.0
+
+    def felt_db(self, level: float, sensation_db: Callable[[], float]) -> float:
+        """The sensation level of a stimulus at `level`, which the skin model is asked for only if it decides.
+
+        >>> Feeling(2.0).felt_db(30.0, lambda: -1.0), Feeling(2.0, threshold=25.0).felt_db(30.0, lambda: -1.0)
+        (1.0, 7.0)
+        """
+        stated_db = sensation_db() if self.threshold is None else self.stretch * (level - self.threshold)
+        return stated_db + self.deviation_db
+
+
+@dataclass(frozen=True)
+class SimulatedPerson:
+    """A person that was drawn: who decides, and by which factors force and speed are off what is asked."""
+
+    observer: Observer
+    force_factor: float = 1.0
+    speed_factor: float = 1.0
+
+    def finger(self, usual: SimulatedFinger) -> SimulatedFinger:
+        """This person's finger, beside the usual one."""
+        force_factor, speed_factor = usual.force_factor * self.force_factor, usual.speed_factor * self.speed_factor
+        return replace(usual, force_factor=force_factor, speed_factor=speed_factor)
+
+    def facts(self) -> Facts:
+        """What a journal says of a simulated participant: the truth."""
+        habits = {"force_factor": self.force_factor, "speed_factor": self.speed_factor}
+        return {**self.observer.facts(), **{name: value for name, value in habits.items() if value != 1.0}}
+
+
+Draws = Callable[..., np.random.Generator]
+"""The stream of a person for a use that is named by words."""
+
+
+@dataclass(frozen=True)
+class People:
+    """How the people of a population differ: the keys of `[observer.people]`; 0 where they do not.
+
+    A person's deviation in a cell is the sum of independent normal ones of the modality, of each factor's level and of
+    the cell, all in dB of sensation level, and the stated effects. Each comes from a stream that is named by person and
+    cell, so that the order and the number of cells change none. The other traits are jointly normal, those whose name
+    ends in ``_cv`` on a logarithmic scale.
+
+    Parameters
+    ----------
+    modality_sd_db, condition_sd_db : float
+        Standard deviations of what a person feels more of one modality (electrovibration, time reversal), and of one
+        cell of the design.
+    factor_sd_db : mapping of str to float
+        The same for the levels of a factor, by its name.
+    effects_db : mapping of str to mapping of str to float
+        What everybody feels more at a level of a factor than the skin model says, by factor and level.
+    criterion_sd : float
+        Of the criterion, in units of the internal noise.
+    exponent_cv, lapse_cv, latency_cv, number_cv : float
+        Of the exponent of the transducer (the width of the psychometric function), of the lapse rate, of the median
+        time to answer and of the numbers that are given for one magnitude.
+    force_bias_cv, speed_bias_cv : float
+        Of the factor by which a person presses and slides more than is asked.
+    correlations : mapping of str to mapping of str to float
+        Of two of ``sensitivity``, ``criterion``, ``exponent``, ``lapse``, ``latency``, ``number``, ``force`` and
+        ``speed``.
+
+    Raises
+    ------
+    InvalidParameter
+        If a spread is negative, a trait unknown, or the correlations belong to no covariance.
+    """
+
+    modality_sd_db: float = 0.0
+    condition_sd_db: float = 0.0
+    factor_sd_db: dict[str, float] = field(default_factory=dict)
+    effects_db: dict[str, dict[str, float]] = field(default_factory=dict)
+    criterion_sd: float = 0.0
+    exponent_cv: float = 0.0
+    lapse_cv: float = 0.0
+    latency_cv: float = 0.0
+    number_cv: float = 0.0
+    force_bias_cv: float = 0.0
+    speed_bias_cv: float = 0.0
+    correlations: dict[str, dict[str, float]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        owner = "People"
+        not_negative(owner, modality_sd_db=self.modality_sd_db, condition_sd_db=self.condition_sd_db)
+        not_negative(owner, criterion_sd=self.criterion_sd, exponent_cv=self.exponent_cv, lapse_cv=self.lapse_cv)
+        not_negative(owner, latency_cv=self.latency_cv, number_cv=self.number_cv)
+        not_negative(owner, force_bias_cv=self.force_bias_cv, speed_bias_cv=self.speed_bias_cv)
+        not_negative(f"{owner}.factor_sd_db", **self.factor_sd_db)
+        for factor, of_level in self.effects_db.items():
+            finite(f"{owner}.effects_db.{factor}", **of_level)
+        _check_correlations(self.correlations)
+
+    @property
+    def deviation_sd_db(self) -> float:
+        """The standard deviation of a person's deviation in a cell of one modality."""
+        return hypot(self.modality_sd_db, self.condition_sd_db, *self.factor_sd_db.values())
+
+    def traits(self, rng: np.random.Generator) -> Traits:
+        """One person's, from the first numbers of `rng`."""
+        z = dict(zip(TRAITS, (self._root() @ rng.standard_normal(len(TRAITS))).tolist(), strict=True))
+        return Traits(
+            sensitivity=z["sensitivity"],
+            criterion=self.criterion_sd * z["criterion"],
+            exponent_factor=exp(self.exponent_cv * z["exponent"]),
+            lapse_factor=exp(self.lapse_cv * z["lapse"]),
+            latency_factor=exp(self.latency_cv * z["latency"]),
+            number_factor=exp(self.number_cv * z["number"]),
+            force_factor=exp(self.force_bias_cv * z["force"]),
+            speed_factor=exp(self.speed_bias_cv * z["speed"]),
+        )
+
+    def _root(self) -> NDArray[np.float64]:
+        """A square root of the correlations, whose first row is that of the identity."""
+        return np.eye(len(TRAITS)) if not self.correlations else _cholesky(correlation_matrix(self.correlations))
+
+    def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
+        """Refuse what names no factor or level of a study.
+
+        Raises
+        ------
+        InvalidParameter
+            At the first; `path` opens the sentence.
+        """
+        check_keys(self.factor_sd_db, factors, f"{path}.factor_sd_db", "factor")
+        check_keys(self.effects_db, factors, f"{path}.effects_db", "factor")
+        for name, of_level in self.effects_db.items():
+            check_keys(of_level, list(map(cell_text, factors[name])), f"{path}.effects_db.{name}", "level")
+
+    def deviation_db(self, factors: Mapping[str, float | str], modality: str, draws: Draws) -> float:
+        """What a person feels more in a cell than the skin model says; `draws` are the streams of that person."""
+        levels = {name: cell_text(level) for name, level in factors.items()}
+        of_everybody = sum(self.effects_db.get(name, {}).get(text, 0.0) for name, text in levels.items())
+        cell = ", ".join(f"{name}={levels[name]}" for name in sorted(levels))
+        parts = MODALITIES.get(modality, (modality,))
+        spreads = [
+            *((self.modality_sd_db / len(parts), ("modality", part)) for part in parts),
+            *((self.factor_sd_db.get(name, 0.0), ("factor", name, text)) for name, text in levels.items()),
+            (self.condition_sd_db, ("cell", cell)),
+        ]
+        own = (sd_db * float(draws(*words).standard_normal()) for sd_db, words in spreads if sd_db)
+        return of_everybody + sum(own)
+
+
+def correlation_matrix(pairs: Mapping[str, Mapping[str, float]]) -> NDArray[np.float64]:
+    """The correlations of all traits, from those of pairs.
+
+    >>> correlation_matrix({"sensitivity": {"criterion": 0.5}})[:2, :2].tolist()
+    [[1.0, 0.5], [0.5, 1.0]]
+    """
+    matrix = np.eye(len(TRAITS))
+    for one, others in pairs.items():
+        for other, value in others.items():
+            i, j = TRAITS.index(one), TRAITS.index(other)
+            matrix[i, j] = matrix[j, i] = value
+    return matrix
+
+
+def _check_correlations(pairs: Mapping[str, Mapping[str, float]]) -> None:
+    where, seen = "People.correlations", set[frozenset[str]]()
+    for one, other in itertools.chain.from_iterable(((one, other) for other in pairs[one]) for one in pairs):
+        one_of(where, one, TRAITS)
+        one_of(f"{where}.{one}", other, TRAITS)
+        value = pairs[one][other]
+        expect(one != other, f"{where}.{one}.{other}", "a trait with itself", "two traits")
+        expect(-1 <= value <= 1, f"{where}.{one}.{other}", f"{value:g}", "from -1 to 1")
+        expect(frozenset((one, other)) not in seen, f"{where}.{one}.{other}", "a pair that stands twice", "it once")
+        seen.add(frozenset((one, other)))
+    lowest = float(np.linalg.eigvalsh(correlation_matrix(pairs)).min())
+    found = f"correlations that no people can have together (an eigenvalue of {lowest:.3g})"
+    expect(lowest >= -1e-9, where, found, "those of a covariance, at least 0; bring them nearer to 0")
+
+
+def _cholesky(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A lower root with ones on its diagonal's ground, of a matrix that may be singular."""
+    n, root = len(matrix), np.zeros_like(matrix)
+    for j in range(n):
+        rest = matrix[j:, j] - root[j:, :j] @ root[j, :j]
+        root[j:, j] = rest / np.sqrt(rest[0]) if rest[0] > 1e-12 else 0.0
+    return root

@@ -1,0 +1,185 @@
+"""People who differ: a population has the moments that it states, and a person is the same whatever else is asked."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.stats import chi2, norm
+
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.session_plan import stream
+from tactometry.experiments.study.study_file import builtin, parse
+from tactometry.observers.finger import SimulatedFinger
+from tactometry.observers.kinds import population_of
+from tactometry.observers.people import TRAITS, People, Traits, correlation_matrix
+from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.session.request import Press
+
+N = 4000
+ALPHA = 1e-4
+SPREADS = {
+    "criterion_sd": 0.3, "exponent_cv": 0.2, "lapse_cv": 0.7, "latency_cv": 0.25, "number_cv": 0.4,
+    "force_bias_cv": 0.05, "speed_bias_cv": 0.1,
+}  # fmt: skip
+PAIRS = {"sensitivity": {"criterion": -0.5, "exponent": 0.3}, "force": {"speed": 0.6}}
+CELLS = [{"force_n": force_n, "frequency_hz": f} for force_n in (0.5, 3.0) for f in (30.0, 60.0, 240.0)]
+TUTORIAL = builtin()["tutorial"].read_bytes()
+
+
+def draws_of(person, seed=1):
+    return lambda *words: stream(seed, person, *words)
+
+
+def in_sd(values, sd):
+    """Whether the standard deviation of normal values can be `sd`."""
+    low, high = chi2.ppf([ALPHA / 2, 1 - ALPHA / 2], len(values) - 1)
+    return low <= (len(values) - 1) * np.var(values, ddof=1) / sd**2 <= high
+
+
+@pytest.fixture(scope="module")
+def drawn():
+    """The traits of N people, as normal numbers in the order of `TRAITS`."""
+    people, rng = People(**SPREADS, correlations=PAIRS), np.random.default_rng()
+    traits = [people.traits(rng) for _ in range(N)]
+    factors = {name: np.array([np.log(getattr(t, f"{name}_factor")) for t in traits]) for name in TRAITS[2:]}
+    return {name: np.array([getattr(t, name) for t in traits]) for name in TRAITS[:2]} | factors
+
+
+def test_traits_have_the_spreads_that_are_stated(drawn):
+    spreads = dict(zip(TRAITS, (1.0, *SPREADS.values()), strict=True))
+    for name, values in drawn.items():
+        assert in_sd(values, spreads[name])
+        assert abs(values.mean()) <= norm.isf(ALPHA / 2) * spreads[name] / np.sqrt(N)
+
+
+def test_traits_have_the_correlations_that_are_stated(drawn):
+    found, stated = np.corrcoef(list(drawn.values())), correlation_matrix(PAIRS)
+    apart = np.arctanh(found[np.triu_indices(8, 1)]) - np.arctanh(stated[np.triu_indices(8, 1)])
+    assert np.all(np.abs(apart) * np.sqrt(N - 3) <= norm.isf(ALPHA / 2 / 28))
+
+
+def test_a_population_without_spreads_draws_the_sensitivity_that_it_drew_before_there_were_any():
+    plain, z = SignalDetectionObserver(), stream(3, "P01", "traits").standard_normal()
+    person = population_of({}, "observer").person(stream(3, "P01", "traits"))
+    assert person.observer == replace(plain, sensitivity_db=5.0 * z)
+    assert (person.force_factor, person.speed_factor) == (1.0, 1.0)
+
+
+def test_traits_that_are_one_thing_are_one_number():
+    traits = People(number_cv=0.5, latency_cv=0.5, correlations={"number": {"latency": 1.0}}).traits
+    drawn = traits(np.random.default_rng(1))
+    assert drawn.number_factor == pytest.approx(drawn.latency_factor, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("pairs", "sentence"),
+    [
+        ({"mood": {"force": 0.1}}, "correlations: found 'mood'"),
+        ({"force": {"mood": 0.1}}, "correlations.force: found 'mood'"),
+        ({"force": {"force": 1.0}}, "a trait with itself, expected two traits"),
+        ({"force": {"speed": 1.5}}, "correlations.force.speed: found 1.5, expected from -1 to 1"),
+        ({"force": {"speed": 0.5}, "speed": {"force": 0.5}}, "a pair that stands twice"),
+        (
+            {"force": {"speed": 0.9, "lapse": 0.9}, "speed": {"lapse": -0.9}},
+            "correlations that no people can have together",
+        ),
+    ],
+)
+def test_correlations_that_belong_to_no_people_are_refused(pairs, sentence):
+    with pytest.raises(InvalidParameter) as error:
+        population_of({"people": {"correlations": pairs}}, "observer")
+    assert str(error.value).startswith("observer.people.correlations")
+    assert sentence in str(error.value)
+
+
+def test_a_deviation_depends_on_person_and_cell_alone():
+    people = People(modality_sd_db=1.0, condition_sd_db=2.0, factor_sd_db={"force_n": 1.0})
+    of = [people.deviation_db(cell, "electrovibration", draws_of("P01")) for cell in CELLS]
+    turned = [
+        people.deviation_db(dict(reversed(cell.items())), "electrovibration", draws_of("P01")) for cell in CELLS[::-2]
+    ]
+    assert turned == of[::-2]
+    assert len(set(of)) == len(CELLS)
+    assert of[0] != people.deviation_db(CELLS[0], "electrovibration", draws_of("P02"))
+
+
+def test_deviations_have_the_variances_that_are_stated():
+    """Their sum in a cell, the difference of two cells, and that of two cells of one frequency."""
+    people = People(modality_sd_db=3.0, condition_sd_db=1.0, factor_sd_db={"frequency_hz": 2.0})
+    felt = np.array(
+        [
+            [people.deviation_db(cell, "electrovibration", draws_of(f"P{n}")) for cell in (*CELLS[:2], CELLS[3])]
+            for n in range(N)
+        ]
+    )
+    assert in_sd(felt[:, 0], np.sqrt(9 + 4 + 1))
+    assert people.deviation_sd_db == pytest.approx(np.sqrt(14))
+    assert in_sd(felt[:, 0] - felt[:, 1], np.sqrt(2 * 4 + 2))
+    assert in_sd(felt[:, 0] - felt[:, 2], np.sqrt(2))
+
+
+def test_two_modalities_are_felt_apart_and_both_at_once_between():
+    people, draws = People(modality_sd_db=3.0), draws_of("P01")
+    one, other, both = (
+        people.deviation_db({}, name, draws) for name in ("electrovibration", "time_reversal", "hybrid")
+    )
+    assert one != other
+    assert both == pytest.approx((one + other) / 2)
+
+
+def test_an_effect_is_felt_by_everybody_at_its_level():
+    people = People(effects_db={"force_n": {"3": 2.0}})
+    felt = [people.deviation_db(cell, "electrovibration", draws_of("P01")) for cell in CELLS]
+    assert felt == [0.0] * 3 + [2.0] * 3
+
+
+def test_a_person_feels_in_a_session_as_the_population_says():
+    """Who feels 300 dB more at one frequency says yes there to all but the blanks, in so far as nobody lapses."""
+    table = b'\n[observer]\nlapse_rate = 0.0\n[observer.people.effects_db.frequency_hz]\n"60" = 300.0\n"240" = -300.0\n'
+    experiment = wire(parse(TUTORIAL.partition(b"\n[observer]")[0] + table, "study"), "study")
+    felt = experiment.feelings("P01", 1)
+    assert sorted(each.deviation_db for each in felt.values()) == [-300.0, 300.0]
+    rig = experiment.simulated_rig("P01", 1, 1)
+    assert rig.feelings == felt
+
+
+@pytest.mark.parametrize(
+    ("people", "sentence"),
+    [
+        ("factor_sd_db = { size = 1.0 }", "observer.people.factor_sd_db.size: found an unknown factor"),
+        ('effects_db = { frequency_hz = { "61" = 1.0 } }', "effects_db.frequency_hz.61: found an unknown level"),
+        ("condition_sd_db = -1.0", "observer.people.condition_sd_db: found -1"),
+        ("mood = 1.0", "observer.people.mood: found an unknown key"),
+    ],
+)
+def test_people_that_a_study_cannot_have_are_refused(people, sentence):
+    toml = TUTORIAL.partition(b"\n[observer]")[0] + f"\n[observer.people]\n{people}\n".encode()
+    with pytest.raises((InvalidFile, InvalidParameter)) as error:
+        wire(parse(toml, "study"), "study")
+    assert sentence in str(error.value)
+
+
+def test_traits_reach_the_observer_and_the_finger():
+    middle = SignalDetectionObserver(lapse_rate=0.1, between_sd_db=4.0)
+    person = middle.person(Traits(2.0, 0.5, 1.5, 100.0, 2.0, 3.0))
+    assert (person.sensitivity_db, person.bias, person.exponent) == (8.0, 0.5, 1.5)
+    assert (person.lapse_rate, person.latency_s, person.number_factor) == (0.5, 1.6, 3.0)
+
+
+def test_a_bias_moves_false_alarms_as_a_criterion_does():
+    observer, rng, n = SignalDetectionObserver(bias=0.4, lapse_rate=0.0), np.random.default_rng(), 100_000
+    n_yes = sum(observer.detect(-np.inf, rng) for _ in range(n))
+    p = norm.sf(observer.criterion + 0.4)
+    assert abs(n_yes - n * p) <= norm.isf(ALPHA / 2) * np.sqrt(n * p * (1 - p))
+
+
+def test_a_habit_shows_in_force_and_speed_and_stays_in_the_band():
+    finger, rng = SimulatedFinger(force_factor=1.1), np.random.default_rng()
+    request = Press("tone", 20.0, 0.2, 1.0, 0.2, 0.5, 5.0)
+    forces_n = np.array([finger.hold(request, rng).forces_n.mean() for _ in range(300)])
+    usual_n = np.array([SimulatedFinger().hold(request, rng).forces_n.mean() for _ in range(300)])
+    spread = np.sqrt(forces_n.var() / 300 + usual_n.var() / 300)
+    assert forces_n.mean() - usual_n.mean() > 0.05 * 0.5 - norm.isf(ALPHA) * spread
+    far = SimulatedFinger(force_factor=5.0, waver_cv=0.0).hold(request, rng).forces_n
+    assert far.mean() == pytest.approx(1.2)
