@@ -124,7 +124,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
         n_choices=n_choices,
         estimates=tuple(estimates),
         outcomes=tuple(_outcomes(table, direct, factors, forces, plan)),
-        hierarchical=tuple(_hierarchical(every, factors, n_choices, unit)) if plan.hierarchical else (),
+        hierarchical=tuple(_hierarchical(estimates, factors, n_choices, unit)) if plan.hierarchical else (),
         forms=forms,
         plan=plan,
         tables={},
@@ -178,11 +178,11 @@ def _outcomes(
 
 
 def _hierarchical(
-    every: Sequence[cells.Cell], factors: Sequence[str], n_choices: int, unit: str
+    estimates: Sequence[cells.Estimate], factors: Sequence[str], n_choices: int, unit: str
 ) -> Iterator[HierarchicalOutcome]:
     for task in CURVES:
-        of_task = [cell for cell in every if cell.task == task]
-        fit = group_fit(of_task, factors, n_choices, unit) if of_task else None
+        fits = {estimate.cell: estimate.fit for estimate in estimates if estimate.cell.task == task}
+        fit = group_fit(list(fits), factors, n_choices, unit, fits) if fits else None
         if fit is not None:
             yield fit
 

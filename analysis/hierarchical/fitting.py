@@ -27,7 +27,7 @@ from ..threshold.likelihood import GUESS, LAPSE
 from ..threshold.prior import BETA_B
 from .model import CORRELATED_FROM, mixed_model, rate_of, start
 from .result import Contrast, FactorEffect, GroupStatus, HierarchicalFit
-from .starts import Alone, single_fits
+from .starts import Alone, Known, single_fits
 from .study import StudyCounts
 from .tables import CONDITION_COLUMNS, ParameterPlace, cells, condition_table, means, participant_table, reaches
 
@@ -55,6 +55,7 @@ def fit_hierarchical(
     scale_free_width: bool = True,
     n_false_alarms: ArrayLike = 0,
     n_catch: ArrayLike = 0,
+    known: Known | None = None,
 ) -> HierarchicalFit:
     """Fit the thresholds of all participants and conditions at once.
 
@@ -78,6 +79,9 @@ def fit_hierarchical(
         As for `threshold.fit`; the latter for the fits of single cells, which the verdicts rest on.
     interval : float
         Coverage of the intervals.
+    known : mapping of (participant, values of the factors) to ThresholdFit, optional
+        What `threshold.fit` said of single cells with the same shape, rates and priors; others are fitted here. Not for
+        the shape ``weibull``.
 
     Returns
     -------
@@ -116,13 +120,13 @@ def fit_hierarchical(
     answers = (x[used], k[used], n[used])
     by_row = [np.broadcast_to(count, n.shape)[used] for count in (n_false_alarms, n_catch)]
     catch = np.array(by_row, dtype=np.float64)
-    known = {"shape": curve, "guess_rate": guess_rate, "lapse_rate": lapse_rate, "rate_beta": rate_beta}
-    known |= dict(zip(("n_false_alarms", "n_catch"), catch.max(axis=1), strict=True))
-    known["scale_free_width"] = scale_free_width
+    stated = {"shape": curve, "guess_rate": guess_rate, "lapse_rate": lapse_rate, "rate_beta": rate_beta}
+    stated |= dict(zip(("n_false_alarms", "n_catch"), catch.max(axis=1), strict=True))
+    stated["scale_free_width"] = scale_free_width
     of_cells = catch if np.ndim(n_catch) else None  # one number is that of all participants together
-    study = StudyCounts.of(names[used], factors, width_by, answers, of_cells, **known)
+    study = StudyCounts.of(names[used], factors, width_by, answers, of_cells, **stated)
     # By now the levels are logarithms, over which a Weibull function is a Gumbel function.
-    alone = single_fits(study, "gumbel" if shape == "weibull" else shape)
+    alone = single_fits(study, "gumbel" if shape == "weibull" else shape, {} if curve.on_log_levels else known or {})
     return _fit(alone, interval, width_varies=not alone.separated)
 
 

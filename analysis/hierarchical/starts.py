@@ -1,7 +1,9 @@
 """What each cell of a study says alone, and each condition with the answers of all participants together: where a
 hierarchical fit starts, and what it can tell at all."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -74,20 +76,42 @@ def has_threshold(one: ThresholdFit) -> bool:
     return one.status in WITH_THRESHOLD and one.threshold is not None
 
 
-def single_fits(study: StudyCounts, shape: str) -> Alone:
-    """As an analysis fits them (`cells.estimates`), so that a cell has one verdict."""
+Known = Mapping[tuple[str, tuple[Any, ...]], ThresholdFit]
+"""Fits of cells by participant and condition, in the unit of the levels."""
+PLACES = ("threshold", "interval_low", "interval_high", "threshold_mode", "threshold_median", "threshold_mean")
+WIDTHS = ("width", "width_low", "width_high")
+
+
+def single_fits(study: StudyCounts, shape: str, known: Known) -> Alone:
+    """As an analysis fits them (`cells.estimates`), so that a cell has one verdict, and none that is `known`."""
     n, c = study.n_participants, study.n_conditions
     by_condition = [np.moveaxis(rows, 1, 0) for rows in (study.u, study.n_yes, study.n_trials)]
     alarms, catch = np.swapaxes(study.own_catch, 1, 2)
     of_cells = [rows.reshape(n * c, -1) for rows in by_condition]
     of_conditions = [rows.reshape(c, -1) for rows in by_condition]
-    fits = _fits(study, shape, of_cells, alarms.ravel(), catch.ravel())
+    conditions = study.conditions.itertuples(index=False, name=None)
+    taken = [known.get((who, condition)) for condition in conditions for who in study.participants]
+    left = np.array([one is None for one in taken])
+    fitted = iter(_fits(study, shape, [rows[left] for rows in of_cells], alarms.ravel()[left], catch.ravel()[left]))
+    fits = tuple(next(fitted) if one is None else _on_scale(one, study) for one in taken)
     cells = tuple(fits[i * n : (i + 1) * n] for i in range(c))
     together = _fits(study, shape, of_conditions, alarms.sum(axis=1), catch.sum(axis=1))
     return Alone(study, cells, together)
 
 
+def _on_scale(one: ThresholdFit, study: StudyCounts) -> ThresholdFit:
+    """A fit on the levels u of a study."""
+    values: dict[str, float | None] = {name: getattr(one, name) for name in (*PLACES, *WIDTHS)}
+    moved: dict[str, Any] = {
+        name: None if value is None else (value - study.centre * (name in PLACES)) / study.spread
+        for name, value in values.items()
+    }
+    return replace(one, **moved)
+
+
 def _fits(study: StudyCounts, shape: str, counts: list[Array], alarms: Array, catch: Array) -> tuple[ThresholdFit, ...]:
+    if not len(counts[0]):
+        return ()
     return fit_many(
         *counts,
         shape=shape,

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
+from types import MappingProxyType
 from typing import Any
 
 import pandas as pd
@@ -10,9 +11,11 @@ import pandas as pd
 from tactometry.errors import InvalidParameter
 
 from ..hierarchical.fitting import FactorEffect, GroupStatus, HierarchicalFit, fit_hierarchical
+from ..hierarchical.starts import Known
 from ..tasks.cells import Cell
 from ..tasks.kinds import CURVES
 from ..tasks.task_analysis import DIFFERENCE_PER_WIDTH, SHAPE
+from ..threshold.fitting import ThresholdFit
 from ..threshold.status import Status
 from ..wording import interval_text, number_text
 
@@ -44,8 +47,17 @@ class HierarchicalOutcome:
         return {key: table for key, table in by_file.items() if len(table)}
 
 
-def group_fit(cells: Sequence[Cell], factors: Sequence[str], n_choices: int, unit: str) -> HierarchicalOutcome | None:
-    """The hierarchical fit of the cells of one task; None for fewer than two participants."""
+def group_fit(
+    cells: Sequence[Cell],
+    factors: Sequence[str],
+    n_choices: int,
+    unit: str,
+    fits: Mapping[Cell, ThresholdFit] = MappingProxyType({}),
+) -> HierarchicalOutcome | None:
+    """The hierarchical fit of the cells of one task; None for fewer than two participants.
+
+    `fits` are those of `cells.estimates`, which are not made again where the model has the same curve.
+    """
     task = cells[0].task
     if len({cell.participant for cell in cells}) < 2:
         return None
@@ -73,9 +85,16 @@ def group_fit(cells: Sequence[Cell], factors: Sequence[str], n_choices: int, uni
         n_false_alarms=table["n_false_alarms"],
         n_catch=table["n_catch"],
         width_by=varied if curve.has_difference else (),
+        known={} if curve.has_difference else _known(fits, [factors.index(name) for name in varied]),
         **options,
     )
     return _outcome(task, fit, varied, table)
+
+
+def _known(fits: Mapping[Cell, ThresholdFit], places: Sequence[int]) -> Known:
+    """Fits by participant and the values of the factors that vary."""
+    conditions = {cell: tuple(cell.condition[place] for place in places) or ("all",) for cell in fits}
+    return {(cell.participant, conditions[cell]): fit for cell, fit in fits.items()}
 
 
 def _no_outcome(task: str, why: str) -> HierarchicalOutcome:

@@ -10,6 +10,7 @@ import pandas as pd
 import pytest
 from places import SHARED
 
+from tactometry.analysis.hierarchical import starts
 from tactometry.analysis.outcomes import hierarchical_outcome as module
 from tactometry.analysis.outcomes.hierarchical_outcome import _text, group_fit
 from tactometry.analysis.pipeline import analyse
@@ -17,7 +18,7 @@ from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.analysis.report.sentences import hierarchical_sentences
 from tactometry.analysis.report.summary import summary
-from tactometry.analysis.tasks.cells import Cell, cells, counted_answers, judgements
+from tactometry.analysis.tasks.cells import Cell, cells, counted_answers, estimates, judgements
 
 WALD = r"force_n: Wald's (F\(1, 4\)|chi-square\(1\)) = "
 """F where participants' deviations have a variance, as it may happen."""
@@ -106,6 +107,28 @@ def test_a_study_without_factors_has_one_condition() -> None:
     fit = group_fit([cell("A"), cell("B", k=(1, 4, 8, 10)), cell("C", k=(0, 2, 7, 9))], [], 2, "dB")
     assert fit.conditions["condition"].tolist() == ["all"]
     assert fit.effects == {}
+
+
+@pytest.mark.parametrize("unit", ["dB", "V"])
+def test_cells_that_were_fitted_are_not_fitted_again(monkeypatch, unit) -> None:
+    answers = {"A": (0, 3, 7, 10), "B": (1, 4, 8, 10), "C": (0, 2, 7, 9)}
+    every = [
+        cell(who, (force_n, "left"), k=k, levels=tuple(force_n * x for x in range(1, 5)))
+        for force_n in (1.0, 2.0)
+        for who, k in answers.items()
+    ]
+    factors = ("force_n", "hand")
+    anew = group_fit(every, factors, 2, unit)
+    known = {estimate.cell: estimate.fit for estimate in estimates(every, 2, unit)}
+    fitted, fit_many = [], starts.fit_many
+    monkeypatch.setattr(
+        starts, "fit_many", lambda *counts, **of: fitted.append(len(counts[0])) or fit_many(*counts, **of)
+    )
+    told = group_fit(every, factors, 2, unit, known)
+    assert fitted == [2]  # the answers of each condition together
+    for table, expected in ((told.conditions, anew.conditions), (told.participants, anew.participants)):
+        pd.testing.assert_frame_equal(table, expected, rtol=1e-6)
+    assert told.fit.log_likelihood == pytest.approx(anew.fit.log_likelihood, abs=1e-6)
 
 
 def test_false_alarms_on_catch_trials_raise_the_rate_of_guesses() -> None:
