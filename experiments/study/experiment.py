@@ -2,7 +2,7 @@
 
 import itertools
 from collections import defaultdict
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,6 +15,7 @@ from tactometry.arguments.require import at_most, expect
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import count_of, rewording
 from tactometry.followed import FollowsFinger
+from tactometry.observers.changes.change import Answer, Shift
 from tactometry.observers.decisions import Observer
 from tactometry.observers.kinds import Population, population_of
 from tactometry.observers.people import Feeling, SimulatedPerson
@@ -168,6 +169,13 @@ class Experiment(SessionPlan):
             felt=self.felt,
             rendered=self._rendered,
             feelings=self.feelings(participant, seed),
+            shift=self._shift(participant, n_session, seed) if self.people.changes else None,
+        )
+
+    def _shift(self, participant: str, n_session: int, seed: int) -> Callable[[int, Sequence[Answer]], Shift]:
+        """By how much a simulated participant is off after so many trials of a session."""
+        return lambda n_trials, answers: self.people.shift(
+            n_trials, answers, lambda *words: stream(seed, participant, n_session, *words)
         )
 
     @cached_property

@@ -11,6 +11,7 @@ from typing import Final
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import Exclusion
 from tactometry.loading import resolve
+from tactometry.observers.changes.kinds import CHANGES
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.kinds import OBSERVERS, USUAL
 from tactometry.observers.people import People
@@ -86,6 +87,7 @@ def study_tables() -> Iterator[tuple[str, KeyTable]]:
     yield from ((f"`[sensation]`, `{kind}`", _sensation_table(kind)) for kind in OF_SETUP)
     yield from _observers()
     yield "`[observer.people]`", KeyTable(People)
+    yield from ((f"`[observer.changes.{kind}]`", KeyTable(resolve(target))) for kind, target in CHANGES.items())
     yield "`[finger]`", KeyTable(SimulatedFinger)
     yield "`[analysis]`", KeyTable(AnalysisPlan)
     yield "`[analysis.exclusion]`", KeyTable(Exclusion)

@@ -1,13 +1,18 @@
 """Every kind of simulated participant, by the name that a study file uses, imported when it is named."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import reduce
+from operator import add
 from typing import Any, Final, Protocol
 
 import numpy as np
 
 from ..arguments.require import expect
-from ..config.strict import build, build_kind
+from ..config.strict import as_table, build, build_kind, check_keys
+from ..loading import resolve
+from .changes.change import Answer, Change, Shift, Shifted
+from .changes.kinds import CHANGES
 from .decisions import Observer
 from .people import Draws, Feeling, People, SimulatedPerson, Varied
 
@@ -26,10 +31,12 @@ class Middle(Protocol):
 
 @dataclass(frozen=True)
 class Population:
-    """The people that participants are drawn from: their middle, and how they differ from it."""
+    """The people that participants are drawn from: their middle, how they differ from it, and how they change during a
+    session, by the kind of the change."""
 
     middle: Middle
     people: People = field(default_factory=People)
+    changes: Mapping[str, Change] = field(default_factory=dict)
 
     def person(self, rng: np.random.Generator) -> SimulatedPerson:
         """One of them; a middle that knows no traits draws its participant itself."""
@@ -42,6 +49,11 @@ class Population:
     def feeling(self, factors: Mapping[str, float | str], modality: str, draws: Draws) -> Feeling:
         """How the person of these streams feels a cell."""
         return Feeling(self.people.deviation_db(factors, modality, draws))
+
+    def shift(self, n_trials: int, answers: Sequence[Answer], draws: Draws) -> Shift:
+        """By how much the person whose session has these streams is off in a trial."""
+        parts = (change.shift(n_trials, answers, draws("change", kind)) for kind, change in self.changes.items())
+        return reduce(add, parts, Shift())
 
 
 def population_of(table: Mapping[str, Any], path: str) -> Population:
@@ -57,10 +69,18 @@ def population_of(table: Mapping[str, Any], path: str) -> Population:
     >>> population_of({"criterion": 2.0, "people": {"criterion_sd": 0.3}}, "observer").middle.criterion
     2.0
     """
-    of_middle = {key: value for key, value in table.items() if key != "people"}
+    of_middle = {key: value for key, value in table.items() if key not in ("people", "changes")}
     middle: Middle = build_kind({"kind": USUAL, **of_middle}, path, OBSERVERS)
     people = build(People, table.get("people", {}), f"{path}.people")
     kind = of_middle.get("kind", USUAL)
     has_traits = isinstance(middle, Varied) or people == People()
     expect(has_traits, f"{path}.people", f"a table beside the kind {kind!r}, whose people have no traits", "none")
-    return Population(middle, people)
+    changes = _changes_of(as_table(table.get("changes", {}), f"{path}.changes"), f"{path}.changes")
+    can_change = isinstance(middle, Shifted) or not changes
+    expect(can_change, f"{path}.changes", f"a table beside the kind {kind!r}, whose people do not change", "none")
+    return Population(middle, people, changes)
+
+
+def _changes_of(table: Mapping[str, Any], path: str) -> dict[str, Change]:
+    check_keys(table, CHANGES, path, "kind of change")
+    return {kind: build(resolve(CHANGES[kind]), keys, f"{path}.{kind}") for kind, keys in table.items()}

@@ -9,11 +9,14 @@ import numpy as np
 
 from ..arguments.require import below_1, finite, not_negative, positive
 from ..session.request import Facts
+from .changes.change import Shift
 from .people import Traits
 
 COMFORT_DB, COMFORT_RANGE_DB, LIKING_NOISE = 15.0, 25.0, 0.3
 MOST_LAPSES = 0.5
 """The lapse rate of nobody is drawn higher."""
+ALMOST_ALL = 0.999999
+"""Of the trials: a rate below 1."""
 
 
 @dataclass(frozen=True)
@@ -80,6 +83,15 @@ class SignalDetectionObserver:
             lapse_rate=min(self.lapse_rate * traits.lapse_factor, max(self.lapse_rate, MOST_LAPSES)),
             latency_s=self.latency_s * traits.latency_factor,
             number_factor=self.number_factor * traits.number_factor,
+        )
+
+    def shifted(self, shift: Shift) -> Self:
+        """This participant as it is in one trial."""
+        return replace(
+            self,
+            sensitivity_db=self.sensitivity_db + shift.sensitivity_db,
+            bias=self.bias + shift.criterion,
+            lapse_rate=1 - (1 - self.lapse_rate) * (1 - min(shift.lapse_rate, ALMOST_ALL)),
         )
 
     def d_prime(self, sensation_db: float) -> float:

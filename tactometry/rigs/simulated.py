@@ -11,6 +11,7 @@ from ..arguments.require import expect, lookup
 from ..contact import Contact
 from ..followed import FollowsFinger, felt_under, straight_way
 from ..gates import SpeedCompliance, compliance, motion
+from ..observers.changes.change import Answer, Shift, Shifted
 from ..observers.decisions import Decision, Felt, Observer
 from ..observers.finger import Grip, SimulatedFinger
 from ..observers.people import Feeling
@@ -96,7 +97,8 @@ class SimulatedRig(LiveRig):
 
     `decisions` says how each question is answered, `by_stimulus` names the stimuli that are felt by another model,
     `felt` tells in words through what, for the journal; `rendered` makes the signals where several sessions share it.
-    `feelings` says how this person feels a cell, where not as the models do.
+    `feelings` says how this person feels a cell, where not as the models do, `shift` by how much it is off after so
+    many trials with these answers.
     Everything random of trial n comes from `rng_of(n)`, so that a session that is resumed goes on as if it had never
     stopped. Limits are checked as on a bench.
     """
@@ -113,24 +115,35 @@ class SimulatedRig(LiveRig):
     felt: str = ""
     rendered: Rendering | None = None
     feelings: Mapping[Meeting, Feeling] = field(default_factory=dict)
+    shift: Callable[[int, Sequence[Answer]], Shift] | None = None
 
     def __post_init__(self) -> None:
         self._now_s = 0.0
         # once: whether an object follows a protocol takes as long to tell as to feel it
         self._following = {name for name, stimulus in self.bank.items() if isinstance(stimulus, FollowsFinger)}
         self._rendered = self.rendered or rendering(self.bank, self.limits)
+        self._answers: list[Answer] = []
         self._begin_trial(0)
 
     def _begin_trial(self, n_trials: int) -> None:
         self._n_trials = n_trials
         self._rng = self.rng_of(n_trials)
+        self._observer = self._as_it_is(n_trials)
         self._felt: list[Felt] = []
+
+    def _as_it_is(self, n_trials: int) -> Observer:
+        """The observer in this trial."""
+        if self.shift is None:
+            return self.observer
+        assert isinstance(self.observer, Shifted)  # or the study was refused
+        return self.observer.shifted(self.shift(n_trials, self._answers))
 
     def facts(self) -> Facts:
         return {"rig": "simulated", "clock": "simulated", **({"felt": self.felt} if self.felt else {})}
 
     def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None:
         self._now_s = elapsed_s
+        self._answers = [trial.response for trial in trials]
         self._begin_trial(len(trials))
 
     def close(self) -> None:
@@ -216,19 +229,19 @@ class SimulatedRig(LiveRig):
         n_expected = decision.n_stimuli or len(request.options)
         asked = f"{request.question!r} to the simulated participant, with {len(request.options)} options"
         expect(len(self._felt) == n_expected, asked, f"{len(self._felt)} stimuli before it", f"{n_expected}")
-        option = decision.decide(self.observer, self._felt, request, self._rng)
+        option = decision.decide(self._observer, self._felt, request, self._rng)
         return Chosen(option, *self._timing(1))
 
     def _timing(self, n_questions: int) -> tuple[float, float]:
         """Onset and latency of so many questions that are answered one after the other."""
-        latency_s = round(sum(self.observer.answer_time_s(self._rng) for _ in range(n_questions)), 6)
+        latency_s = round(sum(self._observer.answer_time_s(self._rng) for _ in range(n_questions)), 6)
         return self._pass(latency_s), latency_s
 
     def _rate(self, request: Rate) -> Rated:
         return Rated(_value_of(self._liking(), request), *self._timing(1))
 
     def _enter(self, request: Enter) -> Rated:
-        value = max(self.observer.magnitude(self._last_db(), self._rng), request.low)
+        value = max(self._observer.magnitude(self._last_db(), self._rng), request.low)
         return Rated(value if request.high is None else min(value, request.high), *self._timing(1))
 
     def _fill(self, request: Fill) -> Filled:
@@ -237,7 +250,7 @@ class SimulatedRig(LiveRig):
         return Filled(values, *self._timing(len(values)))
 
     def _liking(self) -> float:
-        return self.observer.liking(self._last_db(), self._rng)
+        return self._observer.liking(self._last_db(), self._rng)
 
     def _last_db(self) -> float:
         return self._felt[-1].level_db if self._felt else 0.0
@@ -257,7 +270,7 @@ class SimulatedRig(LiveRig):
         contact = Contact(request.target_n or 0.0, request.speed_m_per_s or 0.0)
         way = straight_way(signal.duration_s, contact.speed_m_per_s, TRAJECTORY_M)
         signal = felt_under(self.bank[request.stimulus], signal, *way)
-        return self.observer.detect(self._sensation_db(request, level, signal, contact), self._rng)
+        return self._observer.detect(self._sensation_db(request, level, signal, contact), self._rng)
 
     def _wait(self, request: Wait) -> Done:
         self._pass(request.duration_s)
@@ -268,6 +281,6 @@ class SimulatedRig(LiveRig):
         return Done(self._now_s)
 
     def _record(self, request: Record) -> Done:
-        del request
+        self._answers.append(request.trial.response)
         self._begin_trial(self._n_trials + 1)
         return Done(self._now_s)

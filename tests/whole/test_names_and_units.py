@@ -26,6 +26,7 @@ BARE = {
     "summed_amplitude": "of the event that is felt as strongly as a train, in the unit of its peaks",
     "lapse_rate": "a probability",
     "catch_rate": "a share of trials",
+    "return_rate": "a probability",
     "rate_beta": "a parameter of a beta distribution",
     "log_rate_mass": "of a density of a rate",
     "force_in_band": "a share of samples; the pinned name of a column",

@@ -1,0 +1,31 @@
+"""Lapses that come in runs: a participant is elsewhere for some trials."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...arguments.require import within
+from .change import Answer, Shift
+
+
+@dataclass(frozen=True)
+class LapsesInRuns:
+    """A chain of two states: attention is lost with the chance `loss_rate` a trial and comes back with `return_rate`;
+    meanwhile `lapse_rate` of the answers are at random (unverified defaults). In the long run it is lost in
+    ``loss_rate / (loss_rate + return_rate)`` of the trials, for ``1 / return_rate`` trials each time."""
+
+    loss_rate: float = 0.01
+    return_rate: float = 0.2
+    lapse_rate: float = 0.9
+
+    def __post_init__(self) -> None:
+        rates = {"loss_rate": self.loss_rate, "return_rate": self.return_rate, "lapse_rate": self.lapse_rate}
+        within("LapsesInRuns", 0, 1, **rates)
+
+    def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift:
+        del answers
+        is_lost = False
+        for chance in rng.random(n_trials + 1).tolist():
+            is_lost = chance >= self.return_rate if is_lost else chance < self.loss_rate
+        return Shift(lapse_rate=self.lapse_rate if is_lost else 0.0)

@@ -1,0 +1,26 @@
+"""Learning: a participant becomes more sensitive."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import exp
+
+import numpy as np
+
+from ...arguments.require import finite, positive
+from .change import Answer, Shift
+
+
+@dataclass(frozen=True)
+class SlowLearning:
+    """At the first trial less sensitive by `gain_db`, after `n_trials` trials by 1/e of it (unverified defaults)."""
+
+    gain_db: float = 3.0
+    n_trials: float = 100.0
+
+    def __post_init__(self) -> None:
+        finite("SlowLearning", gain_db=self.gain_db)
+        positive("SlowLearning", n_trials=self.n_trials)
+
+    def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift:
+        del answers, rng
+        return Shift(sensitivity_db=-self.gain_db * exp(-n_trials / self.n_trials))
