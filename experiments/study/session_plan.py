@@ -10,6 +10,7 @@ import numpy as np
 
 from tactometry.arguments.require import expect
 from tactometry.protocols import Block, Condition, Track
+from tactometry.protocols.batch import streams
 from tactometry.protocols.order import Crossing, combinations
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.protocols.session import Inquiry, Part
@@ -183,4 +184,4 @@ def stream(seed: int, *keys: str | int) -> np.random.Generator:
     np.True_
     """
     words = tuple(key if isinstance(key, int) else zlib.crc32(key.encode()) for key in keys)
-    return np.random.default_rng(np.random.SeedSequence(seed, spawn_key=words))
+    return streams.stream(seed, *words)

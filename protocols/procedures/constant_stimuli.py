@@ -1,18 +1,53 @@
 """The method of constant stimuli."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Self
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tactometry.arguments.require import distinct, expect, numbers, some, whole
 from tactometry.errors import count_of
 
-from .procedure import MOST_TRIALS, Ending, FixedOrder, Rule, RuleThreshold, Run, checked_outcome
+from .procedure import MOST_TRIALS, FixedOrder, RuleThreshold, checked_outcome
+from .stepping import SteppingRule, SteppingRun
+from .transition import CENSORED_ABOVE, CENSORED_BELOW, GOES_ON, TRIALS, Numbers, Order, State, Transition
+
+
+# order: the levels in their order; state: how many of them were presented or left out
+def _start(numbers: Numbers, order: Order) -> State:
+    return (0,)
+
+
+def _level(numbers: Numbers, order: Order, state: State) -> float:
+    n_done: int = state[0]
+    return order[min(n_done, len(order) - 1)]  # a run that has ended still has a level
+
+
+def _after(
+    numbers: Numbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
+) -> tuple[State, float]:
+    return (state[0] + 1,), math.nan
+
+
+def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]) -> int:
+    if state[0] < len(order):
+        return GOES_ON
+    n_yes = sum(answers)
+    if n_yes == len(answers) > 0:
+        return CENSORED_BELOW
+    return CENSORED_ABOVE if n_yes == 0 < len(answers) else TRIALS
+
+
+def _threshold(marks: Sequence[float]) -> float:
+    """None: a fit makes one."""
+    return math.nan
 
 
 @dataclass(frozen=True)
-class ConstantStimuli(Rule["ConstantStimuliRun"], FixedOrder):
+class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     """Each of `levels` is presented `repeats` times, in an order that no response changes.
 
     `begin` with a generator shuffles in blocks: within each repeat every level comes once, in random order. Without one
@@ -35,6 +70,7 @@ class ConstantStimuli(Rule["ConstantStimuliRun"], FixedOrder):
     repeats: int
 
     name = "constant_stimuli"
+    transition = Transition(_start, _level, _after, _ending, _threshold)
     unreplayed = "no rule: the levels of constant stimuli do not depend on the answers"
 
     def __post_init__(self) -> None:
@@ -57,6 +93,14 @@ class ConstantStimuli(Rule["ConstantStimuliRun"], FixedOrder):
         blocks = [rng.permutation(self.levels) for _ in range(self.repeats)]
         return ConstantStimuliRun(self, order=tuple(float(level) for block in blocks for level in block))
 
+    @property
+    def numbers(self) -> Numbers:
+        return ()
+
+    def orders(self, n_sets: int, rng: np.random.Generator | None) -> NDArray[np.float64]:
+        blocks = np.tile(np.asarray(self.levels, dtype=np.float64), (n_sets, self.repeats, 1))
+        return (blocks if rng is None else rng.permuted(blocks, axis=2)).reshape(n_sets, -1)
+
     def skip(self) -> "ConstantStimuliRun":
         return self.view.skip()
 
@@ -65,33 +109,14 @@ class ConstantStimuli(Rule["ConstantStimuliRun"], FixedOrder):
 
 
 @dataclass(frozen=True)
-class ConstantStimuliRun(Run[ConstantStimuli], FixedOrder):
-    """The levels in their `order`, of which the first `n_done` were presented or left out."""
-
-    order: tuple[float, ...] = ()
-    n_done: int = 0
-
-    @property
-    def level(self) -> float:
-        return self.order[min(self.n_done, len(self.order) - 1)]  # a run that has ended still has a level
-
-    @property
-    def ending(self) -> Ending | None:
-        if self.n_done < len(self.order):
-            return None
-        n_yes = sum(self.responses)
-        if n_yes == len(self.responses) > 0:
-            return "censored_below"
-        return "censored_above" if n_yes == 0 < len(self.responses) else "trials"
+class ConstantStimuliRun(SteppingRun[ConstantStimuli], FixedOrder):
+    """The levels in their `order`."""
 
     def take(self, response: int | bool) -> Self:
         return replace(self, responses=(*self.responses, checked_outcome(response, 2, "ConstantStimuli")))
 
     def skip(self) -> Self:
-        return replace(self, n_done=self.n_done + 1)
-
-    def _updated(self) -> Self:
-        return self.skip()
+        return replace(self, state=(self.state[0] + 1,))
 
     def _estimate(self) -> RuleThreshold:
         """None: the rule makes no estimate, a fit does (`tactometry.analysis.threshold.fitting.fit`)."""

@@ -1,23 +1,92 @@
 """The method of limits."""
 
 import math
-from dataclasses import dataclass, replace
-from statistics import fmean
-from typing import Literal, Self, get_args
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tactometry.arguments.require import expect, finite, one_of, whole
 
-from .procedure import MOST_TRIALS, Ending, Rule, RuleThreshold, Run
+from .procedure import MOST_TRIALS, RuleThreshold
+from .stepping import SteppingRule, SteppingRun
+from .transition import (
+    ABORTED,
+    CENSORED_ABOVE,
+    CENSORED_BELOW,
+    GOES_ON,
+    TRIALS,
+    Numbers,
+    Order,
+    State,
+    Transition,
+)
 
 Direction = Literal["ascending", "descending", "alternating"]
 N_STEPS = 10_000
 """More make no series that anybody sits through."""
+DIRECTIONS = get_args(Direction)
+ASCENDING, ALTERNATING = 0, 2
+UNCHANGED = math.inf
+"""The mark of an answer that ends a series without a transition."""
+
+
+# numbers: low, step, number of steps, number of series, place in `DIRECTIONS`
+# order: where each series begins, in steps inwards
+# state: series that are over, answers in the present one, how many of the former had no transition
+def _start(numbers: Numbers, order: Order) -> State:
+    return 0, 0, 0
+
+
+def _level(numbers: Numbers, order: Order, state: State) -> float:
+    low, step, n_steps, n_series, direction = numbers
+    n_over, n_in_series, _ = state
+    n = min(order[min(n_over, n_series - 1)] + n_in_series, n_steps)  # a run that has ended still has a level
+    ascending = n_over % 2 == 1 if direction == ALTERNATING else direction == ASCENDING
+    level: float = low + step * (n if ascending else n_steps - n)
+    return level
+
+
+def _after(
+    numbers: Numbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
+) -> tuple[State, float]:
+    """The next level of the series, or the first of the next one; a transition lies half-way between the last two."""
+    _, _, n_steps, _, direction = numbers
+    n_over, n_in_series, n_unchanged = state
+    ascending = n_over % 2 == 1 if direction == ALTERNATING else direction == ASCENDING
+    turned = (answers[-1] == 1) == ascending  # rising levels change the answer to 1, falling ones to 0
+    if not turned and order[n_over] + n_in_series < n_steps:
+        return (n_over, n_in_series + 1, n_unchanged), math.nan
+    if turned and n_in_series > 0:
+        return (n_over + 1, 0, n_unchanged), 0.5 * (levels[-2] + levels[-1])
+    return (n_over + 1, 0, n_unchanged + 1), UNCHANGED
+
+
+def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]) -> int:
+    n_over, _, n_unchanged = state
+    if n_over < numbers[3]:
+        return GOES_ON
+    if 2 * n_unchanged <= n_over:
+        return TRIALS
+    more_yes = 2 * sum(answers) - len(answers)
+    if more_yes == 0:
+        return ABORTED
+    return CENSORED_BELOW if more_yes > 0 else CENSORED_ABOVE
+
+
+def _threshold(marks: Sequence[float]) -> float:
+    """The mean of the transitions."""
+    n, total = 0, 0.0
+    for mark in marks:
+        if math.isfinite(mark):
+            n, total = n + 1, total + mark
+    return total / n if n else math.nan
 
 
 @dataclass(frozen=True)
-class MethodOfLimits(Rule["MethodOfLimitsRun"]):
+class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
     """Series of rising or falling levels, each until the answer changes.
 
     An ascending series starts at `low` and ends at the first 1, a descending one starts at `high` and ends at the
@@ -57,10 +126,11 @@ class MethodOfLimits(Rule["MethodOfLimitsRun"]):
     n_start_steps: int = 0
 
     name = "method_of_limits"
+    transition = Transition(_start, _level, _after, _ending, _threshold)
     unreplayed = "the series of the method of limits are not replayed"
 
     def __post_init__(self) -> None:
-        one_of("MethodOfLimits.direction", self.direction, get_args(Direction))
+        one_of("MethodOfLimits.direction", self.direction, DIRECTIONS)
         finite("MethodOfLimits", low=self.low, high=self.high, step=self.step)
         whole("MethodOfLimits", lowest=0, highest=MOST_TRIALS, n_series=self.n_series)
         whole("MethodOfLimits", lowest=0, n_start_steps=self.n_start_steps)
@@ -79,67 +149,34 @@ class MethodOfLimits(Rule["MethodOfLimitsRun"]):
         return math.floor((self.high - self.low) / self.step * (1 + 1e-12))
 
     @property
+    def numbers(self) -> Numbers:
+        return self.low, self.step, self.n_steps, self.n_series, DIRECTIONS.index(self.direction)
+
+    @property
     def n_trials_at_most(self) -> int:
         return self.n_series * (self.n_steps + 1)
 
     def begin(self, rng: np.random.Generator | None = None) -> "MethodOfLimitsRun":
         """With a generator each series starts at another level, drawn from `n_start_steps` + 1 of them."""
         if rng is None:
-            return MethodOfLimitsRun(self, starts=(0,) * self.n_series)
+            return MethodOfLimitsRun(self, order=(0,) * self.n_series)
         drawn = rng.integers(self.n_start_steps + 1, size=self.n_series)
-        return MethodOfLimitsRun(self, starts=tuple(int(n) for n in drawn))
+        return MethodOfLimitsRun(self, order=tuple(int(n) for n in drawn))
+
+    def orders(self, n_sets: int, rng: np.random.Generator | None) -> NDArray[np.float64]:
+        drawn = np.zeros((n_sets, self.n_series))
+        return drawn if rng is None else rng.integers(self.n_start_steps + 1, size=drawn.shape).astype(np.float64)
 
 
 @dataclass(frozen=True)
-class MethodOfLimitsRun(Run[MethodOfLimits]):
-    """The series so far: where each begins in steps inwards (`starts`), the `transitions` of those that are over, and
-    how many levels of the present one were answered."""
-
-    starts: tuple[int, ...] = ()
-    transitions: tuple[float | None, ...] = ()
-    n_in_series: int = 0
+class MethodOfLimitsRun(SteppingRun[MethodOfLimits]):
+    """The series so far: where each begins in steps inwards is their `order`."""
 
     @property
-    def ascending(self) -> bool:
-        """Whether the present series rises."""
-        if self.rule.direction == "alternating":
-            return len(self.transitions) % 2 == 1
-        return self.rule.direction == "ascending"
-
-    @property
-    def level(self) -> float:
-        rule = self.rule
-        series = min(len(self.transitions), rule.n_series - 1)  # a run that has ended still has a level
-        steps = min(self.starts[series] + self.n_in_series, rule.n_steps)
-        return rule.low + rule.step * (steps if self.ascending else rule.n_steps - steps)
-
-    @property
-    def ending(self) -> Ending | None:
-        if len(self.transitions) < self.rule.n_series:
-            return None
-        if 2 * self.transitions.count(None) <= self.rule.n_series:
-            return "trials"
-        more_yes = 2 * sum(self.responses) - len(self.responses)
-        if more_yes == 0:
-            return "aborted"
-        return "censored_below" if more_yes > 0 else "censored_above"
+    def transitions(self) -> tuple[float | None, ...]:
+        """Of the series that are over; None for one without."""
+        return tuple(None if mark == UNCHANGED else mark for mark in self.marks if not math.isnan(mark))
 
     def _estimate(self) -> RuleThreshold:
         """The mean of the transitions; None where there is none."""
-        known = [transition for transition in self.transitions if transition is not None]
-        return RuleThreshold(fmean(known) if known else None, note=f"of {self.name}")
-
-    def _updated(self) -> Self:
-        """The next level of the series, or the first of the next one."""
-        # Rising levels change the answer to 1, falling ones to 0.
-        if self.responses[-1] == self.ascending or self._at_last():
-            return replace(self, transitions=(*self.transitions, self._transition()), n_in_series=0)
-        return replace(self, n_in_series=self.n_in_series + 1)
-
-    def _at_last(self) -> bool:
-        return self.starts[len(self.transitions)] + self.n_in_series >= self.rule.n_steps
-
-    def _transition(self) -> float | None:
-        """Half-way between the last two levels of the series, if the last answer is another than the one before it."""
-        changed = self.n_in_series > 0 and self.responses[-1] == self.ascending
-        return 0.5 * (self.delivered[-2] + self.delivered[-1]) if changed else None
+        return RuleThreshold(self._threshold(), note=f"of {self.name}")

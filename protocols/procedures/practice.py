@@ -1,17 +1,49 @@
 """Practice until a criterion is met."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Self
 
 import numpy as np
 
 from tactometry.arguments.require import expect, numbers, some, whole
 
-from .procedure import Ending, Rule, RuleThreshold, Run
+from .procedure import RuleThreshold
+from .stepping import SteppingRule, SteppingRun
+from .transition import CONVERGED, GOES_ON, TRIALS, Numbers, Order, State, Transition
+
+
+# numbers: levels, n_correct, n_of, n_trials; state: the number of answers
+def _start(numbers: Numbers, order: Order) -> State:
+    return (0,)
+
+
+def _level(numbers: Numbers, order: Order, state: State) -> float:
+    levels = numbers[0]
+    level: float = levels[state[0] % len(levels)]
+    return level
+
+
+def _after(
+    numbers: Numbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
+) -> tuple[State, float]:
+    return (state[0] + 1,), math.nan
+
+
+def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]) -> int:
+    _, n_correct, n_of, n_trials = numbers
+    if sum(answers[-n_of:]) >= n_correct:
+        return CONVERGED
+    return TRIALS if len(answers) >= n_trials else GOES_ON
+
+
+def _threshold(marks: Sequence[float]) -> float:
+    """None: practice measures nothing."""
+    return math.nan
 
 
 @dataclass(frozen=True)
-class Practice(Rule["PracticeRun"]):
+class Practice(SteppingRule["PracticeRun"]):
     """Easy levels in turn until `n_correct` of the last `n_of` answers were right, `n_trials` at most.
 
     It ends as ``converged`` when the criterion was met, else as ``trials``.
@@ -32,6 +64,7 @@ class Practice(Rule["PracticeRun"]):
     n_trials: int = 20
 
     name = "practice"
+    transition = Transition(_start, _level, _after, _ending, _threshold)
 
     def __post_init__(self) -> None:
         numbers("Practice.levels", self.levels)
@@ -42,27 +75,18 @@ class Practice(Rule["PracticeRun"]):
             possible = f"from 1 to {highest}, {most}; it must be possible to meet the criterion"
             expect(number <= highest, f"Practice.{name}", number, possible)
 
+    @property
+    def numbers(self) -> Numbers:
+        return self.levels, self.n_correct, self.n_of, self.n_trials
+
     def begin(self, rng: np.random.Generator | None = None) -> "PracticeRun":
         del rng
         return PracticeRun(self)
 
 
 @dataclass(frozen=True)
-class PracticeRun(Run[Practice]):
+class PracticeRun(SteppingRun[Practice]):
     """Its answers are all that it knows."""
-
-    @property
-    def level(self) -> float:
-        return self.rule.levels[len(self.responses) % len(self.rule.levels)]
-
-    @property
-    def ending(self) -> Ending | None:
-        if sum(self.responses[-self.rule.n_of :]) >= self.rule.n_correct:
-            return "converged"
-        return "trials" if len(self.responses) >= self.rule.n_trials else None
-
-    def _updated(self) -> Self:
-        return self
 
     def _estimate(self) -> RuleThreshold:
         return RuleThreshold(note="practice measures nothing")

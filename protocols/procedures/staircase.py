@@ -2,20 +2,81 @@
 
 import math
 from abc import abstractmethod
-from dataclasses import dataclass, field, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
 from statistics import fmean, stdev
-from typing import Self
 
 import numpy as np
 
 from tactometry.arguments.require import below, expect, finite, numbers, some, whole
 
-from .procedure import Ending, Rule, RuleThreshold, Run
+from .procedure import RuleThreshold
+from .stepping import SteppingRule, SteppingRun
+from .transition import CENSORED_ABOVE, CENSORED_BELOW, CONVERGED, GOES_ON, TRIALS, Numbers, Order, State, Transition
 
 UP, STAY, DOWN = 1, 0, -1
+DISCARDED = 2
+"""Reversals that the estimate leaves out: those of the large first steps."""
 
 
-class UpDown(Rule["StaircaseRun"]):
+# numbers: start, low, high, steps up, steps down, n_up, n_down, initial_rule, n_reversals, n_trials, n_at_bound
+# state: level asked, direction of the last move, streak, number of reversals, moves in a row beyond a bound
+def _start(numbers: Numbers, order: Order) -> State:
+    return numbers[0], STAY, 0, 0, 0
+
+
+def _level(numbers: Numbers, order: Order, state: State) -> float:
+    asked: float = state[0]
+    return asked
+
+
+def _after(
+    numbers: Numbers, order: Order, state: State, answers: Sequence[int], levels: Sequence[float]
+) -> tuple[State, float]:
+    """A step from the level that was delivered, marked if it turns round; it counts as pinned if a bound stood there
+    already."""
+    _, low, high, ups, downs, n_up, n_down, initial_rule, _, _, _ = numbers
+    _, last, streak, n_reversals, n_pinned = state
+    level = levels[-1]
+    streak = max(streak, 0) + 1 if answers[-1] else min(streak, 0) - 1
+    is_first = initial_rule and n_reversals == 0
+    down, up = streak >= (1 if is_first else n_down), -streak >= (1 if is_first else n_up)
+    if not (down or up):
+        return (min(max(level, low), high), last, streak, n_reversals, n_pinned), math.nan
+    direction = DOWN if down else UP
+    turned = last == -direction  # never at the first move, whose predecessor is STAY
+    n_reversals += 1 if turned else 0
+    steps = downs if down else ups
+    asked = level + direction * steps[min(n_reversals, len(steps) - 1)]
+    pinned = level <= low if down else level >= high
+    n_pinned = (1 if turned else n_pinned + 1) if pinned else 0
+    return (min(max(asked, low), high), direction, 0, n_reversals, n_pinned), level if turned else math.nan
+
+
+def _ending(numbers: Numbers, order: Order, state: State, answers: Sequence[int]) -> int:
+    _, _, _, _, _, _, _, _, most_reversals, n_trials, n_at_bound = numbers
+    _, direction, _, n_reversals, n_pinned = state
+    if n_pinned >= n_at_bound:
+        return CENSORED_ABOVE if direction == UP else CENSORED_BELOW
+    if n_reversals >= most_reversals:
+        return CONVERGED
+    return TRIALS if len(answers) >= n_trials else GOES_ON
+
+
+def _threshold(marks: Sequence[float]) -> float:
+    """The mean of the last reversals, as many peaks as valleys, without the first `DISCARDED`."""
+    n, total = 0, 0.0
+    for mark in marks:
+        n += 0 if math.isnan(mark) else 1
+    first, seen = DISCARDED + (n - DISCARDED) % 2, 0
+    for mark in marks:
+        if not math.isnan(mark):
+            total += mark if seen >= first else 0.0
+            seen += 1
+    return total / (n - first) if n - first >= 2 else math.nan
+
+
+class UpDown(SteppingRule["StaircaseRun"]):
     """What the transformed and the weighted staircase share: everything but the sizes of their steps."""
 
     start: float
@@ -25,9 +86,17 @@ class UpDown(Rule["StaircaseRun"]):
     n_at_bound: int
     initial_rule: bool
 
+    transition = Transition(_start, _level, _after, _ending, _threshold)
+
+    @property
     @abstractmethod
-    def step(self, direction: int, n_reversals: int) -> float:
-        """The size of a step `UP` or `DOWN` after so many reversals."""
+    def schedules(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        """The sizes of steps up and of steps down: number k after k reversals, the last from then on."""
+
+    @property
+    def numbers(self) -> Numbers:
+        counts = self.n_up, self.n_down, self.initial_rule, self.n_reversals, self.n_trials, self.n_at_bound
+        return self.start, self.low, self.high, *self.schedules, *counts
 
     @property
     @abstractmethod
@@ -36,7 +105,7 @@ class UpDown(Rule["StaircaseRun"]):
 
     def begin(self, rng: np.random.Generator | None = None) -> "StaircaseRun":
         del rng
-        return StaircaseRun(self, asked=self.start)
+        return StaircaseRun(self)
 
     def _check(self, **schedules: tuple[float, ...]) -> None:
         """Refuse bounds, a start, counts or schedules of steps that make no staircase."""
@@ -98,9 +167,9 @@ class Staircase(UpDown):
     def __post_init__(self) -> None:
         self._check(steps=self.steps)
 
-    def step(self, direction: int, n_reversals: int) -> float:
-        del direction
-        return self.steps[min(n_reversals, len(self.steps) - 1)]
+    @property
+    def schedules(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        return self.steps, self.steps
 
     @property
     def point(self) -> str:
@@ -148,9 +217,9 @@ class WeightedStaircase(UpDown):
         n_up, n_down = len(self.steps_up), len(self.steps_down)
         expect(n_up == n_down, "WeightedStaircase.steps_up", f"{n_up} steps and {n_down} steps_down", "pairs")
 
-    def step(self, direction: int, n_reversals: int) -> float:
-        steps = self.steps_up if direction == UP else self.steps_down
-        return steps[min(n_reversals, len(steps) - 1)]
+    @property
+    def schedules(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
+        return self.steps_up, self.steps_down
 
     @property
     def target(self) -> float:
@@ -164,49 +233,27 @@ class WeightedStaircase(UpDown):
 
 
 @dataclass(frozen=True)
-class StaircaseRun(Run[UpDown]):
-    """A staircase on its way.
-
-    Parameters
-    ----------
-    asked : float
-        The next level.
-    reversals : tuple of float
-        The levels at which it turned round.
-    direction : int
-        Of the last move: `UP`, `DOWN`, or `STAY` before the first.
-    streak : int
-        Responses in a row of one kind since the last move: above 0 correct, below 0 wrong.
-    n_pinned : int
-        Moves in a row that asked for a level beyond a bound.
-    """
-
-    asked: float = field(kw_only=True)
-    reversals: tuple[float, ...] = ()
-    direction: int = STAY
-    streak: int = 0
-    n_pinned: int = 0
+class StaircaseRun(SteppingRun[UpDown]):
+    """A staircase on its way."""
 
     @property
-    def level(self) -> float:
-        return self.asked
+    def reversals(self) -> tuple[float, ...]:
+        """The levels at which it turned round."""
+        return tuple(mark for mark in self.marks if not math.isnan(mark))
 
     @property
-    def ending(self) -> Ending | None:
-        if self.n_pinned >= self.rule.n_at_bound:
-            return "censored_above" if self.direction == UP else "censored_below"
-        if len(self.reversals) >= self.rule.n_reversals:
-            return "converged"
-        return "trials" if len(self.responses) >= self.rule.n_trials else None
+    def streak(self) -> int:
+        """Responses in a row of one kind since the last move: above 0 correct, below 0 wrong."""
+        return int(self.state[2])
 
-    def mean_of_reversals(self, *, discard: int = 2) -> float | None:
+    def mean_of_reversals(self, *, discard: int = DISCARDED) -> float | None:
         """The mean level of the reversals without the first `discard`, made even in number; None if there are fewer
         than two of them or the run is censored."""
         kept = self._late_reversals(discard)
         censored = self.ending in ("censored_above", "censored_below")
         return None if censored or len(kept) < 2 else fmean(kept)
 
-    def _late_reversals(self, discard: int = 2) -> tuple[float, ...]:
+    def _late_reversals(self, discard: int = DISCARDED) -> tuple[float, ...]:
         return self.reversals[discard + (len(self.reversals) - discard) % 2 :]  # as many peaks as valleys
 
     def _estimate(self) -> RuleThreshold:
@@ -214,36 +261,4 @@ class StaircaseRun(Run[UpDown]):
         kept = self._late_reversals()
         if len(kept) < 2:
             return RuleThreshold(note=f"too few reversals: {len(self.reversals)} {self.rule.point}")
-        return RuleThreshold(fmean(kept), stdev(kept), len(kept), f"mean of reversals {self.rule.point}")
-
-    def _updated(self) -> Self:
-        correct, level = bool(self.responses[-1]), self.delivered[-1]
-        same = self.streak > 0 if correct else self.streak < 0
-        streak = (self.streak if same else 0) + (1 if correct else -1)
-        direction = self._direction_after(streak)
-        if direction == STAY:
-            return replace(self, streak=streak, asked=self._clip(level))
-        return self._move(level, direction)
-
-    def _direction_after(self, streak: int) -> int:
-        first = self.rule.initial_rule and not self.reversals
-        if streak >= (1 if first else self.rule.n_down):
-            return DOWN
-        return UP if -streak >= (1 if first else self.rule.n_up) else STAY
-
-    def _move(self, level: float, direction: int) -> Self:
-        """A step from the level that was delivered; it counts as pinned if a bound stood there already."""
-        turned = self.direction == -direction  # never at the first move, whose predecessor is STAY
-        reversals = (*self.reversals, level) if turned else self.reversals
-        pinned = level >= self.rule.high if direction == UP else level <= self.rule.low
-        return replace(
-            self,
-            asked=self._clip(level + direction * self.rule.step(direction, len(reversals))),
-            reversals=reversals,
-            direction=direction,
-            streak=0,
-            n_pinned=self.n_pinned + 1 if pinned and not turned else int(pinned),
-        )
-
-    def _clip(self, level: float) -> float:
-        return min(max(level, self.rule.low), self.rule.high)
+        return RuleThreshold(self._threshold(), stdev(kept), len(kept), f"mean of reversals {self.rule.point}")

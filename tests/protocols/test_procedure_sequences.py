@@ -18,7 +18,7 @@ def chance(level):
 def bare(rule):
     """The run without its history: what decides the next levels when steps are fixed."""
     asked = round(rule.level, 6) + 0.0
-    return replace(rule, delivered=(), responses=(), reversals=(), asked=asked, direction=0, n_pinned=0)
+    return replace(rule, delivered=(), responses=(), marks=(), state=(asked, 0, rule.streak, 0, 0))
 
 
 def key(rule):

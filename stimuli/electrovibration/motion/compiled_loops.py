@@ -4,8 +4,9 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from tactometry.compiled import compiled, entry, uniform
+
 from ...arrays import FloatArray
-from ...compiled import compiled, entry, uniform
 from .driven_motion import DrivenPlan
 from .phases import Heights, Phases
 

@@ -5,8 +5,9 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from tactometry.compiled import compiled, entry, uniform
+
 from ...arrays import ComplexArray, FloatArray
-from ...compiled import compiled, entry, uniform
 from .compiled_loops import Bare, enter, response_at
 from .phases import Heights, Phases
 

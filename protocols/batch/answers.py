@@ -1,0 +1,77 @@
+"""Who answers in a batch. An answer is 1 where what is felt lies above the criterion of its trial: a psychometric
+function is a distribution of criteria, so that all that is random is drawn before the first trial."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from tactometry.arguments.require import ascending, expect, finite_array
+from tactometry.psychometric import shape_named
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Feeling:
+    """What is felt at the levels of a stimulus: a table, straight lines between its places, its ends beyond them.
+
+    Sensation levels through a scene make one such table for a population; or chances of the answer 1, with uniform
+    criteria.
+
+    Parameters
+    ----------
+    levels : (n_levels,) array
+        Rising.
+    felt : (n_levels,) or (n_sets, n_levels) array
+        Of all sets, or of each.
+
+    Raises
+    ------
+    InvalidParameter
+        If levels do not rise, or a row is not as long as they are.
+
+    >>> Feeling(np.array([0.0, 10.0]), np.array([-3.0, 7.0])).felt.shape
+    (1, 2)
+    """
+
+    levels: Array
+    felt: Array
+
+    def __post_init__(self) -> None:
+        levels, felt = ascending("Feeling.levels", self.levels), finite_array("Feeling.felt", self.felt)
+        fits = felt.ndim in (1, 2) and felt.shape[-1] == len(levels)
+        expect(fits, "Feeling.felt", f"the shape {felt.shape}", f"(n_sets, {len(levels)}) or ({len(levels)},)")
+        object.__setattr__(self, "levels", levels)
+        object.__setattr__(self, "felt", np.atleast_2d(felt))
+
+
+def criteria(
+    uniform: Array,
+    shape: str,
+    threshold: ArrayLike,
+    width: ArrayLike,
+    guess_rate: ArrayLike = 0.0,
+    lapse_rate: ArrayLike = 0.0,
+) -> Array:
+    """The level above which a trial is answered with 1, of uniform numbers: the inverse of the psychometric function.
+
+    Where a number is below the guess rate any level is, minus infinity; within the lapse rate of 1 no level is.
+
+    Parameters
+    ----------
+    uniform : (n_sets, n_trials) array
+        In [0, 1).
+    shape : str
+        As of `tactometry.psychometric.PsychometricFunction`, as are the others: numbers, or arrays (n_sets, 1) or
+        (n_sets, n_trials).
+
+    >>> criteria(np.array([[0.1, 0.74, 0.99]]), "normal", 20.0, 8.0, 0.5, 0.02).round(9).tolist()
+    [[-inf, 20.0, inf]]
+    """
+    kind, guess, lapse = shape_named(shape), np.asarray(guess_rate), np.asarray(lapse_rate)
+    share = np.clip((uniform - guess) / (1 - guess - lapse), 0.0, 1.0)
+    with np.errstate(divide="ignore"):
+        z = kind.at(np.log(share), np.log1p(-share))
+    away = (z - kind.z50) / kind.z_width * np.asarray(width)
+    return np.asarray(np.asarray(threshold) * np.exp(away) if kind.on_log_levels else np.asarray(threshold) + away)

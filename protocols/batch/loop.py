@@ -1,0 +1,54 @@
+"""The loop over sets and trials that a transition of plain numbers is compiled into."""
+
+from collections.abc import Callable
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from tactometry.compiled import compiled
+
+from ..procedures.transition import GOES_ON, Transition
+
+
+@compiled
+def _felt(level: float, levels: Any, felt: Any) -> Any:
+    """As `numpy.interp`; what is at a place of the table is the table's."""
+    n = len(levels)
+    if n == 0:
+        return level
+    right = np.searchsorted(levels, level)
+    if right == n:
+        return felt[n - 1]
+    if right == 0 or levels[right] == level:
+        return felt[right]
+    share = (level - levels[right - 1]) / (levels[right] - levels[right - 1])
+    return felt[right - 1] + share * (felt[right] - felt[right - 1])
+
+
+@cache
+def loop_of(transition: Transition) -> Callable[..., None]:
+    """The loop of a transition; it is compiled once in a process."""
+    start: Any = compiled(transition.start)
+    level_of: Any = compiled(transition.level)
+    after: Any = compiled(transition.after)
+    ending_of: Any = compiled(transition.ending)
+    threshold_of: Any = compiled(transition.threshold)
+    felt_at = _felt
+
+    def loop(rule, table, criteria, results):  # type: ignore[no-untyped-def]
+        (numbers, orders), (places, felt) = rule, table
+        levels, answers, marks, endings, thresholds = results
+        n_sets, n_trials = criteria.shape
+        for i in range(n_sets):
+            order, row, n = orders[i % len(orders)], felt[i % len(felt)], 0
+            state, ending = start(numbers, order), GOES_ON
+            while ending == GOES_ON and n < n_trials:
+                levels[i, n] = level_of(numbers, order, state)
+                answers[i, n] = felt_at(levels[i, n], places, row) > criteria[i, n]
+                n += 1
+                state, marks[i, n - 1] = after(numbers, order, state, answers[i, :n], levels[i, :n])
+                ending = ending_of(numbers, order, state, answers[i, :n])
+            endings[i], thresholds[i] = ending, threshold_of(marks[i, :n])
+
+    return compiled(loop)

@@ -1,0 +1,145 @@
+"""Tracks in a batch: the same, trial by trial, as the rule's own run; answers as often as they should be."""
+
+import math
+from itertools import product
+
+import catalogue
+import numpy as np
+import pytest
+from examples import examples
+from hypothesis import given, strategies as st
+from scipy.stats import binomtest
+
+from tactometry.errors import InvalidParameter
+from tactometry.protocols import ConstantStimuli, MethodOfLimits, Staircase, WeightedStaircase
+from tactometry.protocols.batch.answers import Feeling, criteria
+from tactometry.protocols.batch.streams import stream
+from tactometry.protocols.batch.tracks import NOT_ASKED, tracks
+from tactometry.protocols.procedures.practice import Practice
+from tactometry.psychometric import PsychometricFunction
+
+STEPPING = {
+    **{kind: rule for kind, rule in catalogue.PROCEDURES.items() if hasattr(rule, "transition")},
+    "practice": Practice((40.0, 25.0, 12.0), n_correct=4, n_of=5, n_trials=15),
+    "2 down, 6 dB": Staircase(30.0, (6.0, 3.0), 0.0, 40.0, n_down=3, n_reversals=6, n_trials=30, n_at_bound=2),
+    "eager no more": Staircase(3.0, (6.0,), 0.0, 40.0, n_up=2, n_down=1, initial_rule=False),
+    "3:1": WeightedStaircase(20.0, (6.0, 3.0), (2.0, 1.0), 0.0, 40.0, n_down=2),
+    "three levels": ConstantStimuli((30.0, 10.0, 20.0), 4),
+    "rising": MethodOfLimits(0.0, 40.0, 4.0, 5, "ascending", 3),
+    "falling": MethodOfLimits(0.0, 40.0, 7.0, 4, "descending"),
+}
+LEVELS = np.linspace(-1.0, 41.0, 8)
+
+
+def own_run(rule, order, answers):
+    """The levels, and the run, of a rule that is told the answers of a track."""
+    run, levels = type(rule.begin())(rule, order=tuple(order)), []
+    for answer in answers:
+        levels.append(run.level)
+        run = run.after(int(answer))
+    return levels, run
+
+
+@pytest.mark.parametrize("rule", STEPPING.values(), ids=STEPPING)
+@given(seed=st.integers(0, 2**32 - 1), through_a_table=st.booleans())
+@examples(10, deadline=None)
+def test_a_batch_is_the_rules_own_run_trial_by_trial(rule, seed, through_a_table):
+    rng = np.random.default_rng(seed)
+    place, spread = rng.uniform(-10, 50), rng.choice([0.0, 1.0, 10.0])
+    drawn, orders = place + spread * rng.standard_normal((6, 50)), rule.orders(6, rng)
+    feeling = Feeling(LEVELS, np.sort(rng.uniform(0, 40, (6, len(LEVELS))))) if through_a_table else None
+    batch = tracks(rule, drawn, feeling, orders=orders)
+    for i, n in enumerate(batch.n_trials):
+        levels, run = own_run(rule, orders[i], batch.answers[i, :n])
+        assert batch.levels[i, :n].tolist() == levels
+        felt = np.interp(levels, LEVELS, feeling.felt[i]) if through_a_table else np.array(levels)
+        assert np.array_equal(batch.answers[i, :n], felt > drawn[i, :n])
+        assert (batch.ending(i), bool(n < 50)) == (run.ending, bool(n < 50 and run.finished))
+        assert np.isnan(batch.levels[i, n:]).all()
+        assert (batch.answers[i, n:] == NOT_ASKED).all()
+        assert batch.thresholds[i] == pytest.approx(math.nan if run.threshold is None else run.threshold, nan_ok=True)
+
+
+@pytest.mark.parametrize("shape", ["normal", "logistic", "gumbel", "reversed_gumbel", "weibull"])
+def test_answers_are_as_frequent_as_the_function_says(shape):
+    function = PsychometricFunction(shape, 20.0, 9.0 if shape != "weibull" else 1.2, 0.25, 0.04)
+    rule, rng = ConstantStimuli((14.0, 20.0, 26.0), 100), np.random.default_rng()
+    drawn = criteria(rng.random((1000, 300)), shape, function.threshold, function.width, 0.25, 0.04)
+    batch = tracks(rule, drawn)
+    for level in rule.levels:
+        asked = batch.levels == level
+        chance = float(function.probability(level))
+        assert binomtest(int(batch.answers[asked].sum()), int(asked.sum()), chance).pvalue > 1e-4
+        assert asked.sum() == 1e5
+
+
+def test_a_table_of_chances_is_followed_on_its_levels_and_between():
+    chances, rng = Feeling(np.array([0.0, 10.0, 20.0]), np.array([0.1, 0.7, 0.9])), np.random.default_rng()
+    batch = tracks(ConstantStimuli((10.0, 15.0, 25.0), 100), rng.random((1000, 300)), chances)
+    for level, chance in ((10.0, 0.7), (15.0, 0.8), (25.0, 0.9)):
+        assert binomtest(int(batch.answers[batch.levels == level].sum()), 100_000, chance).pvalue > 1e-4
+
+
+def test_criteria_are_the_inverse_of_the_function():
+    """Answers are those that a comparison of the same number with the chance gives."""
+    function = PsychometricFunction("gumbel", 20.0, 9.0, 0.5, 0.02)
+    uniform, levels = np.random.default_rng().random((1, 10_000)), np.linspace(0, 40, 10_000)
+    drawn = criteria(uniform, "gumbel", 20.0, 9.0, 0.5, 0.02)
+    assert np.array_equal((levels > drawn)[0], (uniform < function.probability(levels))[0])
+
+
+def test_lucky_guesses_and_lapses_are_answers_at_every_level():
+    drawn = criteria(np.array([[0.0, 0.499, 0.981]]), "logistic", 20.0, 9.0, 0.5, 0.02)
+    assert drawn.tolist() == [[-math.inf, -math.inf, math.inf]]
+
+
+def test_orders_of_a_batch_are_blocks_that_hold_each_level_once():
+    orders = ConstantStimuli((1.0, 2.0, 3.0), 4).orders(200, np.random.default_rng()).reshape(-1, 3)
+    assert (np.sort(orders, axis=1) == [1, 2, 3]).all()
+    counts = np.unique(orders, axis=0, return_counts=True)[1]
+    assert len(counts) == 6
+    assert (np.abs(counts - len(orders) / 6) < 4 * math.sqrt(len(orders) / 6)).all()
+
+
+def test_nested_seeds_never_repeat():
+    numbers = (0, 1, 2, 2**31, 2**32 - 1)
+    places = [place for depth in range(4) for place in product(numbers, repeat=depth)]
+    drawn = {
+        (seed, place): stream(seed, *place).integers(2**63, size=2).tobytes()
+        for seed in (0, 1, 2**64)
+        for place in places
+    }
+    assert len(set(drawn.values())) == 3 * len(places)
+
+
+@pytest.mark.parametrize("number", [-1, 2**32, 0.5])
+def test_a_place_that_is_no_word_is_refused(number):
+    with pytest.raises(InvalidParameter, match=r"stream.*expected a whole number"):
+        stream(1, 0, number)
+
+
+@pytest.mark.parametrize(
+    ("changed", "sentence"),
+    [
+        ({"criteria": np.zeros(3)}, r"tracks.criteria: found the shape \(3,\), expected \(n_sets, n_trials\)"),
+        ({"orders": np.zeros((2, 4))}, "tracks.orders: found 2 rows, expected 1 or 3"),
+        ({"feeling": Feeling(LEVELS, np.zeros((2, 8)))}, "tracks.feeling: found 2 rows, expected 1 or 3"),
+    ],
+)
+def test_what_does_not_fit_is_refused(changed, sentence):
+    given_ = {"criteria": np.zeros((3, 4)), **changed}
+    with pytest.raises(InvalidParameter, match=sentence):
+        tracks(STEPPING["three levels"], **given_)
+
+
+@pytest.mark.parametrize(
+    ("table", "sentence"),
+    [
+        (([0.0, 0.0], [1.0, 2.0]), "Feeling.levels: found .* not ascending"),
+        (([0.0, 1.0], [1.0, math.nan]), "Feeling.felt"),
+        (([0.0, 1.0], [1.0, 2.0, 3.0]), r"Feeling.felt: found the shape \(3,\)"),
+    ],
+)
+def test_a_table_that_is_none_is_refused(table, sentence):
+    with pytest.raises(InvalidParameter, match=sentence):
+        Feeling(*map(np.array, table))
