@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
-class Feeling:
+class LevelTable:
     """What is felt at the levels of a stimulus: a table, straight lines between its places, its ends beyond them.
 
     Sensation levels through a scene make one such table for a population; or chances of the answer 1, with uniform
@@ -31,7 +31,7 @@ class Feeling:
     InvalidParameter
         If levels do not rise, or a row is not as long as they are.
 
-    >>> Feeling(np.array([0.0, 10.0]), np.array([-3.0, 7.0])).felt.shape
+    >>> LevelTable(np.array([0.0, 10.0]), np.array([-3.0, 7.0])).felt.shape
     (1, 2)
     """
 
@@ -39,9 +39,9 @@ class Feeling:
     felt: Array
 
     def __post_init__(self) -> None:
-        levels, felt = ascending("Feeling.levels", self.levels), finite_array("Feeling.felt", self.felt)
+        levels, felt = ascending("LevelTable.levels", self.levels), finite_array("LevelTable.felt", self.felt)
         fits = felt.ndim in (1, 2) and felt.shape[-1] == len(levels)
-        expect(fits, "Feeling.felt", f"the shape {felt.shape}", f"(n_sets, {len(levels)}) or ({len(levels)},)")
+        expect(fits, "LevelTable.felt", f"the shape {felt.shape}", f"(n_sets, {len(levels)}) or ({len(levels)},)")
         object.__setattr__(self, "levels", levels)
         object.__setattr__(self, "felt", np.atleast_2d(felt))
 

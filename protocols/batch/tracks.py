@@ -11,7 +11,7 @@ from tactometry.arguments.require import expect
 from ..procedures.procedure import Ending
 from ..procedures.stepping import SteppingRule
 from ..procedures.transition import CENSORED, GOES_ON, Numbers, ending_of
-from .answers import Array, Feeling
+from .answers import Array, LevelTable
 
 NOT_ASKED = -1
 
@@ -58,7 +58,7 @@ class TrackBatch:
 
 
 def tracks(
-    rule: SteppingRule[Any], criteria: Array, feeling: Feeling | None = None, *, orders: Array | None = None
+    rule: SteppingRule[Any], criteria: Array, table: LevelTable | None = None, *, orders: Array | None = None
 ) -> TrackBatch:
     """A track for each row of criteria, of at most so many trials.
 
@@ -70,7 +70,7 @@ def tracks(
     rule : SteppingRule
     criteria : (n_sets, n_trials) array
         As `tactometry.protocols.batch.answers.criteria` makes them; NaN is above all that is felt.
-    feeling : Feeling
+    table : LevelTable
         What is felt at a level; without one the level itself.
     orders : (n_sets, n_drawn) array
         As the rule's `orders` draws them; without them the given order for all.
@@ -87,22 +87,21 @@ def tracks(
     """
     from .loop import loop_of  # slow to load
 
-    _check(criteria, feeling, orders)
+    _check(criteria, table, orders)
     made = TrackBatch.blank(criteria.shape)
     orders = rule.orders(1, None) if orders is None else orders
-    none = np.zeros(0), np.zeros((1, 0))
-    table = none if feeling is None else (feeling.levels, feeling.felt)
+    felt = (np.zeros(0), np.zeros((1, 0))) if table is None else (table.levels, table.felt)
     marks = np.full(criteria.shape, np.nan)
     results = made.levels, made.answers, marks, made.endings, made.thresholds
-    loop_of(rule.transition)((_arrays(rule.numbers), orders), table, criteria, results)
+    loop_of(rule.transition)((_arrays(rule.numbers), orders), felt, criteria, results)
     made.thresholds[made.endings >= CENSORED] = np.nan
     return made
 
 
-def _check(criteria: Array, feeling: Feeling | None, orders: Array | None) -> None:
+def _check(criteria: Array, table: LevelTable | None, orders: Array | None) -> None:
     found = np.shape(criteria)
     expect(len(found) == 2 and min(found) > 0, "tracks.criteria", f"the shape {found}", "(n_sets, n_trials)")
-    for name, rows in (("feeling", None if feeling is None else feeling.felt), ("orders", orders)):
+    for name, rows in (("table", None if table is None else table.felt), ("orders", orders)):
         fits = rows is None or len(rows) in (1, len(criteria))
         expect(fits, f"tracks.{name}", f"{0 if rows is None else len(rows)} rows", f"1 or {len(criteria)}")
 

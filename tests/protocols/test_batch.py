@@ -12,7 +12,7 @@ from scipy.stats import binomtest
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols import ConstantStimuli, MethodOfLimits, Staircase, WeightedStaircase
-from tactometry.protocols.batch.answers import Feeling, criteria
+from tactometry.protocols.batch.answers import LevelTable, criteria
 from tactometry.protocols.batch.streams import stream
 from tactometry.protocols.batch.tracks import NOT_ASKED, tracks
 from tactometry.protocols.procedures.practice import Practice
@@ -47,12 +47,12 @@ def test_a_batch_is_the_rules_own_run_trial_by_trial(rule, seed, through_a_table
     rng = np.random.default_rng(seed)
     place, spread = rng.uniform(-10, 50), rng.choice([0.0, 1.0, 10.0])
     drawn, orders = place + spread * rng.standard_normal((6, 50)), rule.orders(6, rng)
-    feeling = Feeling(LEVELS, np.sort(rng.uniform(0, 40, (6, len(LEVELS))))) if through_a_table else None
-    batch = tracks(rule, drawn, feeling, orders=orders)
+    table = LevelTable(LEVELS, np.sort(rng.uniform(0, 40, (6, len(LEVELS))))) if through_a_table else None
+    batch = tracks(rule, drawn, table, orders=orders)
     for i, n in enumerate(batch.n_trials):
         levels, run = own_run(rule, orders[i], batch.answers[i, :n])
         assert batch.levels[i, :n].tolist() == levels
-        felt = np.interp(levels, LEVELS, feeling.felt[i]) if through_a_table else np.array(levels)
+        felt = np.interp(levels, LEVELS, table.felt[i]) if through_a_table else np.array(levels)
         assert np.array_equal(batch.answers[i, :n], felt > drawn[i, :n])
         assert (batch.ending(i), bool(n < 50)) == (run.ending, bool(n < 50 and run.finished))
         assert np.isnan(batch.levels[i, n:]).all()
@@ -74,7 +74,7 @@ def test_answers_are_as_frequent_as_the_function_says(shape):
 
 
 def test_a_table_of_chances_is_followed_on_its_levels_and_between():
-    chances, rng = Feeling(np.array([0.0, 10.0, 20.0]), np.array([0.1, 0.7, 0.9])), np.random.default_rng()
+    chances, rng = LevelTable(np.array([0.0, 10.0, 20.0]), np.array([0.1, 0.7, 0.9])), np.random.default_rng()
     batch = tracks(ConstantStimuli((10.0, 15.0, 25.0), 100), rng.random((1000, 300)), chances)
     for level, chance in ((10.0, 0.7), (15.0, 0.8), (25.0, 0.9)):
         assert binomtest(int(batch.answers[batch.levels == level].sum()), 100_000, chance).pvalue > 1e-4
@@ -123,7 +123,7 @@ def test_a_place_that_is_no_word_is_refused(number):
     [
         ({"criteria": np.zeros(3)}, r"tracks.criteria: found the shape \(3,\), expected \(n_sets, n_trials\)"),
         ({"orders": np.zeros((2, 4))}, "tracks.orders: found 2 rows, expected 1 or 3"),
-        ({"feeling": Feeling(LEVELS, np.zeros((2, 8)))}, "tracks.feeling: found 2 rows, expected 1 or 3"),
+        ({"table": LevelTable(LEVELS, np.zeros((2, 8)))}, "tracks.table: found 2 rows, expected 1 or 3"),
     ],
 )
 def test_what_does_not_fit_is_refused(changed, sentence):
@@ -135,11 +135,11 @@ def test_what_does_not_fit_is_refused(changed, sentence):
 @pytest.mark.parametrize(
     ("table", "sentence"),
     [
-        (([0.0, 0.0], [1.0, 2.0]), "Feeling.levels: found .* not ascending"),
-        (([0.0, 1.0], [1.0, math.nan]), "Feeling.felt"),
-        (([0.0, 1.0], [1.0, 2.0, 3.0]), r"Feeling.felt: found the shape \(3,\)"),
+        (([0.0, 0.0], [1.0, 2.0]), "LevelTable.levels: found .* not ascending"),
+        (([0.0, 1.0], [1.0, math.nan]), "LevelTable.felt"),
+        (([0.0, 1.0], [1.0, 2.0, 3.0]), r"LevelTable.felt: found the shape \(3,\)"),
     ],
 )
 def test_a_table_that_is_none_is_refused(table, sentence):
     with pytest.raises(InvalidParameter, match=sentence):
-        Feeling(*map(np.array, table))
+        LevelTable(*map(np.array, table))
