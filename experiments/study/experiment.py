@@ -2,12 +2,13 @@
 
 import itertools
 from collections import defaultdict
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property
 from math import comb
 from operator import itemgetter
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -40,6 +41,9 @@ from .procedure_table import practice_of
 from .session_plan import Key, SessionPlan, all_cells, crossing_of, key_of, places_of, stream
 from .study_file import Study
 from .task_table import DECISIONS, TaskTable, form_of, task_of
+
+if TYPE_CHECKING:
+    from tactometry.observers.raters import Rater
 
 MOST_SAMPLES = 100_000_000
 """What a stimulus may hold: 800 MB."""
@@ -149,7 +153,7 @@ class Experiment(SessionPlan):
 
         felt: dict[Meeting, Feeling] = {}
         for cell in self.cells.values():
-            met = meeting(cell.condition.stimulus, cell.condition.touch.request(cell.condition.stimulus, None, None))
+            met = _meeting_of(cell)
             if met not in felt:
                 felt[met] = self.people.feeling(cell.condition.factors, cell.modality, draws)
         return felt
@@ -169,8 +173,28 @@ class Experiment(SessionPlan):
             felt=self.felt,
             rendered=self._rendered,
             feelings=self.feelings(participant, seed),
+            rater=self._rater(participant, seed),
             shift=self._shift(participant, n_session, seed) if self.people.changes else None,
         )
+
+    def _rater(self, participant: str, seed: int) -> "Rater | None":
+        """The participant who fills in questionnaires, where the study says how."""
+        if self.people.raters is None:
+            return None
+        from tactometry.observers.raters import Rater
+
+        def draws(*words: str) -> np.random.Generator:
+            return stream(seed, participant, *words)
+
+        return Rater(self.people.raters, draws, dimensions_of(self.questionnaires), self._met_factors.__getitem__)
+
+    @cached_property
+    def _met_factors(self) -> dict[object, Mapping[str, float | str]]:
+        """The first cell of those that meet the finger in one way."""
+        factors: dict[object, Mapping[str, float | str]] = {}
+        for cell in self.cells.values():
+            factors.setdefault(_meeting_of(cell), cell.condition.factors)
+        return factors
 
     def _shift(self, participant: str, n_session: int, seed: int) -> Callable[[int, Sequence[Answer]], Shift]:
         """By how much a simulated participant is off after so many trials of a session."""
@@ -243,8 +267,21 @@ def _build(study: Study) -> Experiment:
     forms = {name: form_of(study, of.form, f"inquiries.{name}.form") for name, of in study.inquiries.items()}
     questionnaires_of(study.forms)  # those that nothing asks must be sound too
     people = population_of(study.observer, "observer")
+    experiment = Experiment(study, table, cells, practice_of(study.practice), forms, people)
     people.people.check(_levels_of(cells), "observer.people")
-    return Experiment(study, table, cells, practice_of(study.practice), forms, people)
+    if people.raters is not None:
+        people.raters.check(_levels_of(cells), dimensions_of(experiment.questionnaires), "observer.raters")
+    return experiment
+
+
+def dimensions_of(forms: Iterable[Questionnaire]) -> dict[str, dict[str, str]]:
+    """By questionnaire, to which dimension an item belongs."""
+    return {form.name: {item.id: item.dimension for item in form.items} for form in forms}
+
+
+def _meeting_of(cell: WiredCell) -> Meeting:
+    condition = cell.condition
+    return meeting(condition.stimulus, condition.touch.request(condition.stimulus, None, None))
 
 
 def _levels_of(cells: Mapping[Key, WiredCell]) -> dict[str, list[float | str]]:

@@ -15,6 +15,7 @@ from tactometry.observers.changes.kinds import CHANGES
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.kinds import OBSERVERS, USUAL
 from tactometry.observers.people import People
+from tactometry.observers.raters import Raters
 from tactometry.protocols.block_state import BlockOptions
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.questionnaire import Dimension, Item, Questionnaire
@@ -87,6 +88,7 @@ def study_tables() -> Iterator[tuple[str, KeyTable]]:
     yield from ((f"`[sensation]`, `{kind}`", _sensation_table(kind)) for kind in OF_SETUP)
     yield from _observers()
     yield "`[observer.people]`", KeyTable(People)
+    yield "`[observer.raters]`", KeyTable(Raters)
     yield from ((f"`[observer.changes.{kind}]`", KeyTable(resolve(target))) for kind, target in CHANGES.items())
     yield "`[finger]`", KeyTable(SimulatedFinger)
     yield "`[analysis]`", KeyTable(AnalysisPlan)

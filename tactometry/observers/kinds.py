@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import reduce
 from operator import add
-from typing import Any, Final, Protocol
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
 
@@ -15,6 +15,9 @@ from .changes.change import Answer, Change, Shift, Shifted
 from .changes.kinds import CHANGES
 from .decisions import Observer
 from .people import Draws, Feeling, People, SimulatedPerson, Varied
+
+if TYPE_CHECKING:
+    from .raters import Raters
 
 USUAL: Final = "signal_detection"
 """What a table that names no kind means."""
@@ -31,12 +34,13 @@ class Middle(Protocol):
 
 @dataclass(frozen=True)
 class Population:
-    """The people that participants are drawn from: their middle, how they differ from it, and how they change during a
-    session, by the kind of the change."""
+    """The people that participants are drawn from: their middle, how they differ from it, how they change during a
+    session, by the kind of the change, and how they rate, where not by how good the strength of a stimulus feels."""
 
     middle: Middle
     people: People = field(default_factory=People)
     changes: Mapping[str, Change] = field(default_factory=dict)
+    raters: "Raters | None" = None
 
     def person(self, rng: np.random.Generator) -> SimulatedPerson:
         """One of them; a middle that knows no traits draws its participant itself."""
@@ -69,7 +73,7 @@ def population_of(table: Mapping[str, Any], path: str) -> Population:
     >>> population_of({"criterion": 2.0, "people": {"criterion_sd": 0.3}}, "observer").middle.criterion
     2.0
     """
-    of_middle = {key: value for key, value in table.items() if key not in ("people", "changes")}
+    of_middle = {key: value for key, value in table.items() if key not in ("people", "changes", "raters")}
     middle: Middle = build_kind({"kind": USUAL, **of_middle}, path, OBSERVERS)
     people = build(People, table.get("people", {}), f"{path}.people")
     kind = of_middle.get("kind", USUAL)
@@ -78,7 +82,15 @@ def population_of(table: Mapping[str, Any], path: str) -> Population:
     changes = _changes_of(as_table(table.get("changes", {}), f"{path}.changes"), f"{path}.changes")
     can_change = isinstance(middle, Shifted) or not changes
     expect(can_change, f"{path}.changes", f"a table beside the kind {kind!r}, whose people do not change", "none")
-    return Population(middle, people, changes)
+    return Population(middle, people, changes, _raters_of(table, f"{path}.raters"))
+
+
+def _raters_of(table: Mapping[str, Any], path: str) -> "Raters | None":
+    if "raters" not in table:
+        return None
+    from .raters import Raters
+
+    return build(Raters, table["raters"], path)
 
 
 def _changes_of(table: Mapping[str, Any], path: str) -> dict[str, Change]:

@@ -3,7 +3,7 @@
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
-from typing import Protocol, runtime_checkable
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -38,6 +38,9 @@ from ..trials.trial import Trial
 from .emitter import render
 from .judgement import broken_condition, compliance_fields
 from .live_rig import LiveRig
+
+if TYPE_CHECKING:
+    from ..observers.raters import Rater
 
 
 class Sensation(Protocol):
@@ -98,7 +101,7 @@ class SimulatedRig(LiveRig):
     `decisions` says how each question is answered, `by_stimulus` names the stimuli that are felt by another model,
     `felt` tells in words through what, for the journal; `rendered` makes the signals where several sessions share it.
     `feelings` says how this person feels a cell, where not as the models do, `shift` by how much it is off after so
-    many trials with these answers.
+    many trials with these answers; `rater` fills in questionnaires, where not by how good the strength feels.
     Everything random of trial n comes from `rng_of(n)`, so that a session that is resumed goes on as if it had never
     stopped. Limits are checked as on a bench.
     """
@@ -116,6 +119,7 @@ class SimulatedRig(LiveRig):
     rendered: Rendering | None = None
     feelings: Mapping[Meeting, Feeling] = field(default_factory=dict)
     shift: Callable[[int, Sequence[Answer]], Shift] | None = None
+    rater: "Rater | None" = None
 
     def __post_init__(self) -> None:
         self._now_s = 0.0
@@ -130,6 +134,7 @@ class SimulatedRig(LiveRig):
         self._rng = self.rng_of(n_trials)
         self._observer = self._as_it_is(n_trials)
         self._felt: list[Felt] = []
+        self._met: Meeting | None = None
 
     def _as_it_is(self, n_trials: int) -> Observer:
         """The observer in this trial."""
@@ -152,6 +157,7 @@ class SimulatedRig(LiveRig):
     def _feel(self, request: Play | Press | Slide, contact: Contact, grip: Grip | None = None) -> str | None:
         """The digest of what is felt; None of a blank."""
         stimulus, level = request.stimulus, request.level
+        self._met = meeting(stimulus, request)
         if level is None:
             self._felt.append(Felt(stimulus, float("-inf")))
             return None
@@ -245,9 +251,14 @@ class SimulatedRig(LiveRig):
         return Rated(value if request.high is None else min(value, request.high), *self._timing(1))
 
     def _fill(self, request: Fill) -> Filled:
-        signs = [-1 if question.reversed else 1 for question in request.questions]
-        values = tuple(_value_of(sign * self._liking(), request) for sign in signs)
+        values = tuple(_value_of(place, request) for place in self._places(request))
         return Filled(values, *self._timing(len(values)))
+
+    def _places(self, request: Fill) -> list[float]:
+        """The answers to a page, from -1 (left) to 1 (right)."""
+        if self.rater is not None:
+            return self.rater.answers(request, self._met, self._liking(), self._rng)
+        return [(-1 if question.reversed else 1) * self._liking() for question in request.questions]
 
     def _liking(self) -> float:
         return self._observer.liking(self._last_db(), self._rng)

@@ -1,0 +1,140 @@
+"""How people fill in questionnaires: attitudes by dimension and stimulus, the loadings of items, noise and a style."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from math import exp
+
+import numpy as np
+
+from ..arguments.require import finite, not_negative, within
+from ..config.strict import check_keys
+from ..session.request import Fill
+from ..trials.cells import cell as cell_text
+from .people import Draws
+
+Factors = Mapping[str, float | str]
+
+
+@dataclass(frozen=True)
+class Raters:
+    """How people rate: the keys of `[observer.raters]`. An attitude is a number from -1 (the bad end) to 1 (the good).
+
+    To an item of loading l of a dimension, whose good end is on the right (s = 1) or on the left (s = -1), the answer
+    is ``extremity s (l attitude + noise z) + acquiescence``, z standard normal: a common factor model, as Bollen,
+    Structural Equations with Latent Variables (1989), chapter 7. An attitude is the sum of the stated effects, of
+    `liking` times how good the strength of the stimulus feels, and of what is this person's own in general, of the
+    dimension, and of the dimension of that stimulus. All numbers are unverified defaults.
+
+    Parameters
+    ----------
+    loading : float
+        Of every item that `loadings` does not name.
+    loadings : mapping of str to float
+        By item.
+    noise : float
+        Standard deviation of an item's own noise.
+    liking : float
+        Weight of how good the strength of the stimulus feels, which the observer says.
+    attitude_sd, dimension_sd, stimulus_sd : float
+        Between people: of their attitude to everything, to a dimension, and to a dimension of a stimulus.
+    extremity_cv, acquiescence_sd : float
+        Between people: of the factor by which they use the scale, on a logarithmic scale, and of what they answer
+        further to the right, whatever is asked.
+    effects : mapping of str to mapping of str to mapping of str to float
+        What a level of a factor adds to everybody's attitude, by factor, level and dimension.
+
+    Raises
+    ------
+    InvalidParameter
+        If a spread is negative, a loading not from -1 to 1, or a number not finite.
+    """
+
+    loading: float = 0.8
+    loadings: dict[str, float] = field(default_factory=dict)
+    noise: float = 0.3
+    liking: float = 0.3
+    attitude_sd: float = 0.15
+    dimension_sd: float = 0.15
+    stimulus_sd: float = 0.2
+    extremity_cv: float = 0.2
+    acquiescence_sd: float = 0.1
+    effects: dict[str, dict[str, dict[str, float]]] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        owner = "Raters"
+        within(owner, -1, 1, loading=self.loading)
+        within(f"{owner}.loadings", -1, 1, **self.loadings)
+        finite(owner, liking=self.liking)
+        not_negative(owner, noise=self.noise, attitude_sd=self.attitude_sd, dimension_sd=self.dimension_sd)
+        not_negative(owner, stimulus_sd=self.stimulus_sd, extremity_cv=self.extremity_cv)
+        not_negative(owner, acquiescence_sd=self.acquiescence_sd)
+        for factor, of_factor in self.effects.items():
+            for level, of_level in of_factor.items():
+                finite(f"{owner}.effects.{factor}.{level}", **of_level)
+
+    def check(
+        self, factors: Mapping[str, Sequence[float | str]], dimension_of: Mapping[str, Mapping[str, str]], path: str
+    ) -> None:
+        """Refuse what names no factor, level, item or dimension of a study.
+
+        Raises
+        ------
+        InvalidParameter
+            At the first; `path` opens the sentence.
+        """
+        items = {item: name for of_form in dimension_of.values() for item, name in of_form.items()}
+        check_keys(self.loadings, items, f"{path}.loadings", "item")
+        check_keys(self.effects, factors, f"{path}.effects", "factor")
+        dimensions = list(dict.fromkeys(items.values()))
+        for name, of_factor in self.effects.items():
+            check_keys(of_factor, list(map(cell_text, factors[name])), f"{path}.effects.{name}", "level")
+            for level, of_level in of_factor.items():
+                check_keys(of_level, dimensions, f"{path}.effects.{name}.{level}", "dimension")
+
+    def attitude(self, dimension: str, factors: Factors, draws: Draws) -> float:
+        """Of the person of these streams, to a dimension of the stimulus of a cell; without factors, to no stimulus."""
+        levels = {name: cell_text(level) for name, level in factors.items()}
+        of_everybody = sum(
+            self.effects.get(name, {}).get(text, {}).get(dimension, 0.0) for name, text in levels.items()
+        )
+        cell = ", ".join(f"{name}={levels[name]}" for name in sorted(levels))
+        spreads = (
+            (self.attitude_sd, ("attitude",)),
+            (self.dimension_sd, ("attitude", dimension)),
+            (self.stimulus_sd if levels else 0.0, ("attitude", dimension, cell)),
+        )
+        return of_everybody + sum(sd * float(draws(*words).standard_normal()) for sd, words in spreads if sd)
+
+
+@dataclass(frozen=True)
+class Rater:
+    """One person who rates, by what `draws` gives; `dimension_of` says by questionnaire to which dimension an item
+    belongs, `factors_of` the cell of what was felt."""
+
+    raters: Raters
+    draws: Draws
+    dimension_of: Mapping[str, Mapping[str, str]]
+    factors_of: Callable[[object], Factors]
+
+    @property
+    def extremity(self) -> float:
+        return exp(self.raters.extremity_cv * float(self.draws("extremity").standard_normal()))
+
+    @property
+    def acquiescence(self) -> float:
+        return self.raters.acquiescence_sd * float(self.draws("acquiescence").standard_normal())
+
+    def answers(self, request: Fill, met: object, liking: float, rng: np.random.Generator) -> list[float]:
+        """To each question of a page a place from -1 (left) to 1 (right); `met` is what was felt, or None."""
+        factors: Factors = {} if met is None else self.factors_of(met)
+        of_item = self.dimension_of[request.form]
+        names = {of_item[question.item] for question in request.questions}
+        attitudes = {name: self.raters.attitude(name, factors, self.draws) for name in sorted(names)}
+        liked = self.raters.liking * liking if factors else 0.0
+        extremity, acquiescence = self.extremity, self.acquiescence
+        answers = []
+        for question, z in zip(request.questions, rng.standard_normal(len(request.questions)).tolist(), strict=True):
+            loading = self.raters.loadings.get(question.item, self.raters.loading)
+            felt = loading * (attitudes[of_item[question.item]] + liked) + self.raters.noise * z
+            answers.append(extremity * (-felt if question.reversed else felt) + acquiescence)
+        return [min(max(answer, -1.0), 1.0) for answer in answers]

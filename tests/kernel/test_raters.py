@@ -1,0 +1,135 @@
+"""Raters of questionnaires: answers follow the common factor model that is stated, dimension by dimension."""
+
+import numpy as np
+import pytest
+from scipy.stats import chi2, norm
+
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.sessions.in_memory import simulated_trials
+from tactometry.experiments.sessions.recording import Who
+from tactometry.experiments.study.experiment import dimensions_of, wire
+from tactometry.experiments.study.session_plan import stream
+from tactometry.experiments.study.study_file import builtin, parse
+from tactometry.observers.raters import Rater, Raters
+from tactometry.protocols.tasks.rating import pages
+from tactometry.questionnaire import load
+
+ALPHA, N = 1e-4, 2000
+FORM = load("attrakdiff")
+PAGES = pages(FORM, FORM.items)
+PATTERNS = builtin()["time-reversal-patterns"].read_bytes()
+CELL = {"pattern": "P3"}
+STILL = {"attitude_sd": 0.0, "dimension_sd": 0.0, "stimulus_sd": 0.0, "extremity_cv": 0.0, "acquiescence_sd": 0.0}
+
+
+def rater(person=0, **keys):
+    raters = Raters(**{**STILL, "liking": 0.0, "noise": 0.0, **keys})
+    draws = lambda *words: stream(5, f"P{person}", *words)  # noqa: E731
+    return Rater(raters, draws, dimensions_of([FORM]), {1: CELL}.__getitem__)
+
+
+def places(one, met=1, liking=0.0, rng=None):
+    """By item, from -1 (the bad end) to 1 (the good end)."""
+    rng = rng or np.random.default_rng(0)
+    found = {}
+    for page in PAGES:
+        answers = one.answers(page, met, liking, rng)
+        found |= {q.item: -a if q.reversed else a for q, a in zip(page.questions, answers, strict=True)}
+    return found
+
+
+def within_sd(values, sd):
+    low, high = chi2.ppf([ALPHA / 2, 1 - ALPHA / 2], len(values) - 1)
+    return low <= (len(values) - 1) * np.var(values, ddof=1) / sd**2 <= high
+
+
+def test_an_effect_is_answered_in_its_dimension_alone_with_the_loading_of_each_item():
+    one = rater(effects={"pattern": {"P3": {"HQS": 0.5}, "P1": {"PQ": 1.0}}}, loadings={"HQS2": -0.4})
+    for item, place in places(one).items():
+        loading = {"HQS2": -0.4}.get(item, 0.8)
+        assert place == pytest.approx(0.5 * loading if item.startswith("HQS") else 0.0)
+
+
+def test_without_a_stimulus_no_effect_is_answered():
+    one = rater(effects={"pattern": {"P3": {"HQS": 0.5}}}, liking=1.0)
+    assert set(places(one, met=None, liking=1.0).values()) == {0.0}
+
+
+def test_a_strength_that_feels_good_is_liked_by_its_weight():
+    assert set(places(rater(liking=0.5), liking=0.5).values()) == {0.2}
+
+
+def test_an_acquiescent_person_answers_to_the_right_of_every_item():
+    one = rater(acquiescence_sd=0.2)
+    right = {answer for page in PAGES for answer in one.answers(page, 1, 0.0, np.random.default_rng(0))}
+    assert right == {one.acquiescence}
+
+
+def test_people_have_the_spreads_that_are_stated():
+    attitudes = np.array(
+        [
+            [
+                rater(n, attitude_sd=0.2).raters.attitude("ATT", CELL, rater(n).draws),
+                rater(n, dimension_sd=0.1).raters.attitude("ATT", CELL, rater(n).draws),
+                rater(n, stimulus_sd=0.3).raters.attitude("ATT", CELL, rater(n).draws),
+                rater(n, acquiescence_sd=0.1).acquiescence,
+                np.log(rater(n, extremity_cv=0.4).extremity),
+            ]
+            for n in range(N)
+        ]
+    )
+    for values, sd in zip(attitudes.T, (0.2, 0.1, 0.3, 0.1, 0.4), strict=True):
+        assert within_sd(values, sd)
+        assert abs(values.mean()) <= norm.isf(ALPHA / 2) * sd / np.sqrt(N)
+
+
+def test_items_of_a_dimension_correlate_as_their_loadings_say():
+    """Two items of loading l, noise e and attitude a have the covariance l^2 a^2, those of two dimensions none."""
+    rng = np.random.default_rng()
+    answers = [places(rater(n, dimension_sd=0.2, noise=0.1), rng=rng) for n in range(N)]
+    att, att2, pq = (np.array([answer[item] for answer in answers]) for item in ("ATT1", "ATT2", "PQ1"))
+    rho = 0.64 * 0.04 / (0.64 * 0.04 + 0.01)
+    bound = norm.isf(ALPHA / 2) / np.sqrt(N - 3)
+    assert abs(np.arctanh(np.corrcoef(att, att2)[0, 1]) - np.arctanh(rho)) <= bound
+    assert abs(np.arctanh(np.corrcoef(att, pq)[0, 1])) <= bound
+    assert within_sd(att, np.sqrt(0.64 * 0.04 + 0.01))
+
+
+def test_dimensions_of_a_simulated_study_differ_as_it_says():
+    """An effect of 2/3 is 2 of the 3 points of the scale above its middle, by hand."""
+    still = "\n".join(f"{key} = 0.0" for key in (*STILL, "liking", "noise"))
+    effects = "[observer.raters.effects.pattern]\nP0 = { ATT = -0.6667, HQS = 0.3333 }\nP3 = { ATT = 0.6667 }\n"
+    head = PATTERNS.partition(b"[observer]")[0].decode()
+    toml = f"{head}[observer.raters]\nloading = 1.0\n{still}\n{effects}".encode()
+    rows = simulated_trials(wire(parse(toml, "study"), "study"), [Who("P01", seed=1)]).rows
+    rows = rows[rows["valid"].astype(bool) & rows["item"].notna()]
+    scores = {
+        pattern: FORM.scores({item: float(raw) for item, raw in zip(of["item"], of["response"], strict=True)})
+        for pattern, of in rows.groupby("pattern")
+    }
+    assert [scores[name]["ATT"] for name in ("P0", "P3", "P1")] == [-2.0, 2.0, 0.0]
+    assert {scores[name]["HQI"] for name in scores} == {0.0}
+    assert [scores[name]["HQS"] for name in ("P0", "P3")] == [1.0, 0.0]
+
+
+def test_a_study_without_raters_does_not_know_them():
+    experiment = wire(parse(PATTERNS.partition(b"[observer]")[0], "study"), "study")
+    assert experiment.simulated_rig("P01", 1, 1).rater is None
+
+
+@pytest.mark.parametrize(
+    ("raters", "sentence"),
+    [
+        ("noise = -1.0", "observer.raters.noise: found -1"),
+        ("loadings = { Q9 = 0.5 }", "observer.raters.loadings.Q9: found an unknown item"),
+        ("loadings = { PQ1 = 1.5 }", "observer.raters.loadings"),
+        ("effects.pattern.P9 = { ATT = 1.0 }", "observer.raters.effects.pattern.P9: found an unknown level"),
+        ("effects.pattern.P3 = { XX = 1.0 }", "observer.raters.effects.pattern.P3.XX: found an unknown dimension"),
+        ("effects.size.P3 = { ATT = 1.0 }", "observer.raters.effects.size: found an unknown factor"),
+    ],
+)
+def test_raters_that_a_study_cannot_have_are_refused(raters, sentence):
+    toml = PATTERNS.partition(b"[observer]")[0] + f"[observer.raters]\n{raters}\n".encode()
+    with pytest.raises((InvalidFile, InvalidParameter)) as error:
+        wire(parse(toml, "study"), "study")
+    assert sentence in str(error.value)
