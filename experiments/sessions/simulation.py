@@ -6,7 +6,6 @@ from functools import lru_cache
 from pathlib import Path
 
 from tactometry.arguments.require import expect
-from tactometry.errors import DeviceFailed
 from tactometry.records.head import LARGEST_SEED
 
 from ..study.experiment import Experiment, wire
@@ -14,6 +13,7 @@ from ..study.rehearsal import flaw
 from ..study.session_plan import all_sessions
 from ..study.study_file import parse
 from .recording import Recorded, Who, record, simulated
+from .workers import workers
 
 MOST_PARTICIPANTS = 100_000
 
@@ -68,35 +68,5 @@ def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None =
     """
     # Once and here: a study that is refused starts no process and no session.
     flaw(simulation.experiment(), simulation.root)
-    if scheduler is not None:
-        yield from _on_cluster(simulation, scheduler)
-    elif n_jobs == 1:
-        yield from map(simulation.record, simulation.sessions())
-    else:
-        yield from _parallel(simulation, n_jobs)
-
-
-def _parallel(simulation: Simulation, n_jobs: int) -> Iterator[Recorded]:
-    import joblib
-
-    calls = map(joblib.delayed(simulation.record), simulation.sessions())
-    yield from joblib.Parallel(n_jobs=n_jobs, return_as="generator")(calls)
-
-
-def _on_cluster(simulation: Simulation, scheduler: str) -> Iterator[Recorded]:
-    try:
-        import distributed
-        import joblib
-    except ImportError:
-        raise DeviceFailed(
-            "--scheduler: the package distributed is not installed, expected the extra: pip install tactometry[cluster]"
-        ) from None
-    try:
-        client = distributed.Client(scheduler, timeout=10)
-    except (OSError, ValueError, TypeError) as error:
-        raise DeviceFailed(
-            f"--scheduler: no Dask scheduler answers at {scheduler!r} ({error}), expected an address such as "
-            "tcp://host:8786"
-        ) from None
-    with client, joblib.parallel_config(backend="dask", wait_for_workers_timeout=30):
-        yield from _parallel(simulation, -1)
+    with workers(n_jobs, scheduler) as spread:
+        yield from spread(simulation.record, simulation.sessions())

@@ -20,6 +20,7 @@ COMMANDS = {
     "new": ("tactometry.cli.studies:new", "A copy of a built-in study file to edit."),
     "run": ("tactometry.cli.run:command", "Run a session: bench, console or simulated participant."),
     "simulate": ("tactometry.cli.simulate:simulate", "Run a study with simulated participants."),
+    "power": ("tactometry.cli.power:command", "How often a study would find an effect: power by simulation."),
     "replay": ("tactometry.cli.data_sets:replay", "Feed recorded answers back; name the first divergence."),
     "validate": ("tactometry.cli.data_sets:validate", "Is this a sound data set? Every defect, with file and row."),
     "rebuild": ("tactometry.cli.data_sets:rebuild", "Trials and events files, written anew from the journals."),
@@ -83,7 +84,7 @@ def main(arguments: list[str] | None = None) -> None:
         with private():
             status = tactometry.main(words or ["--help"], prog_name="tactometry", standalone_mode=False)
     except (click.Abort, KeyboardInterrupt):
-        way = ": go on with --resume" if words[:1] in (["run"], ["simulate"]) else ""
+        way = ": go on with --resume" if words[:1] in (["run"], ["simulate"], ["power"]) else ""
         status = _complain(f"interrupted; what was recorded is safe{way}", 130)
     except click.ClickException as error:
         status = _complain(f"{_where(error)}{error.format_message()}", 2)

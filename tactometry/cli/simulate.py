@@ -7,12 +7,12 @@ from typing import Any
 import click
 
 from tactometry.experiments.sessions.simulation import Simulation, simulate as sessions_of
+from tactometry.experiments.sessions.workers import check_workers
 from tactometry.experiments.study.contact_loss import pulled_fingers
 from tactometry.experiments.study.dry_run import felt_of
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load, parse
 
-from ..arguments.require import expect
 from ..errors import count_of
 from .output import path_option, progress, say, subcommand
 
@@ -41,8 +41,7 @@ def simulate(
     explain: bool,
 ) -> None:
     """Run STUDY (a built-in name or a path) with simulated participants."""
-    is_number = n_jobs == 1 if scheduler else n_jobs >= 1 or n_jobs == -1
-    expect(is_number, "--jobs", n_jobs, "at least 1, or -1 for all cores; or --scheduler alone")
+    check_workers(n_jobs, scheduler)
     _, content = load(study)
     simulation = Simulation(content, study, out, n_participants, seed, resume)
     sessions = sessions_of(simulation, n_jobs=n_jobs, scheduler=scheduler)

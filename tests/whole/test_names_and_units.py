@@ -48,6 +48,9 @@ BARE = {
     "tuft_depth": "a share of a force",
     "phase": "a position in a cycle, 0 to 1",
     "phases": "positions in a cycle, 0 to 1",
+    "power": "of a test: a probability",
+    "power_low": "the lower bound of that power",
+    "power_high": "the upper bound of that power",
     "width_in": "of a figure, in inches, which matplotlib takes",
 }
 DRAWN = ("tactometry/rigs/pages/layout.py", "tactometry/rigs/pages/page.py", "tactometry/rigs/window.py")

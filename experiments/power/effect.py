@@ -1,0 +1,138 @@
+"""The effect that a study is to find: how much more or less is needed, or felt, at the levels of a factor."""
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import isfinite
+from typing import Final
+
+import numpy as np
+
+from tactometry.arguments.require import expect
+from tactometry.errors import InvalidParameter, nearest
+from tactometry.trials.cells import cell as cell_text
+
+from ..study.study_file import Study
+
+OF_SENSATION: Final = "dB SL"
+"""The unit of an effect on what is felt: decibels of sensation level."""
+WHERE: Final = "--effect"
+EXAMPLES: Final = "an effect such as 'force_n: 2 dB', 'force_n: 3 dB SL' or 'pattern: P1 = 3 dB, P4 = 1 dB'"
+_QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
+
+
+@dataclass(frozen=True)
+class StatedEffect:
+    """What changes between the levels of a factor.
+
+    Parameters
+    ----------
+    factor : str
+    unit : str
+        ``"dB SL"``: so much more is felt; any other is that of the levels: so much higher is the threshold.
+    change : float or None
+        From the first level to the last, in equal steps, half of it below zero.
+    by_level : tuple of (str, float)
+        In place of `change`: levels with what changes there; nothing does at the others.
+    """
+
+    factor: str
+    unit: str
+    change: float | None = None
+    by_level: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def is_felt(self) -> bool:
+        """Whether it is one of sensation, not of the levels."""
+        return self.unit == OF_SENSATION
+
+    def of_levels(self, levels: Sequence[float | str]) -> dict[str, float]:
+        """What changes at each level of the factor, in its unit.
+
+        >>> StatedEffect("force_n", "dB", 2.0).of_levels((0.5, 1.5, 3.0))
+        {'0.5': -1.0, '1.5': 0.0, '3': 1.0}
+        >>> StatedEffect("pattern", "dB", by_level=(("P1", 3.0),)).of_levels(("P0", "P1"))
+        {'P0': 0.0, 'P1': 3.0}
+        """
+        names = [cell_text(level) for level in levels]
+        if self.change is None:
+            return dict.fromkeys(names, 0.0) | dict(self.by_level)
+        steps = np.linspace(-0.5, 0.5, len(names)) * self.change
+        return dict(zip(names, steps.tolist(), strict=True))
+
+    def words(self) -> str:
+        """As it is written.
+
+        >>> StatedEffect("force_n", "dB", 2.0).words()
+        'force_n: 2 dB'
+        >>> StatedEffect("p", "dB SL", None, (("a", 1.0), ("b", -2.0))).words()
+        'p: a = 1 dB SL, b = -2 dB SL'
+        """
+        named = ", ".join(f"{name} = {value:g} {self.unit}" for name, value in self.by_level)
+        return f"{self.factor}: {named if self.change is None else f'{self.change:g} {self.unit}'}"
+
+
+def parse_effect(text: str) -> StatedEffect:
+    """An effect as it is written on the command line.
+
+    Raises
+    ------
+    InvalidParameter
+        If it is none: one sentence with what was found and expected.
+
+    >>> parse_effect("force_n: 2 dB")
+    StatedEffect(factor='force_n', unit='dB', change=2.0, by_level=())
+    >>> parse_effect("pattern: P1 = 3 dB, P4 = 1 dB").by_level
+    (('P1', 3.0), ('P4', 1.0))
+    """
+    factor, colon, rest = (part.strip() for part in text.partition(":"))
+    expect(bool(factor and colon and rest), WHERE, repr(text), EXAMPLES)
+    if "=" not in rest:
+        change, unit = _quantity(rest, text)
+        return StatedEffect(factor, unit, change)
+    by_level: dict[str, float] = {}
+    units = []
+    for part in rest.split(","):
+        level, equals, quantity = (word.strip() for word in part.partition("="))
+        expect(bool(level and equals), WHERE, repr(text), EXAMPLES)
+        expect(level not in by_level, WHERE, f"{level!r} twice", "each level once")
+        by_level[level], unit = _quantity(quantity, text)
+        units.append(unit)
+    expect(
+        len(set(units)) == 1, WHERE, f"{' and '.join(dict.fromkeys(units))} in one effect", "one unit for all levels"
+    )
+    return StatedEffect(factor, units[0], by_level=tuple(by_level.items()))
+
+
+def _quantity(words: str, text: str) -> tuple[float, str]:
+    match = _QUANTITY.fullmatch(words.strip())
+    expect(match is not None, WHERE, repr(text), EXAMPLES)
+    assert match is not None
+    value, unit = float(match[1]), " ".join((match[2] or "").split())
+    expect(bool(unit), WHERE, f"{words!r}, a number without a unit", EXAMPLES)
+    expect(isfinite(value), WHERE, repr(words), "a finite number")
+    return value, unit
+
+
+def check_effect(effect: StatedEffect, study: Study) -> None:
+    """Refuse an effect that a study cannot have.
+
+    Raises
+    ------
+    InvalidParameter
+        If the study has no such factor or level, the factor has one level alone, or nothing changes.
+    """
+    factors = study.factors
+    if effect.factor not in factors:
+        known = ", ".join(factors) or "it has none"
+        hint = nearest(effect.factor, factors)
+        raise InvalidParameter(f"{WHERE}: found {effect.factor!r}, expected a factor of the study ({known}){hint}")
+    levels = [cell_text(level) for level in factors[effect.factor]]
+    one = f"the factor {effect.factor!r} with one level ({levels[0]})"
+    expect(len(levels) > 1, WHERE, one, "a factor with two levels or more, of which they can differ")
+    for name, _ in effect.by_level:
+        if name not in levels:
+            expected = f"a level of {effect.factor} ({', '.join(levels)})"
+            raise InvalidParameter(f"{WHERE}: found {name!r}, expected {expected}{nearest(name, levels)}")
+    changes = effect.of_levels(factors[effect.factor]).values()
+    expect(len(set(changes)) > 1, WHERE, f"{effect.words()!r}, where no level differs", "an effect other than 0")

@@ -1,0 +1,119 @@
+"""The folder of a power analysis: what was asked, what each simulated study gave, batch by batch, and the results."""
+
+import io
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass, fields
+from pathlib import Path
+from typing import Any, Final
+
+import pyarrow as pa
+from pyarrow import parquet
+
+from tactometry.errors import InvalidFile
+from tactometry.files.durable import make_folder, read_file, write_atomically
+from tactometry.files.rows import write_records
+from tactometry.provenance import sha256, versions
+
+from .design import PowerDesign
+from .replicate import Row
+from .sampling import Batch
+from .summary import PowerEstimate
+
+ASKED, STUDY, STUDIES, TABLE = "asked.json", "study.toml", "studies", "power.csv"
+_TYPES: Final = {int: pa.int64(), bool: pa.bool_(), float: pa.float64(), float | None: pa.float64()}
+SCHEMA: Final = pa.schema([(field.name, _TYPES[field.type]) for field in fields(Row)])  # type: ignore[index]
+
+
+def asked(design: PowerDesign) -> dict[str, Any]:
+    """Everything that the results follow from, beside the bytes of the study and the versions."""
+    return {
+        "study": design.where,
+        "study_sha256": sha256(design.study_toml),
+        "effect": design.effect.words(),
+        "participants": list(design.participants),
+        "trials": list(design.trials),
+        "seed": design.seed,
+        "target": design.target,
+        "alpha": design.alpha,
+        "precision": design.precision,
+        "most": design.most,
+        "batch": design.batch,
+        "dropout_share": design.dropout_share,
+        "dependent": design.dependent,
+    }
+
+
+@dataclass(frozen=True)
+class Folder:
+    """A folder of one power analysis."""
+
+    root: Path
+
+    @classmethod
+    def prepared(cls, root: Path, design: PowerDesign, *, resume: bool) -> "Folder":
+        """The folder with what is asked; with `resume` one that an earlier run of the same left.
+
+        Raises
+        ------
+        InvalidFile
+            If it holds a power analysis already and `resume` is not given, or another one.
+        """
+        path, wanted = root / ASKED, asked(design)
+        if path.exists():
+            held = _read(path)
+            other = [name for name, value in wanted.items() if held.get(name) != value]
+            if other:
+                name = other[0]
+                raise InvalidFile(
+                    f"{path}: found {name} {held.get(name)!r}, expected {wanted[name]!r} as asked; give another --out"
+                )
+            if not resume:
+                raise InvalidFile(f"{root}: found this power analysis, expected none; go on with --resume")
+        make_folder(root / STUDIES)
+        write_atomically(root / STUDY, design.study_toml)
+        write_atomically(path, json.dumps({**wanted, "versions": versions()}, indent=2).encode() + b"\n")
+        return cls(root)
+
+    def kept(self, batch: Batch) -> tuple[Row, ...] | None:
+        """The rows of a batch, or None where there are none.
+
+        Raises
+        ------
+        InvalidFile
+            If its file is damaged.
+        """
+        path = self._path(batch)
+        if not path.exists():
+            return None
+        content = read_file(path, "a table of simulated studies")
+        try:
+            rows = parquet.read_table(io.BytesIO(content), schema=SCHEMA).to_pylist()
+            return tuple(Row(**row) for row in rows)
+        except (pa.ArrowException, TypeError, KeyError, OSError) as damage:
+            reason = " ".join(str(damage).split())
+            raise InvalidFile(
+                f"{path}: cannot be read ({reason:.80}), expected a batch; remove it, then --resume"
+            ) from None
+
+    def keep(self, batch: Batch, rows: Sequence[Row]) -> None:
+        """Write a batch, whole or not at all; the same rows give the same bytes."""
+        content = io.BytesIO()
+        parquet.write_table(pa.Table.from_pylist([asdict(row) for row in rows], schema=SCHEMA), content)
+        write_atomically(self._path(batch), content.getvalue())
+
+    def write_table(self, points: Sequence[PowerEstimate]) -> None:
+        write_records(PowerEstimate, points, self.root / TABLE)
+
+    def _path(self, batch: Batch) -> Path:
+        return self.root / STUDIES / f"{batch.name}.parquet"
+
+
+def _read(path: Path) -> dict[str, Any]:
+    try:
+        held = json.loads(read_file(path, "what a power analysis was asked"))
+    except ValueError:
+        held = None
+    if not isinstance(held, dict):
+        raise InvalidFile(f"{path}: found no JSON object, expected what a power analysis was asked; give another --out")
+    return held

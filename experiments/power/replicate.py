@@ -1,0 +1,230 @@
+"""One study, simulated and tested for each number of participants: a row each."""
+
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.outcomes.findings import FORCE, Outcome, Primary
+from tactometry.analysis.outcomes.outcome import MEASURED, outcome
+from tactometry.analysis.outcomes.ratings import ratings
+from tactometry.analysis.plan import AnalysisPlan
+from tactometry.analysis.reading.quality import exclude, quality
+from tactometry.analysis.reading.trials import Trials, used_rows
+from tactometry.analysis.tasks import cells
+from tactometry.analysis.tasks.applied_force import force_of_participants, has_force
+from tactometry.analysis.tasks.kinds import RESULTS
+from tactometry.records.head import LARGEST_SEED
+from tactometry.trials.tasks import FORM_TASK
+
+from ..sessions.in_memory import simulated_trials
+from ..sessions.recording import Who
+from ..study.dry_run import ITEM_S
+from ..study.experiment import Experiment
+from ..study.session_plan import all_sessions, stream
+from .design import Case, PowerDesign
+from .scenario import experiment_of, plan_of_study
+
+P_COLUMNS: Final = ("p_CM_corr", "p", "p_permutation")
+"""What an analysis reports of an effect: the first that its table has."""
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one simulated study gave, with so many participants.
+
+    `n_trials` is 0 where the study's own number stands. `p` is missing where no test had an answer, which counts as not
+    significant. `found` is the effect as the data have it, in the unit of the dependent value; `width` the mean width
+    of the intervals of its values; `n_cells` are participants times conditions, `n_unknown` of them have no value
+    but a bound at most. `n_left_out` participants are not in the test.
+    """
+
+    n_trials: int
+    has_effect: bool
+    replicate: int
+    n_participants: int
+    p: float | None
+    significant: bool
+    found: float | None
+    width: float | None
+    n_cells: int
+    n_unknown: int
+    n_left_out: int
+    minutes: float
+
+
+def replicate(design: PowerDesign, case: Case, number: int) -> tuple[Row, ...]:
+    """The rows of study `number` of a case: a pure function of its arguments, wherever it is computed.
+
+    Studies of one number share their people, orders and noise in all cases.
+    """
+    experiment = experiment_of(design, case)
+    plan = plan_of_study(experiment.study)
+    trials = simulated(design, experiment, seed_of(design.seed, number))
+    every = _Compared(design, experiment, plan, trials)
+    return tuple(every.row(case, number, n) for n in design.participants)
+
+
+def seed_of(seed: int, number: int) -> int:
+    """The seed of a simulated study: streams of other studies and of other uses are independent.
+
+    >>> len({seed_of(1, number) for number in range(1000)})
+    1000
+    """
+    (word,) = np.random.SeedSequence(seed, spawn_key=(number,)).generate_state(1, np.uint64)
+    return int(word) & LARGEST_SEED
+
+
+def codes(n: int) -> list[str]:
+    """Of the participants, the same however many there are."""
+    return [f"P{number:03d}" for number in range(1, n + 1)]
+
+
+def simulated(design: PowerDesign, experiment: Experiment, seed: int) -> Trials:
+    """The largest study, without what was to come of those who left."""
+    study = experiment.study
+    sessions = [
+        Who(code, session, seed=seed)
+        for number, code in enumerate(codes(design.n_participants), 1)
+        for session in range(1, len(all_sessions(study, None, number, seed)) + 1)
+    ]
+    trials = simulated_trials(experiment, sessions)
+    if not design.dropout_share:
+        return trials
+    stays = [_stays(rows, design.dropout_share, seed, str(code)) for code, rows in _by_participant(trials.rows)]
+    return replace(trials, rows=pd.concat(stays, ignore_index=True))
+
+
+def _stays(rows: pd.DataFrame, share: float, seed: int, code: str) -> pd.DataFrame:
+    leaves, place = stream(seed, code, "dropout").random(2)
+    return rows.iloc[: int(place * len(rows))] if leaves < share else rows
+
+
+def _by_participant(rows: pd.DataFrame) -> Any:
+    return rows.groupby("participant", sort=True)
+
+
+class _Compared:
+    """A simulated study whose values are estimated once, and tested for each number of participants."""
+
+    def __init__(self, design: PowerDesign, experiment: Experiment, plan: AnalysisPlan, everything: Trials) -> None:
+        self.design, self.experiment, self.plan, self.everything = design, experiment, plan, everything
+        self.trials, _ = exclude(everything, plan.exclusion, quality(everything))
+        self.task = experiment.table.kind
+        self.used = used_rows(self.trials)
+        self.minutes = _minutes(everything.rows, experiment)
+        self.values = pd.DataFrame() if self.task == FORM_TASK else self._values()
+
+    def _values(self) -> pd.DataFrame:
+        """A row per participant and condition: a threshold, a setting, a rate."""
+        factors = self.trials.factors
+        if self.task in RESULTS:
+            results = RESULTS[self.task]
+            of_task = self.used[self.used["task"] == self.task]
+            return results.tables[results.compared or self.task](of_task, factors)
+        every = cells.cells(cells.counted_answers(cells.judgements(self.used)), factors)
+        unit = cells.level_unit(self.trials)
+        return cells.estimate_table(cells.estimates(every, cells.n_alternatives(self.trials), unit), factors, unit)
+
+    def row(self, case: Case, number: int, n: int) -> Row:
+        """Of the first `n` participants."""
+        these = set(codes(n))
+        tested = self._outcome(these)
+        values = pd.DataFrame() if tested is None else tested.estimates
+        known = values[tested.dependent].notna() if tested is not None else pd.Series(dtype=bool)
+        p = None if tested is None else p_of(tested, self.design.effect.factor)
+        has_any = set() if tested is None else set(values.loc[known, "participant"])
+        return Row(
+            n_trials=case.n_trials or 0,
+            has_effect=case.has_effect,
+            replicate=number,
+            n_participants=n,
+            p=p,
+            significant=p is not None and p < self.design.alpha,
+            found=None if tested is None else self._found(tested),
+            width=None if tested is None else _width(values, tested.dependent),
+            n_cells=n * self._n_conditions(),
+            n_unknown=n * self._n_conditions() - int(known.sum()),
+            n_left_out=n - len(has_any),
+            minutes=float(self.minutes[[code for code in these if code in self.minutes]].mean()),
+        )
+
+    def _n_conditions(self) -> int:
+        """Of one participant."""
+        study, over = self.experiment.study, self.experiment.table.over
+        kept = [levels for name, levels in study.factors.items() if name != over and name not in study.plan.between]
+        return int(np.prod([len(levels) for levels in kept]))
+
+    def _outcome(self, these: set[str]) -> Outcome | None:
+        """The comparison, or None where there is nothing to compare."""
+        if self.task == FORM_TASK:
+            rows = self.trials.rows
+            some = replace(self.trials, rows=rows[rows["participant"].isin(these)])
+            form = self.experiment.questionnaires[0].name
+            told = [one for one in ratings(some, self.plan.primary) if one.name == form]
+            return told[0].outcomes.get(self.design.dependent) if told else None
+        if not len(self.values):
+            return None
+        values = self.values[self.values["participant"].isin(these)]
+        results = RESULTS.get(self.task)
+        further = results.further if results is not None else ()
+        factors = [name for name in (*self.trials.factors, *further) if name in values.columns]
+        if not len(values):
+            return None
+        forces = self._forces(these) if self.plan.primary == Primary.MIXED_MODEL.value else None
+        return outcome(values, factors, self.task, self.design.dependent, forces=forces, primary=self.plan.primary)
+
+    def _forces(self, these: set[str]) -> pd.DataFrame | None:
+        used = self.used[self.used["participant"].isin(these)]
+        return force_of_participants(used, self.trials.factors) if has_force(used) else None
+
+    def _found(self, tested: Outcome) -> float | None:
+        """The slope of the means of the levels over the effect that is stated, times its span: the effect as found."""
+        effect, factors = self.design.effect, self.experiment.study.factors
+        stated = pd.Series(effect.of_levels(factors[effect.factor]))
+        values = tested.estimates
+        if effect.factor not in values.columns:
+            return None
+        means = values.groupby(effect.factor)[tested.dependent].mean()
+        by_level = dict(zip(factors[effect.factor], stated, strict=True))
+        x = np.array([by_level[level] for level in means.index])
+        y = means.to_numpy(dtype=float)
+        x = x - x.mean()
+        if np.isnan(y).any() or not np.any(x):
+            return None
+        return float(x @ y / (x @ x) * np.ptp(list(by_level.values())))
+
+
+def p_of(tested: Outcome, factor: str) -> float | None:
+    """What the primary analysis says of a factor; None where it has no answer."""
+    effects = tested.effects
+    if effects is None:
+        return None
+    name = MEASURED if tested.primary is Primary.MIXED_MODEL and factor == FORCE else factor
+    of_factor = effects[effects.iloc[:, 0] == name]
+    column = next((column for column in P_COLUMNS if column in effects.columns), None)
+    if of_factor.empty or column is None or pd.isna(of_factor[column].iloc[0]):
+        return None
+    return float(of_factor[column].iloc[0])
+
+
+def _width(values: pd.DataFrame, dependent: str) -> float | None:
+    """The mean width of the intervals of values that are known."""
+    low, high = (
+        ("interval_low", "interval_high") if "interval_low" in values else (f"{dependent}_low", f"{dependent}_high")
+    )
+    if low not in values or high not in values:
+        return None
+    widths = pd.to_numeric(values[high]) - pd.to_numeric(values[low])
+    width = widths[values[dependent].notna()].mean()
+    return None if pd.isna(width) else float(width)
+
+
+def _minutes(rows: pd.DataFrame, experiment: Experiment) -> "pd.Series[float]":
+    """What a participant sits: trials at the study's time, items of questionnaires at `dry_run.ITEM_S`."""
+    keys = ["participant", *(name for name in ("session", "block", "trial", "attempt") if name in rows)]
+    is_item = rows["item"] != "" if "item" in rows else pd.Series(False, rows.index)
+    trials = rows[rows["level"].notna() | ~is_item].drop_duplicates(keys).groupby("participant").size()
+    items = is_item.groupby(rows["participant"]).sum()
+    return (trials.reindex(items.index, fill_value=0) * experiment.study.trial_s + items * ITEM_S) / 60

@@ -1,0 +1,116 @@
+"""How many studies are simulated of each case: batch after batch, until the intervals of its powers say enough."""
+
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import Final
+
+from scipy.stats import binomtest
+
+from ..sessions.workers import Spread
+from .design import Case, PowerDesign
+from .replicate import Row, replicate
+
+INTERVAL: Final = 0.95
+EXCLUDED_AT: Final = 0.999
+"""Sampling stops at a target that an interval of this coverage leaves out: batch after batch is asked, and one of 95 %
+would leave it out by chance too often."""
+
+
+def interval(n_yes: int, n: int, coverage: float = INTERVAL) -> tuple[float, float]:
+    """Clopper and Pearson's exact interval of a share (1934, Biometrika 26, 404).
+
+    >>> low, high = interval(8, 10)
+    >>> round(low, 4), round(high, 4)
+    (0.4439, 0.9748)
+    """
+    found = binomtest(n_yes, n).proportion_ci(coverage, method="exact")
+    return float(found.low), float(found.high)
+
+
+def is_settled(n_yes: int, n: int, precision: float, target: float | None) -> bool:
+    """Whether a share is known well enough: half of its interval is at most `precision`, or it leaves out the target.
+
+    >>> is_settled(40, 40, 0.05, 0.8), is_settled(32, 40, 0.05, 0.8), is_settled(10, 40, 0.05, 0.8)
+    (True, False, True)
+    """
+    low, high = interval(n_yes, n)
+    if (high - low) / 2 <= precision:
+        return True
+    if target is None:
+        return False
+    least, most = interval(n_yes, n, EXCLUDED_AT)
+    return not least <= target <= most
+
+
+@dataclass(frozen=True)
+class Batch:
+    """Some studies of one case: the numbers from `first` to below `end`."""
+
+    case: Case
+    first: int
+    end: int
+
+    @property
+    def name(self) -> str:
+        """Of its file: the names of a case sort by their numbers."""
+        return f"{self.case.name}_{self.first:07d}"
+
+
+class Significances:
+    """How many studies of a case were simulated, and in how many the test was significant, by number of people."""
+
+    def __init__(self, design: PowerDesign, case: Case) -> None:
+        self._design, self._case = design, case
+        self._n_yes: dict[int, int] = defaultdict(int)
+        self.n = 0
+
+    def add(self, rows: Iterable[Row], n: int) -> None:
+        """The rows of `n` studies."""
+        self.n += n
+        for row in rows:
+            self._n_yes[row.n_participants] += row.significant
+
+    @property
+    def are_settled(self) -> bool:
+        """Whether every number of people is; false positives have no target."""
+        if self.n >= self._design.most:
+            return True
+        target = self._design.target if self._case.has_effect else None
+        precision = self._design.precision
+        return self.n > 0 and all(
+            is_settled(self._n_yes[n], self.n, precision, target) for n in self._design.participants
+        )
+
+
+Kept = Callable[[Batch], tuple[Row, ...] | None]
+"""The rows of a batch that an earlier run left, or None."""
+Keep = Callable[[Batch, Sequence[Row]], None]
+
+
+def sample(
+    design: PowerDesign,
+    spread: Spread,
+    kept: Kept = lambda batch: None,
+    keep: Keep = lambda batch, rows: None,
+) -> Iterator[tuple[Batch, tuple[Row, ...]]]:
+    """Batch after batch of each case, with its rows; what was kept is not simulated again.
+
+    Which batches there are depends on the design alone.
+    """
+    for case in design.cases:
+        counts = Significances(design, case)
+        while not counts.are_settled:
+            batch = Batch(case, counts.n, min(counts.n + design.batch, design.most))
+            rows = kept(batch)
+            if rows is None:
+                rows = _simulated(design, batch, spread)
+                keep(batch, rows)
+            counts.add(rows, batch.end - batch.first)
+            yield batch, rows
+
+
+def _simulated(design: PowerDesign, batch: Batch, spread: Spread) -> tuple[Row, ...]:
+    studies = spread(partial(replicate, design, batch.case), range(batch.first, batch.end))
+    return tuple(row for rows in studies for row in rows)

@@ -1,0 +1,168 @@
+"""From a design of a power analysis to the study of a case: its trials, and an effect of which nothing else is left."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from functools import lru_cache
+from typing import Any, Final
+
+import numpy as np
+
+from tactometry.analysis.plan import AnalysisPlan
+from tactometry.analysis.tasks.kinds import ANALYSES
+from tactometry.arguments.require import expect, one_of
+from tactometry.config.strict import build
+from tactometry.contact import Contact
+from tactometry.followed import felt_under, straight_way
+from tactometry.protocols.tasks.task import AsksForm
+from tactometry.session.request import TRAJECTORY_M
+from tactometry.trials.cells import cell as cell_text
+from tactometry.trials.tasks import FORM_TASK
+
+from ..study.cells import WiredCell, merge
+from ..study.experiment import Experiment, wire
+from ..study.study_file import Study, parse
+from .design import Case, PowerDesign
+from .effect import OF_SENSATION, StatedEffect, check_effect
+
+SUPPORTED: Final = ("yes_no", "forced_choice", "adjustment", "localisation", "rating")
+REFUSED: Final = {
+    "comparison": "both of what is compared are felt in one condition, whose effect shifts them alike",
+    "same_different": "both of what is compared are felt in one condition, whose effect shifts them alike",
+    "magnitude": "an effect in decibels moves all numbers alike and leaves their exponent",
+    "preference": "its answers are compared within a trial, and no value of a participant in a condition is tested",
+    "measurement": "a sensor is read, and nobody feels an effect",
+}
+STEP_SHARE: Final = 0.05
+"""Of the range of the levels: the step over which the growth of sensation is read."""
+
+
+@lru_cache(maxsize=8)
+def experiment_of(design: PowerDesign, case: Case) -> Experiment:
+    """The wired study of a case; once in a process."""
+    study = with_trials(parse(design.study_toml, design.where), case.n_trials)
+    base = wire(study, design.where)
+    shifts_db = shifts(base, design.effect, has_effect=case.has_effect)
+    return wire(with_shifts(study, design.effect.factor, shifts_db), design.where)
+
+
+def plan_of_study(study: Study) -> AnalysisPlan:
+    """What the study states in `[analysis]`, without the fit of all participants at once, which tests nothing here."""
+    return replace(build(AnalysisPlan, study.analysis, "analysis"), hierarchical=False)
+
+
+def check_design(design: PowerDesign) -> str:
+    """The dependent value that is compared, of a design that can be simulated.
+
+    Raises
+    ------
+    InvalidParameter
+        If the study cannot have the effect or the trials, or its task is one whose power is not told here.
+    """
+    study = parse(design.study_toml, design.where)
+    check_effect(design.effect, study)
+    dependent = _dependent(design, study)
+    for case in design.cases:
+        experiment_of(design, case)
+    return dependent
+
+
+def _dependent(design: PowerDesign, study: Study) -> str:
+    experiment = wire(study, design.where)
+    task = experiment.table.kind
+    why = REFUSED.get(task, "it is not known how an effect acts on it")
+    expect(task in SUPPORTED, f"{design.where}, task.kind", f"{task!r}", f"one of {', '.join(SUPPORTED)}: {why}")
+    asked = f"the factor {design.effect.factor!r}, whose levels are the alternatives of a trial"
+    expect(experiment.table.over != design.effect.factor, "--effect", asked, "another factor")
+    units = {cell.condition.level_unit.partition(" re ")[0] for cell in experiment.cells.values()}
+    allowed = sorted({OF_SENSATION, *(units if len(units) == 1 else ())})
+    one = f"one of {', '.join(allowed)}: that of the levels, or of what is felt ({OF_SENSATION})"
+    expect(design.effect.unit in allowed, "--effect", f"the unit {design.effect.unit!r}", one)
+    known = ANALYSES[task].dependents
+    if task == FORM_TASK:
+        assert isinstance(experiment.task, AsksForm)
+        known = tuple(experiment.task.form.dimensions)
+    if design.dependent:
+        one_of("--dependent", design.dependent, known)
+    return design.dependent or known[0]
+
+
+def with_trials(study: Study, n_trials: int | None) -> Study:
+    """The study with so many trials in each track: at most so many of an adaptive rule, which may end before.
+
+    Raises
+    ------
+    InvalidParameter
+        If its procedure has no such number.
+    """
+    if n_trials is None:
+        return study
+    changes = {
+        factor: {level: _tables_with_trials(study, tables, n_trials) for level, tables in of_levels.items()}
+        for factor, of_levels in study.variants.items()
+    }
+    levels_vary = "levels" not in study.procedure and study.procedure.get("kind") == "constant_stimuli"
+    procedure = study.procedure if levels_vary else merge(study.procedure, _trials_keys(study.procedure, n_trials))
+    return replace(study, procedure=procedure, variants=changes)
+
+
+def _tables_with_trials(study: Study, tables: Mapping[str, Any], n_trials: int) -> dict[str, dict[str, Any]]:
+    own = tables.get("procedure")
+    if own is None:
+        return dict(tables)
+    return {**tables, "procedure": merge(own, _trials_keys(merge(study.procedure, own), n_trials))}
+
+
+def _trials_keys(procedure: Mapping[str, Any], n_trials: int) -> dict[str, int]:
+    kind, levels = procedure.get("kind"), procedure.get("levels", ())
+    limits = "n_series: it has series, no number of trials; change the study"
+    expect(kind != "method_of_limits", "--trials", f"{n_trials} with the method of limits", f"a study file's {limits}")
+    if kind != "constant_stimuli":
+        return {"n_trials": n_trials}
+    whole = n_trials % max(len(levels), 1) == 0
+    expect(whole, "--trials", f"{n_trials} with {len(levels)} constant levels", "as many trials at each level")
+    return {"repeats": n_trials // max(len(levels), 1)}
+
+
+def shifts(experiment: Experiment, effect: StatedEffect, *, has_effect: bool) -> dict[str, float]:
+    """What everybody feels more (dB) at each level of the factor than the skin model says: so much that all its levels
+    are felt alike in the middle of the levels that are played, and the effect on top."""
+    factor = effect.factor
+    levels = [cell_text(level) for level in experiment.study.factors[factor]]
+    felt: dict[str, list[tuple[float, float]]] = {level: [] for level in levels}
+    for cell in experiment.cells.values():
+        felt[cell_text(cell.condition.factors[factor])].append(growth(cell))
+    middle_db = {level: float(np.mean([db for db, _ in of_level])) for level, of_level in felt.items()}
+    slopes = {level: float(np.mean([slope for _, slope in of_level])) for level, of_level in felt.items()}
+    for level, db in middle_db.items():
+        found = f"no sensation at {factor} {level} in the middle of the levels"
+        expect(
+            np.isfinite(db) and slopes[level] > 0, "--effect", found, "levels that are felt more the higher they are"
+        )
+    common_db = float(np.mean(list(middle_db.values())))
+    changes = effect.of_levels(experiment.study.factors[factor])
+    effects_db = {level: changes[level] if effect.is_felt else -slopes[level] * changes[level] for level in levels}
+    return {level: common_db - middle_db[level] + (effects_db[level] if has_effect else 0.0) for level in levels}
+
+
+def growth(cell: WiredCell) -> tuple[float, float]:
+    """What is felt of a cell (dB) in the middle of its levels, touched as it is asked, and by how much more per unit of
+    the level."""
+    low, high = cell.procedure.rule.bounds
+    middle, step = (low + high) / 2, max(STEP_SHARE * (high - low), 1e-3)
+    below_db, at_db, above_db = (_felt_db(cell, level) for level in (middle - step, middle, middle + step))
+    return at_db, (above_db - below_db) / (2 * step)
+
+
+def _felt_db(cell: WiredCell, level: float) -> float:
+    request = cell.condition.touch.request(cell.condition.stimulus, None, None)
+    contact = Contact(getattr(request, "target_n", None) or 0.0, getattr(request, "speed_m_per_s", None) or 0.0)
+    signal = cell.stimulus.at(level)
+    way = straight_way(signal.duration_s, contact.speed_m_per_s, TRAJECTORY_M)
+    return cell.sensation.sensation_db(felt_under(cell.stimulus, signal, *way), contact)
+
+
+def with_shifts(study: Study, factor: str, shifts_db: Mapping[str, float]) -> Study:
+    """The study whose people all feel so much more at the levels of a factor, in place of what they did."""
+    people = study.observer.get("people", {})
+    effects_db = {**people.get("effects_db", {}), factor: dict(shifts_db)}
+    return replace(study, observer={**study.observer, "people": {**people, "effects_db": effects_db}})

@@ -1,0 +1,207 @@
+"""What the simulated studies say: power and false positives with their intervals, and a recommendation."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from ..study.study_file import parse
+from .design import PowerDesign
+from .replicate import Row
+from .sampling import interval
+
+IN_LEVELS: Final = ("threshold", "setting")
+"""Dependent values in the unit of the levels, whose effect is known beforehand."""
+
+
+@dataclass(frozen=True)
+class PowerEstimate:
+    """One number of participants with one number of trials (0: the study's own).
+
+    `power` and `false_positives` are shares of `n_studies` and `n_without_effect` simulated studies, each with its 95 %
+    interval (Clopper and Pearson 1934). Of the studies with the effect: `found` is its mean as the data have it,
+    `bias` that less the stated one (None where the dependent value is not in the unit of the effect), `width` the mean
+    width of the intervals of single values, `unknown_share` the share of cells without a value, `n_left_out` the mean
+    number of participants who have none, `minutes` what one sits.
+    """
+
+    n_trials: int
+    n_participants: int
+    n_studies: int
+    power: float
+    power_low: float
+    power_high: float
+    n_without_effect: int
+    false_positives: float
+    false_positives_low: float
+    false_positives_high: float
+    found: float | None
+    bias: float | None
+    width: float | None
+    unknown_share: float
+    n_left_out: float
+    minutes: float
+
+    @property
+    def cost_minutes(self) -> float:
+        """Of all participants."""
+        return self.n_participants * self.minutes
+
+
+class _Sum:
+    """Running sums of the rows of one point and case: all that is kept of them."""
+
+    def __init__(self) -> None:
+        self.n = self.n_significant = self.n_cells = self.n_unknown = self.n_left_out = 0
+        self.sums: dict[str, float] = defaultdict(float)
+        self.counts: dict[str, int] = defaultdict(int)
+
+    def add(self, row: Row) -> None:
+        self.n += 1
+        self.n_significant += row.significant
+        self.n_cells += row.n_cells
+        self.n_unknown += row.n_unknown
+        self.n_left_out += row.n_left_out
+        for name in ("found", "width", "minutes"):
+            value = getattr(row, name)
+            if value is not None:
+                self.sums[name] += value
+                self.counts[name] += 1
+
+    def mean(self, name: str) -> float | None:
+        return self.sums[name] / self.counts[name] if self.counts[name] else None
+
+    @property
+    def shares(self) -> tuple[float, float, float]:
+        """The share that is significant, with its interval."""
+        return self.n_significant / self.n, *interval(self.n_significant, self.n)
+
+
+class Summary:
+    """The points of a power analysis, from rows as they come."""
+
+    def __init__(self, design: PowerDesign) -> None:
+        self._design = design
+        self._sums: dict[tuple[int, int, bool], _Sum] = defaultdict(_Sum)
+
+    def add(self, rows: Iterable[Row]) -> None:
+        for row in rows:
+            self._sums[row.n_trials, row.n_participants, row.has_effect].add(row)
+
+    def points(self) -> tuple[PowerEstimate, ...]:
+        """By number of trials and participants; those with both cases."""
+        keys = sorted({key[:2] for key in self._sums})
+        return tuple(self._point(*key) for key in keys if all((*key, yes) in self._sums for yes in (True, False)))
+
+    def _point(self, n_trials: int, n_participants: int) -> PowerEstimate:
+        with_effect = self._sums[n_trials, n_participants, True]
+        without = self._sums[n_trials, n_participants, False]
+        found, stated = with_effect.mean("found"), stated_effect(self._design)
+        return PowerEstimate(
+            n_trials,
+            n_participants,
+            with_effect.n,
+            *with_effect.shares,
+            without.n,
+            *without.shares,
+            found=found,
+            bias=None if found is None or stated is None else found - stated,
+            width=with_effect.mean("width"),
+            unknown_share=with_effect.n_unknown / with_effect.n_cells,
+            n_left_out=with_effect.n_left_out / with_effect.n,
+            minutes=with_effect.mean("minutes") or 0.0,
+        )
+
+
+def stated_effect(design: PowerDesign) -> float | None:
+    """What the means of the levels differ by at most, where the dependent value is in the unit of the effect."""
+    if design.effect.is_felt or design.dependent not in IN_LEVELS:
+        return None
+    study = parse(design.study_toml, design.where)
+    return float(np.ptp(list(design.effect.of_levels(study.factors[design.effect.factor]).values())))
+
+
+def recommendation(design: PowerDesign, points: Sequence[PowerEstimate]) -> str:
+    """One sentence: of the points that reach the target the one that takes the least time of all participants."""
+    reaching = [point for point in points if point.power >= design.target]
+    if not reaching:
+        best = max(points, key=lambda point: point.power)
+        return (
+            f"No number that was tried reaches a power of {design.target:g} for {design.effect.words()}: "
+            f"{_words(best)} have {_power(best)}; try more participants or trials, or a larger effect."
+        )
+    best = min(reaching, key=lambda point: (point.cost_minutes, point.n_participants))
+    sure = "" if best.power_low >= design.target else f"; the interval does not exclude less than {design.target:g}"
+    return (
+        f"Take {_words(best)}: the power for {design.effect.words()} is {_power(best)}, at {best.minutes:.0f} minutes "
+        f"a participant{sure}."
+    )
+
+
+def cautions(design: PowerDesign, points: Sequence[PowerEstimate]) -> list[str]:
+    """What a reader must know before he believes the powers."""
+    loose = [point for point in points if point.false_positives_low > design.alpha]
+    told = []
+    if loose:
+        worst = max(loose, key=lambda point: point.false_positives)
+        rate = _share(worst.false_positives, worst.false_positives_low, worst.false_positives_high)
+        told.append(
+            f"without an effect the test is significant too often ({rate} with {_words(worst)}): its power is not to "
+            "be trusted there"
+        )
+    lost = max(points, key=lambda point: point.unknown_share)
+    if lost.unknown_share > MUCH:
+        told.append(
+            f"{lost.unknown_share:.0%} of the cells have no value with {_words(lost)}: the levels do not reach the "
+            "thresholds, or the trials are too few"
+        )
+    return told
+
+
+MUCH: Final = 0.1
+"""A larger share of cells without a value is told."""
+
+
+def _words(point: PowerEstimate) -> str:
+    trials = f" with {point.n_trials} trials a track" if point.n_trials else ""
+    return f"{point.n_participants} participants{trials}"
+
+
+def _power(point: PowerEstimate) -> str:
+    return _share(point.power, point.power_low, point.power_high)
+
+
+def _share(share: float, low: float, high: float) -> str:
+    return f"{share:.2f} [{low:.2f}, {high:.2f}]"
+
+
+HEAD: Final = (
+    *("trials", "people", "power", "95 %", "no effect", "95 %", "found", "bias", "width", "no value", "left out"),
+    *("min", "studies"),
+)
+
+
+def table(points: Sequence[PowerEstimate]) -> str:
+    """As a person reads it in a terminal."""
+    rows = [HEAD, *map(cells_of, points)]
+    widths = [max(len(row[column]) for row in rows) for column in range(len(HEAD))]
+    return "\n".join("  ".join(text.rjust(width) for text, width in zip(row, widths, strict=True)) for row in rows)
+
+
+def cells_of(point: PowerEstimate) -> tuple[str, ...]:
+    """A point as texts, in the order of `HEAD`."""
+    return (
+        str(point.n_trials or "study"),
+        str(point.n_participants),
+        f"{point.power:.3f}",
+        f"{point.power_low:.3f} - {point.power_high:.3f}",
+        f"{point.false_positives:.3f}",
+        f"{point.false_positives_low:.3f} - {point.false_positives_high:.3f}",
+        *("" if value is None else f"{value:.2f}" for value in (point.found, point.bias, point.width)),
+        f"{point.unknown_share:.1%}",
+        f"{point.n_left_out:.1f}",
+        f"{point.minutes:.0f}",
+        f"{point.n_studies} + {point.n_without_effect}",
+    )

@@ -1,0 +1,88 @@
+"""Where calls are computed: here, on processes of this computer, or on a Dask cluster; their results are the same."""
+
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from typing import Any, Protocol, TypeVar
+
+from tactometry.arguments.require import expect
+from tactometry.errors import DeviceFailed
+
+T = TypeVar("T")
+R = TypeVar("R")
+
+
+class Spread(Protocol):
+    """Calls a function with each of the items; results come in the order of the items."""
+
+    def __call__(self, function: Callable[[T], R], items: Iterable[T]) -> Iterator[R]: ...
+
+
+def here(function: Callable[[T], R], items: Iterable[T]) -> Iterator[R]:
+    """In this process, each as its result is asked for."""
+    return map(function, items)
+
+
+def check_workers(n_jobs: int, scheduler: str | None) -> None:
+    """Refuse a number of processes that is none, or one beside a cluster.
+
+    Raises
+    ------
+    InvalidParameter
+        With one sentence.
+    """
+    is_number = n_jobs == 1 if scheduler else n_jobs >= 1 or n_jobs == -1
+    expect(is_number, "--jobs", n_jobs, "at least 1, or -1 for all cores; or --scheduler alone")
+
+
+@contextmanager
+def workers(n_jobs: int = 1, scheduler: str | None = None) -> Iterator[Spread]:
+    """What spreads calls over `n_jobs` processes (-1: one for each core), or over the Dask cluster at `scheduler`.
+
+    Raises
+    ------
+    DeviceFailed
+        If the cluster does not answer, or its package is not installed.
+
+    >>> with workers() as spread:
+    ...     list(spread(abs, [-1, 2]))
+    [1, 2]
+    """
+    if scheduler is not None:
+        with _cluster(scheduler):
+            yield _parallel(-1)
+    elif n_jobs == 1:
+        yield here
+    else:
+        yield _parallel(n_jobs)
+
+
+def _parallel(n_jobs: int) -> Spread:
+    import joblib
+
+    def spread(function: Callable[[T], R], items: Iterable[T]) -> Iterator[R]:
+        results: Iterator[R] = joblib.Parallel(n_jobs=n_jobs, return_as="generator")(
+            map(joblib.delayed(function), items)
+        )
+        return results
+
+    return spread
+
+
+@contextmanager
+def _cluster(scheduler: str) -> Iterator[Any]:
+    try:
+        import distributed
+        import joblib
+    except ImportError:
+        raise DeviceFailed(
+            "--scheduler: the package distributed is not installed, expected the extra: pip install tactometry[cluster]"
+        ) from None
+    try:
+        client = distributed.Client(scheduler, timeout=10)
+    except (OSError, ValueError, TypeError) as error:
+        raise DeviceFailed(
+            f"--scheduler: no Dask scheduler answers at {scheduler!r} ({error}), expected an address such as "
+            "tcp://host:8786"
+        ) from None
+    with client, joblib.parallel_config(backend="dask", wait_for_workers_timeout=30):
+        yield client

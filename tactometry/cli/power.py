@@ -1,0 +1,81 @@
+"""`tactometry power`."""
+
+import sys
+from dataclasses import asdict, replace
+from pathlib import Path
+from typing import Any
+
+import click
+
+from tactometry.experiments.power.analysis import Power, power
+from tactometry.experiments.power.design import PowerDesign, participants_of, trials_of
+from tactometry.experiments.power.effect import parse_effect
+from tactometry.experiments.power.files import Folder, asked
+from tactometry.experiments.power.sampling import Batch
+from tactometry.experiments.power.scenario import check_design
+from tactometry.experiments.power.summary import table
+from tactometry.experiments.sessions.workers import check_workers, workers
+from tactometry.experiments.study.study_file import load
+
+from ..arguments.require import expect
+from .output import path_option, say, subcommand
+
+
+@subcommand('power tutorial --effect "frequency_hz: 6 dB" --participants 6..12 --seed 1 --out power')
+@click.argument("study")
+@click.option("--effect", required=True, help="As 'force_n: 2 dB', '... 2 dB SL', or 'pattern: P1 = 3 dB, P4 = 1 dB'.")
+@click.option("--participants", required=True, help="As 6..24, 6..24:2 or 8,12,16.")
+@click.option("--trials", help="In each track, as 40,60; by default as the study says.")
+@click.option("--target", type=float, default=0.8, show_default=True, help="The power that is wanted.")
+@click.option("--seed", type=int, required=True, help="The same seed gives the same bytes.")
+@click.option("--alpha", type=float, default=0.05, show_default=True, help="The level of the test.")
+@click.option("--precision", type=float, default=0.05, show_default=True, help="Half of a power's 95 % interval.")
+@click.option("--most", type=int, default=1000, show_default=True, help="Studies to simulate of each kind at most.")
+@click.option("--dropout", type=float, default=0.0, show_default=True, help="Share of participants who leave midway.")
+@click.option("--dependent", default="", help="What is compared, where a task has several values.")
+@path_option("--out", help="A folder for tables and what is needed to repeat them.")
+@click.option("--resume", is_flag=True, help="Go on where an interrupted analysis stopped (with --out).")
+@click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
+@click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
+def command(
+    *, study: str, effect: str, participants: str, trials: str | None, out: Path | None, **options: Any
+) -> None:
+    """Simulate STUDY (a built-in name or a path) again and again: how often is an effect found?"""
+    n_jobs, scheduler, resume = (options.pop(name) for name in ("n_jobs", "scheduler", "resume"))
+    check_workers(n_jobs, scheduler)
+    expect(out is not None or not resume, "--resume", "no --out", "the folder of the analysis that was interrupted")
+    _, content = load(study)
+    people, tracks, share = participants_of(participants), trials_of(trials), options.pop("dropout")
+    design = PowerDesign(content, study, parse_effect(effect), people, tracks, dropout_share=share, **options)
+    design = replace(design, dependent=check_design(design))
+    folder = None if out is None else Folder.prepared(out, design, resume=resume)
+    with workers(n_jobs, scheduler) as spread:
+        found = power(design, spread, folder, _tell)
+    say(_text(found, out), _record(found, out))
+
+
+def _tell(batch: Batch) -> None:
+    """Where a person waits at a terminal, how far it is."""
+    if sys.stderr.isatty():
+        click.echo(f"\r{batch.case.name}: {batch.end} studies ", nl=False, err=True)
+
+
+def _text(found: Power, out: Path | None) -> str:
+    lines = [
+        table(found.points),
+        *(f"caution: {words}" for words in found.cautions),
+        found.recommendation,
+        f"{found.design.dependent} of simulated participants, seed {found.design.seed}",
+        *([f"tables: {out}"] if out is not None else []),
+    ]
+    return "\n".join(lines)
+
+
+def _record(found: Power, out: Path | None) -> dict[str, Any]:
+    return {
+        "asked": asked(found.design),
+        "points": [asdict(point) for point in found.points],
+        "recommendation": found.recommendation,
+        "cautions": list(found.cautions),
+        "out": None if out is None else str(out),
+    }

@@ -1,0 +1,239 @@
+"""Power by simulation: what is asked, what is simulated, when it stops, and that nothing depends on where it is
+computed, nor on interruptions."""
+
+from dataclasses import astuple, replace
+
+import numpy as np
+import pandas as pd
+import pytest
+from command_line import call, output, status
+from scipy import stats
+from soak import SOAK
+
+from tactometry.analysis.outcomes.outcome import outcome
+from tactometry.experiments.power.design import Case, PowerDesign, participants_of
+from tactometry.experiments.power.effect import parse_effect
+from tactometry.experiments.power.replicate import Row, p_of, replicate, seed_of
+from tactometry.experiments.power.sampling import Batch, interval, sample
+from tactometry.experiments.power.scenario import REFUSED, SUPPORTED, check_design, experiment_of, growth
+from tactometry.experiments.power.summary import Summary, recommendation
+from tactometry.experiments.study.study_file import load
+from tactometry.trials.tasks import TASKS
+
+ASKED = ("power", "tutorial", "--effect", "frequency_hz: 8 dB", "--participants", "3,4", "--seed", "5", "--most", "3")
+
+
+def design(study="tutorial", effect="frequency_hz: 8 dB", **changes):
+    _, content = load(study)
+    made = PowerDesign(content, study, parse_effect(effect), **{"participants": (3, 4), "seed": 5, **changes})
+    return replace(made, dependent=check_design(made))
+
+
+def files(root):
+    return {str(path.relative_to(root)): path.read_bytes() for path in sorted(root.rglob("*")) if path.is_file()}
+
+
+@pytest.fixture(scope="module")
+def alone(tmp_path_factory):
+    """The folder of a power analysis that one process made."""
+    root = tmp_path_factory.mktemp("alone") / "p"
+    assert status(*ASKED, "--out", root) == 0
+    return files(root)
+
+
+REFUSALS = {
+    "no factor of that name": (["--effect", "voltage: 2 dB"], "expected a factor of the study (frequency_hz)"),
+    "no unit": (["--effect", "frequency_hz: 2"], "a number without a unit"),
+    "another unit": (["--effect", "frequency_hz: 2 m"], "found the unit 'm', expected one of dB, dB SL"),
+    "two units": (["--effect", "frequency_hz: 60 = 2 dB, 240 = 1 dB SL"], "one unit for all levels"),
+    "no such level": (["--effect", "frequency_hz: 61 = 2 dB"], "expected a level of frequency_hz (60, 240)"),
+    "no effect": (["--effect", "frequency_hz: 0 dB"], "expected an effect other than 0"),
+    "a range backwards": (["--participants", "9..6"], "which goes backwards"),
+    "no range": (["--participants", "six"], "expected a range such as 6..24"),
+    "nobody": (["--participants", "0..6"], "expected from 3 to 999"),
+    "a target of one": (["--target", "1"], "--target: found 1, expected above 0 and below 1"),
+    "trials that are not even": (["--trials", "41"], "expected as many trials at each level"),
+    "nothing to resume": (["--resume"], "--resume: found no --out"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSALS)
+def test_what_cannot_be_asked_is_refused_in_one_sentence(capsys, case):
+    changes, expected = REFUSALS[case]
+    code, said, _ = call(capsys, *ASKED, *changes)
+    assert (code, said.count("\n")) == (2, 0)
+    assert expected in said
+
+
+def test_a_factor_with_one_level_has_no_effect(capsys, tmp_path):
+    _, content = load("tutorial")
+    one = tmp_path / "one.toml"
+    one.write_bytes(content.replace(b"frequency_hz = [60, 240]", b"frequency_hz = [60]"))
+    code, said, _ = call(capsys, "power", one, *ASKED[2:])
+    assert code == 2
+    assert "with one level (60), expected a factor with two levels" in said
+
+
+def test_each_task_is_supported_or_says_why_not():
+    assert {*SUPPORTED, *REFUSED} == set(TASKS)
+    assert not set(SUPPORTED) & set(REFUSED)
+
+
+@pytest.mark.parametrize(
+    ("study", "effect", "why"),
+    [
+        ("grating-roughness", "period_m: 2 dB", "leaves their exponent"),
+        ("time-reversal-localisation", "place: 2 dB", "whose levels are the alternatives of a trial"),
+        ("force-loss", "force_n: 2 dB", "nobody feels an effect"),
+    ],
+)
+def test_a_study_whose_effect_cannot_be_told_says_so(capsys, study, effect, why):
+    code, said, _ = call(capsys, "power", study, "--effect", effect, *ASKED[4:])
+    assert code == 2
+    assert why in said
+
+
+@pytest.mark.parametrize("study", ["tutorial", "time-reversal-threshold"])
+@pytest.mark.parametrize("unit", ["dB", "dB SL"])
+def test_levels_differ_by_the_effect_and_by_nothing_else(study, unit):
+    factor = {"tutorial": "frequency_hz", "time-reversal-threshold": "force_n"}[study]
+    asked = design(study, f"{factor}: 3 {unit}")
+    levels = experiment_of(asked, asked.cases[0]).study.factors[factor]
+    for case, span in zip(asked.cases, (3.0, 0.0), strict=True):
+        experiment = experiment_of(asked, case)
+        more_db = experiment.study.observer["people"]["effects_db"][factor].values()
+        grown = [growth(cell) for cell in experiment.cells.values()]
+        felt_db = [own + more for (own, _), more in zip(grown, more_db, strict=True)]
+        per = [1.0 if unit == "dB SL" else -slope for _, slope in grown]
+        steps = [(db - felt_db[0]) / slope for db, slope in zip(felt_db, per, strict=True)]
+        assert np.allclose(steps, np.linspace(0, span, len(levels)), atol=1e-6)
+
+
+def test_a_smaller_study_is_the_first_participants_of_a_larger_one():
+    both, small = design(), design(participants=(3,))
+    assert replicate(both, both.cases[0], 2)[0] == replicate(small, small.cases[0], 2)[0]
+
+
+def test_studies_have_seeds_of_their_own():
+    assert len({seed_of(seed, number) for seed in range(20) for number in range(500)}) == 10_000
+
+
+def test_people_who_leave_take_their_later_trials_with_them():
+    whole, left = design(participants=(4,)), design(participants=(4,), dropout_share=0.9)
+    (stayed,), (lost,) = (replicate(each, each.cases[0], 0) for each in (whole, left))
+    assert lost.minutes < stayed.minutes
+    assert lost.n_cells == stayed.n_cells
+    assert lost.n_unknown > stayed.n_unknown
+
+
+def test_an_interrupted_analysis_goes_on_to_the_same_bytes(capsys, tmp_path, alone):
+    output(capsys, *ASKED, "--out", tmp_path)
+    assert files(tmp_path) == alone
+    lost = sorted(tmp_path.glob("studies/*"))[-1]
+    lost.unlink()
+    (tmp_path / "power.csv").unlink()
+    code, said, _ = call(capsys, *ASKED, "--out", tmp_path)
+    assert code == 2
+    assert "go on with --resume" in said
+    output(capsys, *ASKED, "--out", tmp_path, "--resume")
+    assert files(tmp_path) == alone
+
+
+def test_another_question_is_no_continuation(capsys, tmp_path, alone):
+    (tmp_path / "asked.json").write_bytes(alone["asked.json"])
+    code, said, _ = call(capsys, *ASKED[:-1], "4", "--out", tmp_path, "--resume")
+    assert code == 2
+    assert "found most 3, expected 4 as asked; give another --out" in said
+
+
+def test_a_damaged_batch_is_refused_by_its_file(capsys, tmp_path, alone):
+    for name, content in alone.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(content if "effect" not in name else content[:100])
+    code, said, _ = call(capsys, *ASKED, "--out", tmp_path, "--resume")
+    assert code == 2
+    assert "expected a batch; remove it, then --resume" in said
+
+
+def test_processes_change_no_byte(capsys, tmp_path, alone):
+    output(capsys, *ASKED, "--out", tmp_path, "--jobs", "2")
+    assert files(tmp_path) == alone
+
+
+def drawn_rows(asked, chance):
+    """Rows of a batch whose tests are significant by chance alone."""
+
+    def rows_of(batch):
+        rng = np.random.default_rng((batch.first, batch.case.has_effect))
+        return tuple(
+            Row(0, batch.case.has_effect, number, n, 0.5, bool(rng.random() < chance[batch.case.has_effect][n]),
+                None, None, 2, 0, 0, 1.0)
+            for number in range(batch.first, batch.end)
+            for n in asked.participants
+        )  # fmt: skip
+
+    return rows_of
+
+
+def test_sampling_stops_when_it_knows_enough_and_not_before():
+    asked = design(participants=(3, 4))
+    chances = {True: {3: 0.2, 4: 0.8}, False: {3: 0.05, 4: 0.05}}
+    batches = list(sample(asked, spread=lambda *_: iter(()), kept=drawn_rows(asked, chances)))
+    found = Summary(asked)
+    for _, rows in batches:
+        found.add(rows)
+    low, high = found.points()
+    assert (high.power_high - high.power_low) / 2 <= asked.precision
+    assert low.power_high < asked.target
+    assert (high.false_positives_high - high.false_positives_low) / 2 <= asked.precision
+    before = high.n_studies - asked.batch
+    ends = interval(round(high.power * before), before)
+    assert (ends[1] - ends[0]) / 2 > asked.precision
+    assert recommendation(asked, (high,)) != recommendation(asked, (low,))
+
+
+def test_sampling_ends_at_the_most_that_was_asked_for():
+    asked = design(participants=(3,), most=50)
+    rows_of = drawn_rows(asked, {True: {3: 0.8}, False: {3: 0.5}})
+    ends = [batch.end for batch, _ in sample(asked, spread=lambda *_: iter(()), kept=rows_of)]
+    assert ends == [20, 40, 50, 20, 40, 50]
+
+
+def test_names_of_batches_sort_by_their_numbers():
+    names = [Batch(Case(40, True), first, first + 20).name for first in (0, 20, 1000)]
+    assert names == sorted(names)
+
+
+def test_participants_are_few_numbers_of_a_wide_range():
+    assert participants_of("6..24")[::6] == (6, 24)
+    assert len(participants_of("6..100")) == 7
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("difference", [0.0, 1.0])
+def test_the_power_of_a_normal_case_is_that_of_its_closed_form(difference):
+    """Differences of unit variance, tested as a study is: noncentral t with n - 1 degrees of freedom."""
+    rng, n, n_studies = np.random.default_rng(17), 10, 20_000 if SOAK else 300
+    significant = 0
+    for _ in range(n_studies):
+        own = rng.normal(0, 3, n)
+        values = np.stack([own + rng.normal(0, 0.5**0.5, n), own + difference + rng.normal(0, 0.5**0.5, n)])
+        table = pd.DataFrame(
+            {
+                "participant": [f"P{k:03d}" for k in range(n)] * 2,
+                "force_n": np.repeat([1.0, 2.0], n),
+                "threshold": values.ravel(),
+            }
+        )
+        p = p_of(outcome(table, ["force_n"], "yes_no", "threshold"), "force_n")
+        significant += p is not None and p < 0.05
+    critical = stats.t.ppf(0.975, n - 1)
+    noncentral = stats.nct(n - 1, difference * n**0.5)
+    power = noncentral.sf(critical) + noncentral.cdf(-critical)
+    assert stats.binomtest(significant, n_studies, power).pvalue > 1e-4
+
+
+def test_rows_are_plain_numbers_that_a_table_holds():
+    asked = design()
+    (row, _) = replicate(asked, asked.cases[0], 0)
+    assert all(value is None or type(value) in (int, float, bool) for value in astuple(row))
