@@ -12,6 +12,7 @@ from tactometry.signal import Signal
 
 from .electrovibration.sensation import ElectrovibrationSensation
 from .electrovibration.waveforms.amplitude_modulated import AmplitudeModulated, pulses
+from .time_reversal.fingertip import FOCUS_AT_THRESHOLD_M
 from .time_reversal.responses.responses import Responses
 from .time_reversal.stimulus import focus_train
 from .time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus
@@ -162,7 +163,7 @@ class HybridSensation:
 
     setup: Setup = field(default_factory=Setup)
     friction: ElectrovibrationSensation = field(default_factory=ElectrovibrationSensation)
-    reference_m: float = 10e-6
+    reference_m: float = FOCUS_AT_THRESHOLD_M
 
     def __post_init__(self) -> None:
         positive("HybridSensation", reference_m=self.reference_m)

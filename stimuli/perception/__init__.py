@@ -1,6 +1,14 @@
 """Formulas of touch perception."""
 
-from .channels import channel_thresholds_db, sensation_level_db
-from .detection import Components, components
+from typing import TYPE_CHECKING
 
-__all__ = ["Components", "channel_thresholds_db", "components", "sensation_level_db"]
+from tactometry.loading import exports
+
+if TYPE_CHECKING:
+    from .channels import (
+        channel_thresholds_db as channel_thresholds_db,
+        sensation_level_db as sensation_level_db,
+    )
+    from .detection import Components as Components, components as components
+
+__getattr__, __dir__ = exports(__name__, __file__)

@@ -11,16 +11,13 @@ from tactometry.arguments.require import positive, positive_array
 
 from ..arrays import FloatArray, IntArray
 from .detection import Components
+from .thresholds import BEST_DB, THRESHOLD_M
 
 NP_III, NP_I, P = 0, 1, 2
 """Rows: Merkel, Meissner, Pacini. NP II, of very small contactors alone, is left out."""
 HEARS_HZ: Final = ((0.4, 3.0), (3.0, 100.0), (35.0, 800.0))
 """Where each of them answers at all."""
 BEST_HZ: Final = 250.0
-BEST_DB: Final = -20.0
-"""Of P: dB re 1 um, of a peak displacement of the skin."""
-THRESHOLD_M: Final = 1e-6 * 10 ** (BEST_DB / 20)
-"""0.1 um, of P at 250 Hz; from memory of the published curve, as all of it is: unverified default."""
 
 
 def channel_thresholds_db(frequency_hz: ArrayLike) -> FloatArray:

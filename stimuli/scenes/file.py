@@ -32,7 +32,7 @@ class _Tables:
     outputs: tuple[str, ...]
     surface: dict[str, Any]
     title: str = ""
-    accuracy: float = 0.01
+    accuracy: float = Scene.accuracy
     effects: tuple[dict[str, Any], ...] = ()
     contacts: tuple[dict[str, Any], ...] = ()
     given: dict[str, float] | None = None

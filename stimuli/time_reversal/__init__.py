@@ -8,7 +8,8 @@ if TYPE_CHECKING:
     from .design.guide import Target as Target, Transducers as Transducers, n_held as n_held
     from .field.merit import uniformity as uniformity
     from .filters import Band as Band
-    from .finger import Contactor as Contactor, Fingertip as Fingertip, amplitude_loss as amplitude_loss
+    from .finger import Contactor as Contactor, amplitude_loss as amplitude_loss
+    from .fingertip import Fingertip as Fingertip
     from .focusing.closed_reversal import ClosedReversal as ClosedReversal
     from .focusing.focusing import (
         Emission as Emission,

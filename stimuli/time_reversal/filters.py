@@ -15,7 +15,10 @@ from ..arrays import ComplexArray, FloatArray
 from ..fast_length import fast_length
 
 AUDIBLE_MAX_HZ: Final = 20e3
-"""Where the audible-band filter begins to pass; unverified default."""
+"""Where hearing ends, and the audible-band filter begins to pass; unverified default."""
+
+DISTANCE_M: Final = 0.3
+"""From the screen to the ear; unverified default."""
 
 
 @runtime_checkable

@@ -13,7 +13,8 @@ from tactometry.experiments.study.contact_loss import pulled_fingers
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load, parse
 from tactometry.signal import Signal
-from tactometry.stimuli.time_reversal.finger import Contactor, Fingertip
+from tactometry.stimuli.time_reversal.finger import Contactor
+from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import emitted
 from tactometry.stimuli.time_reversal.lift_off import one_sided_contact, one_sided_contacts
 from tactometry.stimuli.time_reversal.stimulus.contact_force import FINER, contact_force_n

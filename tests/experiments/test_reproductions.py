@@ -22,7 +22,7 @@ from tactometry.experiments.thesis.reproduction import Number, reproduce
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.session.request import Press
 from tactometry.stimuli.electrovibration.figures import force_against_area
-from tactometry.stimuli.time_reversal.finger import Fingertip
+from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.stimulus.sensation import free_displacement, loaded_displacements
 
 PAGE = DOCS / "reproduced.md"

@@ -109,12 +109,12 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "ClosedReversal.modal_amplitudes": {"self": CLOSED, "sources": WEIGHTS, "focus": WEIGHTS[:, 0]},
             "overlap": {"oscillators": SCREEN.oscillators(1e3), "reversal_s": 5e-3},
         },
+        "fingertip": {"Fingertip.load": {"self": Fingertip(), "at_m": (0.1, 0.1), "force_n": 2.0}},
         "finger": {
             "force_loss": {
                 "screen": SCREEN, "focus": (0.1, 0.1), "places": {"F": (0.1, 0.1)},
                 "contactors": [Contactor("finger")], "forces_n": [2.0], "emission": EMISSION,
             },
-            "Fingertip.load": {"self": Fingertip(), "at_m": (0.1, 0.1), "force_n": 2.0},
             "amplitude_loss": {
                 "screen": SCREEN, "focus": (0.1, 0.1), "loads": [PlateLoad(0.2, 0.1, 9.0)], "emission": EMISSION,
                 "relearn": False,

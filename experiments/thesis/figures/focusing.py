@@ -5,7 +5,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from tactometry.palette import BLACK, BLUE, ORANGE
-from tactometry.stimuli.time_reversal import Attenuation, emitted
+from tactometry.stimuli.time_reversal import emitted
 from tactometry.stimuli.time_reversal.design.closed_forms import repetition_amplitude_ratio
 from tactometry.stimuli.time_reversal.design.guide import Design, Transducers
 from tactometry.stimuli.time_reversal.field.merit import resolution_per_focus_m
@@ -13,7 +13,8 @@ from tactometry.stimuli.time_reversal.figures import prototype
 from tactometry.stimuli.time_reversal.figures.gallery import FOCI, FOCUS, RIG_BAND, UNFILTERED
 from tactometry.stimuli.time_reversal.figures.style import label, sheet
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
-from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, TAU_S, Screen
+from tactometry.stimuli.time_reversal.screen.attenuation import TAU_S, Attenuation
+from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
 from tactometry.stimuli.time_reversal.screen.transducer import SIDE_M, Patch
 
 REPETITION_S = 10e-3

@@ -1,8 +1,8 @@
 """Table 4.1: the material of the patches."""
 
-from tactometry.stimuli.time_reversal.field.merit import PZ27_RELATIVE_PERMITTIVITY, capacitance_f
+from tactometry.stimuli.time_reversal.field.merit import capacitance_f
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
-from tactometry.stimuli.time_reversal.screen.transducer import Patch
+from tactometry.stimuli.time_reversal.screen.transducer import PZ27_RELATIVE_PERMITTIVITY, Patch
 
 from ..reproduction import Number, Reproduction
 

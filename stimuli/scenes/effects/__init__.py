@@ -29,7 +29,7 @@ OF_ELECTROVIBRATION: Mapping[str, str] = {
 OF_TIME_REVERSAL: Mapping[str, str] = {
     "edges": "tactometry.stimuli.scenes.effects.edges:Edges",
     "shear": "tactometry.stimuli.scenes.effects.shear:Shear",
-    "attenuation": "tactometry.stimuli.scenes.effects.attenuation:Losses",
+    "attenuation": "tactometry.stimuli.time_reversal.screen.attenuation:Attenuation",
     "patches": "tactometry.stimuli.scenes.effects.patches:Patches",
     "foci": "tactometry.stimuli.scenes.effects.foci:Foci",
     "temperature_drift": "tactometry.stimuli.scenes.effects.temperature_drift:TemperatureDrift",

@@ -5,13 +5,13 @@ from math import inf, log10
 from typing import TYPE_CHECKING
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
+from ...time_reversal.filters import AUDIBLE_MAX_HZ, DISTANCE_M
 from ..stages.truncation import n_frequencies_of_sound, n_modes, remainder
 
 if TYPE_CHECKING:
     from ...time_reversal.screen.screen import Screen
     from ..stages.emission import EmittedSignal
 
-AUDIBLE_MAX_HZ = 20e3
 FEWEST_MORE = 1.1
 
 
@@ -32,7 +32,7 @@ class AirborneSound(Effect):
         "sound is that of a plate in a baffle with simply supported edges, radiated as many modes do in the mean",
     )
 
-    distance_m: float = 0.3
+    distance_m: float = DISTANCE_M
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         made, at_voltage = ("screen", "emission"), ("level_at_1v_dba", "voltage_v")

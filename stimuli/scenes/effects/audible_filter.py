@@ -7,6 +7,7 @@ from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
 from ...composition.effect import Effect, Surroundings
+from ...time_reversal.filters import AUDIBLE_MAX_HZ
 
 if TYPE_CHECKING:
     from ...time_reversal.responses.responses import Responses
@@ -26,7 +27,7 @@ class AudibleFilter(Effect):
     positive = ("cutoff_hz", "flank_hz")
     reads, gives = ("learnt",), "learnt"
 
-    cutoff_hz: float = 20e3
+    cutoff_hz: float = AUDIBLE_MAX_HZ
     flank_hz: float = 2e3
 
     def __call__(self, learnt: "Responses") -> "Responses":

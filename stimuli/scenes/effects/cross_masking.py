@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Final
 from tactometry.arguments import require
 
 from ...composition.effect import Effect, Stage, Surroundings
+from ...perception.thresholds import MASKING_SLOPE
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
@@ -42,7 +43,7 @@ class CrossMasking(Effect):
     assumes = ("foci and friction mask each other as vibrations of one frequency do",)
 
     target: str
-    slope: float = 0.52
+    slope: float = MASKING_SLOPE
 
     def __post_init__(self) -> None:
         require.one_of("CrossMasking.target", self.target, TARGETS)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
+from ...time_reversal.screen.transducer import PZ27_LOSS_TANGENT
 from ..stages.truncation import MOST_MODES, n_modes, remainder
 
 if TYPE_CHECKING:
@@ -32,7 +33,7 @@ class DriveEnergy(Effect):
     cures = note("add the effect drive_energy", "energy_j", "power_w")
 
     capacitance_f: float = 5.31e-9
-    loss_tangent: float = 0.017
+    loss_tangent: float = PZ27_LOSS_TANGENT
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         switched = scene.find("quantiser") is not None

@@ -7,13 +7,13 @@ from tactometry.arguments import require
 
 from ...composition.content import PlateContent
 from ...composition.effect import Demand, Effect, Setting, Size, Stage, Surroundings, note
+from ...time_reversal.fingertip import FORCE_EXPONENT, REFERENCE_FORCE_N, RESISTANCE_N_S_PER_M
 from ..stages.fingers import at_rest, check_on_plate, farther, places_m
 from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes
 
 CONTACT = "tactometry.stimuli.scenes.stages.contact"
 PLATE = "tactometry.stimuli.scenes.stages.plate"
-REFERENCE_FORCE_N = 2.0
 
 
 @dataclass(frozen=True)
@@ -39,10 +39,10 @@ class FingerLoad(Effect):
     )
     rests_on = "the resistance of a finger (calibrated: by the default 2 N take 30 % of a focus, as the thesis found)"
 
-    resistance_n_s_per_m: float = 10.0
+    resistance_n_s_per_m: float = RESISTANCE_N_S_PER_M
     mass_kg: float = 0.0
     stiffness_n_per_m: float = 0.0
-    exponent: float = 0.5
+    exponent: float = FORCE_EXPONENT
 
     def __post_init__(self) -> None:
         require.not_negative("FingerLoad", **vars(self))

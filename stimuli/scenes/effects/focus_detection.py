@@ -4,6 +4,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ...composition.effect import Effect, Stage, Surroundings, note
+from ...time_reversal.fingertip import FOCUS_AT_THRESHOLD_M
 from ..stages.fingers import is_away
 
 if TYPE_CHECKING:
@@ -29,7 +30,7 @@ class FocusDetection(Effect):
     assumes = ("every focus is felt as one event of displacement, whatever its course; a train by its energy in 0.2 s",)
     rests_on = "the amplitude of a single focus at threshold (calibrated: 10 um are the thesis's)"
 
-    reference_m: float = 10e-6
+    reference_m: float = FOCUS_AT_THRESHOLD_M
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         loaded = scene.find("load") is not None

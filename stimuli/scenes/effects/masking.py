@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from ...composition.effect import Effect, Stage, Surroundings
+from ...perception.thresholds import MASKING_SLOPE
 
 
 @dataclass(frozen=True)
@@ -23,7 +24,7 @@ class Masking(Effect):
     positive = ("level_db_re_threshold", "slope")
 
     level_db_re_threshold: float
-    slope: float = 0.52
+    slope: float = MASKING_SLOPE
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         settings = {"elevation_db": self.slope * self.level_db_re_threshold}

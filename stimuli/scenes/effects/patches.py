@@ -6,6 +6,7 @@ from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings
+from ...time_reversal.screen.transducer import MOMENT_N_PER_V, SIDE_M
 
 PATCHES = "tactometry.stimuli.scenes.stages.emission:patches"
 
@@ -25,8 +26,8 @@ class Patches(Effect):
     assumes = ("patches have neither mass nor stiffness",)
     rests_on = "the moment per volt of a patch (calibrated: the default gives 10 um on A4 of 1.1 mm by one bit of 30 V)"
 
-    side_m: float = 10e-3
-    moment_n_per_v: float = 8.2e-4
+    side_m: float = SIDE_M
+    moment_n_per_v: float = MOMENT_N_PER_V
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         return (Stage("patches", ("plate",), "sources", PATCHES, size=self._size),)

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings, note
+from ...perception.thresholds import THRESHOLD_M
 from ..stages.scaling import HIGHEST
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ class Receptors(Effect):
     assumes = ("nothing sums over time",)
     rests_on = "the displacement of the skin at threshold (by default 0.1 um at 250 Hz, unverified)"
 
-    reference_m: float = 1e-7
+    reference_m: float = THRESHOLD_M
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
         strongest = Stage("strongest", ("channels_db",), "sensation_db", HIGHEST)

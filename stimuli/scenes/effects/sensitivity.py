@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Surroundings, note
+from ...perception.thresholds import THRESHOLD_M
 
 if TYPE_CHECKING:
     from ...perception.detection import Components
@@ -33,7 +34,7 @@ class Sensitivity(Effect):
     assumes = ("nothing sums over time or area",)
     rests_on = "the displacement of the skin at threshold (by default 0.1 um at 250 Hz, unverified)"
 
-    reference_m: float = 1e-7
+    reference_m: float = THRESHOLD_M
 
     def __call__(self, skin_components: "Components") -> float:
         """Level above threshold."""

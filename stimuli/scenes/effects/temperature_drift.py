@@ -2,18 +2,15 @@
 
 from dataclasses import dataclass
 from math import isfinite, pi
-from typing import Final
 
 from tactometry.arguments.require import within
 from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
 from ...composition.effect import Effect, Stage, Surroundings
+from ...time_reversal.plate.glass import FREQUENCY_SHIFT_PER_K, MOST_SHIFT
 
 LEARNING = "tactometry.stimuli.scenes.stages.emission:learning_colder"
-
-MOST_SHIFT: Final = 0.1
-"""As in `drift.warmed`: an effect that no output needs imports no physics."""
 
 
 @dataclass(frozen=True)
@@ -30,7 +27,7 @@ class TemperatureDrift(Effect):
     assumes = ("a warmer plate is softer, and nothing else",)
 
     kelvin: float
-    shift_per_k: float = -5e-5
+    shift_per_k: float = FREQUENCY_SHIFT_PER_K
 
     def __post_init__(self) -> None:
         for name in ("kelvin", "shift_per_k"):

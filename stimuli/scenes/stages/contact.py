@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...arrays import ComplexArray, FloatArray
-from ...time_reversal.finger import Fingertip
+from ...time_reversal.fingertip import Fingertip
 from ...time_reversal.responses.load import CHUNK, PlateLoad, contact_transfer
 from ...time_reversal.screen.transducer import PointForce
 from .motion import PlateMotion, moving_modes

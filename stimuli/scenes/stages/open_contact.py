@@ -5,7 +5,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 
 from ...arrays import ComplexArray, FloatArray, real_product
-from ...time_reversal.finger import Fingertip
+from ...time_reversal.fingertip import Fingertip
 from ...time_reversal.lift_off import ContactCourses, one_sided_contacts
 from ...time_reversal.plate.modes import values
 from ...time_reversal.screen.transducer import PointForce

@@ -13,7 +13,7 @@ from ..effects import OF_ELECTROVIBRATION
 from ..stages.circuit import divider_stage
 from ..stages.reading import spectrum_stage
 from ..stages.scaling import HIGHEST, MULTIPLY
-from .panel import ASSUMES, SKIN_MOTION
+from .panel import AREA_M2, ASSUMES, SKIN_MOTION
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray
@@ -57,7 +57,7 @@ class Electrovibration(Surface):
     frequency_hz: float
     duration_s: float = 1.0
     ramp_s: float = 0.05
-    area_m2: float = 1e-4
+    area_m2: float = AREA_M2
     insulator_thickness_m: float = 1e-6
     insulator_permittivity: float = 3.9
     corneum_thickness_m: float = 200e-6

@@ -13,6 +13,9 @@ ASSUMES: Mapping[str, str] = {
     "polarity": "the same attraction at either sign of the voltage",
 }
 
+AREA_M2 = 1e-4
+"""Of a contact; unverified default."""
+
 SKIN_MOTION = Stage(
     "skin_motion",
     ("components", "contact"),

@@ -13,7 +13,7 @@ from ..effects import OF_ELECTROVIBRATION
 from ..stages.circuit import of_true_area
 from ..stages.reading import spectrum_of_record
 from ..stages.record import sampling
-from .panel import ASSUMES, SKIN_MOTION
+from .panel import AREA_M2, ASSUMES, SKIN_MOTION
 from .played import PlayedSurface
 
 SAME = "tactometry.stimuli.scenes.stages.circuit:same"
@@ -48,7 +48,7 @@ class PlayedElectrovibration(PlayedSurface):
     touches = (FingerContact(1.0, 0.05),)
 
     skin: Skin = field(default_factory=lambda: Skin(corneum_resistivity_ohm_m=inf))
-    area_m2: float = 1e-4
+    area_m2: float = AREA_M2
     duration_s: float = 1.0
 
     def stages(self, scene: Demand) -> tuple[Stage, ...]:

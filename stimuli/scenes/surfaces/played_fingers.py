@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
-from ...time_reversal.finger import Fingertip
+from ...time_reversal.fingertip import Fingertip
 from ...time_reversal.stimulus.placed_foci import Place, check_fingers
 from ...time_reversal.stimulus.setup import Setup
 from .played_time_reversal import PlayedPlate

@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
 from ...composition.effect import Demand, FingerContact, Stage
-from ...time_reversal.finger import Fingertip
+from ...time_reversal.fingertip import Fingertip
 from ...time_reversal.stimulus.sensation import place_on
 from ...time_reversal.stimulus.setup import Setup
 from ..effects import OF_TIME_REVERSAL

@@ -22,7 +22,7 @@ from ..filters import Band
 from ..plate.dispersion import group_velocity_m_per_s, wavenumber_rad_per_m
 from ..plate.plate import Plate
 from ..plate.statics import bending_stress_pa
-from ..screen.transducer import MOMENT_N_PER_V
+from ..screen.transducer import MOMENT_N_PER_V, SIDE_M, VOLTAGE_V
 from .closed_forms import (
     Reverberation,
     contrast_limit,
@@ -64,9 +64,9 @@ class Transducers:
     """Square patches of side `side_m` (m) with a moment (N per V), driven with one bit at `voltage_v`."""
 
     n: int = 32
-    side_m: float = 10e-3
+    side_m: float = SIDE_M
     moment_n_per_v: float = MOMENT_N_PER_V
-    voltage_v: float = 30.0
+    voltage_v: float = VOLTAGE_V
 
     def __post_init__(self) -> None:
         positive("Transducers", **vars(self))

@@ -18,6 +18,7 @@ from ...arrays import FloatArray
 from ..focusing.focusing import Emission
 from ..responses.responses import Point, Responses
 from ..screen.screen import Screen
+from ..screen.transducer import PZ27_LOSS_TANGENT, PZ27_RELATIVE_PERMITTIVITY
 from .field import modal_amplitudes
 
 Grid = tuple[Vector, Vector]
@@ -137,12 +138,6 @@ def _crossing(at: FloatArray, relative: FloatArray, level: float) -> float:
 
 
 VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
-
-PZ27_RELATIVE_PERMITTIVITY = 1800.0
-"""eps33T / eps0 of PZ27; unverified default."""
-
-PZ27_LOSS_TANGENT = 0.017
-"""tan(delta) of PZ27 at small fields; unverified default."""
 
 
 @checked

@@ -17,6 +17,7 @@ from tactometry.signal import Signal
 
 from ...arrays import FloatArray
 from ...fast_length import COMPLEX, fast_length
+from ..filters import AUDIBLE_MAX_HZ, DISTANCE_M
 from ..oscillators.oscillators import Oscillators
 from ..plate.plate import Plate
 from ..responses.responses import chunks
@@ -25,7 +26,6 @@ from ..screen.screen import Screen
 SOUND_SPEED_M_PER_S: Final = 343.0
 AIR_DENSITY_KG_PER_M3: Final = 1.204
 REFERENCE_PRESSURE_PA: Final = 20e-6
-AUDIBLE_MAX_HZ: Final = 20e3
 FREQUENCIES_AT_ONCE: Final = 1024
 NEAR: Final = 1e-9
 """How near to coincidence, relatively, the laws below and above it are taken: there the plate's size limits both."""
@@ -131,7 +131,7 @@ def noise(
     signal: Signal,
     f_max_hz: float,
     *,
-    distance_m: Positive = 0.3,
+    distance_m: Positive = DISTANCE_M,
     duration_s: float | None = None,
 ) -> NoiseSpectrum:
     """Sound of a drive at a distance, averaged over `duration_s`, above 0 (by default the drive and 5 tau).

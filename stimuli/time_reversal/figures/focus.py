@@ -17,6 +17,7 @@ from ..focusing.focusing import Emission, drive, emitted, focus_amplitude
 from ..responses.plate_constants import schroeder_db, tau_s
 from ..responses.responses import Point, Responses
 from ..screen.screen import Screen
+from ..screen.transducer import VOLTAGE_V
 from .style import DIVERGING, colours, label, sheet
 
 N_X, N_Y = 301, 213
@@ -57,7 +58,7 @@ def amplitude_over_bandwidth(screens: Mapping[str, Screen], focus: Point, emissi
     return figure
 
 
-def frequency_response(responses: Responses, f_max_hz: float, voltage_v: float = 30.0) -> Figure:
+def frequency_response(responses: Responses, f_max_hz: float, voltage_v: float = VOLTAGE_V) -> Figure:
     """Spectrum of the response at the focus, the mean over transducers, and the focus amplitude (thesis 3.14)."""
     figure, (axes,) = sheet(width_in=7.2, height_in=3.2)
     f = np.fft.rfftfreq(responses.n_samples, 1 / responses.rate_hz)

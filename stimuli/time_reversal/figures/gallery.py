@@ -18,8 +18,8 @@ from ..focusing.focusing import Emission
 from ..focusing.sigma_delta import SigmaDelta
 from ..plate.glass import A4_SCREEN, BOROFLOAT_33
 from ..responses.responses import Point, impulse_responses
-from ..screen.attenuation import Attenuation
-from ..screen.screen import A4_PROTOTYPE, TAU_S, Screen
+from ..screen.attenuation import TAU_S, Attenuation
+from ..screen.screen import A4_PROTOTYPE, Screen
 from ..screen.transducer import DiscPatch
 from . import drives, focus, prototype, theory
 from .style import save

@@ -22,6 +22,7 @@ from ..filters import Band
 from ..responses.load import Attached, loaded_responses
 from ..responses.responses import Point, Responses, band_limited, samples_in
 from ..screen.screen import Screen
+from ..screen.transducer import VOLTAGE_V
 from .quantiser import Quantiser, one_bit
 
 
@@ -169,7 +170,7 @@ class Emission:
     band: Band
     reversal_s: Positive
     rate_hz: Positive
-    voltage_v: Positive = 30.0
+    voltage_v: Positive = VOLTAGE_V
     quantiser: Quantiser | None = None
     modes_to_hz: Positive | None = None
 

@@ -53,6 +53,12 @@ A4_SCREEN = BOROFLOAT_33.plate(0.297, 0.210, 1.1e-3, "SSSS")
 """The thesis's prototype: A4, 1.1 mm. The glass and the edges are an unverified default."""
 
 
+FREQUENCY_SHIFT_PER_K: Final = -5e-5
+"""Relative shift of the modal frequencies of borosilicate glass per kelvin; unverified default."""
+
+MOST_SHIFT: Final = 0.1
+"""Of the frequencies by temperature: further no glass goes on in proportion."""
+
 MATERIAL: Final = ("youngs_modulus_pa", "poisson_ratio", "density_kg_per_m3")
 
 

@@ -1,7 +1,8 @@
 """How fast free vibration decays: every mode as exp(-t / tau)."""
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
@@ -10,12 +11,23 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import expect
 
 from ...arrays import FloatArray
+from ...composition.content import PlateContent
+from ...composition.effect import Effect
+
+if TYPE_CHECKING:
+    from ...composition.effect import Surroundings
+
+TAU_S: Final = 3.5e-3
+"""Attenuation constant that goes with the finger of `fingertip`; unverified default."""
+
+MOST_DECADES: Final = 12.0
+"""By which a time constant may change up to the end of the band: no glass comes near."""
 
 
 @checked
 @dataclass(frozen=True)
-class Attenuation:
-    """tau(f) = tau (f / f_ref)^-exponent.
+class Attenuation(Effect):
+    """tau(f) = tau (f / f_ref)^-exponent; in a scene the losses of its plate, which has none without.
 
     Parameters
     ----------
@@ -28,11 +40,18 @@ class Attenuation:
 
     Examples
     --------
-    >>> round(Attenuation(3.5e-3).t60_s, 4)
+    >>> round(Attenuation().t60_s, 4)
     0.0242
+    >>> float(1 / Attenuation(exponent=0.5).rate_per_s(40e3))
+    0.00175
     """
 
-    tau_s: Unbounded
+    kind = "attenuation"
+    slot = "attenuation"
+    in_signal = True
+    reads, gives = ("screen",), "screen"
+
+    tau_s: Unbounded = TAU_S
     exponent: NotNegative = 0.0
     reference_hz: Positive = 10e3
 
@@ -48,3 +67,23 @@ class Attenuation:
         """1 / tau at frequencies (the decay rate of the amplitude)."""
         relative = np.asarray(frequency_hz, float) / self.reference_hz
         return np.asarray(relative**self.exponent / self.tau_s)
+
+    def __call__(self, screen: Any) -> Any:
+        """The screen with these losses."""
+        return replace(screen, attenuation=self)
+
+    def in_plate(self, scene: "Surroundings") -> PlateContent:
+        """It rings for three time constants, and less at the top of the band."""
+        band_max_hz: float = scene.surface.band_max_hz
+        decades = abs(self.exponent * math.log10(band_max_hz / self.reference_hz))
+        found = f"{self.exponent:g}, by which tau changes {decades:.3g} decades up to band_max_hz"
+        expect(decades <= MOST_DECADES, "attenuation.exponent", found, f"at most {MOST_DECADES:g}; lower it")
+        lossless = "a finite time; without losses leave the effect out"
+        expect(math.isfinite(self.tau_s), "attenuation.tau_s", self.tau_s, lossless)
+        return PlateContent(tau_s=float(1 / self.rate_per_s(band_max_hz)), ringing_s=3 * self.tau_s)
+
+    def in_setup(self) -> dict[str, float]:
+        """The one time constant of a stimulus's plate."""
+        found = f"{self.exponent:g} where a signal is felt"
+        expect(self.exponent == 0, "attenuation.exponent", found, "0: the plate of a stimulus has one tau_s")
+        return {"tau_s": self.tau_s}

@@ -10,7 +10,7 @@ from tactometry.arguments.require import some, within
 
 from ...arrays import FloatArray
 from ..oscillators.oscillators import Oscillators
-from ..plate.glass import A4_SCREEN
+from ..plate.glass import A4_SCREEN, FREQUENCY_SHIFT_PER_K, MOST_SHIFT
 from ..plate.modes import Modes, modes_of
 from ..plate.plate import Plate
 from .attenuation import Attenuation
@@ -68,19 +68,10 @@ def _modal_forces(screen: Screen, f_max_hz: float) -> FloatArray:
     return forces
 
 
-TAU_S: Final = 3.5e-3
-"""Attenuation constant that goes with the finger of `finger`; unverified default."""
-
-A4_PROTOTYPE: Final = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 32)), Attenuation(TAU_S))
+A4_PROTOTYPE: Final = Screen(A4_SCREEN, tuple(border(A4_SCREEN, 32)), Attenuation())
 """The thesis's prototype: 32 patches on A4 glass of 1.1 mm. Edges, layout, patch and tau are unverified
 defaults.
 """
-
-
-FREQUENCY_SHIFT_PER_K: Final = -5e-5
-"""Relative shift of the modal frequencies of borosilicate glass per kelvin; unverified default."""
-
-MOST_SHIFT: Final = 0.1
 
 
 @checked

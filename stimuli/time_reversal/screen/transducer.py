@@ -24,6 +24,18 @@ SIDE_M: Final = 10e-3
 INSET_M: Final = 12e-3
 """Side of a square patch, and how far from the edges its centre lies; unverified defaults."""
 
+VOLTAGE_V: Final = 30.0
+"""Peak of a drive, for which the moment is set; unverified default."""
+
+VOLTAGE_MAX_V: Final = 200.0
+"""What an amplifier can emit: more than one drive takes, so that thresholds can be looked for; unverified default."""
+
+PZ27_RELATIVE_PERMITTIVITY: Final = 1800.0
+"""eps33T / eps0 of PZ27; unverified default."""
+
+PZ27_LOSS_TANGENT: Final = 0.017
+"""tan(delta) of PZ27 at small fields; unverified default."""
+
 MAX_TRANSDUCERS: Final = 10_000
 EDGE_TOLERANCE: Final = 1e-9
 

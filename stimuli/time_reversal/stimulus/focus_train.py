@@ -34,6 +34,7 @@ from ..focusing.pattern import (
 from ..focusing.quantiser import Analogue, Quantiser
 from ..focusing.sigma_delta import SigmaDelta
 from ..responses.responses import Responses, band_limited, samples_in
+from ..screen.transducer import VOLTAGE_MAX_V
 from .setup import Setup
 
 LEVEL_UNITS: Final = ("m", "dB re 1 um")
@@ -90,7 +91,7 @@ class TimeReversalStimulus:
     pattern: Pattern = PATTERNS["P0"]
     quantiser: Quantiser | None = None
     reversal_s: Positive | None = None
-    voltage_max_v: Positive = 30.0
+    voltage_max_v: Positive = VOLTAGE_MAX_V
     level_unit: str = "m"
     heard: Responses | None = None
     path: Sequence[int] | None = None
@@ -249,7 +250,7 @@ class FocusTrain:
     f_min_hz: float = 200.0
     f_max_hz: float = 60e3
     reversal_s: Positive | None = None
-    voltage_max_v: Positive = 200.0
+    voltage_max_v: Positive = VOLTAGE_MAX_V
     duration_s: Positive = 0.5
     level_unit: Literal["dB re 1 um", "m"] = "dB re 1 um"
     repetition_hz: Positive | None = None

@@ -14,6 +14,7 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import distinct, expect, lookup, of_kind
 
 from ..finger import FINGER_DIAMETER_M
+from ..fingertip import FOCUS_AT_THRESHOLD_M
 from ..responses.responses import Point, Responses
 from .focus_train import FocusTrain
 from .setup import Setup
@@ -164,7 +165,7 @@ class FingersSensation:
     setup: Setup
     places: Mapping[str, Place]
     fingers: tuple[str, ...] = ()
-    reference_m: Positive = 10e-6
+    reference_m: Positive = FOCUS_AT_THRESHOLD_M
 
     def __post_init__(self) -> None:
         check_fingers("FingersSensation.fingers", self.setup, self.places, self.fingers)

@@ -17,7 +17,8 @@ from tactometry.signal import Signal
 
 from ...arrays import ComplexArray, FloatArray, IntArray
 from ...perception.temporal_summation import summed_amplitude
-from ..finger import FINGER_DIAMETER_M, FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Contactor, Fingertip
+from ..finger import FINGER_DIAMETER_M, Contactor
+from ..fingertip import FOCUS_AT_THRESHOLD_M, FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Fingertip
 from ..focusing.focusing import emitted
 from ..responses.load import PlateLoad, Receptances, SprungMass, contact_transfer, contour
 from ..responses.responses import Point, impulse_responses, values_at
@@ -78,7 +79,7 @@ class TimeReversalSensation:
     """
 
     setup: Setup = field(default_factory=Setup)
-    reference_m: Positive = 10e-6
+    reference_m: Positive = FOCUS_AT_THRESHOLD_M
     criterion: Literal["loaded", "unloaded"] = "unloaded"
     resistance_n_s_per_m: NotNegative = RESISTANCE_N_S_PER_M
     mass_kg: NotNegative = 0.0

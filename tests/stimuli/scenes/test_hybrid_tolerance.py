@@ -26,7 +26,7 @@ from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
 from tactometry.stimuli.scenes.surfaces.hybrid import HybridScreen
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.finger import Fingertip
+from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.plate.glass import BOROFLOAT_33

@@ -10,7 +10,7 @@ from scene_errors import LOSSY, run
 from tactometry.errors import InvalidParameter
 from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.scenes.scene import Scene
-from tactometry.stimuli.time_reversal.finger import Fingertip
+from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.lift_off import one_sided_contacts
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
 from tactometry.stimuli.time_reversal.responses.responses import impulse_responses

@@ -20,8 +20,8 @@ PLATE = {name: value for name, value in asdict(small_screen()).items() if name !
 REST, SLIDE = {"force_n": 2.0}, {"force_n": 2.0, "speed_m_per_s": 0.05, "x_m": 0.09, "y_m": 0.06}
 CASES = {**ELECTROVIBRATION, **TIME_REVERSAL, "force_law": ({"law": "sc_layer"}, (), "electrostatic_force_n")}
 FELT = {"sensitivity", "receptors", "focus_detection"}
-BY_DEFAULT = {"skin_mobility"}
-"""What a surface does too, at its defaults, as soon as anything is felt on it."""
+BY_DEFAULT = {"skin_mobility", "attenuation"}
+"""What a surface does too at its defaults: as soon as anything is felt on it, and losses, be they none."""
 OWNERS = {
     "electrovibration.waveforms.amplitude_modulated": {"carrier"},
     "electrovibration.attraction.offset": {"dc_offset"},
@@ -38,7 +38,7 @@ OWNERS = {
     "scenes.stages.open_contact": {"lift_off"},
     "time_reversal.lift_off": {"lift_off"},
     "scenes.stages.map": {"movie"},
-    "time_reversal.finger": {"finger_load", "focus_detection"},
+    "time_reversal.finger": {"focus_detection"},
     "time_reversal.focusing.pattern": {"repetition"},
     "time_reversal.rectangle.ritz": {"edges"},
     "time_reversal.stimulus.sensation": {"focus_detection"},

@@ -33,7 +33,7 @@ from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
 from tactometry.stimuli.time_reversal.field.field import field
 from tactometry.stimuli.time_reversal.field.merit import deformation_energy_j
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.finger import Fingertip
+from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.lift_off import one_sided_contact
@@ -345,7 +345,7 @@ def test_a_screen_outside_of_its_domain_is_refused(changes, message):
         ("sigma_delta", {"order": 3}, r"expected 1 or 2"),
         ("repetition", {"envelope": "sync"}, r"did you mean 'sinc'"),
         ("finger_load", {"resistance_n_s_per_m": 0.0}, r"expected a finite number above 0"),
-        ("attenuation", {"tau_s": float("inf")}, r"Attenuation\.tau_s: found inf"),
+        ("attenuation", {"tau_s": 0.0}, r"Attenuation\.tau_s: found 0\.0"),
     ],
 )
 def test_an_effect_outside_of_its_domain_is_refused(kind, values, message):
@@ -357,6 +357,7 @@ def test_an_effect_outside_of_its_domain_is_refused(kind, values, message):
     ("kind", "values", "message"),
     [
         ("patches", {"side_m": 0.03}, r"patches: .*raise inset_m to 0\.015 or lower side_m"),
+        ("attenuation", {"tau_s": float("inf")}, r"attenuation\.tau_s: found inf, .* leave the effect out"),
         ("audible_filter", {}, r"audible_filter: .*lower cutoff_hz or raise band_max_hz"),
         ("pulse_width", {"carrier_hz": 20e3}, r"PulseWidth\.carrier_hz: .*lower it or raise rate_hz"),
     ],

@@ -15,7 +15,8 @@ from tactometry.protocols.tasks.task import Presentation
 from tactometry.protocols.tasks.touch import Pressing
 from tactometry.session.answer import Rated, Touched
 from tactometry.session.request import Enter, Press, Record
-from tactometry.stimuli.time_reversal.finger import Contactor, Fingertip
+from tactometry.stimuli.time_reversal.finger import Contactor
+from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import emitted
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
 from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain

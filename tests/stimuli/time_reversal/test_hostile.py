@@ -32,6 +32,7 @@ from time_reversal_parts import (
 
 import tactometry.stimuli.time_reversal as room
 from tactometry.errors import TactometryError
+from tactometry.stimuli.composition.effect import Effect
 from tactometry.stimuli.time_reversal import (
     Analogue,
     Attenuation,
@@ -105,7 +106,7 @@ def constructors() -> Iterator[tuple[str, object]]:
     """Sound instances, whose fields are the arguments of their classes."""
     yield from {
         "screen.attenuation": Attenuation(3e-3, 0.1), "responses.bonded_patches": (Stiffener(0.1, 0.1, 1.0), Ceramic()),
-        "design.closed_forms": ROOM, "finger": (Contactor("soft"), Fingertip(10.0)),
+        "design.closed_forms": ROOM, "finger": (Contactor("soft"),), "fingertip": (Fingertip(10.0),),
         "responses.plate_constants": MeasuredConstant(1.0, 0.5, 2.0),
         "design.guide": (Transducers(8), Target(contrast=3.0), DESIGN),
         "focusing.focusing": EMISSION,
@@ -175,7 +176,9 @@ def _names(dotted: str, thing: object) -> Iterator[str]:
     elif is_dataclass(thing) and isinstance(thing, type):
         yield dotted
         for name, member in vars(thing).items():
-            if not name.startswith("_") and (inspect.isfunction(member) or isinstance(member, classmethod)):
+            if not (name.startswith("_") or hasattr(Effect, name)) and (
+                inspect.isfunction(member) or isinstance(member, classmethod)
+            ):
                 yield f"{dotted}.{name}"
 
 

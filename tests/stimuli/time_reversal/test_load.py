@@ -14,7 +14,6 @@ from tactometry.errors import InvalidParameter
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.finger import (
     Contactor,
-    Fingertip,
     absorbing_tau_s,
     amplitude_loss,
     amplitude_ratio_at_focus,
@@ -23,6 +22,7 @@ from tactometry.stimuli.time_reversal.finger import (
     ejection_force_n,
     force_loss,
 )
+from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, drive, focus_amplitude
 from tactometry.stimuli.time_reversal.oscillators.oscillators import Oscillators
 from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN

@@ -14,7 +14,7 @@ from tactometry.signal import Signal
 from tactometry.stimuli.scenes.defaults.foci import default_scene
 from tactometry.stimuli.scenes.effects.finger_load import FingerLoad
 from tactometry.stimuli.time_reversal import FocusTrain, Responses, Setup, TimeReversalSensation, impulse_responses
-from tactometry.stimuli.time_reversal.finger import Fingertip
+from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import emitted
 from tactometry.stimuli.time_reversal.responses.load import loaded_responses
 from tactometry.stimuli.time_reversal.stimulus.focus_train import measured

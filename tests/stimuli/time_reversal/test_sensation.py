@@ -13,7 +13,7 @@ from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.filters import Band
-from tactometry.stimuli.time_reversal.finger import Fingertip
+from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.focusing.focusing import drive as reversed_drive, emitted
 from tactometry.stimuli.time_reversal.focusing.one_bit import OneBit
 from tactometry.stimuli.time_reversal.focusing.pattern import PATTERNS, focus_samples
