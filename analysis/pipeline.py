@@ -21,7 +21,7 @@ from .reading.quality import exclude, frames, quality, with_frames
 from .reading.trials import Trials, read_trials, used_rows
 from .report.data_warnings import warnings_of
 from .report.methods import methods
-from .report.page import check_report, write_figures, write_report
+from .report.page import check_report, sections_of, write_figures, write_report
 from .report.study_text import study_text
 from .result import Analysis
 from .tasks import cells
@@ -90,9 +90,10 @@ def analyse(
     )
     if report is None and figures is None:
         return analysis
+    sections = sections_of(analysis)
     if figures is not None:
-        analysis = write_figures(analysis, figures)
-    return analysis if report is None else write_report(analysis, report, pdf=pdf)
+        analysis = write_figures(analysis, figures, sections)
+    return analysis if report is None else write_report(analysis, report, pdf=pdf, sections=sections)
 
 
 def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay: Replay | None = None) -> Analysis:

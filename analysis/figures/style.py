@@ -76,17 +76,22 @@ class Drawing:
 
     def png(self) -> bytes:
         """Pixels for print."""
-        target = io.BytesIO()
+        from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+        target, dpi = io.BytesIO(), self.figure.dpi
         with house_style():
+            self.figure.set_dpi(PRINT_DPI)
             # Else the version of matplotlib stands in the file.
-            self.figure.savefig(target, format="png", dpi=PRINT_DPI, metadata={"Software": None})
+            FigureCanvasAgg(self.figure).print_png(target, metadata={"Software": None})  # type: ignore[no-untyped-call]
+            self.figure.set_dpi(dpi)
         return target.getvalue()
 
 
 def drawing_of(figure: "Figure") -> Drawing:
     """The figure as it stands, within the house style."""
     target = io.StringIO()
-    figure.savefig(target, format="svg", metadata={"Date": None, "Creator": "tactometry"})
+    # Not `savefig`, which draws all twice: it measures first what it may have to cut.
+    figure.canvas.print_svg(target, metadata={"Date": None, "Creator": "tactometry"})  # type: ignore[attr-defined]
     text = target.getvalue()
     # Without the XML declaration: the page holds the drawing as one of its elements.
     return Drawing(figure, text[text.index("<svg") :])

@@ -5,7 +5,7 @@ import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from importlib.resources import files
 from pathlib import Path
@@ -27,8 +27,11 @@ WEASYPRINT = "weasyprint"
 PDF_TIMEOUT_S = 120.0
 
 
-def write_report(analysis: Analysis, path: Path, *, pdf: bool = False) -> Analysis:
-    """Write the report to `path`, its tables to the folder ``<stem>_tables``, and a PDF if asked for.
+def write_report(
+    analysis: Analysis, path: Path, *, pdf: bool = False, sections: Sequence[Section] | None = None
+) -> Analysis:
+    """Write the report to `path`, its tables to the folder ``<stem>_tables``, and a PDF if asked for; its `sections`
+    are drawn unless they are given.
 
     Raises
     ------
@@ -41,7 +44,7 @@ def write_report(analysis: Analysis, path: Path, *, pdf: bool = False) -> Analys
     folder = path.with_name(f"{path.stem}_tables")
     with attempt(path, "cannot be written, or its tables", "a place to write to"):
         folder.mkdir(parents=True, exist_ok=True)
-        page = render(analysis)
+        page = render(analysis, sections)
         write_tables(analysis.tables, folder)
         path.write_text(page, encoding="utf-8")
     if pdf:
@@ -60,8 +63,9 @@ def check_report(path: Path) -> None:
     expect(path.suffix.lower() in (".html", ".htm"), "--report", repr(path.name), "a file name that ends in .html")
 
 
-def write_figures(analysis: Analysis, folder: Path) -> Analysis:
-    """Write every figure as SVG and PNG (300 dots per inch) and, beside them, the table that holds its numbers.
+def write_figures(analysis: Analysis, folder: Path, sections: Sequence[Section] | None = None) -> Analysis:
+    """Write every figure as SVG and PNG (300 dots per inch) and, beside them, the table that holds its numbers; those
+    of the `sections`, which are drawn unless they are given.
 
     Raises
     ------
@@ -70,7 +74,7 @@ def write_figures(analysis: Analysis, folder: Path) -> Analysis:
     """
     with attempt(folder, "cannot be written", "a place to write to"):
         folder.mkdir(parents=True, exist_ok=True)
-        for figure in figures_of(analysis):
+        for figure in figures_of(analysis, sections):
             stem = file_text(figure.name)
             (folder / f"{stem}.svg").write_text(figure.drawing.svg, encoding="utf-8")
             (folder / f"{stem}.png").write_bytes(figure.drawing.png())
@@ -101,7 +105,7 @@ def csv_text(table: pd.DataFrame) -> str:
     return str(safe.to_csv(index=False, lineterminator="\n"))
 
 
-def render(analysis: Analysis) -> str:
+def render(analysis: Analysis, sections: Sequence[Section] | None = None) -> str:
     """The whole page; the same data give the same text."""
     from jinja2 import Environment, StrictUndefined
 
@@ -109,8 +113,8 @@ def render(analysis: Analysis) -> str:
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
     environment.filters |= {"words": lambda text: in_words(text, factors), "nonbreaking": nonbreaking}
     template = environment.from_string((files(__package__) / "page.html").read_text("utf-8"))
-    sections = sections_of(analysis)
-    figures = [figure for section in sections for figure in section.figures()]
+    sections = sections_of(analysis) if sections is None else sections
+    figures = figures_of(analysis, sections)
     # The first line of the page says already that participants were simulated.
     warnings = [text for text in analysis.warnings if f"{text}." != analysis.origin.line]
     return template.render(
@@ -129,9 +133,10 @@ def sections_of(analysis: Analysis) -> list[Section]:
     return [section for kind in KINDS for section in kind.sections(analysis)]
 
 
-def figures_of(analysis: Analysis) -> list[Figure]:
+def figures_of(analysis: Analysis, sections: Sequence[Section] | None = None) -> list[Figure]:
     """Every figure of the report, in order."""
-    return [figure for section in sections_of(analysis) for figure in section.figures()]
+    drawn = sections_of(analysis) if sections is None else sections
+    return [figure for section in drawn for figure in section.figures()]
 
 
 def data_line(analysis: Analysis) -> str:

@@ -368,6 +368,15 @@ def test_every_figure_is_a_file_with_its_numbers(pressed, tmp_path) -> None:
     assert one == {"P01"}
 
 
+def test_a_figure_is_drawn_once_as_vectors_for_page_and_file_and_once_as_pixels(pressed, tmp_path, monkeypatch) -> None:
+    from matplotlib.figure import Figure
+
+    drawn, draw = [], Figure.draw
+    monkeypatch.setattr(Figure, "draw", lambda figure, renderer: drawn.append(figure) or draw(figure, renderer))
+    found = analyse(pressed, report=tmp_path / "r.html", figures=tmp_path / "figures")
+    assert len(drawn) == 2 * len(list(found.figures_folder.glob("*.png"))) > 0
+
+
 @pytest.fixture(scope="module")
 def rated(patterns, tmp_path_factory) -> Analysis:
     return analyse(patterns, report=tmp_path_factory.mktemp("rated") / "r.html")
