@@ -151,11 +151,12 @@ class Experiment(SessionPlan):
         def draws(*words: str) -> np.random.Generator:
             return stream(seed, participant, *words)
 
+        person = self.simulated_person(participant, seed)
         felt: dict[Meeting, Feeling] = {}
         for cell in self.cells.values():
             met = _meeting_of(cell)
             if met not in felt:
-                felt[met] = self.people.feeling(cell.condition.factors, cell.modality, draws)
+                felt[met] = self.people.feeling(person, cell.condition.factors, cell.modality, draws)
         return felt
 
     def simulated_rig(self, participant: str, n_session: int, seed: int) -> SimulatedRig:
@@ -268,7 +269,7 @@ def _build(study: Study) -> Experiment:
     questionnaires_of(study.forms)  # those that nothing asks must be sound too
     people = population_of(study.observer, "observer")
     experiment = Experiment(study, table, cells, practice_of(study.practice), forms, people)
-    people.people.check(_levels_of(cells), "observer.people")
+    people.check(_levels_of(cells), "observer")
     if people.raters is not None:
         people.raters.check(_levels_of(cells), dimensions_of(experiment.questionnaires), "observer.raters")
     return experiment

@@ -49,6 +49,7 @@ _BOTH = {
     "focus": _FOCUS,
     "friction": {"frequency_hz": 120.0, "carrier_hz": 1e3, "duration_s": 0.5, "rate_hz": 10e3},
 }
+_OBSERVERS: Final[Mapping[str, Mapping[str, object]]] = {"psychometric": {"threshold": 26.0}}
 OF_SETUP: Final = ("focus", "measured_focus", "foci", "hybrid")
 """A kind for each model of what is felt of a screen."""
 _ITEM = {"id": "Q1", "dimension": "D", "order": 1, "statement": {"en": "It."}}
@@ -154,7 +155,8 @@ def _tasks() -> Iterator[tuple[str, KeyTable]]:
 
 def _observers() -> Iterator[tuple[str, KeyTable]]:
     for kind, target in OBSERVERS.items():
-        yield "`[observer]`" if kind == USUAL else f'`[observer]`, `kind = "{kind}"`', KeyTable(resolve(target))
+        table = KeyTable(resolve(target), _OBSERVERS.get(kind, {}), in_levels=("threshold", "width"))
+        yield "`[observer]`" if kind == USUAL else f'`[observer]`, `kind = "{kind}"`', table
 
 
 def _sensation_table(kind: str) -> KeyTable:

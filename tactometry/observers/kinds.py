@@ -1,7 +1,7 @@
 """Every kind of simulated participant, by the name that a study file uses, imported when it is named."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import reduce
 from operator import add
 from typing import TYPE_CHECKING, Any, Final, Protocol
@@ -14,7 +14,7 @@ from ..loading import resolve
 from .changes.change import Answer, Change, Shift, Shifted
 from .changes.kinds import CHANGES
 from .decisions import Observer
-from .people import Draws, Feeling, People, SimulatedPerson, Varied
+from .people import Draws, Feeling, People, SimulatedPerson, Stated, Varied
 
 if TYPE_CHECKING:
     from .raters import Raters
@@ -23,6 +23,8 @@ USUAL: Final = "signal_detection"
 """What a table that names no kind means."""
 OBSERVERS: Final = {
     USUAL: "tactometry.observers.signal_detection:SignalDetectionObserver",
+    "ideal": "tactometry.observers.ideal:IdealObserver",
+    "psychometric": "tactometry.observers.psychometric:PsychometricObserver",
 }
 
 
@@ -50,9 +52,24 @@ class Population:
         observer: Any = self.middle.person(traits)
         return SimulatedPerson(observer, traits.force_factor, traits.speed_factor)
 
-    def feeling(self, factors: Mapping[str, float | str], modality: str, draws: Draws) -> Feeling:
-        """How the person of these streams feels a cell."""
-        return Feeling(self.people.deviation_db(factors, modality, draws))
+    def feeling(
+        self, person: SimulatedPerson, factors: Mapping[str, float | str], modality: str, draws: Draws
+    ) -> Feeling:
+        """How a person, whose streams these are, feels a cell."""
+        stated = person.observer.stated(factors) if isinstance(person.observer, Stated) else Feeling()
+        return replace(stated, deviation_db=self.people.deviation_db(factors, modality, draws))
+
+    def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
+        """Refuse what names no factor or level of a study.
+
+        Raises
+        ------
+        InvalidParameter
+            At the first; `path` opens the sentence.
+        """
+        self.people.check(factors, f"{path}.people")
+        if isinstance(self.middle, Stated):
+            self.middle.check(factors, path)
 
     def shift(self, n_trials: int, answers: Sequence[Answer], draws: Draws) -> Shift:
         """By how much the person whose session has these streams is off in a trial."""

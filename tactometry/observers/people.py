@@ -50,20 +50,31 @@ class Varied(Protocol):
 @dataclass(frozen=True)
 class Feeling:
     """How one person feels one cell: so many decibels more than the skin model says; or, where `threshold` is stated
-    in the unit of the level, `level - threshold` in place of what it says, times `stretch`."""
+    in the unit of the level, `level - threshold` in place of what it says, with the deviation in that unit, times
+    `stretch`."""
 
     deviation_db: float = 0.0
     threshold: float | None = None
     stretch: float = 1.0
 
     def felt_db(self, level: float, sensation_db: Callable[[], float]) -> float:
-        """The sensation level of a stimulus at `level`, which the skin model is asked for only if it decides.
+        """The sensation level of a stimulus at `level`; the skin model is asked only where no threshold is stated.
 
         >>> Feeling(2.0).felt_db(30.0, lambda: -1.0), Feeling(2.0, threshold=25.0).felt_db(30.0, lambda: -1.0)
         (1.0, 7.0)
         """
-        stated_db = sensation_db() if self.threshold is None else self.stretch * (level - self.threshold)
-        return stated_db + self.deviation_db
+        if self.threshold is None:
+            return sensation_db() + self.deviation_db
+        return self.stretch * (level - self.threshold + self.deviation_db)
+
+
+@runtime_checkable
+class Stated(Protocol):
+    """A person whose thresholds are stated in the unit of the level."""
+
+    def stated(self, factors: Mapping[str, float | str]) -> Feeling: ...
+
+    def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None: ...
 
 
 @dataclass(frozen=True)

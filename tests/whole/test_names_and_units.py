@@ -27,6 +27,7 @@ BARE = {
     "lapse_rate": "a probability",
     "catch_rate": "a share of trials",
     "return_rate": "a probability",
+    "false_alarm_rate": "a probability",
     "rate_beta": "a parameter of a beta distribution",
     "log_rate_mass": "of a density of a rate",
     "force_in_band": "a share of samples; the pinned name of a column",

@@ -1,0 +1,189 @@
+"""A participant whose psychometric function is given, in the unit of the level and without any physics."""
+
+import functools
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Self
+
+import numpy as np
+
+from ..arguments.require import below, finite, not_negative, one_of, positive, within
+from ..config.strict import check_keys, convert
+from ..psychometric import SHAPES, PsychometricFunction
+from ..session.request import Facts
+from ..trials.cells import cell as cell_text
+from .changes.change import Shift
+from .ideal import HIGHEST_DB
+from .people import Feeling, Traits
+from .signal_detection import ALMOST_ALL, COMFORT_DB, COMFORT_RANGE_DB, MOST_LAPSES
+
+OF_WIDTH = 2 * 1.6448536269514722
+"""The width of a cumulative normal distribution, from 0.05 to 0.95, in its standard deviations."""
+
+
+@dataclass(frozen=True)
+class PsychometricObserver:
+    """Says yes with the chance ``psi(level)``, whose threshold and width are stated in the unit of the level.
+
+    In a forced choice of m of which one is not empty, that one is taken with ``1 / m + (1 - 1 / m - lapse_rate)
+    F(level)``; of several that are not empty the one that is highest, each with a normal noise that makes the width.
+    Schuett, Harmeling, Macke and Wichmann, Vision Research 122 (2016), 105-123.
+
+    Parameters
+    ----------
+    threshold, width : float
+        Where the unscaled function is 0.5, and between its 0.05 and 0.95, where `conditions` says nothing else.
+    conditions : tuple of tables
+        Each with levels of factors, and the ``threshold`` and ``width`` that hold there; the last that fits counts.
+    shape : str
+        One of the shapes of `tactometry.psychometric` on linear levels.
+    false_alarm_rate, lapse_rate : float
+        The lower asymptote of yes/no, and how far the upper one is below 1.
+    sensitivity_db : float
+        By how much the thresholds of this person are lower.
+    between_sd_db : float
+        Standard deviation of it between people.
+    latency_s : float
+        Median time to answer.
+
+    Raises
+    ------
+    InvalidParameter
+        If a value is outside of its range, or a condition holds what is none.
+    """
+
+    threshold: float
+    width: float = 6.0
+    conditions: tuple[dict[str, Any], ...] = ()
+    shape: str = "normal"
+    false_alarm_rate: float = 0.05
+    lapse_rate: float = 0.02
+    sensitivity_db: float = 0.0
+    between_sd_db: float = 2.5
+    latency_s: float = 0.8
+
+    def __post_init__(self) -> None:
+        owner = "PsychometricObserver"
+        finite(owner, threshold=self.threshold, sensitivity_db=self.sensitivity_db)
+        positive(owner, width=self.width, latency_s=self.latency_s)
+        one_of(f"{owner}.shape", self.shape, [name for name, shape in SHAPES.items() if not shape.on_log_levels])
+        within(owner, 0, MOST_LAPSES, false_alarm_rate=self.false_alarm_rate)
+        within(owner, 0, ALMOST_ALL, lapse_rate=self.lapse_rate)
+        below(owner, false_alarm_rate=self.false_alarm_rate, one_less_lapses=1 - self.lapse_rate)
+        not_negative(owner, between_sd_db=self.between_sd_db)
+        for n, of in enumerate(self.conditions):
+            where = f"{owner}.conditions[{n}]"
+            finite(where, threshold=convert(float, of.get("threshold", self.threshold), f"{where}.threshold"))
+            positive(where, width=convert(float, of.get("width", self.width), f"{where}.width"))
+
+    def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
+        """Refuse a condition that names no factor or level of a study.
+
+        Raises
+        ------
+        InvalidParameter
+            At the first; `path` opens the sentence.
+        """
+        for n, of in enumerate(self.conditions):
+            where = f"{path}.conditions[{n}]"
+            check_keys(of, (*factors, "threshold", "width"), where)
+            for name in factors.keys() & of.keys():
+                one_of(f"{where}.{name}", cell_text(of[name]), list(map(cell_text, factors[name])))
+
+    def stated(self, factors: Mapping[str, float | str]) -> Feeling:
+        """How this person feels a cell: in units that make its width that of the observer."""
+        there = {"threshold": self.threshold, "width": self.width}
+        levels = {name: cell_text(level) for name, level in factors.items()}
+        for of in self.conditions:
+            if all(cell_text(of[name]) == text for name, text in levels.items() if name in of):
+                there |= {name: float(of[name]) for name in there if name in of}
+        return Feeling(threshold=there["threshold"] - self.sensitivity_db, stretch=self.width / there["width"])
+
+    def participant(self, rng: np.random.Generator) -> Self:
+        """One participant of the population that this observer is the mean of."""
+        return self.person(Traits(sensitivity=float(rng.standard_normal())))
+
+    def person(self, traits: Traits) -> Self:
+        """The participant with these traits; its width is divided by the factor of the exponent."""
+        return replace(
+            self,
+            sensitivity_db=self.sensitivity_db + self.between_sd_db * traits.sensitivity,
+            width=self.width / traits.exponent_factor,
+            conditions=tuple(_narrower(of, traits.exponent_factor) for of in self.conditions),
+            lapse_rate=min(self.lapse_rate * traits.lapse_factor, max(self.lapse_rate, MOST_LAPSES)),
+            latency_s=self.latency_s * traits.latency_factor,
+        )
+
+    def shifted(self, shift: Shift) -> Self:
+        """This participant as it is in one trial; its criterion is part of the stated function and stays."""
+        lapse_rate = 1 - (1 - self.lapse_rate) * (1 - min(shift.lapse_rate, ALMOST_ALL - self.false_alarm_rate))
+        return replace(self, lapse_rate=min(lapse_rate, ALMOST_ALL - self.false_alarm_rate))
+
+    def chance(self, sensation_db: float, guess_rate: float) -> float:
+        """The chance of a yes, or of the right interval, at so much above the threshold."""
+        lapse_rate = min(self.lapse_rate, ALMOST_ALL - guess_rate)
+        return _rate(self.shape, self.width, guess_rate, lapse_rate, sensation_db)
+
+    def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
+        """Whether a stimulus is reported as felt."""
+        return bool(rng.random() < self.chance(sensation_db, self.false_alarm_rate))
+
+    def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:
+        """The index of the one that is felt most."""
+        chance, other = rng.random(), int(rng.integers(len(sensations_db) - 1)) if len(sensations_db) > 1 else 0
+        noise = rng.standard_normal(len(sensations_db))
+        there = np.flatnonzero(np.isfinite(sensations_db))
+        if len(there) == 1:
+            (right,) = there.tolist()
+            is_right = chance < self.chance(sensations_db[right], 1 / len(sensations_db))
+            return int(right) if is_right else other + (other >= right)
+        if chance < self.lapse_rate or not len(there):
+            return int(np.argmax(noise))
+        return int(np.argmax(np.asarray(sensations_db) + self._sd * noise / math.sqrt(2)))
+
+    def identify(self, alternatives_db: Sequence[Sequence[float]], n_felt: int, rng: np.random.Generator) -> int:
+        """What is felt with the chance of a forced choice at its highest level, else any other."""
+        highest_db, m = max(alternatives_db[n_felt]), len(alternatives_db)
+        chance, other = rng.random(), int(rng.integers(m - 1)) if m > 1 else 0
+        return n_felt if chance < self.chance(highest_db, 1 / m) else other + (other >= n_felt)
+
+    def differ(self, sensations_db: Sequence[float], rng: np.random.Generator) -> bool:
+        """Whether two levels, each with its noise, are further apart than one width (unverified default)."""
+        first, second = (max(level, -HIGHEST_DB) for level in sensations_db)
+        noise, lapses, guess = rng.standard_normal(2), rng.random() < self.lapse_rate, rng.random() < 0.5
+        apart = abs(first - second + self._sd / math.sqrt(2) * float(noise[0] - noise[1]))
+        return bool(guess) if lapses else apart > self.width
+
+    @property
+    def _sd(self) -> float:
+        return self.width / OF_WIDTH
+
+    def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
+        """The amplitude in units of the threshold, with the noise of a level."""
+        felt_db = sensation_db + self._sd * float(rng.standard_normal())
+        return float(f"{10 ** (min(felt_db, HIGHEST_DB) / 20):.3g}")
+
+    def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
+        """That of signal detection, without its noise."""
+        del rng
+        return 1 - 2 * min(abs(sensation_db - COMFORT_DB) / COMFORT_RANGE_DB, 1.0)
+
+    def answer_time_s(self, rng: np.random.Generator) -> float:
+        return float(self.latency_s * math.exp(0.3 * float(rng.standard_normal())))
+
+    def facts(self) -> Facts:
+        names = ("threshold", "width", "shape", "false_alarm_rate", "lapse_rate", "sensitivity_db", "latency_s")
+        return {"kind": type(self).__name__, **{name: getattr(self, name) for name in names}}
+
+
+@functools.lru_cache(maxsize=4096)  # levels come again and again
+def _rate(shape: str, width: float, guess_rate: float, lapse_rate: float, level: float) -> float:
+    if level == -math.inf:
+        return guess_rate
+    return float(PsychometricFunction(shape, 0.0, width, guess_rate, lapse_rate).probability(level))
+
+
+def _narrower(of: Mapping[str, Any], factor: float) -> dict[str, Any]:
+    """A condition with its width divided."""
+    return {name: value / factor if name == "width" else value for name, value in of.items()}
