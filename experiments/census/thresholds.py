@@ -17,9 +17,11 @@ from numpy.typing import NDArray
 
 from tactometry.analysis.threshold.fitting import Status, ThresholdFit, fit_many
 from tactometry.protocols import ConstantStimuli, ParameterGrid, Quest, QuestPlus, Staircase, WeightedStaircase
+from tactometry.protocols.batch import tracks as batch
+from tactometry.protocols.batch.answers import criteria
 from tactometry.protocols.bayesian.quest_plus import Aim
-from tactometry.protocols.procedures.procedure import Procedure, Rule
-from tactometry.psychometric import PsychometricFunction
+from tactometry.protocols.procedures.procedure import Rule
+from tactometry.protocols.procedures.stepping import SteppingRule
 
 Array = NDArray[np.float64]
 SHAPE, LAPSE_RATE, FALSE_ALARM_RATE = "gumbel", 0.02, 0.03
@@ -139,16 +141,11 @@ def tracks(
     uniform = rng.random((n_sets, n_trials + 2))
     width_db = widths_db(uniform[:, 1])
     thresholds_db = places_db(place, procedure, uniform[:, 0], width_db)
-    levels_db, answers = np.empty((n_sets, n_trials)), np.empty((n_sets, n_trials))
-    first = PROCEDURES[procedure](task.guess_rate)
-    for i, place_db in enumerate(zip(thresholds_db.tolist(), width_db.tolist(), strict=True)):
-        curve = PsychometricFunction(SHAPE, *place_db, task.guess_rate, lapse_rate)
-        rule: Procedure = first.begin(rng)
-        for trial in range(n_trials):
-            yes = bool(uniform[i, trial + 2] < curve.probability(rule.level))
-            levels_db[i, trial], answers[i, trial] = rule.level, yes
-            rule = rule.after(yes)
-    return Tracks(thresholds_db, levels_db, answers)
+    rule, rates = PROCEDURES[procedure](task.guess_rate), (task.guess_rate, lapse_rate)
+    drawn = criteria(uniform[:, 2:], SHAPE, thresholds_db[:, None], width_db[:, None], *rates)
+    orders = rule.orders(n_sets, rng) if isinstance(rule, SteppingRule) else None
+    made = batch.tracks(rule, drawn, orders=orders)
+    return Tracks(thresholds_db, made.levels, made.answers.astype(np.float64))
 
 
 def fits(simulated: Tracks, task: SimulatedTask, n_trials: int, rng: np.random.Generator) -> tuple[ThresholdFit, ...]:

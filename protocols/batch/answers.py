@@ -2,6 +2,7 @@
 function is a distribution of criteria, so that all that is random is drawn before the first trial."""
 
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -44,6 +45,17 @@ class LevelTable:
         expect(fits, "LevelTable.felt", f"the shape {felt.shape}", f"(n_sets, {len(levels)}) or ({len(levels)},)")
         object.__setattr__(self, "levels", levels)
         object.__setattr__(self, "felt", np.atleast_2d(felt))
+
+    def rows(self, sets: slice) -> Self:
+        """Of a part of the sets."""
+        return self if len(self.felt) == 1 else type(self)(self.levels, self.felt[sets])
+
+    def at(self, levels: Array, sets: NDArray[np.intp]) -> Array:
+        """What each of some sets feels at its level, (n,)."""
+        if len(self.felt) == 1:
+            return np.asarray(np.interp(levels, self.levels, self.felt[0]))
+        pairs = zip(levels.tolist(), self.felt[sets], strict=True)
+        return np.array([np.interp(level, self.levels, row) for level, row in pairs])
 
 
 def criteria(

@@ -1,64 +1,23 @@
 """Many tracks of one rule at once."""
 
-from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from tactometry.arguments.require import expect
+from tactometry.errors import InvalidParameter
 
-from ..procedures.procedure import Ending
+from ..bayesian.weighing import WeighingRule
+from ..procedures.procedure import Rule
 from ..procedures.stepping import SteppingRule
-from ..procedures.transition import CENSORED, GOES_ON, Numbers, ending_of
+from ..procedures.transition import CENSORED, Numbers
 from .answers import Array, LevelTable
-
-NOT_ASKED = -1
-
-
-@dataclass(frozen=True, eq=False)
-class TrackBatch:
-    """What became of tracks.
-
-    Parameters
-    ----------
-    levels : (n_sets, n_trials) array
-        NaN after a track's end.
-    answers : (n_sets, n_trials) array of int
-        1, 0, or `NOT_ASKED` after the end.
-    endings : (n_sets,) array of int
-        As in `tactometry.protocols.procedures.transition`; `ending` says one in words.
-    thresholds : (n_sets,) array
-        The rule's own estimates; NaN where there is none.
-    """
-
-    levels: Array
-    answers: NDArray[np.int8]
-    endings: NDArray[np.int8]
-    thresholds: Array
-
-    def __len__(self) -> int:
-        return len(self.levels)
-
-    @property
-    def n_trials(self) -> NDArray[np.int64]:
-        """The length of each track, (n_sets,)."""
-        return np.asarray((self.answers != NOT_ASKED).sum(axis=1))
-
-    @classmethod
-    def blank(cls, shape: tuple[int, ...]) -> Self:
-        """Before the first answer."""
-        n_sets = shape[0]
-        answers, endings = np.full(shape, NOT_ASKED, dtype=np.int8), np.full(n_sets, GOES_ON, dtype=np.int8)
-        return cls(np.full(shape, np.nan), answers, endings, np.full(n_sets, np.nan))
-
-    def ending(self, i: int) -> Ending | None:
-        """How a track ended; None if it goes on."""
-        return ending_of(int(self.endings[i]))
+from .results import TrackBatch
+from .weighing import weigh
 
 
 def tracks(
-    rule: SteppingRule[Any], criteria: Array, table: LevelTable | None = None, *, orders: Array | None = None
+    rule: Rule[Any], criteria: Array, table: LevelTable | None = None, *, orders: Array | None = None
 ) -> TrackBatch:
     """A track for each row of criteria, of at most so many trials.
 
@@ -67,7 +26,8 @@ def tracks(
 
     Parameters
     ----------
-    rule : SteppingRule
+    rule : Rule
+        One with a transition of plain numbers, or `Quest` or `QuestPlus` of two outcomes.
     criteria : (n_sets, n_trials) array
         As `tactometry.protocols.batch.answers.criteria` makes them; NaN is above all that is felt.
     table : LevelTable
@@ -78,24 +38,35 @@ def tracks(
     Raises
     ------
     InvalidParameter
-        If there are no sets and trials, or tables and orders are neither one nor one for each set.
+        If the rule is of another kind, there are no sets and trials, or tables and orders are neither one nor one for each set.
 
     >>> from tactometry.protocols import Staircase
     >>> rule = Staircase(20.0, (4.0,), 0.0, 40.0, n_down=1)
     >>> tracks(rule, np.full((2, 4), 14.0)).levels.tolist()
     [[20.0, 16.0, 12.0, 16.0], [20.0, 16.0, 12.0, 16.0]]
     """
-    from .loop import loop_of  # slow to load
-
     _check(criteria, table, orders)
     made = TrackBatch.blank(criteria.shape)
-    orders = rule.orders(1, None) if orders is None else orders
-    felt = (np.zeros(0), np.zeros((1, 0))) if table is None else (table.levels, table.felt)
-    marks = np.full(criteria.shape, np.nan)
-    results = made.levels, made.answers, marks, made.endings, made.thresholds
-    loop_of(rule.transition)((_arrays(rule.numbers), orders), felt, criteria, results)
+    if isinstance(rule, SteppingRule):
+        _step(rule, criteria, table, orders, made)
+    elif isinstance(rule, WeighingRule) and rule.n_outcomes == 2:
+        weigh(rule, criteria, table, made)
+    else:
+        raise InvalidParameter(f"tracks.rule: found {rule.name}, expected a rule with a transition, of two outcomes")
     made.thresholds[made.endings >= CENSORED] = np.nan
     return made
+
+
+def _step(
+    rule: SteppingRule[Any], criteria: Array, table: LevelTable | None, orders: Array | None, made: TrackBatch
+) -> None:
+    """Fill in a batch of a rule with a transition of plain numbers, in machine code."""
+    from .loop import loop_of  # slow to load
+
+    orders = rule.orders(1, None) if orders is None else orders
+    felt = (np.zeros(0), np.zeros((1, 0))) if table is None else (table.levels, table.felt)
+    results = made.levels, made.answers, np.full(criteria.shape, np.nan), made.endings, made.thresholds
+    loop_of(rule.transition)((_arrays(rule.numbers), orders), felt, criteria, results)
 
 
 def _check(criteria: Array, table: LevelTable | None, orders: Array | None) -> None:

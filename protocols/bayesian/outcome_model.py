@@ -15,7 +15,10 @@ Array = NDArray[np.float64]
 
 
 class Likelihoods(Protocol):
-    """Probabilities of the outcomes at the candidate levels, made ready for products with weights."""
+    """Probabilities of the outcomes at the candidate levels, made ready for products with weights (n_cells,).
+
+    Those of `DenseLikelihoods` take stacks of weights (n_cells, n_sets) too, whose results have the sets last.
+    """
 
     def total(self, weights: Array) -> Array:
         """Sum over cells of probability times weight, (n_outcomes, n_levels)."""
@@ -77,8 +80,15 @@ class DenseLikelihoods:
         return np.asarray(self.table.reshape(*self.table.shape[:2], -1) @ weights)
 
     def joint(self, weights: Array) -> Array:
-        by_first = weights.reshape(self.table.shape[2:])[:, :, None]
-        return np.asarray(np.matmul(self.table.transpose(0, 2, 1, 3), by_first)[..., 0].transpose(0, 2, 1))
+        by_first = weights.reshape(*self.table.shape[2:], -1)
+        joint = np.matmul(self.table.transpose(0, 2, 1, 3), by_first).transpose(0, 2, 1, 3)
+        return np.asarray(joint if weights.ndim > 1 else joint[..., 0])
+
+    @cached_property
+    def logarithms(self) -> Array:
+        """log P, (n_outcomes, n_levels, n_cells)."""
+        with np.errstate(divide="ignore"):
+            return np.asarray(np.log(self.table.reshape(*self.table.shape[:2], -1)))
 
     @cached_property
     def cost(self) -> Array:
@@ -141,7 +151,7 @@ class FunctionModel:
         return np.broadcast_to(log_p, shape).ravel()
 
     def likelihoods(self, levels: Sequence[float]) -> DenseLikelihoods:
-        return _tabulate(self, levels)
+        return tabulate(self, levels)
 
 
 @dataclass(frozen=True, eq=False)
@@ -203,10 +213,10 @@ class TableModel:
             return np.asarray(np.log(probabilities).ravel(), dtype=np.float64)
 
     def likelihoods(self, levels: Sequence[float]) -> DenseLikelihoods:
-        return _tabulate(self, levels)
+        return tabulate(self, levels)
 
 
-def _tabulate(model: OutcomeModel, levels: Sequence[float]) -> DenseLikelihoods:
+def tabulate(model: OutcomeModel, levels: Sequence[float]) -> DenseLikelihoods:
     """The probabilities of a model at some levels; over outcomes they must add up to 1."""
     rows = [[np.exp(model.log_likelihood(level, outcome)) for level in levels] for outcome in range(model.n_outcomes)]
     table = np.array(rows).reshape(model.n_outcomes, len(levels), *size(model))

@@ -6,6 +6,7 @@ from functools import cached_property
 from typing import Literal, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tactometry.arguments.require import below_1, expect, finite, one_of, positive
 from tactometry.psychometric import shape_named
@@ -102,6 +103,36 @@ class Quest(WeighingRule):
     def point(self) -> str:
         return f"at a chance of {self.target:.2f}"
 
+    def places(self, log_weights: Array, weights: Array) -> Array:
+        del log_weights
+        placed = {"mean": self._means, "mode": self._modes, "quantile": self._quantiles}[self.placing](weights)
+        return np.clip(placed, self.low, self.high)
+
+    def _means(self, weights: Array) -> Array:
+        return np.asarray(weights @ self.thresholds)
+
+    def _modes(self, weights: Array) -> Array:
+        return np.asarray(self.thresholds[weights.argmax(axis=1)])
+
+    def _quantiles(self, weights: Array) -> Array:
+        """On straight lines between the sums of the weights, each height once: where it is first reached."""
+        summed, at = np.cumsum(weights, axis=1), np.arange(len(weights))
+        orders = self.quantile_order * summed[:, -1]
+        right = (summed < orders[:, None]).sum(axis=1)
+        below = summed[at, np.maximum(right - 1, 0)]
+        left = (summed < below[:, None]).sum(axis=1)
+        reached = (right == 0) | (summed[at, right] == orders)
+        rise = np.where(reached, 1.0, summed[at, right] - below)
+        slope = (self.thresholds[right] - self.thresholds[left]) / rise
+        return np.where(reached, self.thresholds[right], slope * (orders - below) + self.thresholds[left])
+
+    def log_likelihoods(self, levels: Array, answers: NDArray[np.int8]) -> Array:
+        distances, found = self.grid.distances(levels.tolist()), np.empty((len(levels), len(self.thresholds)))
+        for answer in (0, 1):
+            chosen = answers == answer
+            found[chosen] = self.grid.log_likelihood_at(distances[chosen], answer).reshape(-1, len(self.thresholds))
+        return found
+
     def log_likelihood(self, level: float, outcome: int) -> Array:
         return self.grid.log_likelihood(level, outcome)
 
@@ -147,21 +178,7 @@ class QuestRun(WeighingRun[Quest]):
 
     @cached_property
     def level(self) -> float:
-        rule = self.rule
-        placed = {"mean": self._mean, "mode": self._mode, "quantile": self._quantile}[rule.placing]()
-        return min(max(placed, rule.low), rule.high)
-
-    def _mean(self) -> float:
-        return self.mean_sd[0]
-
-    def _mode(self) -> float:
-        return float(self.rule.thresholds[int(self.posterior.argmax())])
-
-    def _quantile(self) -> float:
-        summed = np.cumsum(self.posterior)
-        rising = np.flatnonzero(np.diff(summed, prepend=-1.0))  # interp wants each height once
-        order = self.rule.quantile_order * summed[-1]
-        return float(np.interp(order, summed[rising], self.rule.thresholds[rising]))
+        return float(self.rule.places(self.state.log_weights[None], self.state.weights[None])[0])
 
 
 def _binary_entropy(p: float) -> float:

@@ -7,13 +7,14 @@ from math import prod
 from typing import Literal, Self, get_args
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tactometry.arguments.require import at_most, expect, lookup, numbers, of_kind, one_of
 from tactometry.errors import rewording
 
 from ..procedures.procedure import DelegatingProcedure, Procedure
-from .outcome_model import Array, Likelihoods, OutcomeModel, p_log_p, size
-from .weighing import Posterior, WeighingRule, WeighingRun, log_prior
+from .outcome_model import Array, DenseLikelihoods, Likelihoods, OutcomeModel, p_log_p, size, tabulate
+from .weighing import Posterior, WeighingRule, WeighingRun, entropies, log_prior
 
 Aim = Literal["parameters", "threshold"]
 Criterion = Literal["entropy", "variance"]
@@ -115,6 +116,20 @@ class QuestPlus(WeighingRule):
     def point(self) -> str:
         return "of the half point of its functions"
 
+    @cached_property
+    def dense(self) -> DenseLikelihoods:
+        """All chances in one table, for stacks of sets."""
+        return tabulate(self.grid, self.levels)
+
+    def places(self, log_weights: Array, weights: Array) -> Array:
+        losses = expected_losses(self, self.dense, weights.T, entropies(log_weights, weights))
+        return np.asarray(self.levels, dtype=np.float64)[least(losses)]
+
+    def log_likelihoods(self, levels: Array, answers: NDArray[np.int8]) -> Array:
+        index = {level: n for n, level in enumerate(self.levels)}
+        places = [index[level] for level in levels.tolist()]
+        return np.asarray(self.dense.logarithms[answers, places])
+
     def log_likelihood(self, level: float, outcome: int) -> Array:
         tabled = self.likelihoods.log_likelihood(self.levels.index(level), outcome) if level in self.levels else None
         return self.grid.log_likelihood(level, outcome) if tabled is None else tabled
@@ -150,43 +165,11 @@ class QuestPlusRun(WeighingRun[QuestPlus]):
     @cached_property
     def level(self) -> float:
         """The level with the least expected loss; the first of equals."""
-        losses = self.expected_loss()
-        least = float(losses.min())
-        return self.rule.levels[int((losses <= least + TIE * (1 + abs(least))).argmax())]
+        return self.rule.levels[int(least(self.expected_loss()))]
 
     def expected_loss(self) -> Array:
         """What is expected after one more answer at each level, (n_levels,): entropy (nat) or variance."""
-        if self.rule.criterion == "variance":
-            return self._variance()
-        likelihoods, weights = self.rule.likelihoods, self.state.weights
-        # No posterior of a possible answer is needed: H(cell | answer) = H(cell) + H(answer | cell) - H(answer), and
-        # of the threshold alone H(threshold | answer) = H(threshold, answer) - H(answer).
-        spread = _sum_p_log_p(likelihoods.total(weights))
-        if self.rule.aim == "threshold":
-            return np.asarray(spread - _sum_p_log_p(likelihoods.joint(weights)).sum(axis=1), dtype=np.float64)
-        return spread - likelihoods.certainty(weights) + self.state.entropy
-
-    def _variance(self) -> Array:
-        """The expected variance of the first parameter, or the sum over all, each against that of its prior."""
-        if self.rule.aim == "threshold":
-            return self._variance_of(self._axis(0))
-        axes = [self._axis(n) for n, values in enumerate(self.rule.grid.parameters.values()) if len(values) > 1]
-        prior = self.rule.prior_state.weights
-        spreads = [float(prior @ (axis - float(prior @ axis)) ** 2) for axis in axes]
-        relative = [self._variance_of(axis) / spread for axis, spread in zip(axes, spreads, strict=True) if spread > 0]
-        return sum(relative, start=np.zeros(len(self.rule.levels)))
-
-    def _axis(self, n: int) -> Array:
-        """The value of the nth parameter in each cell, (n_cells,)."""
-        axes = np.meshgrid(*self.rule.grid.parameters.values(), indexing="ij")
-        return np.asarray(axes[n], dtype=np.float64).ravel()
-
-    def _variance_of(self, axis: Array) -> Array:
-        weights = self.state.weights
-        away = axis - float(weights @ axis)  # about the mean, so that the difference of squares keeps its digits
-        mass, first, second = (self.rule.likelihoods.total(weights * away**power) for power in range(3))
-        left: Array = second - first**2 / np.where(mass > 0, mass, 1.0)
-        return np.asarray(np.where(mass > 0, left, 0.0).sum(axis=0), dtype=np.float64)
+        return expected_losses(self.rule, self.rule.likelihoods, self.state.weights, self.state.entropy)
 
     @property
     def remark(self) -> str | None:
@@ -330,6 +313,52 @@ class SharedTrack(DelegatingProcedure):
         if isinstance(other, SharedTrack) and other.pool.rule is self.pool.rule:
             return replace(self, pool=other.pool)
         return self
+
+
+def least(losses: Array) -> NDArray[np.intp]:
+    """The first place of the least losses (n_levels, ...), up to `TIE`."""
+    lowest = losses.min(axis=0)
+    return np.asarray((losses <= lowest + TIE * (1 + np.abs(lowest))).argmax(axis=0))
+
+
+def expected_losses(rule: QuestPlus, likelihoods: Likelihoods, weights: Array, entropy: Array | float) -> Array:
+    """What is expected after one more answer at each level, (n_levels,): entropy (nat) or variance.
+
+    Weights are (n_cells,), or (n_cells, n_sets) with the entropy of each where `likelihoods` takes stacks.
+    """
+    if rule.criterion == "variance":
+        return _expected_variance(rule, likelihoods, weights)
+    # No posterior of a possible answer is needed: H(cell | answer) = H(cell) + H(answer | cell) - H(answer), and
+    # of the threshold alone H(threshold | answer) = H(threshold, answer) - H(answer).
+    spread = _sum_p_log_p(likelihoods.total(weights))
+    if rule.aim == "threshold":
+        return np.asarray(spread - _sum_p_log_p(likelihoods.joint(weights)).sum(axis=1), dtype=np.float64)
+    return spread - likelihoods.certainty(weights) + entropy
+
+
+def _expected_variance(rule: QuestPlus, likelihoods: Likelihoods, weights: Array) -> Array:
+    """The expected variance of the first parameter, or the sum over all, each against that of its prior."""
+    if rule.aim == "threshold":
+        return _variance_of(_axis(rule, 0), likelihoods, weights)
+    axes = [_axis(rule, n) for n, values in enumerate(rule.grid.parameters.values()) if len(values) > 1]
+    prior = rule.prior_state.weights
+    spreads = [float(prior @ (axis - float(prior @ axis)) ** 2) for axis in axes]
+    pairs = zip(axes, spreads, strict=True)
+    relative = [_variance_of(axis, likelihoods, weights) / spread for axis, spread in pairs if spread > 0]
+    return sum(relative, start=np.zeros((len(rule.levels), *weights.shape[1:])))
+
+
+def _axis(rule: QuestPlus, n: int) -> Array:
+    """The value of the nth parameter in each cell, (n_cells,)."""
+    axes = np.meshgrid(*rule.grid.parameters.values(), indexing="ij")
+    return np.asarray(axes[n], dtype=np.float64).ravel()
+
+
+def _variance_of(axis: Array, likelihoods: Likelihoods, weights: Array) -> Array:
+    away = np.subtract.outer(axis, axis @ weights)  # about the mean, so that the difference of squares keeps its digits
+    mass, first, second = (likelihoods.total(weights * away**power) for power in range(3))
+    left: Array = second - first**2 / np.where(mass > 0, mass, 1.0)
+    return np.asarray(np.where(mass > 0, left, 0.0).sum(axis=0), dtype=np.float64)
 
 
 def _sum_p_log_p(probabilities: Array) -> Array:

@@ -11,10 +11,12 @@ from functools import cached_property
 from typing import Any, Self, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from tactometry.arguments.require import expect, numbers, of_kind, one_of, positive, whole, without_none
 
 from ..procedures.procedure import Ending, Rule, RuleThreshold, Run
+from ..procedures.transition import CENSORED_ABOVE, CENSORED_BELOW, GOES_ON, ending_of
 from .outcome_model import Array
 
 HIGHEST = 1 + 1e-9
@@ -38,24 +40,32 @@ class Posterior:
         >>> Posterior.of(np.array([-2000.0, -2000.0])).weights
         array([0.5, 0.5])
         """
-        highest = float(log_weights.max())
-        if not math.isfinite(highest):
-            return None
-        shifted = log_weights - highest  # the largest weight is 1 before they are divided: none overflows
-        weights = np.exp(shifted)
-        total = float(weights.sum())
-        shifted -= math.log(total)
-        weights /= total
-        return cls(shifted, weights)
+        return cls(*normalised(log_weights)) if math.isfinite(log_weights.max()) else None
 
     @property
     def entropy(self) -> float:
         """Nat; a weight of zero adds nothing."""
-        return -float(self.weights @ np.maximum(self.log_weights, LOWEST))
+        return float(entropies(self.log_weights, self.weights))
 
     def after(self, log_likelihood: Array) -> Self | None:
         """After an answer with these log likelihoods, (n_cells,); None if no cell allows it."""
         return type(self).of(self.log_weights + log_likelihood)
+
+
+def normalised(log_weights: Array) -> tuple[Array, Array]:
+    """Log weights (..., n_cells) and weights that add up to 1 over the cells."""
+    # the largest weight is 1 before they are divided: none overflows
+    shifted = log_weights - log_weights.max(axis=-1, keepdims=True)
+    weights = np.exp(shifted)
+    total = weights.sum(axis=-1, keepdims=True)
+    shifted -= np.log(total)
+    weights /= total
+    return shifted, weights
+
+
+def entropies(log_weights: Array, weights: Array) -> Array:
+    """Nat, (...), of stacks of weights (..., n_cells)."""
+    return np.asarray(-np.einsum("...c,...c->...", weights, np.maximum(log_weights, LOWEST)))
 
 
 def log_prior(parameters: Mapping[str, tuple[float, ...]], prior: Mapping[str, Sequence[float]], where: str) -> Array:
@@ -87,13 +97,17 @@ def edge(values: Array, marginal: Array) -> Ending | None:
     >>> edge(np.array([1.0, 2.0, 3.0]), np.array([0.6, 0.3, 0.1]))
     'censored_below'
     """
+    return ending_of(int(edges(values, marginal[None])[0]))
+
+
+def edges(values: Array, marginals: Array) -> NDArray[np.int8]:
+    """`edge` of each row of (n_sets, n_values), as codes of endings."""
+    found = np.full(len(marginals), GOES_ON, dtype=np.int8)
     if len(values) < 2:
-        return None
-    ends: dict[Ending, int] = {"censored_above": int(values.argmax()), "censored_below": int(values.argmin())}
-    for ending, at in ends.items():
-        if marginal[at] > HIGHEST * float(np.delete(marginal, at).max()):
-            return ending
-    return None
+        return found
+    for code, at in ((CENSORED_BELOW, int(values.argmin())), (CENSORED_ABOVE, int(values.argmax()))):
+        found[marginals[:, at] > HIGHEST * np.delete(marginals, at, axis=1).max(axis=1)] = code
+    return found
 
 
 def mean_sd(values: Array, marginal: Array) -> tuple[float, float]:
@@ -130,6 +144,14 @@ class WeighingRule(Rule[Any]):
     @abstractmethod
     def log_likelihood(self, level: float, outcome: int) -> Array:
         """log P(outcome) at a level in each cell, (n_cells,)."""
+
+    @abstractmethod
+    def places(self, log_weights: Array, weights: Array) -> Array:
+        """The next level (n_sets,) of each row of weights (n_sets, n_cells)."""
+
+    @abstractmethod
+    def log_likelihoods(self, levels: Array, answers: NDArray[np.int8]) -> Array:
+        """log P(answer) at the level (n_sets,) of each set, (n_sets, n_cells)."""
 
     def _check_stop(self) -> None:
         """Refuse what never ends."""

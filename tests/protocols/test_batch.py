@@ -2,6 +2,7 @@
 
 import math
 from itertools import product
+from typing import get_args
 
 import catalogue
 import numpy as np
@@ -11,12 +12,31 @@ from hypothesis import given, strategies as st
 from scipy.stats import binomtest
 
 from tactometry.errors import InvalidParameter
-from tactometry.protocols import ConstantStimuli, MethodOfLimits, Staircase, WeightedStaircase
+from tactometry.protocols import (
+    ConstantStimuli,
+    FunctionModel,
+    MethodOfLimits,
+    ParameterGrid,
+    Quest,
+    QuestPlus,
+    Staircase,
+    WeightedStaircase,
+)
 from tactometry.protocols.batch.answers import LevelTable, criteria
+from tactometry.protocols.batch.results import NOT_ASKED
 from tactometry.protocols.batch.streams import stream
-from tactometry.protocols.batch.tracks import NOT_ASKED, tracks
+from tactometry.protocols.batch.tracks import tracks
+from tactometry.protocols.bayesian.quest import Placing
+from tactometry.protocols.bayesian.quest_plus import Aim, Criterion
+from tactometry.protocols.bayesian.weighing import WeighingRule
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.psychometric import PsychometricFunction
+
+
+def log(chance):
+    with np.errstate(divide="ignore"):
+        return np.log(chance)
+
 
 STEPPING = {
     **{kind: rule for kind, rule in catalogue.PROCEDURES.items() if hasattr(rule, "transition")},
@@ -58,6 +78,43 @@ def test_a_batch_is_the_rules_own_run_trial_by_trial(rule, seed, through_a_table
         assert np.isnan(batch.levels[i, n:]).all()
         assert (batch.answers[i, n:] == NOT_ASKED).all()
         assert batch.thresholds[i] == pytest.approx(math.nan if run.threshold is None else run.threshold, nan_ok=True)
+
+
+GRID = ParameterGrid(tuple(np.linspace(0.0, 40.0, 21)), (4.0, 9.0, 20.0), (0.0, 0.5), (0.0, 0.02))
+FEW = tuple(np.linspace(0.0, 40.0, 11))
+COIN = FunctionModel({"bias": (0.2, 0.5, 1.0)}, 2, lambda level, outcome, *, bias: log(bias if outcome else 1 - bias))
+WEIGHING = {
+    **{kind: rule for kind, rule in catalogue.PROCEDURES.items() if isinstance(rule, WeighingRule)},
+    **{
+        f"QUEST+, {aim}, {criterion}": QuestPlus(FEW, GRID, 25, 2.5, aim, criterion, {"width": (1.0, 2.0, 1.0)})
+        for aim in get_args(Aim)
+        for criterion in get_args(Criterion)
+    },
+    "answers that nothing allows": QuestPlus((0.0, 1.0), COIN, n_trials=9, prior={"bias": (0.0, 0.0, 1.0)}),
+    **{
+        f"QUEST, {to}": Quest(20.0, 9.0, 0.0, 40.0, 0.5, n_trials=25, sd_stop=3.0, placing=to)
+        for to in get_args(Placing)
+    },
+}
+
+
+@pytest.mark.parametrize("rule", WEIGHING.values(), ids=WEIGHING)
+@given(seed=st.integers(0, 2**32 - 1), through_a_table=st.booleans())
+@examples(8, deadline=None)
+def test_a_batch_of_a_weighing_rule_is_its_own_run_trial_by_trial(rule, seed, through_a_table):
+    """Levels of QUEST lie where a sum puts them: equal but for its rounding."""
+    rng = np.random.default_rng(seed)
+    drawn = rng.uniform(-10, 50) + rng.choice([0.0, 1.0, 10.0]) * rng.standard_normal((5, 30))
+    table = LevelTable(LEVELS, np.sort(rng.uniform(0, 40, (5, len(LEVELS))))) if through_a_table else None
+    batch = tracks(rule, drawn, table)
+    for i, n in enumerate(batch.n_trials):
+        run = rule.begin()
+        for level, answer in zip(batch.levels[i, :n].tolist(), batch.answers[i, :n].tolist(), strict=True):
+            assert level == pytest.approx(run.level, abs=1e-9 if isinstance(rule, Quest) else 0)
+            run = run.after(answer, level)
+        assert (batch.ending(i), run.finished) == (run.ending, n < 30 or run.finished)
+        wanted = math.nan if run.threshold is None else run.threshold
+        assert batch.thresholds[i] == pytest.approx(wanted, rel=1e-9, abs=1e-9, nan_ok=True)
 
 
 @pytest.mark.parametrize("shape", ["normal", "logistic", "gumbel", "reversed_gumbel", "weibull"])
@@ -116,6 +173,14 @@ def test_nested_seeds_never_repeat():
 def test_a_place_that_is_no_word_is_refused(number):
     with pytest.raises(InvalidParameter, match=r"stream.*expected a whole number"):
         stream(1, 0, number)
+
+
+def test_a_rule_of_three_outcomes_is_refused():
+    three = FunctionModel(
+        {"bias": (0.2, 0.3)}, 3, lambda level, outcome, *, bias: log((1 - 2 * bias, bias, bias)[outcome])
+    )
+    with pytest.raises(InvalidParameter, match="tracks.rule: found quest_plus, expected .* two outcomes"):
+        tracks(QuestPlus((0.0, 1.0), three), np.zeros((1, 2)))
 
 
 @pytest.mark.parametrize(
