@@ -38,7 +38,8 @@ def tracks(
     Raises
     ------
     InvalidParameter
-        If the rule is of another kind, there are no sets and trials, or tables and orders are neither one nor one for each set.
+        If the rule is of another kind, there are no sets and trials, or tables and orders are neither one nor one for
+        each set.
 
     >>> from tactometry.protocols import Staircase
     >>> rule = Staircase(20.0, (4.0,), 0.0, 40.0, n_down=1)
