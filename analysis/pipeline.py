@@ -26,6 +26,7 @@ from .report.study_text import study_text
 from .result import Analysis
 from .tasks import cells
 from .tasks.applied_force import force_of_participants, force_table, has_force
+from .tasks.cell import Cell, Estimate
 from .tasks.goodness import SEED, goodness_columns, goodness_table
 from .tasks.kinds import ANALYSES, CURVES, RESULTS
 from .tasks.rule_estimate import Replay, rule_columns, tracks
@@ -116,8 +117,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
     table = cells.estimate_table(estimates, factors, unit)
     if len(table):
         table = table.join(rule_columns(cells.counted_answers(all_judged), factors, estimates, replay))
-        rng = np.random.default_rng(SEED)
-        table = table.join(goodness_columns(answers, factors, estimates, n_choices, unit, rng))
+        table = table.join(_goodness(answers, factors, estimates, n_choices, unit))
     forces = force_of_participants(used, factors) if has_force(used) else None
     values = Analysis(
         trials=trials,
@@ -144,6 +144,14 @@ NOTHING = (
     f"no valid answer of a task ({', '.join((*CURVES, *RESULTS))}) nor to a known questionnaire, expected some to "
     "analyse"
 )
+
+
+def _goodness(
+    answers: pd.DataFrame, factors: Sequence[str], estimates: Sequence[Estimate], n_choices: int, unit: str
+) -> pd.DataFrame:
+    options = {task: curve.options(n_choices, unit) for task, curve in CURVES.items()}
+    rng = np.random.default_rng(SEED)
+    return goodness_columns(answers, factors, estimates, options, rng, cells.COUNTING)
 
 
 def _direct_tables(used: pd.DataFrame, factors: Sequence[str]) -> dict[str, pd.DataFrame]:
@@ -179,7 +187,7 @@ def _outcomes(
 
 
 def _hierarchical(
-    estimates: Sequence[cells.Estimate], factors: Sequence[str], n_choices: int, unit: str
+    estimates: Sequence[Estimate], factors: Sequence[str], n_choices: int, unit: str
 ) -> Iterator[HierarchicalOutcome]:
     for task in CURVES:
         fits = {estimate.cell: estimate.fit for estimate in estimates if estimate.cell.task == task}
@@ -189,7 +197,7 @@ def _hierarchical(
 
 
 def _curve_tables(
-    table: pd.DataFrame, every: Sequence[cells.Cell], judged: pd.DataFrame, factors: Sequence[str]
+    table: pd.DataFrame, every: Sequence[Cell], judged: pd.DataFrame, factors: Sequence[str]
 ) -> dict[str, pd.DataFrame]:
     if not every:
         return {}

@@ -13,7 +13,7 @@ from .plan import AnalysisPlan
 from .reading.origin import Origin
 from .reading.study_file import StudyText
 from .reading.trials import Trials
-from .tasks import cells
+from .tasks.cell import Estimate
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Analysis:
 
     trials: Trials
     unit: str
-    estimates: tuple[cells.Estimate, ...]
+    estimates: tuple[Estimate, ...]
     outcomes: tuple[Outcome, ...]
     tables: Mapping[str, pd.DataFrame]
     n_choices: int = 2

@@ -10,7 +10,7 @@ import pandas as pd
 from statsmodels.stats.proportion import proportion_confint
 
 from ..anova.group_means import HIGH, LOW
-from ..tasks.cells import Estimate
+from ..tasks.cell import Estimate
 from ..tasks.kinds import CURVES
 from ..threshold.status import Status
 from ..wording import condition_name, with_unit

@@ -12,7 +12,7 @@ from tactometry.errors import InvalidParameter
 
 from ..hierarchical.fitting import FactorEffect, GroupStatus, HierarchicalFit, fit_hierarchical
 from ..hierarchical.starts import Known
-from ..tasks.cells import Cell
+from ..tasks.cell import Cell
 from ..tasks.kinds import CURVES
 from ..tasks.task_analysis import DIFFERENCE_PER_WIDTH, SHAPE
 from ..threshold.fitting import ThresholdFit

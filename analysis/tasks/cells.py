@@ -2,7 +2,6 @@
 how often was felt what, against the level and over all levels."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -16,6 +15,7 @@ from ..means import parts
 from ..reading.rows import bad_cell, correctness, delivered_level, is_catch, numbers_of
 from ..reading.trials import Trials
 from ..threshold.fitting import ThresholdFit, fit_many
+from .cell import Cell, Estimate, catch_counts, cell_keys, stacked_counts
 from .kinds import CURVES
 from .task_analysis import DIFFERENCE_PER_WIDTH
 
@@ -23,6 +23,8 @@ LEVELLED_TASKS = tasks_with_level("curve", "scale", "ratio")
 UNIT = "level_unit"
 CHOICES = tuple(name for name, curve in CURVES.items() if curve.scored_by == "correct")
 """Forced choices, whose responses alone do not say what was right."""
+COUNTING = frozenset(name for name, curve in CURVES.items() if curve.counts_catch)
+"""Tasks whose guess rate rests on catch trials."""
 COLUMNS = (
     *("task", "threshold", "interval_low", "interval_high", "level_unit", "status", "width", "width_low", "width_high"),
     *("guess_rate", "lapse_rate", "n_trials", "n_levels", "n_catch", "n_false_alarms", "deviance", "threshold_mode"),
@@ -30,31 +32,6 @@ COLUMNS = (
     *("shape", "interval", "note"),
 )
 """Of the table of estimates, behind participant and condition."""
-
-
-@dataclass(frozen=True)
-class Cell:
-    """Answers of one participant in one condition: `levels`, `n_yes`, `n_trials` of equal length.
-
-    `n_yes` counts "yes", correct, or "more" answers. Catch trials stand apart.
-    """
-
-    participant: str
-    condition: tuple[float | str, ...]
-    task: str
-    levels: tuple[float, ...]
-    n_yes: tuple[int, ...]
-    n_trials: tuple[int, ...]
-    n_catch: int
-    n_false_alarms: int
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A cell with its fit."""
-
-    cell: Cell
-    fit: ThresholdFit
 
 
 def level_unit(trials: Trials) -> str:
@@ -83,11 +60,6 @@ def level_unit(trials: Trials) -> str:
 def cells(answers: pd.DataFrame, factors: Sequence[str]) -> list[Cell]:
     """The cells of judgements that count (`counted_answers`), ordered by participant, condition and task."""
     return [_cell(key, rows, len(factors)) for key, rows in parts(answers, cell_keys(factors))]
-
-
-def cell_keys(factors: Sequence[str]) -> list[str]:
-    """The columns by which trials are of one cell."""
-    return ["participant", *factors, "task"]
 
 
 def judgements(used: pd.DataFrame) -> pd.DataFrame:
@@ -155,7 +127,7 @@ def estimates(cells: Sequence[Cell], n_choices: int, unit: str = "", interval: f
 
 
 def _fits(cells: Sequence[Cell], task: str, n_choices: int, unit: str, interval: float) -> tuple[ThresholdFit, ...]:
-    n_false_alarms, n_catch = catch_counts(cells)
+    n_false_alarms, n_catch = catch_counts(cells, COUNTING)
     return fit_many(
         *stacked_counts(cells),
         **CURVES[task].options(n_choices, unit),
@@ -163,28 +135,6 @@ def _fits(cells: Sequence[Cell], task: str, n_choices: int, unit: str, interval:
         n_false_alarms=n_false_alarms,
         n_catch=n_catch,
     )
-
-
-def stacked_counts(cells: Sequence[Cell]) -> tuple[Array, Array, Array]:
-    """Levels, yes and trials of cells, (n_cells, most levels), filled up with places without trials."""
-    levels = _stack([cell.levels for cell in cells])
-    n_yes, n_trials = _stack([cell.n_yes for cell in cells]), _stack([cell.n_trials for cell in cells])
-    return levels, n_yes, n_trials
-
-
-def catch_counts(cells: Sequence[Cell]) -> tuple[list[int], list[int]]:
-    """False alarms and catch trials of cells as a fit uses them: none where the guess rate does not rest on them."""
-    counting = {task for task, curve in CURVES.items() if curve.counts_catch}
-    used = [(cell.n_false_alarms, cell.n_catch) if cell.task in counting else (0, 0) for cell in cells]
-    return [n_false_alarms for n_false_alarms, _ in used], [n_catch for _, n_catch in used]
-
-
-def _stack(rows: Sequence[Sequence[float]]) -> Array:
-    """Rows of different lengths, filled up with zeros: no trials there."""
-    stacked = np.zeros((len(rows), max([1, *map(len, rows)])))  # a place at least: a cell may have catch trials alone
-    for place, row in enumerate(rows):
-        stacked[place, : len(row)] = row
-    return stacked
 
 
 def estimate_table(estimates: Sequence[Estimate], factors: Sequence[str], unit: str) -> pd.DataFrame:

@@ -1,6 +1,6 @@
 """Goodness of fit of each participant in each condition: columns of the estimates, and what is told of them."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -16,8 +16,7 @@ from ..threshold.log_posterior import LogPosterior
 from ..threshold.mode import climb
 from ..threshold.prior import Prior
 from ..wording import named_cells
-from .cells import Estimate, catch_counts, cell_keys, stacked_counts
-from .kinds import CURVES
+from .cell import Estimate, catch_counts, cell_keys, stacked_counts
 from .rule_estimate import FIXED
 
 SEED = 20010601
@@ -45,32 +44,20 @@ def goodness_columns(
     answers: pd.DataFrame,
     factors: Sequence[str],
     estimates: Sequence[Estimate],
-    n_choices: int,
-    unit: str,
-    rng: np.random.Generator,
-) -> pd.DataFrame:
-    """As `tested_columns`, of the curves of tasks."""
-    options = {task: curve.options(n_choices, unit) for task, curve in CURVES.items()}
-    return tested_columns(answers, factors, estimates, options, rng)
-
-
-def tested_columns(
-    answers: pd.DataFrame,
-    factors: Sequence[str],
-    estimates: Sequence[Estimate],
     options: Mapping[str, Mapping[str, Any]],
     rng: np.random.Generator,
+    counting: Container[str] = (),
 ) -> pd.DataFrame:
     """A row for each estimate, in their order: the statistics of `goodness` but the deviance, each p, and in `misfit`
     the tests whose p is at most `FLAGGED_P`. Empty where no function was fitted. `options` are those of the fits, by
-    task."""
+    task; the guess rate of those `counting` rests on catch trials."""
     rows = _in_order(answers, factors)
     values, p = (np.full((len(estimates), len(TESTS)), np.nan) for _ in range(2))
     for task, of_fits in options.items():
         of_task = [n for n, estimate in enumerate(estimates) if estimate.cell.task == task]
         fitted = [n for n in of_task if estimates[n].fit.function is not None]
         for numbers in _of_like_size(estimates, fitted):
-            tested = _goodness_of(rows, [estimates[n] for n in numbers], numbers, of_fits, rng)
+            tested = _goodness_of(rows, [estimates[n] for n in numbers], numbers, of_fits, rng, counting)
             values[numbers], p[numbers] = tested.statistics, tested.p
     columns: dict[str, Any] = {"deviance_p": p[:, 0]}
     for n, (value, name) in enumerate(zip(STATISTICS, P_COLUMNS.values(), strict=True)):
@@ -117,13 +104,14 @@ def _goodness_of(
     cells: Indices,
     options: Mapping[str, Any],
     rng: np.random.Generator,
+    counting: Container[str],
 ) -> Goodness:
     """The goodness of fit of estimates, which are those of the numbers `cells`."""
     curve, known = shape_named(options["shape"]), {"lapse_rate": None} | dict(options)
     fitted_cells = [estimate.cell for estimate in estimates]
     levels, n_yes, n_trials = stacked_counts(fitted_cells)
     counts = normalise(*count_arrays(levels, n_yes, n_trials, logarithms=curve.on_log_levels))
-    alarms, catch = np.array(catch_counts(fitted_cells), dtype=np.float64)
+    alarms, catch = np.array(catch_counts(fitted_cells, counting), dtype=np.float64)
     del known["shape"]
     prior = Prior(counts.gap, n_false_alarms=alarms, n_catch=catch, **known)
     # The estimates may be medians: deviance is compared at the mode, as that of the draws is.

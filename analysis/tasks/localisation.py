@@ -6,7 +6,7 @@ between: 75 % of two, as in any forced choice (Green and Swets 1966).
 """
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -16,10 +16,9 @@ from ..means import MEAN, by_condition, mean_row, parts as split
 from ..reading.rows import correctness, numbers_of
 from ..threshold.fitting import fit_many
 from ..threshold.result import ThresholdFit
+from .cell import Cell, Estimate
+from .goodness import SEED, goodness_columns
 from .task_analysis import Results, TaskAnalysis
-
-if TYPE_CHECKING:
-    from .cells import Cell
 
 TASK, RESOLUTION, CONFUSIONS, ERRORS = "localisation", "resolution", "confusions", "localisation_errors"
 OF_PARTICIPANTS, RATES = "resolution_participants", "localisation_participants"
@@ -110,9 +109,6 @@ def _on_offer(judged: pd.DataFrame, conditions: Sequence[str]) -> pd.Series:
 
 def _resolutions_among(judged: pd.DataFrame, m: int, conditions: Sequence[str]) -> pd.DataFrame:
     """Those of m alternatives, with what tells how well the function suits the answers."""
-    from .cells import Estimate  # knows all tasks, this one too
-    from .goodness import SEED, tested_columns
-
     keys = ["participant", *conditions]
     counts = _counts(judged, [*keys, DISTANCE])
     by_distance = counts.pivot(index=keys, columns=DISTANCE, values=["n_correct", "n_trials"]).fillna(0)
@@ -124,13 +120,11 @@ def _resolutions_among(judged: pd.DataFrame, m: int, conditions: Sequence[str]) 
     answers = judged.assign(task=TASK, x=judged[DISTANCE], yes=judged["is_right"].astype(int), is_catch=False)
     answers["procedure"] = "constant_stimuli"  # a distance does not follow the answers
     rng = np.random.default_rng(SEED)
-    return found.join(tested_columns(answers, conditions, estimates, {TASK: options}, rng))
+    return found.join(goodness_columns(answers, conditions, estimates, {TASK: options}, rng))
 
 
-def _cells(judged: pd.DataFrame, keys: Sequence[str]) -> "list[Cell]":
+def _cells(judged: pd.DataFrame, keys: Sequence[str]) -> list[Cell]:
     """Right answers at each distance, of each participant and condition in their order."""
-    from .cells import Cell
-
     cells = []
     for key, rows in split(judged, keys):
         counts = _counts(rows, [DISTANCE])

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from .cells import Estimate
+from .cell import Estimate
 
 RUN = ("session", "study", "block")
 """What, of one participant, tells one block from another."""

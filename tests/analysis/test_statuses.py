@@ -12,7 +12,8 @@ from hypothesis import given, strategies as st
 from tactometry.analysis.hierarchical import fitting
 from tactometry.analysis.hierarchical.tables import cells as shrunken
 from tactometry.analysis.outcomes.hierarchical_outcome import group_fit
-from tactometry.analysis.tasks.cells import Cell, estimates
+from tactometry.analysis.tasks.cell import Cell
+from tactometry.analysis.tasks.cells import estimates
 from tactometry.analysis.threshold.fitting import Status, fit, fit_many
 
 RATES = (None, 0.0, 0.02)

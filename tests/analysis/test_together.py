@@ -18,7 +18,8 @@ from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.analysis.report.sentences import hierarchical_sentences
 from tactometry.analysis.report.summary import summary
-from tactometry.analysis.tasks.cells import Cell, cells, counted_answers, estimates, judgements
+from tactometry.analysis.tasks.cell import Cell
+from tactometry.analysis.tasks.cells import cells, counted_answers, estimates, judgements
 
 WALD = r"force_n: Wald's (F\(1, 4\)|chi-square\(1\)) = "
 """F where participants' deviations have a variance, as it may happen."""
