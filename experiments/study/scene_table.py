@@ -117,7 +117,8 @@ PLAYED: Final[Mapping[str, Callable[[Mapping[str, Any], Any, str], Surface]]] = 
 def _parts_of_table(read: SceneTable, surface: str) -> Parts:
     """Surface and effects of the table itself."""
     kind = read.surface.get("kind", surface)
-    expect(kind == surface, "scene.surface.kind", repr(kind), f"{surface!r}, which the stimulus is played on")
+    where = "where levels of a factor are played on several, state each as [variants.FACTOR.LEVEL.scene]"
+    expect(kind == surface, "scene.surface.kind", repr(kind), f"{surface!r}, which the stimulus is played on; {where}")
     effects = tuple(build_kind(table, f"scene.effects[{n}]", EFFECTS) for n, table in enumerate(read.effects))
     for n, effect in enumerate(effects):
         changes = f"{effect.kind!r}, which changes what is played or on what"

@@ -8,7 +8,7 @@ from math import isinf
 from tactometry.errors import InvalidParameter
 
 from ..composition.effect import Stage
-from .lifting import FORCE, OPENED, PulledFinger, loads_n, pulled_fingers
+from .lifting import FORCE, PulledFinger, loads_n, pulled_fingers
 from .plan import Plan, predicted_s
 from .result import Result
 from .scene import Scene
@@ -66,7 +66,7 @@ def pulled_by(scene: Scene, plan: Plan, given: Mapping[str, float]) -> list[Pull
     """
     if not loads_n(plan).size:
         return []
-    linear = tuple(effect for effect in scene.effects if effect.kind != OPENED)
+    linear = tuple(effect for effect in scene.effects if "load" not in effect.requires)  # what acts on it
     accuracy = max(scene.accuracy, ROUGH)
     forces = replace(scene, effects=linear, outputs=(FORCE,), accuracy=accuracy, settings={})
     try:

@@ -9,7 +9,7 @@ from ..arrays import FloatArray
 from .plan import Plan
 from .result import Result
 
-FORCE, LOAD, OPENED = "contact_force_n", "finger_load", "lift_off"
+FORCE, MOVED = "contact_force_n", "motion"
 
 
 @dataclass(frozen=True)
@@ -47,13 +47,18 @@ class PulledFinger:
 
 def loads_n(plan: Plan) -> FloatArray:
     """(n_contacts,): the forces that press the fingers, in the order of the rows of ``contact_force_n``."""
-    pressed = (stage.settings["force_n"] for stage in plan.stages if stage.name == LOAD)
-    return np.asarray(next(pressed, ()), float)
+    loads = (stage.settings for stage in plan.stages if stage.gives == MOVED and "force_n" in stage.settings)
+    return np.asarray(next(loads, {}).get("force_n", ()), float)
+
+
+def is_linear(plan: Plan) -> bool:
+    """Whether the plate moves in proportion to the voltage: not where a contact opens and closes by it."""
+    return not any(stage.gives == MOVED and "voltage_v" in stage.needs for stage in plan.stages)
 
 
 def pulled_fingers(result: Result) -> list[PulledFinger]:
     """The fingers of which a result has the force of a linear contact; none without it."""
-    if FORCE not in result.values or any(stage.name == OPENED for stage in result.plan.stages):
+    if FORCE not in result.values or not is_linear(result.plan):
         return []
     lowest = np.atleast_2d(result.values[FORCE]).min(axis=1)
     pressed = zip(loads_n(result.plan), lowest, strict=True)

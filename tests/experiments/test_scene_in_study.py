@@ -198,7 +198,8 @@ SENTENCES = {
     ),
     "another surface": (
         scene(surface='{ kind = "time_reversal" }'),
-        "scene.surface.kind: found 'time_reversal', expected 'electrovibration', which the stimulus is played on",
+        "scene.surface.kind: found 'time_reversal', expected 'electrovibration', which the stimulus is played on; "
+        "where levels of a factor are played on several, state each as [variants.FACTOR.LEVEL.scene]",
     ),
     "unknown scene": (
         named("electrovibration-panle"),
@@ -451,6 +452,10 @@ ON_A_PLATE = {
     "a finger beside the plate": (
         'effects = [{ kind = "focus_detection" }]\nsurface = { finger_x_m = 2.0 }',
         "scene.surface.finger_x_m, finger_y_m: found (2.0, ",
+    ),
+    "a finger of no plate": (
+        'effects = [{ kind = "focus_detection" }]\nsurface = { finger_x_m = 1e300 }',
+        "scene.surface.finger_x_m: found 1e+300, expected a number of at most 1e+09",
     ),
     "a plate": (
         'effects = [{ kind = "focus_detection" }]\nsurface = { length_m = 0.1 }',

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, ClassVar
 
+from tactometry.arguments.checked import checked
+
 from ...composition.effect import Demand, FingerContact, Stage
 from ...time_reversal.fingertip import Fingertip
 from ...time_reversal.stimulus.sensation import place_on
@@ -56,6 +58,7 @@ class PlayedPlate(PlayedSurface):
         )
 
 
+@checked
 @dataclass(frozen=True)
 class PlayedTimeReversal(PlayedPlate):
     """A plate under one finger.

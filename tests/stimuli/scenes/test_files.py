@@ -42,6 +42,7 @@ def table(**changes):
         ({"effects": [{"law": "sc_layer"}]}, r"effects\[0\]\.kind: found no such key, expected"),
         ({"effects": [{**LAW, "law": "sc_laver"}]}, r"effects\[0\]\.law: found 'sc_laver', expected one of"),
         ({"effects": [{**LAW, "x": 1}]}, r"effects\[0\]\.x: found an unknown key"),
+        ({"effects": [{"kind": "shear", "factor": 0.8}]}, r"effects\[0\]\.factor: found an unknown key.* shear_factor"),
         ({"effects": [LAW, {"kind": "air_gap", "gap_m": -1.0}]}, r"effects\[1\]\.gap_m: found -1\.0"),
         ({"effects": [LAW, {"kind": "dc_offset", "ratio": 1e300}]}, r"effects\[1\]\.ratio: found 1e\+300, .* 1e\+06"),
         ({"contacts": [{"force_n": 0.0}]}, r"contacts\[0\]\.force_n: found 0\.0, .* leave the contact out"),
