@@ -8,7 +8,6 @@ import pandas as pd
 
 from tactometry.analysis.outcomes.findings import FORCE, Outcome, Primary
 from tactometry.analysis.outcomes.outcome import MEASURED, outcome
-from tactometry.analysis.outcomes.ratings import ratings
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import exclude, quality
 from tactometry.analysis.reading.trials import Trials, used_rows
@@ -16,7 +15,6 @@ from tactometry.analysis.tasks import cells
 from tactometry.analysis.tasks.applied_force import force_of_participants, has_force
 from tactometry.analysis.tasks.kinds import RESULTS
 from tactometry.records.head import LARGEST_SEED
-from tactometry.trials.tasks import FORM_TASK
 
 from ..sessions.in_memory import simulated_trials
 from ..sessions.recording import Who
@@ -114,7 +112,7 @@ class _Compared:
         self.task = experiment.table.kind
         self.used = used_rows(self.trials)
         self.minutes = _minutes(everything.rows, experiment)
-        self.values = pd.DataFrame() if self.task == FORM_TASK else self._values()
+        self.values = self._values()
 
     def _values(self) -> pd.DataFrame:
         """A row per participant and condition: a threshold, a setting, a rate."""
@@ -158,12 +156,6 @@ class _Compared:
 
     def _outcome(self, these: set[str]) -> Outcome | None:
         """The comparison, or None where there is nothing to compare."""
-        if self.task == FORM_TASK:
-            rows = self.trials.rows
-            some = replace(self.trials, rows=rows[rows["participant"].isin(these)])
-            form = self.experiment.questionnaires[0].name
-            told = [one for one in ratings(some, self.plan.primary) if one.name == form]
-            return told[0].outcomes.get(self.design.dependent) if told else None
         if not len(self.values):
             return None
         values = self.values[self.values["participant"].isin(these)]

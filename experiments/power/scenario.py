@@ -13,10 +13,8 @@ from tactometry.arguments.require import expect, one_of
 from tactometry.config.strict import build
 from tactometry.contact import Contact
 from tactometry.followed import felt_under, straight_way
-from tactometry.protocols.tasks.task import AsksForm
 from tactometry.session.request import TRAJECTORY_M
 from tactometry.trials.cells import cell as cell_text
-from tactometry.trials.tasks import FORM_TASK
 
 from ..study.cells import WiredCell, merge
 from ..study.experiment import Experiment, wire
@@ -24,11 +22,12 @@ from ..study.study_file import Study, parse
 from .design import Case, PowerDesign
 from .effect import OF_SENSATION, StatedEffect, check_effect
 
-SUPPORTED: Final = ("yes_no", "forced_choice", "adjustment", "localisation", "rating")
+SUPPORTED: Final = ("yes_no", "forced_choice", "adjustment", "localisation")
 REFUSED: Final = {
     "comparison": "both of what is compared are felt in one condition, whose effect shifts them alike",
     "same_different": "both of what is compared are felt in one condition, whose effect shifts them alike",
     "magnitude": "an effect in decibels moves all numbers alike and leaves their exponent",
+    "rating": "answers follow attitudes, and how good a strength feels is no straight line of it",
     "preference": "its answers are compared within a trial, and no value of a participant in a condition is tested",
     "measurement": "a sensor is read, and nobody feels an effect",
 }
@@ -78,9 +77,6 @@ def _dependent(design: PowerDesign, study: Study) -> str:
     one = f"one of {', '.join(allowed)}: that of the levels, or of what is felt ({OF_SENSATION})"
     expect(design.effect.unit in allowed, "--effect", f"the unit {design.effect.unit!r}", one)
     known = ANALYSES[task].dependents
-    if task == FORM_TASK:
-        assert isinstance(experiment.task, AsksForm)
-        known = tuple(experiment.task.form.dimensions)
     if design.dependent:
         one_of("--dependent", design.dependent, known)
     return design.dependent or known[0]

@@ -51,6 +51,10 @@ def command(
     folder = None if out is None else Folder.prepared(out, design, resume=resume)
     with workers(n_jobs, scheduler) as spread:
         found = power(design, spread, folder, _tell)
+    if out is not None:
+        from tactometry.experiments.power.page import write_page
+
+        write_page(found, out)
     say(_text(found, out), _record(found, out))
 
 
@@ -66,7 +70,7 @@ def _text(found: Power, out: Path | None) -> str:
         *(f"caution: {words}" for words in found.cautions),
         found.recommendation,
         f"{found.design.dependent} of simulated participants, seed {found.design.seed}",
-        *([f"tables: {out}"] if out is not None else []),
+        *([f"page: {out / 'power.html'}"] if out is not None else []),
     ]
     return "\n".join(lines)
 

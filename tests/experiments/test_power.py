@@ -84,6 +84,7 @@ def test_each_task_is_supported_or_says_why_not():
     [
         ("grating-roughness", "period_m: 2 dB", "leaves their exponent"),
         ("time-reversal-localisation", "place: 2 dB", "whose levels are the alternatives of a trial"),
+        ("time-reversal-patterns", "pattern: P1 = 2 dB SL", "answers follow attitudes"),
         ("force-loss", "force_n: 2 dB", "nobody feels an effect"),
     ],
 )
@@ -137,6 +138,16 @@ def test_an_interrupted_analysis_goes_on_to_the_same_bytes(capsys, tmp_path, alo
     assert "go on with --resume" in said
     output(capsys, *ASKED, "--out", tmp_path, "--resume")
     assert files(tmp_path) == alone
+
+
+def test_the_page_says_what_is_applied_and_how_to_repeat_it(alone):
+    page = alone["power.html"].decode()
+    assert "Simulated participants, no people (seed 5)." in page
+    assert "<td>60</td><td>-4.00</td>" in page  # half of 8 dB below the middle
+    assert "Take " in page or "No number that was tried" in page
+    assert "&#34;seed&#34;: 5" in page
+    assert page.count("<svg") == 1
+    assert {"power.csv", "power.png", "power.svg", "asked.json", "study.toml"} <= set(alone)
 
 
 def test_another_question_is_no_continuation(capsys, tmp_path, alone):

@@ -1,0 +1,45 @@
+"""Power against the number of participants, a curve for each number of trials, above the false positives."""
+
+from collections.abc import Sequence
+
+from matplotlib.axes import Axes
+
+from tactometry.analysis.figures.style import Drawing, drawing_of, look, new_figure
+
+from .design import PowerDesign
+from .summary import PowerEstimate
+
+GREY = "#666666"
+APART = 0.12
+"""In participants: curves of other numbers of trials stand so far beside each other."""
+
+
+def power_curves(design: PowerDesign, points: Sequence[PowerEstimate]) -> Drawing:
+    """Power with its 95 % intervals and the target (above), false positives and the level of the test (below)."""
+    with new_figure(6.0, 5.2) as figure:
+        above, below = figure.subplots(2, 1, sharex=True, height_ratios=(2.6, 1))
+        for place, n_trials in enumerate(dict.fromkeys(point.n_trials for point in points)):
+            of_trials = [point for point in points if point.n_trials == n_trials]
+            label = f"{n_trials} trials a track" if n_trials else "trials of the study"
+            _curve(above, of_trials, "power", place, label)
+            _curve(below, of_trials, "false_positives", place, label)
+        above.axhline(design.target, color=GREY, linestyle="--", linewidth=0.8, label=f"target {design.target:g}")
+        below.axhline(
+            design.alpha, color=GREY, linestyle=":", linewidth=1.0, label=f"level of the test {design.alpha:g}"
+        )
+        above.set(ylabel="Power", ylim=(0, 1.02), title=f"{design.effect.words()} ({design.dependent}, simulated)")
+        highest = max(point.false_positives_high for point in points)
+        below.set(ylabel="False positives", xlabel="Participants", ylim=(0, max(1.05 * highest, 2 * design.alpha)))
+        below.set_xticks(sorted({point.n_participants for point in points}))
+        above.legend(loc="lower right")
+        below.legend(handles=below.get_legend_handles_labels()[0][:1], loc="best")
+        return drawing_of(figure)
+
+
+def _curve(axes: Axes, points: Sequence[PowerEstimate], name: str, place: int, label: str) -> None:
+    shares = [getattr(point, name) for point in points]
+    below = [share - getattr(point, f"{name}_low") for share, point in zip(shares, points, strict=True)]
+    above = [getattr(point, f"{name}_high") - share for share, point in zip(shares, points, strict=True)]
+    x = [point.n_participants + APART * place for point in points]
+    errors = [[max(length, 0.0) for length in lengths] for lengths in (below, above)]
+    axes.errorbar(x, shares, errors, label=label, capsize=2.0, **look(place))
