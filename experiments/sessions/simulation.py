@@ -6,6 +6,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from tactometry.arguments.require import expect
+from tactometry.errors import rewording
 from tactometry.records.head import LARGEST_SEED
 
 from ..study.experiment import Experiment, wire
@@ -20,7 +21,8 @@ MOST_PARTICIPANTS = 100_000
 
 @dataclass(frozen=True)
 class Simulation:
-    """What to simulate: the bytes of a study, and for whom."""
+    """What to simulate: the bytes of a study, and for whom; `code_from` is the folder from which the code of an
+    observer of one's own may be taken."""
 
     study_toml: bytes
     where: str
@@ -28,6 +30,7 @@ class Simulation:
     n_participants: int
     seed: int
     resume: bool = False
+    code_from: Path | None = None
 
     def __post_init__(self) -> None:
         n, seed = self.n_participants, self.seed
@@ -47,7 +50,7 @@ class Simulation:
         ]
 
     def experiment(self) -> Experiment:
-        return _wired(self.study_toml, self.where)
+        return _wired(self.study_toml, self.where, self.code_from)
 
     def record(self, who: Who) -> Recorded:
         """One session of one simulated participant."""
@@ -56,9 +59,9 @@ class Simulation:
 
 
 @lru_cache(maxsize=1)
-def _wired(study_toml: bytes, where: str) -> Experiment:
+def _wired(study_toml: bytes, where: str, code_from: Path | None) -> Experiment:
     """One for all sessions of a process, which share what they render and feel."""
-    return wire(parse(study_toml, where), where)
+    return wire(parse(study_toml, where), where, code_from)
 
 
 def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None = None) -> Iterator[Recorded]:
@@ -67,6 +70,9 @@ def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None =
     The result does not depend on where it is computed.
     """
     # Once and here: a study that is refused starts no process and no session.
-    flaw(simulation.experiment(), simulation.root)
+    experiment = simulation.experiment()
+    with rewording(lambda words: f"{simulation.where}, {words}"):
+        experiment.people.check_allowed()
+    flaw(experiment, simulation.root)
     with workers(n_jobs, scheduler) as spread:
         yield from spread(simulation.record, simulation.sessions())

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from math import comb
 from operator import itemgetter
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -242,8 +243,9 @@ def _factor_column(name: str) -> Column:
     return Column(name, "Factor of the study", "" if suffix is None else units(suffix)[0])
 
 
-def wire(study: Study, where: str) -> Experiment:
-    """Build every table of a study, and hold its strongest stimuli against the limits.
+def wire(study: Study, where: str, code_from: Path | None = None) -> Experiment:
+    """Build every table of a study, and hold its strongest stimuli against the limits. The code of an observer of one's
+    own is imported from the folder `code_from`, or not at all.
 
     Raises
     ------
@@ -251,7 +253,7 @@ def wire(study: Study, where: str) -> Experiment:
         If a table holds what its kind does not know, or a level would pass a limit; `where` opens the sentence.
     """
     with rewording(lambda words: f"{where}, {words}"):
-        experiment = _build(study)
+        experiment = _build(study, code_from)
         _check_forces(experiment)
         _check_places(experiment)
         for strongest in experiment.strongest():
@@ -261,13 +263,13 @@ def wire(study: Study, where: str) -> Experiment:
         return experiment
 
 
-def _build(study: Study) -> Experiment:
+def _build(study: Study, code_from: Path | None) -> Experiment:
     table = task_of(study)
     cells = dict(_cells(study, _tracks_per_cell(study, table)))
     crossing_of(study, table.over, study.factors)  # refuses an order that the design cannot have
     forms = {name: form_of(study, of.form, f"inquiries.{name}.form") for name, of in study.inquiries.items()}
     questionnaires_of(study.forms)  # those that nothing asks must be sound too
-    people = population_of(study.observer, "observer")
+    people = population_of(study.observer, "observer", code_from)
     experiment = Experiment(study, table, cells, practice_of(study.practice), forms, people)
     people.check(_levels_of(cells), "observer")
     if people.raters is not None:

@@ -240,6 +240,11 @@ def locate(study: str) -> Path:
     )
 
 
+def folder_of(study: str) -> Path:
+    """Where the file of a study that is named, or given as a path, lies."""
+    return locate(study).resolve().parent
+
+
 def load(study: str) -> tuple[Study, bytes]:
     """A study, named or given as a path, with the bytes of its file."""
     path = locate(study)

@@ -14,7 +14,7 @@ from tactometry.experiments.study.contact_loss import pulled_fingers
 from tactometry.experiments.study.dry_run import check_duration, duration_s, felt_of, plan
 from tactometry.experiments.study.experiment import Experiment, wire
 from tactometry.experiments.study.rehearsal import rehearse, rehearse_forms
-from tactometry.experiments.study.study_file import load
+from tactometry.experiments.study.study_file import folder_of, load
 
 from ..errors import InvalidParameter, count_of
 from ..records.data_set import Session
@@ -33,6 +33,7 @@ from .output import bench_option, path_option, say, subcommand
 @bench_option
 @path_option("--out", help="The data set; default: STUDY's name and -data, or -simulated.")
 @click.option("--resume", is_flag=True, help="Go on where an interrupted session stopped.")
+@click.option("--allow-code", is_flag=True, help="With --rig simulated: run the observer that STUDY names, beside it.")
 @click.option("--dry-run", is_flag=True, help="Print the plan and its duration; run nothing.")
 def command(
     *,
@@ -45,6 +46,7 @@ def command(
     bench_path: Path | None,
     out: Path | None,
     resume: bool,
+    allow_code: bool,
     dry_run: bool,
 ) -> int:
     """Run a session of STUDY (a built-in name or a path).
@@ -52,7 +54,7 @@ def command(
     Exit status 1 if a block, or a track of it, did not come to its end.
     """
     numbers, content = load(study)
-    experiment = wire(numbers, study)
+    experiment = wire(numbers, study, folder_of(study) if allow_code and rig == "simulated" else None)
     who = Who(Session(participant, n_session, numbers.name).participant, n_session, number, seed)
     bench = load_bench(bench_path)
     if rig != "simulated":
@@ -62,6 +64,8 @@ def command(
         rehearse(experiment)
         _print_plan(experiment, who)
         return 0
+    if rig == "simulated":
+        experiment.people.check_allowed()
     root = out or Path(f"{numbers.name}-{'simulated' if rig == 'simulated' else 'data'}")
     kind = rig_kind(rig, experiment, who, bench)
     recorded = record(experiment, content, root, who, kind, resume=resume, tell=_tell)

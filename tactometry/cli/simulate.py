@@ -11,7 +11,7 @@ from tactometry.experiments.sessions.workers import check_workers
 from tactometry.experiments.study.contact_loss import pulled_fingers
 from tactometry.experiments.study.dry_run import felt_of
 from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.study_file import load, parse
+from tactometry.experiments.study.study_file import folder_of, load, parse
 
 from ..errors import count_of
 from .output import path_option, progress, say, subcommand
@@ -28,6 +28,7 @@ N_PARTICIPANTS = 10
 @click.option("--resume", is_flag=True, help="Go on where an interrupted simulation stopped.")
 @click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
+@click.option("--allow-code", is_flag=True, help="Run the observer that STUDY names, from a file beside it.")
 @click.option("--explain", is_flag=True, help="Tell too which effects are felt, and which were left out.")
 def simulate(
     study: str,
@@ -38,12 +39,14 @@ def simulate(
     resume: bool,
     n_jobs: int,
     scheduler: str | None,
+    allow_code: bool,
     explain: bool,
 ) -> None:
     """Run STUDY (a built-in name or a path) with simulated participants."""
     check_workers(n_jobs, scheduler)
     _, content = load(study)
-    simulation = Simulation(content, study, out, n_participants, seed, resume)
+    code_from = folder_of(study) if allow_code else None
+    simulation = Simulation(content, study, out, n_participants, seed, resume, code_from)
     sessions = sessions_of(simulation, n_jobs=n_jobs, scheduler=scheduler)
     recorded = list(progress(sessions, len(simulation.sessions()), "simulating"))
     for session in recorded:

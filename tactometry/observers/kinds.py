@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import reduce
 from operator import add
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, Protocol
 
 import numpy as np
@@ -14,6 +15,7 @@ from ..loading import resolve
 from .changes.change import Answer, Change, Shift, Shifted
 from .changes.kinds import CHANGES
 from .decisions import Observer
+from .own import NotAllowed, own_class
 from .people import Draws, Feeling, People, SimulatedPerson, Stated, Varied
 
 if TYPE_CHECKING:
@@ -43,6 +45,17 @@ class Population:
     people: People = field(default_factory=People)
     changes: Mapping[str, Change] = field(default_factory=dict)
     raters: "Raters | None" = None
+
+    def check_allowed(self) -> None:
+        """Refuse people whose code is not allowed to run, before anything is written.
+
+        Raises
+        ------
+        InvalidParameter
+            If it is not.
+        """
+        if isinstance(self.middle, NotAllowed):
+            self.middle.participant(np.random.default_rng(0))
 
     def person(self, rng: np.random.Generator) -> SimulatedPerson:
         """One of them; a middle that knows no traits draws its participant itself."""
@@ -77,8 +90,9 @@ class Population:
         return reduce(add, parts, Shift())
 
 
-def population_of(table: Mapping[str, Any], path: str) -> Population:
-    """The people that a table describes.
+def population_of(table: Mapping[str, Any], path: str, code_from: Path | None = None) -> Population:
+    """The people that a table describes; the code of an observer of one's own, ``module:Class``, is run only if it is
+    allowed to be taken from a folder.
 
     Raises
     ------
@@ -91,15 +105,28 @@ def population_of(table: Mapping[str, Any], path: str) -> Population:
     2.0
     """
     of_middle = {key: value for key, value in table.items() if key not in ("people", "changes", "raters")}
-    middle: Middle = build_kind({"kind": USUAL, **of_middle}, path, OBSERVERS)
+    middle = _middle_of({"kind": USUAL, **of_middle}, path, code_from)
     people = build(People, table.get("people", {}), f"{path}.people")
     kind = of_middle.get("kind", USUAL)
-    has_traits = isinstance(middle, Varied) or people == People()
+    has_traits = isinstance(middle, Varied | NotAllowed) or people == People()
     expect(has_traits, f"{path}.people", f"a table beside the kind {kind!r}, whose people have no traits", "none")
     changes = _changes_of(as_table(table.get("changes", {}), f"{path}.changes"), f"{path}.changes")
-    can_change = isinstance(middle, Shifted) or not changes
+    can_change = isinstance(middle, Shifted | NotAllowed) or not changes
     expect(can_change, f"{path}.changes", f"a table beside the kind {kind!r}, whose people do not change", "none")
     return Population(middle, people, changes, _raters_of(table, f"{path}.raters"))
+
+
+def _middle_of(table: Mapping[str, Any], path: str, code_from: Path | None) -> Middle:
+    kind = table["kind"]
+    middle: Middle
+    if not isinstance(kind, str) or ":" not in kind:
+        middle = build_kind(table, path, OBSERVERS)
+    elif code_from is None:
+        middle = NotAllowed(kind, path)
+    else:
+        keys = {key: value for key, value in table.items() if key != "kind"}
+        middle = build(own_class(kind, code_from, path), keys, path)
+    return middle
 
 
 def _raters_of(table: Mapping[str, Any], path: str) -> "Raters | None":

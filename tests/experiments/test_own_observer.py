@@ -1,0 +1,145 @@
+"""An observer of one's own: its code runs where a person allowed it, on any worker, and nowhere else."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+from command_line import call, output
+from places import ROOT
+from tables import trial_rows
+
+from tactometry.experiments.study.study_file import builtin
+
+GUESSER = (ROOT / "tests" / "recipes" / "tactometry" / "observers" / "guesser.py").read_text("utf-8")
+CODE = GUESSER.replace("from ..arguments", "from tactometry.arguments").replace(
+    "import numpy as np\n", "import numpy as np\nfrom beside import BIAS\n"
+)
+STUDY = builtin()["tutorial"].read_text("utf-8").partition("\n[observer]")[0]
+OWN = f'{STUDY}\n[observer]\nkind = "mine:Guesser"\nbias = 0.9\n'
+ALL = ("--participants", "3", "--seed", "4")
+
+
+@pytest.fixture
+def study(tmp_path):
+    """A study with an observer beside it, which imports what stands beside it."""
+    place = tmp_path / "studies"
+    place.mkdir()
+    (place / "mine.py").write_text(CODE)
+    (place / "beside.py").write_text("BIAS = 0.5\n")
+    (place / "own.toml").write_text(OWN)
+    return place / "own.toml"
+
+
+def contents(root):
+    return {path.relative_to(root): path.read_bytes() for path in sorted(root.rglob("*")) if path.is_file()}
+
+
+def test_it_answers_where_it_is_allowed(study, tmp_path, capsys):
+    output(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
+    answers = [float(row["response"]) for row in trial_rows(tmp_path / "d") if row["response"]]
+    assert len(answers) > 90
+    assert 0.75 < sum(answers) / len(answers) < 1.0  # 0.9, 0.03 of standard error
+
+
+def test_it_answers_a_session_too(study, tmp_path, capsys):
+    words = ("run", study, "--participant", "P01", "--rig", "simulated", "--seed", "4", "--out")
+    assert call(capsys, *words, tmp_path / "d", "--allow-code")[0] == 0
+    code, said, _ = call(capsys, *words, tmp_path / "other")
+    assert code == 2
+    assert said.count("\n") == 0
+    assert "observer.kind: found 'mine:Guesser', an observer whose code would run, expected --allow-code" in said
+    assert not (tmp_path / "other").exists()
+
+
+def test_without_the_word_nothing_of_it_runs_or_is_written(study, tmp_path, capsys):
+    (study.parent / "mine.py").write_text("raise SystemExit('it ran')\n")
+    code, said, _ = call(capsys, "simulate", study, *ALL, "--out", tmp_path / "d")
+    assert code == 2
+    assert "observer.kind: found 'mine:Guesser', an observer whose code would run, expected --allow-code" in said
+    assert not (tmp_path / "d").exists()
+    words = ("run", study, "--participant", "P01", "--rig", "console", "--dry-run", "--allow-code")
+    assert call(capsys, *words)[0] == 0
+
+
+def test_its_data_are_read_by_everything_without_its_code(study, tmp_path, capsys):
+    root = tmp_path / "d"
+    output(capsys, "simulate", study, *ALL, "--out", root, "--allow-code")
+    (study.parent / "mine.py").unlink()
+    for words in (("validate", root), ("replay", root), ("analyse", root, "--report", tmp_path / "report.html")):
+        assert call(capsys, *words)[0] == 0
+    (journal, *_) = sorted(root.glob("journals/*"))
+    head = journal.read_text("utf-8").partition("\n")[0]
+    assert '"Guesser"' in head
+    assert '"bias":0.9' in head
+
+
+def test_any_number_of_workers_gives_the_same_bytes(study, tmp_path, capsys, monkeypatch):
+    output(capsys, "simulate", study, *ALL, "--out", tmp_path / "one", "--allow-code")
+    monkeypatch.chdir(study.parent)
+    output(capsys, "simulate", "own.toml", *ALL, "--out", tmp_path / "two", "--allow-code", "--jobs", "2")
+    assert contents(tmp_path / "two") == contents(tmp_path / "one")
+
+
+def test_a_cluster_finds_it_by_the_path_of_the_study(study, tmp_path, capsys):
+    pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
+    output(capsys, "simulate", study, *ALL, "--out", tmp_path / "one", "--allow-code")
+    (tmp_path / "cluster.py").write_text(
+        "import sys\n"
+        "import distributed\n"
+        "from tactometry.cli import main\n"
+        "if __name__ == '__main__':\n"
+        "    with distributed.LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:\n"
+        "        main([*sys.argv[1:], '--scheduler', cluster.scheduler_address])\n"
+    )
+    words = ["simulate", "own.toml", *ALL, "--out", str(tmp_path / "two"), "--allow-code"]
+    program = [sys.executable, str(tmp_path / "cluster.py"), *words]
+    done = subprocess.run(program, capture_output=True, text=True, check=False, cwd=study.parent)
+    assert done.returncode == 0, done.stderr
+    assert contents(tmp_path / "two") == contents(tmp_path / "one")
+
+
+@pytest.mark.parametrize(
+    ("kind", "code", "sentence"),
+    [
+        ("mine:Guesser", None, "but no file mine.py in"),
+        ("mine:Guesser", "1 / 0\n", "the import of mine.py failed (ZeroDivisionError: division by zero)"),
+        ("mine:Guesser", "Guesser = 3\n", "no dataclass 'Guesser' in mine.py"),
+        (
+            "mine:Guesser",
+            "from dataclasses import dataclass\n@dataclass(frozen=True)\nclass Guesser:\n    bias: float\n",
+            "which lacks participant, detect, compare",
+        ),
+        ("mine:Guesser", CODE.replace("bias: float", "slope: float"), "observer.bias: found an unknown key"),
+        ("../mine:Guesser", CODE, "expected module:Class"),
+    ],
+)
+def test_code_that_is_no_observer_is_refused_in_one_sentence(study, tmp_path, capsys, kind, code, sentence):
+    study.write_text(OWN.replace("mine:Guesser", kind))
+    (study.parent / "mine.py").unlink() if code is None else (study.parent / "mine.py").write_text(code)
+    status, said, _ = call(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
+    assert status == 2
+    assert sentence in said
+    assert "Traceback" not in said
+    assert not (tmp_path / "d").exists()
+
+
+@pytest.mark.parametrize("form", ["bids", "psych-ds", "psychopy", "r"])
+def test_data_of_observers_say_that_they_are_simulated_wherever_they_go(study, tmp_path, capsys, form):
+    """Each table either holds the rig or has a description beside it that says so."""
+    output(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
+    out = tmp_path / form
+    output(capsys, "export", tmp_path / "d", "--to", form, "--out", out)
+    tables = [path for path in out.rglob("*") if path.suffix in (".csv", ".tsv")]
+    assert tables
+    described = out / "dataset_description.json"
+    whole = described.exists() and "simulated data" in described.read_text()
+    for table in tables:
+        assert whole or "simulated" in table.read_text("utf-8"), table
+
+
+def test_a_report_and_its_record_say_that_people_were_simulated(study, tmp_path, capsys):
+    output(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
+    told = output(capsys, "analyse", tmp_path / "d", "--report", tmp_path / "report.html", "--json")
+    assert "simulated" in json.dumps(json.loads(told)).lower()
+    assert "simulated participants" in (tmp_path / "report.html").read_text("utf-8").lower()
