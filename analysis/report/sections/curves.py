@@ -6,6 +6,7 @@ from collections.abc import Iterator
 import pandas as pd
 
 from ...figures import psychophysics
+from ...figures.curves import curve_figure
 from ...result import Analysis
 from ...tasks.cells import MAX_LEVELS
 from ...tasks.kinds import CURVES
@@ -60,7 +61,7 @@ def _figures(analysis: Analysis) -> Iterator[tuple[str, Figure]]:
     shown = [estimate for estimate in analysis.estimates if estimate.cell.levels]
     for code in sorted({estimate.cell.participant for estimate in shown}):
         estimates = [estimate for estimate in shown if estimate.cell.participant == code]
-        drawing = psychophysics.curve_figure(estimates, analysis.factors, unit=analysis.unit)
+        drawing = curve_figure(estimates, analysis.factors, unit=analysis.unit)
         text = (
             f"{code}: rate at each level (dot size: trials) with Wilson's 95 % interval, fitted curve, and below it "
             "the threshold with its 95 % interval."
