@@ -23,6 +23,7 @@ from ..study.experiment import Experiment
 from ..study.session_plan import all_sessions, stream
 from .design import Case, PowerDesign
 from .scenario import experiment_of, plan_of_study
+from .truth import TRUTH, true_thresholds
 
 P_COLUMNS: Final = ("p_CM_corr", "p", "p_permutation")
 """What an analysis reports of an effect: the first that its table has."""
@@ -33,9 +34,10 @@ class Row:
     """What one simulated study gave, with so many participants.
 
     `n_trials` is 0 where the study's own number stands. `p` is missing where no test had an answer, which counts as not
-    significant. `found` is the effect as the data have it, in the unit of the dependent value; `width` the mean width
-    of the intervals of its values; `n_cells` are participants times conditions, `n_unknown` of them have no value
-    but a bound at most. `n_left_out` participants are not in the test.
+    significant. `found` is the effect as the data have it, in the unit of the dependent value; `error` the mean
+    distance of known thresholds from those that the people have; `width` the mean width of the intervals of values;
+    `n_cells` are participants times conditions, `n_unknown` of them have no value but a bound at most. `n_left_out`
+    participants are not in the test.
     """
 
     n_trials: int
@@ -45,6 +47,7 @@ class Row:
     p: float | None
     significant: bool
     found: float | None
+    error: float | None
     width: float | None
     n_cells: int
     n_unknown: int
@@ -59,8 +62,9 @@ def replicate(design: PowerDesign, case: Case, number: int) -> tuple[Row, ...]:
     """
     experiment = experiment_of(design, case)
     plan = plan_of_study(experiment.study)
-    trials = simulated(design, experiment, seed_of(design.seed, number))
-    every = _Compared(design, experiment, plan, trials)
+    seed = seed_of(design.seed, number)
+    truth = true_thresholds(experiment, codes(design.n_participants), seed)
+    every = _Compared(design, experiment, plan, simulated(design, experiment, seed), truth)
     return tuple(every.row(case, number, n) for n in design.participants)
 
 
@@ -106,13 +110,20 @@ def _by_participant(rows: pd.DataFrame) -> Any:
 class _Compared:
     """A simulated study whose values are estimated once, and tested for each number of participants."""
 
-    def __init__(self, design: PowerDesign, experiment: Experiment, plan: AnalysisPlan, everything: Trials) -> None:
+    def __init__(
+        self,
+        design: PowerDesign,
+        experiment: Experiment,
+        plan: AnalysisPlan,
+        everything: Trials,
+        truth: pd.DataFrame,
+    ) -> None:
         self.design, self.experiment, self.plan, self.everything = design, experiment, plan, everything
         self.trials, _ = exclude(everything, plan.exclusion, quality(everything))
         self.task = experiment.table.kind
         self.used = used_rows(self.trials)
         self.minutes = _minutes(everything.rows, experiment)
-        self.values = self._values()
+        self.values = _with_truth(self._values(), truth)
 
     def _values(self) -> pd.DataFrame:
         """A row per participant and condition: a threshold, a setting, a rate."""
@@ -141,6 +152,7 @@ class _Compared:
             p=p,
             significant=p is not None and p < self.design.alpha,
             found=None if tested is None else self._found(tested),
+            error=None if tested is None else _error(values, tested.dependent),
             width=None if tested is None else _width(values, tested.dependent),
             n_cells=n * self._n_conditions(),
             n_unknown=n * self._n_conditions() - int(known.sum()),
@@ -199,6 +211,22 @@ def p_of(tested: Outcome, factor: str) -> float | None:
     if of_factor.empty or column is None or pd.isna(of_factor[column].iloc[0]):
         return None
     return float(of_factor[column].iloc[0])
+
+
+def _with_truth(values: pd.DataFrame, truth: pd.DataFrame) -> pd.DataFrame:
+    """Values with the truth of their cells, where it is known."""
+    if not len(values) or not len(truth):
+        return values
+    keys = [name for name in truth.columns if name != TRUTH and name in values.columns]
+    return values.merge(truth, on=keys, how="left")
+
+
+def _error(values: pd.DataFrame, dependent: str) -> float | None:
+    """The mean distance of values from the truth, of those that are known."""
+    if TRUTH not in values.columns:
+        return None
+    error = (pd.to_numeric(values[dependent]) - values[TRUTH]).mean()
+    return None if pd.isna(error) else float(error)
 
 
 def _width(values: pd.DataFrame, dependent: str) -> float | None:

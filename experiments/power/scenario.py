@@ -13,6 +13,7 @@ from tactometry.arguments.require import expect, one_of
 from tactometry.config.strict import build
 from tactometry.contact import Contact
 from tactometry.followed import felt_under, straight_way
+from tactometry.observers.people import Stated
 from tactometry.session.request import TRAJECTORY_M
 from tactometry.trials.cells import cell as cell_text
 
@@ -73,7 +74,8 @@ def _dependent(design: PowerDesign, study: Study) -> str:
     asked = f"the factor {design.effect.factor!r}, whose levels are the alternatives of a trial"
     expect(experiment.table.over != design.effect.factor, "--effect", asked, "another factor")
     units = {cell.condition.level_unit.partition(" re ")[0] for cell in experiment.cells.values()}
-    allowed = sorted({OF_SENSATION, *(units if len(units) == 1 else ())})
+    felt = () if isinstance(experiment.people.middle, Stated) else (OF_SENSATION,)  # stated thresholds: no sensation
+    allowed = sorted({*felt, *(units if len(units) == 1 else ())})
     one = f"one of {', '.join(allowed)}: that of the levels, or of what is felt ({OF_SENSATION})"
     expect(design.effect.unit in allowed, "--effect", f"the unit {design.effect.unit!r}", one)
     known = ANALYSES[task].dependents
@@ -126,7 +128,7 @@ def shifts(experiment: Experiment, effect: StatedEffect, *, has_effect: bool) ->
     levels = [cell_text(level) for level in experiment.study.factors[factor]]
     felt: dict[str, list[tuple[float, float]]] = {level: [] for level in levels}
     for cell in experiment.cells.values():
-        felt[cell_text(cell.condition.factors[factor])].append(growth(cell))
+        felt[cell_text(cell.condition.factors[factor])].append(growth(experiment, cell))
     middle_db = {level: float(np.mean([db for db, _ in of_level])) for level, of_level in felt.items()}
     slopes = {level: float(np.mean([slope for _, slope in of_level])) for level, of_level in felt.items()}
     for level, db in middle_db.items():
@@ -140,13 +142,22 @@ def shifts(experiment: Experiment, effect: StatedEffect, *, has_effect: bool) ->
     return {level: common_db - middle_db[level] + (effects_db[level] if has_effect else 0.0) for level in levels}
 
 
-def growth(cell: WiredCell) -> tuple[float, float]:
+def growth(experiment: Experiment, cell: WiredCell) -> tuple[float, float]:
     """What is felt of a cell (dB) in the middle of its levels, touched as it is asked, and by how much more per unit of
-    the level."""
+    the level; of people whose thresholds are stated how far the middle lies above them, in the unit of the level."""
+    middle, people = middle_of(cell), experiment.people.middle
+    if isinstance(people, Stated):
+        return middle - (people.stated(cell.condition.factors).threshold or 0.0), 1.0
     low, high = cell.procedure.rule.bounds
-    middle, step = (low + high) / 2, max(STEP_SHARE * (high - low), 1e-3)
+    step = max(STEP_SHARE * (high - low), 1e-3)
     below_db, at_db, above_db = (_felt_db(cell, level) for level in (middle - step, middle, middle + step))
     return at_db, (above_db - below_db) / (2 * step)
+
+
+def middle_of(cell: WiredCell) -> float:
+    """Of the levels that a cell may ask for."""
+    low, high = cell.procedure.rule.bounds
+    return (low + high) / 2
 
 
 def _felt_db(cell: WiredCell, level: float) -> float:

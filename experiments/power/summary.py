@@ -22,9 +22,10 @@ class PowerEstimate:
 
     `power` and `false_positives` are shares of `n_studies` and `n_without_effect` simulated studies, each with its 95 %
     interval (Clopper and Pearson 1934). Of the studies with the effect: `found` is its mean as the data have it,
-    `bias` that less the stated one (None where the dependent value is not in the unit of the effect), `width` the mean
-    width of the intervals of single values, `unknown_share` the share of cells without a value, `n_left_out` the mean
-    number of participants who have none, `minutes` what one sits.
+    `bias` that less the stated one (None where the dependent value is not in the unit of the effect), `threshold_bias`
+    the mean distance of known thresholds from those that the people have, `width` the mean width of the intervals of
+    single values, `unknown_share` the share of cells without a value, `n_left_out` the mean number of participants who
+    have none, `minutes` what one sits.
     """
 
     n_trials: int
@@ -39,6 +40,7 @@ class PowerEstimate:
     false_positives_high: float
     found: float | None
     bias: float | None
+    threshold_bias: float | None
     width: float | None
     unknown_share: float
     n_left_out: float
@@ -64,7 +66,7 @@ class _Sum:
         self.n_cells += row.n_cells
         self.n_unknown += row.n_unknown
         self.n_left_out += row.n_left_out
-        for name in ("found", "width", "minutes"):
+        for name in ("found", "error", "width", "minutes"):
             value = getattr(row, name)
             if value is not None:
                 self.sums[name] += value
@@ -108,6 +110,7 @@ class Summary:
             *without.shares,
             found=found,
             bias=None if found is None or stated is None else found - stated,
+            threshold_bias=with_effect.mean("error"),
             width=with_effect.mean("width"),
             unknown_share=with_effect.n_unknown / with_effect.n_cells,
             n_left_out=with_effect.n_left_out / with_effect.n,
@@ -178,8 +181,8 @@ def _share(share: float, low: float, high: float) -> str:
 
 
 HEAD: Final = (
-    *("trials", "people", "power", "95 %", "no effect", "95 %", "found", "bias", "width", "no value", "left out"),
-    *("min", "studies"),
+    *("trials", "people", "power", "95 %", "no effect", "95 %", "found", "bias", "threshold bias", "width", "no value"),
+    *("left out", "min", "studies"),
 )
 
 
@@ -199,7 +202,10 @@ def cells_of(point: PowerEstimate) -> tuple[str, ...]:
         f"{point.power_low:.3f} - {point.power_high:.3f}",
         f"{point.false_positives:.3f}",
         f"{point.false_positives_low:.3f} - {point.false_positives_high:.3f}",
-        *("" if value is None else f"{value:.2f}" for value in (point.found, point.bias, point.width)),
+        *(
+            "" if value is None else f"{value:.2f}"
+            for value in (point.found, point.bias, point.threshold_bias, point.width)
+        ),
         f"{point.unknown_share:.1%}",
         f"{point.n_left_out:.1f}",
         f"{point.minutes:.0f}",

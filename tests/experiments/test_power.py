@@ -13,10 +13,11 @@ from soak import SOAK
 from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.experiments.power.design import Case, PowerDesign, participants_of
 from tactometry.experiments.power.effect import parse_effect
-from tactometry.experiments.power.replicate import Row, p_of, replicate, seed_of
+from tactometry.experiments.power.replicate import Row, codes, p_of, replicate, seed_of
 from tactometry.experiments.power.sampling import Batch, interval, sample
 from tactometry.experiments.power.scenario import REFUSED, SUPPORTED, check_design, experiment_of, growth
 from tactometry.experiments.power.summary import Summary, recommendation
+from tactometry.experiments.power.truth import half_way_of_choice, half_way_of_yes, true_thresholds
 from tactometry.experiments.study.study_file import load
 from tactometry.trials.tasks import TASKS
 
@@ -103,7 +104,7 @@ def test_levels_differ_by_the_effect_and_by_nothing_else(study, unit):
     for case, span in zip(asked.cases, (3.0, 0.0), strict=True):
         experiment = experiment_of(asked, case)
         more_db = experiment.study.observer["people"]["effects_db"][factor].values()
-        grown = [growth(cell) for cell in experiment.cells.values()]
+        grown = [growth(experiment, cell) for cell in experiment.cells.values()]
         felt_db = [own + more for (own, _), more in zip(grown, more_db, strict=True)]
         per = [1.0 if unit == "dB SL" else -slope for _, slope in grown]
         steps = [(db - felt_db[0]) / slope for db, slope in zip(felt_db, per, strict=True)]
@@ -113,6 +114,59 @@ def test_levels_differ_by_the_effect_and_by_nothing_else(study, unit):
 def test_a_smaller_study_is_the_first_participants_of_a_larger_one():
     both, small = design(), design(participants=(3,))
     assert replicate(both, both.cases[0], 2)[0] == replicate(small, small.cases[0], 2)[0]
+
+
+STATED = b"""
+[observer]
+kind = "psychometric"
+threshold = 31.0
+between_sd_db = 2.5
+conditions = [{ frequency_hz = 60, threshold = 25.0 }]
+"""
+
+
+@pytest.fixture
+def stated(tmp_path):
+    """The tutorial with people whose thresholds are stated, other ones at 60 Hz."""
+    _, content = load("tutorial")
+    path = tmp_path / "stated.toml"
+    path.write_bytes(content.partition(b"\n[observer")[0] + STATED)
+    return str(path)
+
+
+@pytest.mark.parametrize("study", ["stated", "tutorial"])
+def test_true_thresholds_differ_by_the_effect(request, study):
+    name = request.getfixturevalue(study) if study == "stated" else study
+    asked = design(name, "frequency_hz: 4 dB")
+    for case, expected in zip(asked.cases, (4.0, 0.0), strict=True):
+        experiment = experiment_of(asked, case)
+        table = true_thresholds(experiment, codes(200), 3).pivot(
+            index="participant", columns="frequency_hz", values="truth"
+        )
+        steps = table[240] - table[60]
+        error = steps.std() / 200**0.5
+        assert abs(steps.mean() - expected) <= max(3.9 * error, 1e-9)
+        assert study != "stated" or np.allclose(steps, expected)
+
+
+def test_stated_thresholds_take_no_effect_of_sensation(capsys, stated):
+    code, said, _ = call(capsys, "power", stated, "--effect", "frequency_hz: 4 dB SL", *ASKED[4:])
+    assert code == 2
+    assert "found the unit 'dB SL', expected one of dB" in said
+
+
+def test_a_person_says_yes_half_way_at_the_true_threshold():
+    """By the observer itself: an exact binomial of what it answers there."""
+    experiment = experiment_of(asked := design(), asked.cases[1])
+    observer = replace(experiment.simulated_participant("P001", 5), lapse_rate=0.0)
+    criterion, rng, n = observer.criterion + observer.bias, np.random.default_rng(7), 20_000
+    level_db = 20 / observer.exponent * np.log10(half_way_of_yes(criterion) / observer.criterion)
+    n_yes = sum(observer.detect(level_db - observer.sensitivity_db, rng) for _ in range(n))
+    assert stats.binomtest(n_yes, n, (1 + stats.norm.sf(criterion)) / 2).pvalue > 1e-4
+
+
+def test_the_right_of_two_intervals_is_taken_half_way_at_the_true_threshold():
+    assert stats.norm.cdf(half_way_of_choice(2) / 2**0.5) == pytest.approx(0.75)
 
 
 def test_studies_have_seeds_of_their_own():
@@ -178,7 +232,7 @@ def drawn_rows(asked, chance):
         rng = np.random.default_rng((batch.first, batch.case.has_effect))
         return tuple(
             Row(0, batch.case.has_effect, number, n, 0.5, bool(rng.random() < chance[batch.case.has_effect][n]),
-                None, None, 2, 0, 0, 1.0)
+                None, None, None, 2, 0, 0, 1.0)
             for number in range(batch.first, batch.end)
             for n in asked.participants
         )  # fmt: skip

@@ -1,0 +1,87 @@
+"""The thresholds that simulated people have, against which those of their data are held."""
+
+from collections.abc import Iterator
+from functools import lru_cache
+from math import log10
+
+import pandas as pd
+from scipy.integrate import quad
+from scipy.optimize import brentq
+from scipy.special import ndtr, ndtri
+from scipy.stats import norm
+
+from tactometry.observers.people import Feeling
+from tactometry.observers.signal_detection import SignalDetectionObserver
+from tactometry.protocols.tasks.task import Task
+from tactometry.rigs.simulated import meeting
+
+from ..study.cells import WiredCell
+from ..study.experiment import Experiment
+from .scenario import growth, middle_of
+
+TRUTH = "truth"
+MOST_D_PRIME = 20.0
+
+
+def true_thresholds(experiment: Experiment, codes: list[str], seed: int) -> pd.DataFrame:
+    """A row (participant, factors, `truth`) for each person and cell in the middle of whose levels the task puts
+    something to be felt; empty where an observer does not tell its thresholds.
+
+    A threshold is the level at which the chance of a right answer or a yes is half-way up, without lapses, touched as
+    it is asked, where sensation grows from the middle of the levels as it does there.
+    """
+    if experiment.table.kind not in ("yes_no", "forced_choice"):
+        return pd.DataFrame()
+    rows = [row for code in codes for row in _of_person(experiment, code, seed)]
+    return pd.DataFrame(rows)
+
+
+def _of_person(experiment: Experiment, code: str, seed: int) -> Iterator[dict[str, object]]:
+    observer, feelings = experiment.simulated_participant(code, seed), experiment.feelings(code, seed)
+    for cell in experiment.cells.values():
+        stimulus = cell.condition.stimulus
+        feeling = feelings[meeting(stimulus, cell.condition.touch.request(stimulus, None, None))]
+        level = _level(experiment, cell, observer, feeling)
+        if level is not None:
+            yield {"participant": code, **cell.condition.factors, TRUTH: level}
+
+
+def _level(experiment: Experiment, cell: WiredCell, observer: object, feeling: Feeling) -> float | None:
+    if feeling.threshold is not None:
+        return feeling.threshold - feeling.deviation_db
+    if not isinstance(observer, SignalDetectionObserver):
+        return None
+    at_db, slope = growth(experiment, cell)
+    return middle_of(cell) + (_half_way_db(observer, experiment.task) - feeling.deviation_db - at_db) / slope
+
+
+def _half_way_db(observer: SignalDetectionObserver, task: Task) -> float:
+    """The sensation level at which a person is half-way: the inverse of `SignalDetectionObserver.d_prime`."""
+    n_intervals = getattr(task, "n_intervals", 0)
+    d_prime = half_way_of_choice(n_intervals) if n_intervals else half_way_of_yes(observer.criterion + observer.bias)
+    return 20 / observer.exponent * log10(d_prime / observer.criterion) - observer.sensitivity_db
+
+
+def half_way_of_yes(criterion: float) -> float:
+    """d' at which a yes is half-way from false alarms to 1.
+
+    >>> round(half_way_of_yes(1.645), 3)
+    1.708
+    """
+    return float(criterion + ndtri((1 + ndtr(-criterion)) / 2))
+
+
+@lru_cache(maxsize=8)
+def half_way_of_choice(n_intervals: int) -> float:
+    """d' at which the right one of m intervals is taken half-way from 1/m to 1; Green and Swets (1966), chapter 2.
+
+    >>> round(half_way_of_choice(2), 4)
+    0.9539
+    """
+    half_way = (1 + 1 / n_intervals) / 2
+
+    def right(d_prime: float) -> float:
+        share, _ = quad(lambda x: norm.pdf(x - d_prime) * ndtr(x) ** (n_intervals - 1), -10, MOST_D_PRIME + 10)
+        return float(share)
+
+    return float(brentq(lambda d_prime: right(d_prime) - half_way, 0, MOST_D_PRIME))
