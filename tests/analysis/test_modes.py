@@ -1,0 +1,67 @@
+"""Modes of very many tracks: those of a single fit, near the truth as often as their standard error says."""
+
+import numpy as np
+import pytest
+
+from tactometry.analysis.threshold.fitting import Status, fit_many
+from tactometry.analysis.threshold.modes import fit_modes
+from tactometry.errors import InvalidParameter
+from tactometry.experiments.census.batches import BATCH, Respondents, fitted_tracks
+from tactometry.protocols import ConstantStimuli, Quest, Staircase
+from tactometry.protocols.batch.answers import LevelTable, criteria
+from tactometry.protocols.batch.tracks import tracks
+
+STAIRCASE = Staircase(36.0, (8.0, 4.0, 2.0), 0.0, 40.0, n_reversals=1000, n_trials=100, n_at_bound=1000)
+PEOPLE = Respondents(20.0, 3.0, 8.0, guess_rate=0.5, lapse_rate=0.02)
+GIVEN = {"shape": "gumbel", "guess_rate": 0.5, "lapse_rate": 0.02, "scale_free_width": True}
+
+
+@pytest.mark.parametrize(
+    "rule", [STAIRCASE, Quest(20.0, 10.0, 0.0, 40.0, 0.5, n_trials=100)], ids=["shared", "anywhere"]
+)
+def test_a_mode_is_that_of_a_single_fit(rule):
+    """One set of 200 has another summit: of 60, six are out of what chance explains at 1e-4."""
+    drawn = criteria(np.random.default_rng().random((60, 100)), "gumbel", 20.0, 8.0, 0.5, 0.02)
+    made = tracks(rule, drawn)
+    found = fit_modes(made.levels, made.answers, **GIVEN)
+    single = fit_many(made.levels, made.answers, 1, method="map", **GIVEN)
+    held = np.array([one.status is Status.OK for one in single]) & found.regular
+    thresholds = np.array([np.nan if one.threshold is None else one.threshold for one in single])
+    widths = np.array([np.nan if one.width is None else one.width for one in single])
+    away = np.abs(found.thresholds - thresholds) > 1e-5
+    assert held.sum() > 40
+    assert (away & held).sum() < 6
+    np.testing.assert_allclose(found.widths[held & ~away], widths[held & ~away], rtol=1e-4)
+
+
+def test_modes_lie_about_the_truth_as_far_as_they_say():
+    (made,) = fitted_tracks(STAIRCASE, PEOPLE, (0,), int(np.random.default_rng().integers(2**32)), n_trials=100)
+    modes = made.modes
+    z = ((modes.thresholds - made.thresholds) / modes.standard_errors)[modes.regular]
+    assert len(z) > 0.9 * BATCH
+    assert abs(np.median(z)) < 0.2
+    assert 0.8 < np.subtract(*np.quantile(z, (0.8413, 0.1587))) / 2 < 1.4
+
+
+def test_levels_that_are_felt_by_a_table_are_fitted_as_they_are():
+    """What is felt 6 dB weaker needs 6 dB more of the stimulus."""
+    weaker = LevelTable(np.array([0.0, 40.0]), np.array([-6.0, 34.0]))
+    rule = ConstantStimuli(tuple(np.arange(8.0, 37.0, 4.0).tolist()), 12)
+    (plain,), (made,) = (fitted_tracks(rule, PEOPLE, (3,), 1, n_trials=96, table=table) for table in (None, weaker))
+    shift = np.median(made.modes.thresholds[made.modes.regular]) - np.median(
+        plain.modes.thresholds[plain.modes.regular]
+    )
+    assert shift == pytest.approx(6.0, abs=0.4)
+
+
+@pytest.mark.parametrize(
+    ("levels", "answers", "shape", "sentence"),
+    [
+        (np.zeros(3), np.zeros(3), "normal", r"fit_modes: found shapes \(3,\), \(3,\), expected \(n_sets, n_trials\)"),
+        (np.zeros((1, 3)), np.full((1, 3), 2), "normal", "fit_modes.answers: found another value, expected 1 or 0"),
+        (np.zeros((1, 3)), np.zeros((1, 3)), "weibull", "fit_modes.shape: found weibull"),
+    ],
+)
+def test_what_is_no_track_is_refused(levels, answers, shape, sentence):
+    with pytest.raises(InvalidParameter, match=sentence):
+        fit_modes(levels, answers, shape=shape, guess_rate=0.5)
