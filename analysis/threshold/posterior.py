@@ -226,15 +226,18 @@ def _log_chances(parts: Array, floor: Array, span: Array, count: Array) -> Array
     Up to `SINGLE_TRIALS` answers single precision errs by less than 1e-3 in the sum.
     """
     few = (count <= FEW) & (len(count) > FACTORS)
-    total = _log_products(np.repeat(parts[few], count[few].astype(int), axis=0), floor, span)
     # Half the memory of a large grid, as long as the error of the sum stays small.
     precision = np.float32 if count.sum() <= SINGLE_TRIALS else np.float64
     many = ~few & (count > 0)
     low, size = floor.astype(precision), span.astype(precision)
-    rest = np.zeros(total.shape, dtype=precision)
+    rest = np.zeros((*parts.shape[1:3], *span.shape), dtype=precision)
+    chance = np.empty_like(rest)  # one for all levels: new memory costs more than what is computed in it
     for n, share in zip(count[many].astype(precision), parts[many].astype(precision), strict=True):
-        rest += n * np.log(low + size * share)
-    return np.asarray(total + rest)
+        np.add(low, np.multiply(size, share, out=chance), out=chance)
+        rest += np.multiply(n, np.log(chance, out=chance), out=chance)
+    if not few.any():
+        return rest.astype(np.float64)
+    return np.asarray(_log_products(np.repeat(parts[few], count[few].astype(int), axis=0), floor, span) + rest)
 
 
 def _log_products(parts: Array, floor: Array, span: Array) -> Array:
@@ -269,7 +272,7 @@ def _marginal_densities(
     masses = np.exp(densities, out=densities)
     masses *= weights[LAPSE][:, None] * weights[GUESS]
     along_eta = etas[1] * masses.sum(axis=(1, 2, 3, 4))
-    mass = np.tensordot(etas[1], masses, axes=1)
+    mass = sum(weight * at_eta for weight, at_eta in zip(etas[1], masses, strict=True))  # BLAS is slow for one eta
     curve, rates = mass.sum(axis=(2, 3)), mass.sum(axis=(0, 1))
     along = [curve.sum(axis=1), curve.sum(axis=0), rates.sum(axis=1), rates.sum(axis=0)]
     nodes = [axes[THRESHOLD], np.exp(axes[LOG_WIDTH]), axes[LAPSE], axes[GUESS]]
