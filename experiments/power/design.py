@@ -3,6 +3,7 @@ workers, from which everything follows."""
 
 import re
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Final
 
 import numpy as np
@@ -66,6 +67,8 @@ class PowerDesign:
         The chance that a participant leaves, at a place of the trials that is drawn evenly.
     dependent : str
         What is compared; empty: the first that the analysis of the task has.
+    code_from : Path or None
+        The folder from which the code of an observer of one's own may be taken.
 
     Raises
     ------
@@ -86,6 +89,7 @@ class PowerDesign:
     batch: int = 20
     dropout_share: float = 0.0
     dependent: str = ""
+    code_from: Path | None = None
     cases: tuple[Case, ...] = field(init=False)
 
     def __post_init__(self) -> None:

@@ -12,8 +12,10 @@ from tactometry.analysis.tasks.kinds import ANALYSES
 from tactometry.arguments.require import expect, one_of
 from tactometry.config.strict import build
 from tactometry.contact import Contact
+from tactometry.errors import rewording
 from tactometry.followed import felt_under, straight_way
-from tactometry.observers.people import Stated
+from tactometry.observers.kinds import USUAL
+from tactometry.observers.people import Stated, Varied
 from tactometry.session.request import TRAJECTORY_M
 from tactometry.trials.cells import cell as cell_text
 
@@ -40,9 +42,9 @@ STEP_SHARE: Final = 0.05
 def experiment_of(design: PowerDesign, case: Case) -> Experiment:
     """The wired study of a case; once in a process."""
     study = with_trials(parse(design.study_toml, design.where), case.n_trials)
-    base = wire(study, design.where)
+    base = wire(study, design.where, design.code_from)
     shifts_db = shifts(base, design.effect, has_effect=case.has_effect)
-    return wire(with_shifts(study, design.effect.factor, shifts_db), design.where)
+    return wire(with_shifts(study, design.effect.factor, shifts_db), design.where, design.code_from)
 
 
 def plan_of_study(study: Study) -> AnalysisPlan:
@@ -67,7 +69,9 @@ def check_design(design: PowerDesign) -> str:
 
 
 def _dependent(design: PowerDesign, study: Study) -> str:
-    experiment = wire(study, design.where)
+    experiment = wire(study, design.where, design.code_from)
+    with rewording(lambda words: f"{design.where}, {words}"):
+        _check_people(experiment)
     task = experiment.table.kind
     why = REFUSED.get(task, "it is not known how an effect acts on it")
     expect(task in SUPPORTED, f"{design.where}, task.kind", f"{task!r}", f"one of {', '.join(SUPPORTED)}: {why}")
@@ -82,6 +86,14 @@ def _dependent(design: PowerDesign, study: Study) -> str:
     if design.dependent:
         one_of("--dependent", design.dependent, known)
     return design.dependent or known[0]
+
+
+def _check_people(experiment: Experiment) -> None:
+    """Refuse people who may not be simulated, or who take no effects."""
+    experiment.people.check_allowed()
+    kind = experiment.study.observer.get("kind", USUAL)
+    has_traits = isinstance(experiment.people.middle, Varied)
+    expect(has_traits, "observer.kind", f"{kind!r}, which takes no [observer.people]", "a class with person(traits)")
 
 
 def with_trials(study: Study, n_trials: int | None) -> Study:

@@ -15,7 +15,7 @@ from tactometry.experiments.power.sampling import Batch
 from tactometry.experiments.power.scenario import check_design
 from tactometry.experiments.power.summary import table
 from tactometry.experiments.sessions.workers import check_workers, workers
-from tactometry.experiments.study.study_file import load
+from tactometry.experiments.study.study_file import folder_of, load
 
 from ..arguments.require import expect
 from .output import path_option, say, subcommand
@@ -37,6 +37,7 @@ from .output import path_option, say, subcommand
 @click.option("--resume", is_flag=True, help="Go on where an interrupted analysis stopped (with --out).")
 @click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
+@click.option("--allow-code", is_flag=True, help="Run the observer that STUDY names, from a file beside it.")
 def command(
     *, study: str, effect: str, participants: str, trials: str | None, out: Path | None, **options: Any
 ) -> None:
@@ -45,6 +46,7 @@ def command(
     check_workers(n_jobs, scheduler)
     expect(out is not None or not resume, "--resume", "no --out", "the folder of the analysis that was interrupted")
     _, content = load(study)
+    options["code_from"] = folder_of(study) if options.pop("allow_code") else None
     people, tracks, share = participants_of(participants), trials_of(trials), options.pop("dropout")
     design = PowerDesign(content, study, parse_effect(effect), people, tracks, dropout_share=share, **options)
     design = replace(design, dependent=check_design(design))

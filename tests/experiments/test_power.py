@@ -1,12 +1,17 @@
 """Power by simulation: what is asked, what is simulated, when it stops, and that nothing depends on where it is
 computed, nor on interruptions."""
 
+import signal
+import subprocess
+import sys
+import time
 from dataclasses import astuple, replace
 
 import numpy as np
 import pandas as pd
 import pytest
 from command_line import call, output, status
+from places import ROOT
 from scipy import stats
 from soak import SOAK
 
@@ -21,6 +26,7 @@ from tactometry.experiments.power.truth import half_way_of_choice, half_way_of_y
 from tactometry.experiments.study.study_file import load
 from tactometry.trials.tasks import TASKS
 
+RECIPES = ROOT / "tests" / "recipes"
 ASKED = ("power", "tutorial", "--effect", "frequency_hz: 8 dB", "--participants", "3,4", "--seed", "5", "--most", "3")
 
 
@@ -132,6 +138,61 @@ def stated(tmp_path):
     path = tmp_path / "stated.toml"
     path.write_bytes(content.partition(b"\n[observer")[0] + STATED)
     return str(path)
+
+
+OWN = """
+from dataclasses import dataclass
+from tactometry.observers.signal_detection import SignalDetectionObserver
+
+@dataclass(frozen=True)
+class Mine(SignalDetectionObserver):
+    pass
+"""
+
+
+@pytest.fixture
+def own(tmp_path):
+    """The tutorial with an observer from a file beside it."""
+    _, content = load("tutorial")
+    (tmp_path / "mine.py").write_text(OWN)
+    path = tmp_path / "own.toml"
+    path.write_bytes(content.partition(b"\n[observer")[0] + b'\n[observer]\nkind = "mine:Mine"\n')
+    return path
+
+
+def test_an_observer_of_ones_own_is_simulated_where_it_is_allowed(capsys, own):
+    words = ("power", own, *ASKED[2:-1], "1")
+    code, said, _ = call(capsys, *words)
+    assert code == 2
+    assert "found 'mine:Mine', an observer whose code would run, expected --allow-code" in said
+    assert "of simulated participants, seed 5" in output(capsys, *words, "--allow-code")
+
+
+def test_an_observer_without_traits_takes_no_effect(capsys, own):
+    guesser = (RECIPES / "tactometry" / "observers" / "guesser.py").read_text("utf-8")
+    (own.parent / "mine.py").write_text(guesser.replace("from ..arguments", "from tactometry.arguments"))
+    own.write_bytes(own.read_bytes().replace(b"Mine", b"Guesser"))
+    code, said, _ = call(capsys, "power", own, *ASKED[2:], "--allow-code")
+    assert code == 2
+    assert "observer.kind: found 'mine:Guesser', which takes no [observer.people]" in said
+
+
+@pytest.mark.slow
+def test_a_stopped_analysis_says_how_to_go_on_and_does(capsys, tmp_path):
+    words = [*ASKED[:-1], "12", "--out"]
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tactometry", *words, tmp_path / "p"], stderr=subprocess.PIPE, text=True
+    )
+    while process.poll() is None and not list((tmp_path / "p").glob("studies/*.parquet")):
+        time.sleep(0.05)
+    process.send_signal(signal.SIGINT)
+    _, said = process.communicate(timeout=60)
+    assert process.returncode == 130
+    assert said.strip() == "tactometry: interrupted; what was recorded is safe: go on with --resume"
+    assert not (tmp_path / "p" / "power.csv").exists()
+    output(capsys, *words, tmp_path / "p", "--resume")
+    output(capsys, *words, tmp_path / "alone")
+    assert files(tmp_path / "p") == files(tmp_path / "alone")
 
 
 @pytest.mark.parametrize("study", ["stated", "tutorial"])
