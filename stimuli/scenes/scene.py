@@ -23,7 +23,7 @@ from .result import unit_of
 TOUCHES: Final = (Contact, FingerContact)
 ROUNDING = 1e-9
 SENSATION = "sensation_db"
-N_SIGNALS = 64
+N_SIGNALS = 128
 """Of which what does not depend on a contact is kept: each may hold courses of the whole record."""
 N_CONTACTS = 256
 OfContact = Callable[[Contact], tuple[float, ...]]

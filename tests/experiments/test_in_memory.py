@@ -60,3 +60,11 @@ def test_sessions_share_what_they_render(monkeypatch):
 
 def test_a_process_wires_a_study_once():
     assert simulation("tutorial").experiment() is simulation("tutorial").experiment()
+
+
+def test_a_level_that_was_felt_is_not_computed_again_for_the_next_participant():
+    experiment = wire(load("electrovibration-threshold")[0], "electrovibration-threshold")
+    (scene,) = {id(cell.sensation): cell.sensation.scene for cell in experiment.cells.values()}.values()
+    simulated_trials(experiment, [Who(f"P{n:02d}", seed=1) for n in range(1, 4)])
+    told = scene._of_signal.cache_info()
+    assert told.misses == told.currsize
