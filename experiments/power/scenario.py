@@ -11,16 +11,14 @@ from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.tasks.kinds import ANALYSES
 from tactometry.arguments.require import expect, one_of
 from tactometry.config.strict import build
-from tactometry.contact import Contact
 from tactometry.errors import rewording
-from tactometry.followed import felt_under, straight_way
 from tactometry.observers.kinds import USUAL
 from tactometry.observers.people import Stated, Varied
-from tactometry.session.request import TRAJECTORY_M
 from tactometry.trials.cells import cell as cell_text
 
 from ..study.cells import WiredCell, merge
 from ..study.experiment import Experiment, wire
+from ..study.felt_levels import contact_of, felt_db
 from ..study.study_file import Study, parse
 from .design import Case, PowerDesign
 from .effect import OF_SENSATION, StatedEffect, check_effect
@@ -161,8 +159,8 @@ def growth(experiment: Experiment, cell: WiredCell) -> tuple[float, float]:
     if isinstance(people, Stated):
         return middle - (people.stated(cell.condition.factors).threshold or 0.0), 1.0
     low, high = cell.procedure.rule.bounds
-    step = max(STEP_SHARE * (high - low), 1e-3)
-    below_db, at_db, above_db = (_felt_db(cell, level) for level in (middle - step, middle, middle + step))
+    step, met = max(STEP_SHARE * (high - low), 1e-3), contact_of(cell)
+    below_db, at_db, above_db = (felt_db(cell, level, met) for level in (middle - step, middle, middle + step))
     return at_db, (above_db - below_db) / (2 * step)
 
 
@@ -170,14 +168,6 @@ def middle_of(cell: WiredCell) -> float:
     """Of the levels that a cell may ask for."""
     low, high = cell.procedure.rule.bounds
     return (low + high) / 2
-
-
-def _felt_db(cell: WiredCell, level: float) -> float:
-    request = cell.condition.touch.request(cell.condition.stimulus, None, None)
-    contact = Contact(getattr(request, "target_n", None) or 0.0, getattr(request, "speed_m_per_s", None) or 0.0)
-    signal = cell.stimulus.at(level)
-    way = straight_way(signal.duration_s, contact.speed_m_per_s, TRAJECTORY_M)
-    return cell.sensation.sensation_db(felt_under(cell.stimulus, signal, *way), contact)
 
 
 def with_shifts(study: Study, factor: str, shifts_db: Mapping[str, float]) -> Study:
