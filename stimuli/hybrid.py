@@ -10,9 +10,9 @@ import numpy as np
 from tactometry.arguments.require import expect, finite, positive
 from tactometry.signal import Signal
 
+from .defaults import FOCUS_AT_THRESHOLD_M
 from .electrovibration.sensation import ElectrovibrationSensation
 from .electrovibration.waveforms.amplitude_modulated import AmplitudeModulated, pulses
-from .time_reversal.fingertip import FOCUS_AT_THRESHOLD_M
 from .time_reversal.responses.responses import Responses
 from .time_reversal.stimulus import focus_train
 from .time_reversal.stimulus.focus_train import FocusTrain, TimeReversalStimulus

@@ -116,14 +116,14 @@ def _samples(scene: SceneFile, output: str, accuracy: float) -> Samples:
 def _in_time(scene: SceneFile, loads: Sequence[PlateLoad], n: int) -> Real:
     """The drive is learnt and emitted sample by sample."""
     surface, (screen, cutoff_hz) = _surface(scene), _screen(scene)
-    focus, band = [(surface.focus_x_m, surface.focus_y_m)], Band(0.0, surface.band_max_hz, surface.flank_hz)
-    timing = {"rate_hz": surface.rate_hz, "duration_s": surface.reversal_s, "f_max_hz": surface.band_max_hz}
+    focus, band = [(surface.focus_x_m, surface.focus_y_m)], Band(0.0, surface.f_max_hz, surface.flank_hz)
+    timing = {"rate_hz": surface.rate_hz, "duration_s": surface.reversal_s, "f_max_hz": surface.f_max_hz}
     heard = time_reversal.impulse_responses(screen, focus, **timing)
     learnt = time_reversal.inaudible(time_reversal.band_limited(heard, band), cutoff_hz, 2e3)
     signal = _band_limited(time_reversal.drive(learnt, scene.given["voltage_v"], OneBit()), band)
     courses = []
     for factor in HIGHER:
-        timing = {"rate_hz": signal.rate_hz, "duration_s": HEARD_S, "f_max_hz": factor * surface.band_max_hz}
+        timing = {"rate_hz": signal.rate_hz, "duration_s": HEARD_S, "f_max_hz": factor * surface.f_max_hz}
         heard = time_reversal.loaded_responses(screen, focus, loads, **timing)
         last = FINER * (2 * learnt.n_samples - 1)
         courses.append(time_reversal.emitted(signal, heard)[0, last - n + 1 : last + 1])

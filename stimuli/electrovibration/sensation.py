@@ -6,7 +6,7 @@ from typing import Literal
 from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
 
-from ..perception.thresholds import THRESHOLD_M
+from ..defaults import THRESHOLD_M
 from .attraction.contact_area import ContactArea, PowerLawArea
 from .attraction.force import Law
 from .attraction.polarity import Polarity

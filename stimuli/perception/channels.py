@@ -10,8 +10,8 @@ from numpy.typing import ArrayLike
 from tactometry.arguments.require import positive, positive_array
 
 from ..arrays import FloatArray, IntArray
+from ..defaults import BEST_DB, THRESHOLD_M
 from .detection import Components
-from .thresholds import BEST_DB, THRESHOLD_M
 
 NP_III, NP_I, P = 0, 1, 2
 """Rows: Merkel, Meissner, Pacini. NP II, of very small contactors alone, is left out."""

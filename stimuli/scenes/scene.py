@@ -15,6 +15,7 @@ from tactometry.errors import InvalidParameter, nearest
 from tactometry.signal import Signal
 
 from ..composition.effect import Demand, Effect, FingerContact, Setting, Stage, Surface
+from ..defaults import ACCURACY
 from .chain import required_stages
 from .compatibility import check_effects
 from .plan import Plan, parted
@@ -64,7 +65,7 @@ class Scene:
     surface: Surface
     effects: tuple[Effect, ...]
     outputs: tuple[str, ...]
-    accuracy: float = 0.01
+    accuracy: float = ACCURACY
     contacts: tuple[FingerContact, ...] = ()
     settings: Mapping[str, Mapping[str, Setting]] = field(default_factory=dict)
 

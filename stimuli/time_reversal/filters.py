@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Final, Protocol, runtime_checkable
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -13,12 +13,6 @@ from tactometry.errors import InvalidParameter
 
 from ..arrays import ComplexArray, FloatArray
 from ..fast_length import fast_length
-
-AUDIBLE_MAX_HZ: Final = 20e3
-"""Where hearing ends, and the audible-band filter begins to pass; unverified default."""
-
-DISTANCE_M: Final = 0.3
-"""From the screen to the ear; unverified default."""
 
 
 @runtime_checkable

@@ -12,8 +12,9 @@ from tactometry.arguments.annotations import NotNegative, Positive
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import one_of, some
 
+from ..defaults import RESISTANCE_N_S_PER_M
 from .design.closed_forms import one_bit_amplitude_ratio
-from .fingertip import RESISTANCE_N_S_PER_M, Fingertip
+from .fingertip import Fingertip
 from .focusing.focusing import Emission, focus_amplitude
 from .plate.plate import Plate
 from .responses.load import Attached, PlateLoad, SprungMass

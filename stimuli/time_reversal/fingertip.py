@@ -1,28 +1,16 @@
-"""A fingertip at rest on the screen: its impedance, and the focus that it feels at threshold.
-
-Facts (thesis): 2 N elsewhere than the focus cost 6 % of amplitude, 2 N at the focus up to 30 %. The
-default, a damper of 10 N s/m at 2 N with tau = 3.5 ms, is set to meet both in simulation: it is neither
-measured nor a prediction. The force law is an unverified default.
-
-Effects of scenes take their defaults from here, so no physics is imported before a load is asked for.
-"""
+"""A fingertip at rest on the screen: what it answers the plate with."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 from tactometry.arguments.annotations import NotNegative
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import at_most
 
+from ..defaults import FORCE_EXPONENT, REFERENCE_FORCE_N, RESISTANCE_N_S_PER_M
+
 if TYPE_CHECKING:
     from .responses.load import PlateLoad
-
-REFERENCE_FORCE_N: Final = 2.0
-RESISTANCE_N_S_PER_M: Final = 10.0
-FORCE_EXPONENT: Final = 0.5
-
-FOCUS_AT_THRESHOLD_M: Final = 10e-6
-"""Amplitude of a single focus that is just felt (the thesis: about 10 um); unverified default."""
 
 
 @checked

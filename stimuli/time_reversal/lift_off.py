@@ -18,7 +18,8 @@ from tactometry.arguments.require import positive, shape
 from tactometry.errors import InvalidParameter
 
 from ..arrays import FloatArray
-from .fingertip import REFERENCE_FORCE_N, Fingertip
+from ..defaults import REFERENCE_FORCE_N
+from .fingertip import Fingertip
 from .responses.load import PlateLoad
 from .responses.responses import Point, impulse_responses
 from .screen.screen import Screen

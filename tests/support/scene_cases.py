@@ -132,7 +132,7 @@ def small_screen(**changes: object) -> TimeReversal:
     """60 modes, 8 transducers, 3 ms."""
     values: dict[str, object] = {
         "length_m": 0.12, "width_m": 0.09, "n_transducers": 8, "focus_x_m": 0.05, "focus_y_m": 0.04,
-        "band_max_hz": 15e3, "flank_hz": 3e3, "rate_hz": 60e3, "reversal_s": 3e-3, "after_s": 1e-3,
+        "f_max_hz": 15e3, "flank_hz": 3e3, "rate_hz": 60e3, "reversal_s": 3e-3, "after_s": 1e-3,
     }  # fmt: skip
     return TimeReversal(**(values | changes))  # type: ignore[arg-type]
 
@@ -155,7 +155,7 @@ def screens(draw: st.DrawFn, outputs: tuple[str, ...]) -> Scene:
         n_transducers=draw(st.integers(2, 16)),
         focus_x_m=length_m * draw(st.floats(0.2, 0.8)),
         focus_y_m=width_m * draw(st.floats(0.2, 0.8)),
-        band_max_hz=band_hz,
+        f_max_hz=band_hz,
         flank_hz=0.1 * band_hz,
         rate_hz=4 * band_hz,
         reversal_s=tau_s * draw(st.floats(0.7, 2.5)),

@@ -5,7 +5,7 @@ from math import inf, log10
 from typing import TYPE_CHECKING
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
-from ...time_reversal.filters import AUDIBLE_MAX_HZ, DISTANCE_M
+from ...defaults import AUDIBLE_MAX_HZ, DISTANCE_M
 from ..stages.truncation import n_frequencies_of_sound, n_modes, remainder
 
 if TYPE_CHECKING:
@@ -43,7 +43,7 @@ class AirborneSound(Effect):
 
     def _size(self, demand: Demand) -> Size:
         surface = demand.surface
-        lost = remainder(demand) ** 2 * surface.band_max_hz / AUDIBLE_MAX_HZ
+        lost = remainder(demand) ** 2 * surface.f_max_hz / AUDIBLE_MAX_HZ
         ratio = max(FEWEST_MORE, (1.01 * lost / demand.error) ** (1 / 3))
         modes_to_hz = ratio * AUDIBLE_MAX_HZ
         n = n_modes(demand, modes_to_hz) * n_frequencies_of_sound(demand)

@@ -7,7 +7,7 @@ from tactometry.errors import InvalidParameter
 
 from ...composition.content import PlateContent
 from ...composition.effect import Effect, Surroundings
-from ...time_reversal.filters import AUDIBLE_MAX_HZ
+from ...defaults import AUDIBLE_MAX_HZ
 
 if TYPE_CHECKING:
     from ...time_reversal.responses.responses import Responses
@@ -38,9 +38,9 @@ class AudibleFilter(Effect):
     def in_plate(self, scene: Surroundings) -> PlateContent:
         """Less of the band adds up."""
         surface = scene.surface
-        if self.cutoff_hz + self.flank_hz >= surface.band_max_hz - surface.flank_hz:
+        if self.cutoff_hz + self.flank_hz >= surface.f_max_hz - surface.flank_hz:
             raise InvalidParameter(
                 f"audible_filter: found a flank that ends at {self.cutoff_hz + self.flank_hz} Hz, expected it below "
-                f"that of the band, {surface.band_max_hz - surface.flank_hz} Hz; lower cutoff_hz or raise band_max_hz"
+                f"that of the band, {surface.f_max_hz - surface.flank_hz} Hz; lower cutoff_hz or raise f_max_hz"
             )
-        return PlateContent(weakening=surface.band_max_hz / (surface.band_max_hz - self.cutoff_hz))
+        return PlateContent(weakening=surface.f_max_hz / (surface.f_max_hz - self.cutoff_hz))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 from tactometry.arguments import require
 
 from ...composition.effect import Effect, Stage, Surroundings
-from ...perception.thresholds import MASKING_SLOPE
+from ...defaults import MASKING_SLOPE
 
 if TYPE_CHECKING:
     from ...arrays import FloatArray

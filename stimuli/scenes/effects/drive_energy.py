@@ -56,7 +56,7 @@ def _strain_size(demand: Demand) -> Size:
     surface = demand.surface
     lost = 4 * remainder(demand) ** 2
     ratio = max(4.0, 1.01 * lost / demand.error)
-    static_to_hz = ratio * surface.band_max_hz
+    static_to_hz = ratio * surface.f_max_hz
     n = n_modes(demand, static_to_hz)
     if n > MOST_MODES:
         raise InvalidParameter(

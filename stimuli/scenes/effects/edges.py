@@ -89,6 +89,6 @@ class Edges(Alteration):
         from ...time_reversal.plate.plate import degrees
 
         surface = scene.surface
-        degree = min(degrees(surface.plate, surface.band_max_hz))
+        degree = min(degrees(surface.plate, surface.f_max_hz))
         missed = (OF_SINGULAR_CORNER if self.singular else OF_OTHER_CORNERS) / degree**4
-        return float(missed * (3 + SEEN * 2 * pi * surface.band_max_hz * surface.reversal_s))
+        return float(missed * (3 + SEEN * 2 * pi * surface.f_max_hz * surface.reversal_s))

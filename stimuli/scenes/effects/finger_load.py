@@ -7,7 +7,7 @@ from tactometry.arguments import require
 
 from ...composition.content import PlateContent
 from ...composition.effect import Demand, Effect, Setting, Size, Stage, Surroundings, note
-from ...time_reversal.fingertip import FORCE_EXPONENT, REFERENCE_FORCE_N, RESISTANCE_N_S_PER_M
+from ...defaults import FORCE_EXPONENT, REFERENCE_FORCE_N, RESISTANCE_N_S_PER_M
 from ..stages.fingers import at_rest, check_on_plate, farther, places_m
 from ..stages.scaling import at_voltage
 from ..stages.truncation import cut_of, n_frequencies, n_modes
@@ -69,7 +69,7 @@ class FingerLoad(Effect):
     def impedance_ratio(self, scene: Surroundings) -> float:
         """Of all fingers at the top of the band, over that of the infinite plate."""
         surface = scene.surface
-        omega = 2 * pi * surface.band_max_hz
+        omega = 2 * pi * surface.f_max_hz
         one = self.resistance_n_s_per_m + self.mass_kg * omega + self.stiffness_n_per_m / omega
         grown = sum((touch.force_n / REFERENCE_FORCE_N) ** self.exponent for touch in at_rest(scene))
         return float(one * grown / surface.plate.point_impedance_n_s_per_m)

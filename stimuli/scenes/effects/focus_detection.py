@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from ...composition.effect import Effect, Stage, Surroundings, note
-from ...time_reversal.fingertip import FOCUS_AT_THRESHOLD_M
+from ...defaults import FOCUS_AT_THRESHOLD_M
 from ..stages.fingers import is_away
 
 if TYPE_CHECKING:

@@ -64,7 +64,7 @@ class LiftOff(Effect):
         return Size(settings, self._error(demand, finer), self._n_operations(demand, len(x_m), finer))
 
     def _error(self, demand: Demand, finer: int) -> float:
-        turned_rad = 2 * pi * demand.surface.band_max_hz / demand.surface.rate_hz / finer
+        turned_rad = 2 * pi * demand.surface.f_max_hz / demand.surface.rate_hz / finer
         of_force = OF_FORCE * turned_rad**2 if "contact_force_n" in demand.outputs else 0.0
         return float(OF_MOTION * turned_rad ** (4 / 3) + of_force)
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 
 from ...composition.effect import Effect, Stage, Surroundings
-from ...perception.thresholds import MASKING_SLOPE
+from ...defaults import MASKING_SLOPE
 
 
 @dataclass(frozen=True)

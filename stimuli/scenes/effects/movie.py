@@ -52,8 +52,8 @@ class Movie(Effect):
         """As many as asked for, or an odd number, so that one is that of the focus."""
         if self.n_frames is not None:
             return self.n_frames
-        band_max_hz: float = surface.band_max_hz
-        return 2 * ceil(FRAMES_PER_PERIOD * band_max_hz * self.span_s / 2) + 1
+        f_max_hz: float = surface.f_max_hz
+        return 2 * ceil(FRAMES_PER_PERIOD * f_max_hz * self.span_s / 2) + 1
 
     def _numbers_size(self, demand: Demand) -> Size:
         return Size(n_operations=float(self._n_numbers(demand)))

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Stage, Surroundings, note
-from ...perception.thresholds import THRESHOLD_M
+from ...defaults import THRESHOLD_M
 from ..stages.scaling import HIGHEST
 
 if TYPE_CHECKING:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from ...composition.content import VoltageContent
 from ...composition.effect import Effect, Surroundings, note
-from ...perception.thresholds import THRESHOLD_M
+from ...defaults import THRESHOLD_M
 
 if TYPE_CHECKING:
     from ...perception.detection import Components

@@ -41,12 +41,12 @@ class TemperatureDrift(Effect):
         within("TemperatureDrift", -MOST_SHIFT, MOST_SHIFT, shift_of_frequencies=self.kelvin * self.shift_per_k)
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:
-        learning = {name: getattr(scene.surface, name) for name in ("rate_hz", "reversal_s", "band_max_hz", "flank_hz")}
+        learning = {name: getattr(scene.surface, name) for name in ("rate_hz", "reversal_s", "f_max_hz", "flank_hz")}
         settings = {**vars(self), **learning}
         return (Stage("drift", ("screen", "foci_m"), "learnt", LEARNING, settings),)
 
     def in_plate(self, scene: Surroundings) -> PlateContent:
         """Modes out of tune add up to less."""
         surface = scene.surface
-        turned = 2 * pi * surface.band_max_hz * self.kelvin * self.shift_per_k * surface.reversal_s / 2
+        turned = 2 * pi * surface.f_max_hz * self.kelvin * self.shift_per_k * surface.reversal_s / 2
         return PlateContent(weakening=float(1 + turned**2))

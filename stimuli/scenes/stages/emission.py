@@ -83,11 +83,11 @@ def several(x_m: tuple[float, ...], y_m: tuple[float, ...]) -> Points:
 
 
 def learning(
-    screen: Screen, foci: Points, rate_hz: float, reversal_s: float, band_max_hz: float, flank_hz: float
+    screen: Screen, foci: Points, rate_hz: float, reversal_s: float, f_max_hz: float, flank_hz: float
 ) -> Responses:
     """What the transducers do at the foci: the modes of the band, over the reversal time."""
-    band = Band(0.0, band_max_hz, flank_hz)
-    return Emission(band, reversal_s, rate_hz, modes_to_hz=band_max_hz).responses(screen, foci)
+    band = Band(0.0, f_max_hz, flank_hz)
+    return Emission(band, reversal_s, rate_hz, modes_to_hz=f_max_hz).responses(screen, foci)
 
 
 def learning_colder(screen: Screen, foci: Points, kelvin: float, shift_per_k: float, **learnt: float) -> Responses:
@@ -116,9 +116,9 @@ def emit(learnt: Responses, rule: Quantiser) -> EmittedSignal:
     return EmittedSignal(rule.quantise(waveform, learnt.rate_hz), learnt.rate_hz, waveform.shape[1] - 1)
 
 
-def in_band(emission: EmittedSignal, band_max_hz: float, flank_hz: float, margin_s: float) -> EmittedSignal:
+def in_band(emission: EmittedSignal, f_max_hz: float, flank_hz: float, margin_s: float) -> EmittedSignal:
     """What of an emission lies in the band, without a change of phase; what rings outside fades over `margin_s`."""
-    wide = through(emission, Band(0.0, band_max_hz, flank_hz), margin_s)
+    wide = through(emission, Band(0.0, f_max_hz, flank_hz), margin_s)
     rise = np.sin(np.linspace(0, np.pi / 2, round(margin_s * emission.rate_hz))) ** 2
     flat = np.ones(emission.samples.shape[1])
     return replace(wide, samples=wide.samples * np.concatenate([rise, flat, rise[::-1]]))

@@ -49,7 +49,7 @@ def is_away(scene: Surroundings) -> bool:
 def farther(scene: Surroundings) -> float:
     """How much larger the focus is than what the plate does elsewhere, about."""
     surface = scene.surface
-    return float((surface.plate.modal_density_s * surface.band_max_hz) ** 0.5)
+    return float((surface.plate.modal_density_s * surface.f_max_hz) ** 0.5)
 
 
 def _place(touch: FingerContact, focus_m: Place) -> Place:

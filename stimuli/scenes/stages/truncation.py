@@ -66,7 +66,7 @@ def remainder(scene: Surroundings) -> float:
     """Root of the energy of the modes above the band over that of a response in it, at the focus."""
     content = content_of(scene)
     tau_s = _effective_tau_s(scene.surface.reversal_s, content.tau_s)
-    return content.weakening * sqrt(2 / (pi * 2 * pi * scene.surface.band_max_hz * tau_s))
+    return content.weakening * sqrt(2 / (pi * 2 * pi * scene.surface.f_max_hz * tau_s))
 
 
 def content_of(scene: Surroundings) -> PlateContent:
@@ -96,7 +96,7 @@ def cut(scene: Surroundings, error: float) -> Cut:
     tails = _tails(scene, one)
     follow = max(ratio, *(tail.end(half) for tail in tails))
     expected = moves / ratio**5 + max(tail.beyond(follow) for tail in tails)
-    band_hz = surface.band_max_hz
+    band_hz = surface.f_max_hz
     fewest = Cut(ratio * band_hz, follow * band_hz, _heard(error) * band_hz, expected)
     _check_size(scene, fewest, error)
     return fewest
@@ -110,7 +110,7 @@ def _tails(scene: Surroundings, one: float) -> list[Tail]:
 
 def _turning(scene: Surroundings) -> float:
     distance_m = _distance_m(scene)
-    return TURNING / (wavenumber_rad_per_m(scene, scene.surface.band_max_hz) * distance_m) if distance_m else inf
+    return TURNING / (wavenumber_rad_per_m(scene, scene.surface.f_max_hz) * distance_m) if distance_m else inf
 
 
 def _distance_m(scene: Surroundings) -> float:
@@ -166,7 +166,7 @@ def _check_size(scene: Surroundings, ends: Cut, error: float) -> None:
     if numbers > most:
         raise InvalidParameter(
             f"accuracy: found an error of {error:.2g} left for the modes, which takes {numbers:.2g} numbers, "
-            f"expected at most {most:.2g}; loosen the accuracy, lower band_max_hz or reversal_s, or use a "
+            f"expected at most {most:.2g}; loosen the accuracy, lower f_max_hz or reversal_s, or use a "
             "thicker plate"
         )
     for effect in scene.effects:
@@ -175,7 +175,7 @@ def _check_size(scene: Surroundings, ends: Cut, error: float) -> None:
             raise InvalidParameter(
                 f"accuracy: found an error of {error:.2g} left for the modes, which takes {n_static:.0f} of a plate "
                 f"whose edges are not simply supported, expected at most {most:.0f}; loosen the accuracy, lower "
-                f"band_max_hz, or remove {effect.kind!r}"
+                f"f_max_hz, or remove {effect.kind!r}"
             )
 
 

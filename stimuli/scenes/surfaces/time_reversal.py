@@ -37,7 +37,7 @@ MARGIN_FLANKS = 5.0
 class TimeReversal(GlassPanel, Surface):
     """A simply supported thin plate of glass without losses, pushed at points along its border by linear amplifiers.
 
-    Every default is unverified. Displacements are those below `band_max_hz`, whatever a quantiser adds above.
+    Every default is unverified. Displacements are those below `f_max_hz`, whatever a quantiser adds above.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class TimeReversal(GlassPanel, Surface):
     force_n_per_v : float
         Of each, as long as no effect makes it a patch.
     focus_x_m, focus_y_m : float
-    band_max_hz, flank_hz : float
+    f_max_hz, flank_hz : float
         Responses are learnt below the first, with a flank as wide as the second.
     rate_hz : float
         Clock of learning and emission.
@@ -62,7 +62,7 @@ class TimeReversal(GlassPanel, Surface):
         If a value is outside of its domain.
 
     >>> from tactometry.stimuli.scenes.scene import Scene
-    >>> screen = TimeReversal(n_transducers=4, band_max_hz=10e3, flank_hz=1e3, rate_hz=50e3, reversal_s=2e-3)
+    >>> screen = TimeReversal(n_transducers=4, f_max_hz=10e3, flank_hz=1e3, rate_hz=50e3, reversal_s=2e-3)
     >>> peak_m = Scene(screen, (), ("peak_m",)).resolve().run({"voltage_v": 30.0})["peak_m"]
     >>> round(peak_m * 1e6, 2)
     0.51
@@ -83,14 +83,14 @@ class TimeReversal(GlassPanel, Surface):
     }
 
     force_n_per_v: float = 1e-3
-    band_max_hz: float = 60e3
+    f_max_hz: float = 60e3
     flank_hz: float = 6e3
     reversal_s: float = LEARNT_S
     after_s: float = 3e-3
 
     def __post_init__(self) -> None:
         require.positive("TimeReversal", **{k: v for k, v in vars(self).items() if k not in {"glass", "n_transducers"}})
-        self._check_panel(highest_hz="band_max_hz")
+        self._check_panel(highest_hz="f_max_hz")
         _check_place(self)
         _check_times(self)
 
@@ -118,18 +118,18 @@ class TimeReversal(GlassPanel, Surface):
         lacking = "a plate without losses or patches where a signal is felt"
         require.expect(stated, "effects", lacking, "both, as a stimulus has them; add 'attenuation' and 'patches'")
         panel = {field.name: getattr(self, field.name) for field in fields(GlassPanel)}
-        modes_to_hz = min(self.band_max_hz + self.flank_hz, self.rate_hz / 2)
+        modes_to_hz = min(self.f_max_hz + self.flank_hz, self.rate_hz / 2)
         setup = Setup(**panel, **made, modes_to_hz=modes_to_hz, learnt_s=self.reversal_s)
         places = [(touch.x_m, touch.y_m) for touch in scene.contacts if not touch.slides]
         return PlayedTimeReversal(setup, *(places[0] if places else ()))
 
     def _emission(self) -> tuple[Stage, ...]:
-        learning = {name: getattr(self, name) for name in ("rate_hz", "reversal_s", "band_max_hz", "flank_hz")}
+        learning = {name: getattr(self, name) for name in ("rate_hz", "reversal_s", "f_max_hz", "flank_hz")}
         plate = {name: getattr(self, name) for name in ("glass", "length_m", "width_m", "thickness_m")}
         pushes = {name: getattr(self, name) for name in ("n_transducers", "inset_m", "force_n_per_v")}
-        band = {"band_max_hz": self.band_max_hz, "flank_hz": self.flank_hz, "margin_s": self.margin_s}
+        band = {"f_max_hz": self.f_max_hz, "flank_hz": self.flank_hz, "margin_s": self.margin_s}
         n_samples = self.rate_hz * self.reversal_s * self.n_transducers
-        learnt = 64 * self.plate.modal_density_s * self.band_max_hz * self.n_transducers + 100 * n_samples
+        learnt = 64 * self.plate.modal_density_s * self.f_max_hz * self.n_transducers + 100 * n_samples
         focus = {"x_m": self.focus_x_m, "y_m": self.focus_y_m}
         return (
             Stage("plate", (), "plate", f"{EMISSION}:glass_plate", plate),
@@ -175,7 +175,7 @@ class TimeReversal(GlassPanel, Surface):
     @property
     def step_rad(self) -> float:
         """How far the top of the band turns in a sample."""
-        return 2 * pi * self.band_max_hz / self.rate_hz
+        return 2 * pi * self.f_max_hz / self.rate_hz
 
     def _map(self) -> tuple[Stage, ...]:
         needs = ("motion", "x_m", "y_m")
@@ -207,7 +207,7 @@ class TimeReversal(GlassPanel, Surface):
         InvalidParameter
             If they are too many.
         """
-        step_m = sqrt(8 * demand.error) / wavenumber_rad_per_m(demand, self.band_max_hz)
+        step_m = sqrt(8 * demand.error) / wavenumber_rad_per_m(demand, self.f_max_hz)
         n_x, n_y = ceil(self.length_m / step_m) + 1, ceil(self.width_m / step_m) + 1
         if n_x * n_y > MOST_POINTS:
             raise InvalidParameter(
@@ -220,7 +220,7 @@ class TimeReversal(GlassPanel, Surface):
         """Of straight lines between the points, relative to the largest of a map."""
         n_x, n_y = demand.once(self.grid)
         step_m = max(self.length_m / (n_x - 1), self.width_m / (n_y - 1))
-        return (wavenumber_rad_per_m(demand, self.band_max_hz) * step_m) ** 2 / 8
+        return (wavenumber_rad_per_m(demand, self.f_max_hz) * step_m) ** 2 / 8
 
 
 def _n_moved(demand: Demand) -> float:
@@ -283,9 +283,9 @@ def _check_place(surface: TimeReversal) -> None:
 
 
 def _check_times(surface: TimeReversal) -> None:
-    if surface.flank_hz > surface.band_max_hz:
+    if surface.flank_hz > surface.f_max_hz:
         raise InvalidParameter(
-            f"TimeReversal.flank_hz: found {surface.flank_hz}, expected at most band_max_hz, {surface.band_max_hz}"
+            f"TimeReversal.flank_hz: found {surface.flank_hz}, expected at most f_max_hz, {surface.f_max_hz}"
         )
     if round(surface.reversal_s * surface.rate_hz) < 1:
         raise InvalidParameter(

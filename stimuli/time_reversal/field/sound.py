@@ -16,8 +16,8 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray
+from ...defaults import AUDIBLE_MAX_HZ, DISTANCE_M
 from ...fast_length import COMPLEX, fast_length
-from ..filters import AUDIBLE_MAX_HZ, DISTANCE_M
 from ..oscillators.oscillators import Oscillators
 from ..plate.plate import Plate
 from ..responses.responses import chunks

@@ -11,7 +11,8 @@ from tactometry.arguments.require import expect, one_of, some, whole
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
-from ..filters import AUDIBLE_MAX_HZ, Band, GainCurve, filtered
+from ...defaults import AUDIBLE_MAX_HZ
+from ..filters import Band, GainCurve, filtered
 from ..oscillators.oscillators import QUANTITIES, check_sampling
 from ..plate.modes import values
 from ..screen.screen import Screen

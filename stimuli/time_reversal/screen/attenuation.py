@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...composition.effect import Surroundings
 
 TAU_S: Final = 3.5e-3
-"""Attenuation constant that goes with the finger of `fingertip`; unverified default."""
+"""Attenuation constant that goes with the finger of `tactometry.stimuli.defaults`; unverified default."""
 
 MOST_DECADES: Final = 12.0
 """By which a time constant may change up to the end of the band: no glass comes near."""
@@ -74,13 +74,13 @@ class Attenuation(Effect):
 
     def in_plate(self, scene: "Surroundings") -> PlateContent:
         """It rings for three time constants, and less at the top of the band."""
-        band_max_hz: float = scene.surface.band_max_hz
-        decades = abs(self.exponent * math.log10(band_max_hz / self.reference_hz))
-        found = f"{self.exponent:g}, by which tau changes {decades:.3g} decades up to band_max_hz"
+        f_max_hz: float = scene.surface.f_max_hz
+        decades = abs(self.exponent * math.log10(f_max_hz / self.reference_hz))
+        found = f"{self.exponent:g}, by which tau changes {decades:.3g} decades up to f_max_hz"
         expect(decades <= MOST_DECADES, "attenuation.exponent", found, f"at most {MOST_DECADES:g}; lower it")
         lossless = "a finite time; without losses leave the effect out"
         expect(math.isfinite(self.tau_s), "attenuation.tau_s", self.tau_s, lossless)
-        return PlateContent(tau_s=float(1 / self.rate_per_s(band_max_hz)), ringing_s=3 * self.tau_s)
+        return PlateContent(tau_s=float(1 / self.rate_per_s(f_max_hz)), ringing_s=3 * self.tau_s)
 
     def in_setup(self) -> dict[str, float]:
         """The one time constant of a stimulus's plate."""

@@ -13,8 +13,8 @@ from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
 from tactometry.arguments.require import distinct, expect, lookup, of_kind
 
+from ...defaults import FOCUS_AT_THRESHOLD_M
 from ..finger import FINGER_DIAMETER_M
-from ..fingertip import FOCUS_AT_THRESHOLD_M
 from ..responses.responses import Point, Responses
 from .focus_train import FocusTrain
 from .setup import Setup

@@ -16,9 +16,10 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from ...arrays import ComplexArray, FloatArray, IntArray
+from ...defaults import FOCUS_AT_THRESHOLD_M, FORCE_EXPONENT, RESISTANCE_N_S_PER_M
 from ...perception.temporal_summation import summed_amplitude
 from ..finger import FINGER_DIAMETER_M, Contactor
-from ..fingertip import FOCUS_AT_THRESHOLD_M, FORCE_EXPONENT, RESISTANCE_N_S_PER_M, Fingertip
+from ..fingertip import Fingertip
 from ..focusing.focusing import emitted
 from ..responses.load import PlateLoad, Receptances, SprungMass, contact_transfer, contour
 from ..responses.responses import Point, impulse_responses, values_at

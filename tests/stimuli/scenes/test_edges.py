@@ -117,7 +117,7 @@ def test_a_scene_between_simple_supports_keeps_its_accuracy_beside_levy(boundary
 
 def held(boundary, *effects, **changes):
     scene = screen(effect("edges", boundary=boundary), *effects, outputs=COURSE)
-    return replace(scene, surface=small_screen(band_max_hz=8e3, flank_hz=2e3, rate_hz=32e3, **changes))
+    return replace(scene, surface=small_screen(f_max_hz=8e3, flank_hz=2e3, rate_hz=32e3, **changes))
 
 
 @pytest.mark.parametrize("boundary", BOUNDARIES)

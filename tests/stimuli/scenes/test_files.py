@@ -140,7 +140,7 @@ def test_the_command_names_the_file_that_holds_what_is_wrong(tmp_path, capsys, o
 
 def test_a_modulator_that_overloads_is_of_the_file_and_no_failure_of_a_device(tmp_path, capsys):
     screen = (
-        "kind = 'time_reversal'\nn_transducers = 2\nband_max_hz = 5e3\nflank_hz = 500\nrate_hz = 2e4\nreversal_s = 1e-3"
+        "kind = 'time_reversal'\nn_transducers = 2\nf_max_hz = 5e3\nflank_hz = 500\nrate_hz = 2e4\nreversal_s = 1e-3"
     )
     file = tmp_path / "own.toml"
     file.write_text(
@@ -262,7 +262,7 @@ def test_amplitudes_go_with_the_constant_that_they_rest_on():
 
 def test_a_finger_that_a_linear_contact_pulls_is_said_to_lift_off(tmp_path, capsys):
     plate = '[surface]\nkind = "time_reversal"\nlength_m = 0.12\nwidth_m = 0.09\nn_transducers = 8\nfocus_x_m = 0.05\n'
-    plate += "focus_y_m = 0.04\nband_max_hz = 15e3\nflank_hz = 3e3\nrate_hz = 60e3\nreversal_s = 3e-3\nafter_s = 1e-3\n"
+    plate += "focus_y_m = 0.04\nf_max_hz = 15e3\nflank_hz = 3e3\nrate_hz = 60e3\nreversal_s = 3e-3\nafter_s = 1e-3\n"
     rest = '[[effects]]\nkind = "one_bit"\n[[effects]]\nkind = "finger_load"\n[given]\nvoltage_v = 30.0\n'
     pulled = {}
     for force_n in (0.01, 20.0):

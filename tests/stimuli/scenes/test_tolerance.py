@@ -59,7 +59,7 @@ def test_the_spectrum_of_a_quantised_drive_keeps_the_accuracy_in_the_band_or_is_
     """Relative to its highest line."""
     finest = finest_of(scene, *((3e-5, 1e-4) if SOAK else ()), 3e-4, 9e-4)
     found = run(finest)
-    n_lines = round(scene.surface.band_max_hz * (found["t_s"][-1] - found["t_s"][0]))
+    n_lines = round(scene.surface.f_max_hz * (found["t_s"][-1] - found["t_s"][0]))
     reference = spectrum(found, n_lines)
     for accuracy in (1e-1, 1e-2, 1e-3, 1e-4) if SOAK else (1e-1, 1e-2, 1e-3):
         asked = replace(scene, accuracy=accuracy)
