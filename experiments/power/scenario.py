@@ -19,6 +19,7 @@ from tactometry.trials.cells import cell as cell_text
 from ..study.cells import WiredCell, merge
 from ..study.experiment import Experiment, wire
 from ..study.felt_levels import contact_of, felt_db
+from ..study.session_plan import places_of
 from ..study.study_file import Study, parse
 from .design import Case, PowerDesign
 from .effect import OF_SENSATION, StatedEffect, check_effect
@@ -75,6 +76,7 @@ def _dependent(design: PowerDesign, study: Study) -> str:
     expect(task in SUPPORTED, f"{design.where}, task.kind", f"{task!r}", f"one of {', '.join(SUPPORTED)}: {why}")
     asked = f"the factor {design.effect.factor!r}, whose levels are the alternatives of a trial"
     expect(experiment.table.over != design.effect.factor, "--effect", asked, "another factor")
+    _check_places(experiment, design.effect.factor)
     units = {cell.condition.level_unit.partition(" re ")[0] for cell in experiment.cells.values()}
     felt = () if isinstance(experiment.people.middle, Stated) else (OF_SENSATION,)  # stated thresholds: no sensation
     allowed = sorted({*felt, *(units if len(units) == 1 else ())})
@@ -84,6 +86,17 @@ def _dependent(design: PowerDesign, study: Study) -> str:
     if design.dependent:
         one_of("--dependent", design.dependent, known)
     return design.dependent or known[0]
+
+
+def _check_places(experiment: Experiment, factor: str) -> None:
+    """Refuse a factor that moves the places of a localisation: its rates are compared by the distance between them."""
+    rows = ((cell.condition.factors[factor], places_of(cell.stimulus)) for cell in experiment.cells.values())
+    by_level: dict[float | str, set[Any]] = {}
+    for level, places in rows:
+        by_level.setdefault(level, set()).add(places)
+    are_alike = len({frozenset(places) for places in by_level.values()}) == 1
+    moves = f"the factor {factor!r}, whose levels are other places"
+    expect(are_alike, "--effect", moves, "one at whose levels the same places are felt")
 
 
 def _check_people(experiment: Experiment) -> None:

@@ -24,8 +24,8 @@ class PowerEstimate:
     interval (Clopper and Pearson 1934). Of the studies with the effect: `found` is its mean as the data have it,
     `bias` that less the stated one (None where the dependent value is not in the unit of the effect), `threshold_bias`
     the mean distance of known thresholds from those that the people have, `width` the mean width of the intervals of
-    single values, `unknown_share` the share of cells without a value, `n_left_out` the mean number of participants who
-    have none, `minutes` what one sits.
+    single values, `untested_share` the share of these studies in which no test had an answer, `unknown_share` that of
+    cells without a value, `n_left_out` the mean number of participants who have none, `minutes` what one sits.
     """
 
     n_trials: int
@@ -42,6 +42,7 @@ class PowerEstimate:
     bias: float | None
     threshold_bias: float | None
     width: float | None
+    untested_share: float
     unknown_share: float
     n_left_out: float
     minutes: float
@@ -56,13 +57,14 @@ class _Sum:
     """Running sums of the rows of one point and case: all that is kept of them."""
 
     def __init__(self) -> None:
-        self.n = self.n_significant = self.n_cells = self.n_unknown = self.n_left_out = 0
+        self.n = self.n_significant = self.n_untested = self.n_cells = self.n_unknown = self.n_left_out = 0
         self.sums: dict[str, float] = defaultdict(float)
         self.counts: dict[str, int] = defaultdict(int)
 
     def add(self, row: Row) -> None:
         self.n += 1
         self.n_significant += row.significant
+        self.n_untested += row.p is None
         self.n_cells += row.n_cells
         self.n_unknown += row.n_unknown
         self.n_left_out += row.n_left_out
@@ -112,6 +114,7 @@ class Summary:
             bias=None if found is None or stated is None else found - stated,
             threshold_bias=with_effect.mean("error"),
             width=with_effect.mean("width"),
+            untested_share=with_effect.n_untested / with_effect.n,
             unknown_share=with_effect.n_unknown / with_effect.n_cells,
             n_left_out=with_effect.n_left_out / with_effect.n,
             minutes=with_effect.mean("minutes") or 0.0,
@@ -153,6 +156,12 @@ def cautions(design: PowerDesign, points: Sequence[PowerEstimate]) -> list[str]:
         told.append(
             f"without an effect the test is significant too often ({rate} with {_words(worst)}): its power is not to "
             "be trusted there"
+        )
+    untested = max(points, key=lambda point: point.untested_share)
+    if untested.untested_share > 0:
+        told.append(
+            f"no test had an answer in {untested.untested_share:.0%} of the studies with {_words(untested)}; each "
+            "counts as one that found nothing"
         )
     lost = max(points, key=lambda point: point.unknown_share)
     if lost.unknown_share > MUCH:

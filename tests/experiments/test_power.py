@@ -21,7 +21,7 @@ from tactometry.experiments.power.effect import parse_effect
 from tactometry.experiments.power.replicate import Row, codes, p_of, replicate, seed_of
 from tactometry.experiments.power.sampling import Batch, interval, sample
 from tactometry.experiments.power.scenario import REFUSED, SUPPORTED, check_design, experiment_of, growth
-from tactometry.experiments.power.summary import Summary, recommendation
+from tactometry.experiments.power.summary import Summary, cautions, recommendation
 from tactometry.experiments.power.truth import half_way_of_choice, half_way_of_yes, true_thresholds
 from tactometry.experiments.study.study_file import load
 from tactometry.trials.tasks import TASKS
@@ -92,6 +92,7 @@ def test_each_task_is_supported_or_says_why_not():
         ("grating-roughness", "period_m: 2 dB", "leaves their exponent"),
         ("time-reversal-localisation", "place: 2 dB", "whose levels are the alternatives of a trial"),
         ("time-reversal-patterns", "pattern: P1 = 2 dB SL", "answers follow attitudes"),
+        ("time-reversal-localisation", "distance_m: 6 dB SL", "whose levels are other places"),
         ("force-loss", "force_n: 2 dB", "nobody feels an effect"),
     ],
 )
@@ -316,6 +317,16 @@ def test_sampling_stops_when_it_knows_enough_and_not_before():
     ends = interval(round(high.power * before), before)
     assert (ends[1] - ends[0]) / 2 > asked.precision
     assert recommendation(asked, (high,)) != recommendation(asked, (low,))
+
+
+def test_studies_without_a_test_are_told():
+    asked = design(participants=(3,), most=20)
+    rows = drawn_rows(asked, {True: {3: 0.0}, False: {3: 0.0}})
+    found = Summary(asked)
+    for batch, of_batch in sample(asked, spread=lambda *_: iter(()), kept=rows):
+        found.add(replace(row, p=None if row.replicate < 5 and batch.case.has_effect else 0.5) for row in of_batch)
+    (told,) = cautions(asked, found.points())
+    assert told.startswith("no test had an answer in 25% of the studies with 3 participants")
 
 
 def test_sampling_ends_at_the_most_that_was_asked_for():
