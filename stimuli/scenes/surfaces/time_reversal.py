@@ -9,6 +9,7 @@ from tactometry.arguments import require
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Size, Stage, Surface, Surroundings
+from ...defaults import F_MAX_HZ
 from ...time_reversal.plate.glass import GLASSES
 from ...time_reversal.plate.plate import Plate
 from ...time_reversal.screen.glass_panel import LEARNT_S, GlassPanel
@@ -83,7 +84,7 @@ class TimeReversal(GlassPanel, Surface):
     }
 
     force_n_per_v: float = 1e-3
-    f_max_hz: float = 60e3
+    f_max_hz: float = F_MAX_HZ
     flank_hz: float = 6e3
     reversal_s: float = LEARNT_S
     after_s: float = 3e-3

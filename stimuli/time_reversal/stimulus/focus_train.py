@@ -14,6 +14,7 @@ from tactometry.arguments.require import one_of, positive, whole, within
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.signal import Signal
 
+from ...defaults import F_MAX_HZ
 from ..filters import Band
 from ..focusing.bursts import Bursts, check_supply
 from ..focusing.focusing import emitted
@@ -248,7 +249,7 @@ class FocusTrain:
     pattern: Literal["P0", "P1", "P2", "P3", "P4", "P5", "P6"] = "P0"
     drive: Drive = "one_bit"
     f_min_hz: float = 200.0
-    f_max_hz: float = 60e3
+    f_max_hz: float = F_MAX_HZ
     reversal_s: Positive | None = None
     voltage_max_v: Positive = VOLTAGE_MAX_V
     duration_s: Positive = 0.5
