@@ -10,7 +10,7 @@ import numpy as np
 
 from tactometry.arguments.annotations import Positive
 from tactometry.arguments.checked import checked
-from tactometry.arguments.require import one_of, positive, whole, within
+from tactometry.arguments.require import expect, one_of, positive, whole, within
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.signal import Signal
 
@@ -196,12 +196,11 @@ class TimeReversalStimulus:
 
 
 def _check_heard(stimulus: TimeReversalStimulus) -> None:
-    heard = stimulus.heard
-    if heard is not None and heard.samples.shape[:2] != stimulus.focus.samples.shape[:2]:
-        raise InvalidParameter(
-            f"TimeReversalStimulus.heard: found {heard.n_points} points and {heard.n_channels} channels, expected "
-            f"{stimulus.focus.n_points} and {stimulus.focus.n_channels} as in focus"
-        )
+    heard, focus = stimulus.heard, stimulus.focus
+    if heard is not None:
+        found = f"{heard.n_points} points and {heard.n_channels} channels"
+        expected = f"{focus.n_points} and {focus.n_channels} as in focus"
+        expect(heard.samples.shape[:2] == focus.samples.shape[:2], "TimeReversalStimulus.heard", found, expected)
 
 
 @checked

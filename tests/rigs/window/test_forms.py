@@ -144,6 +144,9 @@ LEARNT = "time-reversal-threshold"
 OTHER_DISTANCES = re.findall(
     r'^"0\.0(?!28).*\n', (ROOT / "experiments" / "time-reversal-localisation.toml").read_text("utf-8"), re.M
 )
+OTHER_PATTERNS = re.findall(
+    r"^P[12356] = .*\n", (ROOT / "experiments" / "time-reversal-patterns.toml").read_text("utf-8"), re.M
+)
 SHORT = {
     "time-reversal-threshold": (
         ("force_n = [0.5, 1.5, 3.0] ", "force_n = [0.5] "),
@@ -152,6 +155,7 @@ SHORT = {
     ),
     "time-reversal-patterns": (
         ('["P0", "P1", "P2", "P3", "P4", "P5", "P6"]', '["P0", "P4"]'),
+        *((line, "") for line in OTHER_PATTERNS),
         ('form = "attrakdiff" ', 'form = "attrakdiff-haptic" '),
         ("n_touches = 3 ", "n_touches = 1 "),
     ),

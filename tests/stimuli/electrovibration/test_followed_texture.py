@@ -122,7 +122,8 @@ def test_maps_come_from_files_whose_digest_the_study_holds(tmp_path):
         path = tmp_path / name
         digest = hashlib.sha256(path.read_bytes()).hexdigest()
         image = f'texture = {{ kind = "image", pixel_m = "1 mm", path = "{path}", sha256 = "{digest}", row = {row} }}'
-        no_variants = TEXT.replace("period_m = [0.0005, 0.001, 0.002, 0.004]", "").split("[variants.period_m]")
+        no_factor = TEXT.replace("period_m = [0.0005, 0.001, 0.002, 0.004]", "").replace("{ period_m = 2.0 }", "{}")
+        no_variants = no_factor.split("[variants.period_m]")
         text = no_variants[0].replace('["period_m"]', "[]") + "[stimulus]" + no_variants[1].split("[stimulus]")[1]
         stimulus = next(iter(wired(changed(text, {TABLE: image})).bank.values()))
         assert float(stimulus.texture.force_share(2.5e-3)) == pytest.approx(at)
@@ -183,7 +184,9 @@ def test_a_file_that_holds_no_map_is_refused_in_one_sentence(kind, name, content
     texture = f'texture = {{ kind = "{kind}", pixel_m = "1 mm", path = "{path}", sha256 = "{digest}" }}'
     text = load("grating-roughness")[1].decode().replace('texture = { kind = "grating", shape = "square" }', texture)
     lines = [
-        line for line in text.splitlines() if not line.startswith(("period_m = ", "counterbalance", "[variants", '"0.'))
+        line
+        for line in text.splitlines()
+        if not line.startswith(("period_m = ", "counterbalance", "[variants", '"0.', "factor_sd_db"))
     ]
     (tmp_path / "study.toml").write_text("\n".join(lines), encoding="utf-8")
     status, said, _ = call(capsys, "run", tmp_path / "study.toml", "--participant", "P01", "--dry-run")

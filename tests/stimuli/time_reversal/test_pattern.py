@@ -162,13 +162,13 @@ def test_the_level_is_that_of_the_largest_focus_also_where_it_is_a_negative_one(
 
 
 def test_levels_in_decibels(focus):
-    stimulus = TimeReversalStimulus(focus.at_point(0), level_unit="dB re 1 um")
+    stimulus = TimeReversalStimulus(focus.at_point(0), level_unit="dB re 1 um", voltage_max_v=30.0)
     assert stimulus.voltage_v(6.0) / stimulus.voltage_v(0.0) == pytest.approx(10 ** (6 / 20))
     assert stimulus.voltage_v(stimulus.level_max) == pytest.approx(30.0)
 
 
 def test_stimulus_refuses_more_than_the_amplifier_has(focus):
-    stimulus = TimeReversalStimulus(focus.at_point(0))
+    stimulus = TimeReversalStimulus(focus.at_point(0), voltage_max_v=30.0)
     assert stimulus.at(stimulus.level_max).peak == pytest.approx(30.0)
     with pytest.raises(LimitExceeded, match=r"level: found .* m, which needs .* V, above the 30 V of the amplifier"):
         stimulus.at(1.01 * stimulus.level_max)
@@ -187,7 +187,7 @@ def test_default_prototype_makes_10_um_at_30_v():
 
 
 def test_sigma_delta_stimulus(focus):
-    stimulus = TimeReversalStimulus(focus.at_point(0), quantiser=SigmaDelta(2))
+    stimulus = TimeReversalStimulus(focus.at_point(0), quantiser=SigmaDelta(2), voltage_max_v=30.0)
     signal = stimulus.at(stimulus.level_max)
     assert set(np.unique(signal.samples)) == {-30.0, 30.0} or signal.peak == pytest.approx(30.0)
 
