@@ -70,6 +70,7 @@ def climb(problem: Problem, n_rounds: int = N_ROUNDS, cold_s: Callable[[int], fl
     with threadpool_limits(1):
         answer = problem.reference.answer()
         firsts = [_first(rung, place, cold_s) for place, rung in enumerate(problem.rungs)]
+    with threadpool_limits(1):  # of the libraries, too, that the first calls loaded
         rounds = [_round(problem.rungs, first=not n) for n in range(n_rounds)]
     points = tuple(
         _point(problem, rung, first, [times[n] for times in rounds if n in times], answer)

@@ -100,9 +100,8 @@ def check_keys(table: Mapping[str, Any], names: Collection[str], path: str, what
     """
     for key in table:
         if key not in names:
-            raise InvalidParameter(
-                f"{_join(path, key)}: found an unknown {what}, expected one of {', '.join(names)}{nearest(key, names)}"
-            )
+            known = f"one of {', '.join(names)}{nearest(key, names)}" if names else "none; remove it"
+            raise InvalidParameter(f"{_join(path, key)}: found an unknown {what}, expected {known}")
 
 
 def read_toml(kind: type[T], path: Path, what: str) -> T:
