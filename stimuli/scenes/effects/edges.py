@@ -61,9 +61,9 @@ class Edges(Alteration):
 
     def _n_operations(self, demand: Demand) -> float:
         """Of the modes, found in a block for each pair of parities: an axis with like edges has two."""
-        from ...time_reversal.plate.plate import degrees
+        from ...time_reversal.plate.plate import degrees_called_for
 
-        p_x, p_y = degrees(demand.surface.plate, demand.once(cut_of).static_to_hz)
+        p_x, p_y = degrees_called_for(demand.surface.plate, demand.once(cut_of).static_to_hz)
         n_blocks: int = 2 ** sum(self.boundary[at] == self.boundary[at + 2] for at in (0, 1))
         return OF_MODES * (pi / 4 * p_x * p_y) ** 2 / n_blocks
 

@@ -193,14 +193,20 @@ def degrees(plate: Plate, f_max_hz: float) -> tuple[int, int]:
     InvalidParameter
         If that is too much to be held.
     """
-    half_k = math.sqrt(_wavenumber2_per_m2(plate, f_max_hz)) / 2
-    p_x, p_y = (math.ceil(half_k * side) + MARGIN_DEGREES for side in (plate.length_m, plate.width_m))
+    p_x, p_y = degrees_called_for(plate, f_max_hz)
     # products inside of an ellipse: `ritz.ellipse`
     if math.pi / 4 * p_x * p_y > MAX_FUNCTIONS:
         raise InvalidParameter(
             f"f_max_hz: found {f_max_hz}, which needs {p_x} x {p_y} functions, more than can be held; "
             "lower f_max_hz or use the simply supported plate"
         )
+    return p_x, p_y
+
+
+def degrees_called_for(plate: Plate, f_max_hz: float) -> tuple[int, int]:
+    """The same, however many they are: what a computation would cost."""
+    half_k = math.sqrt(_wavenumber2_per_m2(plate, f_max_hz)) / 2
+    p_x, p_y = (math.ceil(half_k * side) + MARGIN_DEGREES for side in (plate.length_m, plate.width_m))
     return p_x, p_y
 
 
