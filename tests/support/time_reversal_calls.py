@@ -330,6 +330,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "ritz": {"plate": PLATE, **LOW},
             "ritz_frequencies_hz": {"plate": PLATE, **LOW},
             "degrees": {"plate": PLATE, **LOW},
+            "degrees_called_for": {"plate": PLATE, **LOW},
         },
         "focusing.quantiser": {
             "Analogue.quantise": {"self": Analogue(), "waveform": FIELD, "rate_hz": 2e3},

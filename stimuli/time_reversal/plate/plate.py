@@ -203,6 +203,7 @@ def degrees(plate: Plate, f_max_hz: float) -> tuple[int, int]:
     return p_x, p_y
 
 
+@checked
 def degrees_called_for(plate: Plate, f_max_hz: float) -> tuple[int, int]:
     """The same, however many they are: what a computation would cost."""
     half_k = math.sqrt(_wavenumber2_per_m2(plate, f_max_hz)) / 2
