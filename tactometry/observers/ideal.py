@@ -1,21 +1,19 @@
 """An ideal participant: no noise, no lapse, no bias."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Self
 
 import numpy as np
 
 from ..arguments.require import finite, not_negative, positive
 from ..session.request import Facts
-from .people import Traits
-from .signal_detection import COMFORT_DB, COMFORT_RANGE_DB
-
-HIGHEST_DB = 300.0
+from . import responses
+from .people import ObserverWithTraits, Traits
 
 
 @dataclass(frozen=True)
-class IdealObserver:
+class IdealObserver(ObserverWithTraits):
     """Feels whatever is above its threshold, and tells apart whatever differs; guesses only between what is felt alike.
 
     Parameters
@@ -42,14 +40,10 @@ class IdealObserver:
         not_negative("IdealObserver", between_sd_db=self.between_sd_db)
         positive("IdealObserver", latency_s=self.latency_s)
 
-    def participant(self, rng: np.random.Generator) -> Self:
-        """One participant of the population that this observer is the mean of."""
-        return self.person(Traits(sensitivity=float(rng.standard_normal())))
-
     def person(self, traits: Traits) -> Self:
         """The participant with these traits; an ideal one has no other than its sensitivity and its time."""
-        felt_db = self.sensitivity_db + self.between_sd_db * traits.sensitivity
-        return type(self)(felt_db, self.between_sd_db, self.latency_s * traits.latency_factor)
+        sensitivity_db = self.sensitivity_db + self.between_sd_db * traits.sensitivity
+        return replace(self, sensitivity_db=sensitivity_db, latency_s=self.latency_s * traits.latency_factor)
 
     def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
         """Whether it is above the threshold."""
@@ -76,12 +70,12 @@ class IdealObserver:
     def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
         """The amplitude in units of the threshold."""
         del rng
-        return float(f"{10 ** (min(sensation_db + self.sensitivity_db, HIGHEST_DB) / 20):.3g}")
+        return responses.magnitude(sensation_db + self.sensitivity_db)
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """That of signal detection, without its noise."""
+        """`responses.liking`, without a noise."""
         del rng
-        return 1 - 2 * min(abs(sensation_db + self.sensitivity_db - COMFORT_DB) / COMFORT_RANGE_DB, 1.0)
+        return responses.liking(sensation_db + self.sensitivity_db)
 
     def answer_time_s(self, rng: np.random.Generator) -> float:
         del rng

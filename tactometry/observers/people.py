@@ -1,6 +1,7 @@
 """How people differ: the traits of one person, drawn from a population, and how that person feels each cell."""
 
 import itertools
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import exp, hypot
@@ -15,6 +16,7 @@ from ..session.request import Facts
 from ..trials.cells import cell as cell_text
 from .decisions import Observer
 from .finger import SimulatedFinger
+from .responses import MOST_LAPSES
 
 TRAITS: Final = ("sensitivity", "criterion", "exponent", "lapse", "latency", "number", "force", "speed")
 """What is drawn together for a person, in this order: the first is the first number of the person's stream."""
@@ -39,12 +41,28 @@ class Traits:
     force_factor: float = 1.0
     speed_factor: float = 1.0
 
+    def lapse_rate(self, usual: float) -> float:
+        """This person's, at most `MOST_LAPSES` unless the usual one is higher."""
+        return min(usual * self.lapse_factor, max(usual, MOST_LAPSES))
+
 
 @runtime_checkable
 class Varied(Protocol):
     """The middle of a population whose people have traits."""
 
     def person(self, traits: Traits) -> Self: ...
+
+
+class ObserverWithTraits(ABC):
+    """A middle that draws a participant itself too."""
+
+    @abstractmethod
+    def person(self, traits: Traits) -> Self:
+        """The participant with these traits."""
+
+    def participant(self, rng: np.random.Generator) -> Self:
+        """One of a population whose people differ in their sensitivity alone."""
+        return self.person(Traits(sensitivity=float(rng.standard_normal())))
 
 
 @dataclass(frozen=True)

@@ -13,17 +13,17 @@ from ..config.strict import check_keys, convert
 from ..psychometric import SHAPES, PsychometricFunction
 from ..session.request import Facts
 from ..trials.cells import cell as cell_text
+from . import responses
 from .changes.change import Shift
-from .ideal import HIGHEST_DB
-from .people import Feeling, Traits
-from .signal_detection import ALMOST_ALL, COMFORT_DB, COMFORT_RANGE_DB, MOST_LAPSES
+from .people import Feeling, ObserverWithTraits, Traits
+from .responses import ALMOST_ALL, HIGHEST_DB, MOST_LAPSES
 
 OF_WIDTH = 2 * 1.6448536269514722
 """The width of a cumulative normal distribution, from 0.05 to 0.95, in its standard deviations."""
 
 
 @dataclass(frozen=True)
-class PsychometricObserver:
+class PsychometricObserver(ObserverWithTraits):
     """Says yes with the chance ``psi(level)``, whose threshold and width are stated in the unit of the level.
 
     In a forced choice of m of which one is not empty, that one is taken with ``1 / m + (1 - 1 / m - lapse_rate)
@@ -100,10 +100,6 @@ class PsychometricObserver:
                 there |= {name: float(of[name]) for name in there if name in of}
         return Feeling(threshold=there["threshold"] - self.sensitivity_db, stretch=self.width / there["width"])
 
-    def participant(self, rng: np.random.Generator) -> Self:
-        """One participant of the population that this observer is the mean of."""
-        return self.person(Traits(sensitivity=float(rng.standard_normal())))
-
     def person(self, traits: Traits) -> Self:
         """The participant with these traits; its width is divided by the factor of the exponent."""
         return replace(
@@ -111,14 +107,14 @@ class PsychometricObserver:
             sensitivity_db=self.sensitivity_db + self.between_sd_db * traits.sensitivity,
             width=self.width / traits.exponent_factor,
             conditions=tuple(_narrower(of, traits.exponent_factor) for of in self.conditions),
-            lapse_rate=min(self.lapse_rate * traits.lapse_factor, max(self.lapse_rate, MOST_LAPSES)),
+            lapse_rate=traits.lapse_rate(self.lapse_rate),
             latency_s=self.latency_s * traits.latency_factor,
         )
 
     def shifted(self, shift: Shift) -> Self:
         """This participant as it is in one trial; its criterion is part of the stated function and stays."""
-        lapse_rate = 1 - (1 - self.lapse_rate) * (1 - min(shift.lapse_rate, ALMOST_ALL - self.false_alarm_rate))
-        return replace(self, lapse_rate=min(lapse_rate, ALMOST_ALL - self.false_alarm_rate))
+        highest = ALMOST_ALL - self.false_alarm_rate
+        return replace(self, lapse_rate=min(responses.either(self.lapse_rate, min(shift.lapse_rate, highest)), highest))
 
     def chance(self, sensation_db: float, guess_rate: float) -> float:
         """The chance of a yes, or of the right interval, at so much above the threshold."""
@@ -162,15 +158,15 @@ class PsychometricObserver:
     def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
         """The amplitude in units of the threshold, with the noise of a level."""
         felt_db = sensation_db + self._sd * float(rng.standard_normal())
-        return float(f"{10 ** (min(felt_db, HIGHEST_DB) / 20):.3g}")
+        return responses.magnitude(felt_db)
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """That of signal detection, without its noise."""
+        """`responses.liking`, without a noise."""
         del rng
-        return 1 - 2 * min(abs(sensation_db - COMFORT_DB) / COMFORT_RANGE_DB, 1.0)
+        return responses.liking(sensation_db)
 
     def answer_time_s(self, rng: np.random.Generator) -> float:
-        return float(self.latency_s * math.exp(0.3 * float(rng.standard_normal())))
+        return responses.answer_time_s(self.latency_s, rng)
 
     def facts(self) -> Facts:
         names = ("threshold", "width", "shape", "false_alarm_rate", "lapse_rate", "sensitivity_db", "latency_s")

@@ -9,18 +9,15 @@ import numpy as np
 
 from ..arguments.require import below_1, finite, not_negative, positive
 from ..session.request import Facts
+from . import responses
 from .changes.change import Shift
-from .people import Traits
+from .people import ObserverWithTraits, Traits
 
-COMFORT_DB, COMFORT_RANGE_DB, LIKING_NOISE = 15.0, 25.0, 0.3
-MOST_LAPSES = 0.5
-"""The lapse rate of nobody is drawn higher."""
-ALMOST_ALL = 0.999999
-"""Of the trials: a rate below 1."""
+LIKING_NOISE = 0.3
 
 
 @dataclass(frozen=True)
-class SignalDetectionObserver:
+class SignalDetectionObserver(ObserverWithTraits):
     """Equal-variance signal detection on a sensation level in decibels.
 
     d'(L) = criterion * 10^(exponent (L + sensitivity_db) / 20): at L = -sensitivity_db a stimulus is felt in half of
@@ -69,10 +66,6 @@ class SignalDetectionObserver:
         not_negative(owner, between_sd_db=self.between_sd_db)
         below_1(owner, lapse_rate=self.lapse_rate)
 
-    def participant(self, rng: np.random.Generator) -> Self:
-        """One participant of the population that this observer is the mean of."""
-        return self.person(Traits(sensitivity=float(rng.standard_normal())))
-
     def person(self, traits: Traits) -> Self:
         """The participant with these traits."""
         return replace(
@@ -80,7 +73,7 @@ class SignalDetectionObserver:
             sensitivity_db=self.sensitivity_db + self.between_sd_db * traits.sensitivity,
             bias=self.bias + traits.criterion,
             exponent=self.exponent * traits.exponent_factor,
-            lapse_rate=min(self.lapse_rate * traits.lapse_factor, max(self.lapse_rate, MOST_LAPSES)),
+            lapse_rate=traits.lapse_rate(self.lapse_rate),
             latency_s=self.latency_s * traits.latency_factor,
             number_factor=self.number_factor * traits.number_factor,
         )
@@ -91,7 +84,7 @@ class SignalDetectionObserver:
             self,
             sensitivity_db=self.sensitivity_db + shift.sensitivity_db,
             bias=self.bias + shift.criterion,
-            lapse_rate=1 - (1 - self.lapse_rate) * (1 - min(shift.lapse_rate, ALMOST_ALL)),
+            lapse_rate=responses.either(self.lapse_rate, min(shift.lapse_rate, responses.ALMOST_ALL)),
         )
 
     def d_prime(self, sensation_db: float) -> float:
@@ -141,15 +134,15 @@ class SignalDetectionObserver:
         """d' with its noise, at least 0, in this person's numbers, to three digits: a power law of the amplitude, as
         Stevens found."""
         felt = max(self.d_prime(sensation_db) + float(rng.standard_normal()), 0.0)
-        return float(f"{self.number_factor * felt:.3g}")
+        return responses.in_words(self.number_factor * felt)
 
     def liking(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """An inverted U: best at `COMFORT_DB` above the threshold, worst `COMFORT_RANGE_DB` beside it (unverified)."""
-        beside = min(abs(sensation_db + self.sensitivity_db - COMFORT_DB) / COMFORT_RANGE_DB, 1.0)
-        return float(np.clip(1 - 2 * beside + LIKING_NOISE * rng.standard_normal(), -1.0, 1.0))
+        """`responses.liking` with a noise of standard deviation `LIKING_NOISE` (unverified default)."""
+        felt = responses.liking(sensation_db + self.sensitivity_db)
+        return float(np.clip(felt + LIKING_NOISE * rng.standard_normal(), -1.0, 1.0))
 
     def answer_time_s(self, rng: np.random.Generator) -> float:
-        return float(self.latency_s * math.exp(0.3 * float(rng.standard_normal())))
+        return responses.answer_time_s(self.latency_s, rng)
 
     def facts(self) -> Facts:
         return {"kind": type(self).__name__, **asdict(self)}

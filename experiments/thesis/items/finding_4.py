@@ -1,12 +1,9 @@
 """Finding 4: trains at 200 Hz under a sinc please most, a single focus least."""
 
 from collections.abc import Iterator, Mapping
-from math import inf
 from statistics import fmean
 
-import numpy as np
-
-from tactometry.observers.signal_detection import COMFORT_DB, COMFORT_RANGE_DB
+from tactometry.observers.responses import COMFORT_DB, COMFORT_RANGE_DB, liking
 from tactometry.stimuli.time_reversal.focusing.pattern import HIGH_HZ, LOW_HZ, PATTERNS
 
 from ...study.cells import WiredCell
@@ -56,11 +53,6 @@ def _felt_db(cell: WiredCell) -> float:
     """At the highest level that the study asks for, which is its only one."""
     _, level = cell.procedure.rule.bounds
     return cell.sensation.sensation_db(cell.stimulus.at(level), contact_of(cell))
-
-
-def liking(level_db: float) -> float:
-    """The mean of `SignalDetectionObserver.liking`: best at 15 dB above threshold, falling to both sides."""
-    return float(1 - 2 * np.clip(abs(level_db - COMFORT_DB) / COMFORT_RANGE_DB, 0, 1)) if level_db > -inf else -1.0
 
 
 def _statement(name: str, order: list[str], spread_db: float) -> tuple[str, bool | None]:

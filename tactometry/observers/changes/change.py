@@ -6,6 +6,8 @@ from typing import Protocol, Self, runtime_checkable
 
 import numpy as np
 
+from ..responses import either
+
 Answer = float | str | None
 """The response of a row."""
 
@@ -28,7 +30,7 @@ class Shift:
         return Shift(
             self.sensitivity_db + other.sensitivity_db,
             self.criterion + other.criterion,
-            1 - (1 - self.lapse_rate) * (1 - other.lapse_rate),
+            either(self.lapse_rate, other.lapse_rate),
         )
 
 

@@ -1,0 +1,59 @@
+"""How what was felt becomes a response, whatever decides: how good, in which number, after what time, by a lapse."""
+
+import math
+from typing import Final
+
+import numpy as np
+
+COMFORT_DB: Final = 15.0
+COMFORT_RANGE_DB: Final = 25.0
+HIGHEST_DB: Final = 300.0
+"""What is felt more is told as this."""
+MOST_LAPSES: Final = 0.5
+"""The lapse rate of nobody is drawn higher."""
+ALMOST_ALL: Final = 0.999999
+"""Of the trials: a rate below 1."""
+LATENCY_CV: Final = 0.3
+"""Nearly: the standard deviation of the logarithm of a time to answer (unverified default)."""
+
+
+def liking(level_db: float) -> float:
+    """How good a level feels, from -1 to 1, an inverted U: best at `COMFORT_DB` above the threshold, worst
+    `COMFORT_RANGE_DB` beside it (unverified defaults).
+
+    >>> liking(15.0), liking(27.5), liking(float("-inf"))
+    (1.0, 0.0, -1.0)
+    """
+    return 1 - 2 * min(abs(level_db - COMFORT_DB) / COMFORT_RANGE_DB, 1.0)
+
+
+def magnitude(level_db: float) -> float:
+    """The amplitude of a level in units of the threshold, as a person says it.
+
+    >>> magnitude(40.0), magnitude(float("-inf"))
+    (100.0, 0.0)
+    """
+    return in_words(10 ** (min(level_db, HIGHEST_DB) / 20))
+
+
+def in_words(number: float) -> float:
+    """As a person says a number: to three digits.
+
+    >>> in_words(1234.5)
+    1230.0
+    """
+    return float(f"{number:.3g}")
+
+
+def answer_time_s(median_s: float, rng: np.random.Generator) -> float:
+    """A log-normal time."""
+    return float(median_s * math.exp(LATENCY_CV * float(rng.standard_normal())))
+
+
+def either(lapse_rate: float, other: float) -> float:
+    """Of two rates of lapses: who lapses for one reason cannot lapse for the other.
+
+    >>> either(0.5, 0.5)
+    0.75
+    """
+    return 1 - (1 - lapse_rate) * (1 - other)
