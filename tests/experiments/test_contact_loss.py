@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from command_line import output
 from scipy.signal import lsim, resample
-from study_texts import changed
+from study_texts import changed, wired
 
 from tactometry.contact import Contact
 from tactometry.experiments.study.contact_loss import pulled_fingers
 from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.study_file import load, parse
+from tactometry.experiments.study.study_file import load
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.finger import Contactor
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
@@ -34,10 +34,6 @@ PRESSED = Contact(1.0)
 SCREEN = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3, learnt_s=3e-3, tau_s=1.5e-3)
 TIMES, FEW = 32, 8
 """Steps of the contact for one sample of the drive: 71 to a period of the highest mode; of seven contacts 18."""
-
-
-def wired(text):
-    return wire(parse(text.encode(), "s.toml"), "s.toml")
 
 
 @pytest.fixture(scope="module")

@@ -13,17 +13,16 @@ import time_reversal_formula
 from command_line import call, output
 from places import DOCS, ROOT
 from scene_cases import ELECTROVIBRATION, TIME_REVERSAL
-from study_texts import changed
+from study_texts import changed, wired
 
 from tactometry.config.strict import build
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.cells import STIMULI
-from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.felt_effects import felt_effects
 from tactometry.experiments.study.felt_scene import FeltScene
 from tactometry.experiments.study.scene_table import felt_scene
-from tactometry.experiments.study.study_file import builtin, load, parse
+from tactometry.experiments.study.study_file import builtin, load
 from tactometry.loading import resolve
 from tactometry.records.head import heads
 from tactometry.stimuli.scenes.effects import EFFECTS, OF_ELECTROVIBRATION, OF_TIME_REVERSAL
@@ -47,10 +46,6 @@ def scene(*lines, **keys):
 
 def named(name, more=""):
     return f'{TUTORIAL}\n[scene]\nname = "{name}"\n{more}'
-
-
-def wired(text):
-    return wire(parse(text.encode(), "s.toml"), "s.toml")
 
 
 def felt_db(text, level=30.0):

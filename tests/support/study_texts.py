@@ -1,6 +1,10 @@
-"""Study files whose text is changed: shorter, faster, or on another bench."""
+"""Study files whose text is changed: shorter, faster, on another bench, or so that no study can be made of it."""
 
-from tactometry.experiments.study.study_file import load
+import pytest
+
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import load, parse
 
 
 def changed(text, changes):
@@ -16,3 +20,15 @@ def tutorial_in(folder, changes):
     path = folder / "short.toml"
     path.write_text(changed(load("tutorial")[1].decode(), changes), encoding="utf-8")
     return path
+
+
+def wired(text):
+    """The experiment that a text makes."""
+    return wire(parse(text.encode(), "s.toml"), "s.toml")
+
+
+def refusal(text):
+    """Why a text makes no experiment."""
+    with pytest.raises((InvalidFile, InvalidParameter)) as error:
+        wired(text)
+    return str(error.value)

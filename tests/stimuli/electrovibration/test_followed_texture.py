@@ -9,13 +9,12 @@ import pytest
 from command_line import call
 from felt_models import felt_by
 from hypothesis import given, strategies as st
-from study_texts import changed
+from study_texts import changed, wired
 from tables import trial_rows
 
 from tactometry.contact import Contact
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.study_file import load, parse
+from tactometry.experiments.study.study_file import load
 from tactometry.followed import felt_under
 from tactometry.stimuli.electrovibration import (
     AmplitudeModulated,
@@ -46,10 +45,6 @@ TABLE = 'texture = { kind = "grating", shape = "square" }'
 def under(texture, times_s, path_m, level=30.0, **keys):
     stimulus = FollowedTexture(texture, **keys)
     return felt_under(stimulus, stimulus.at(level), np.asarray(times_s), np.asarray(path_m))
-
-
-def wired(text):
-    return wire(parse(text.encode(), "s.toml"), "s.toml")
 
 
 @pytest.mark.parametrize("frequency_hz", [25.0, 100.0, 240.0])
