@@ -18,9 +18,8 @@ from tactometry.gates import ForceGate
 from tactometry.safety.limits import Limits
 from tactometry.signal import Signal
 
-from ..study.contact_loss import pulled_fingers
-from ..study.dry_run import felt_of
 from ..study.experiment import Experiment, wire
+from ..study.felt_and_lost import felt_and_lost
 from ..study.study_file import load
 from .bench_file import BenchFile, Devices
 from .calibration import tone
@@ -68,8 +67,9 @@ def _study(study: str) -> tuple[list[Finding], Experiment | None]:
         return [Finding("study", study, str(error), "a study that can run", fine=False)], None
     n = len(experiment.bank)
     words = f"{n} {'stimulus' if n == 1 else 'stimuli'}; the strongest levels are within the study's limits"
-    felt = [Finding("scene", "felt", " ".join(map(str.strip, effects.lines))) for effects in felt_of(experiment)]
-    contact = [Finding("finger", f"{finger.force_n:g} N", finger.line) for finger in pulled_fingers(experiment)]
+    told = felt_and_lost(experiment)
+    felt = [Finding("scene", "felt", " ".join(map(str.strip, effects.lines))) for effects in told.effects]
+    contact = [Finding("finger", f"{finger.force_n:g} N", finger.line) for finger in told.fingers]
     return [Finding("study", study, words, fine=True), *felt, *contact], experiment
 
 

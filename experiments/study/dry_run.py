@@ -1,9 +1,8 @@
-"""What a session would ask, and what would be felt, without asking it."""
+"""What a session would ask, and how long it takes, without asking it."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
 from math import inf
-from typing import TYPE_CHECKING
 
 from tactometry.errors import InvalidParameter, count_of
 from tactometry.protocols.block import Block
@@ -12,9 +11,6 @@ from tactometry.protocols.tasks.task import AsksForm
 
 from .experiment import Experiment
 from .session_plan import stream
-
-if TYPE_CHECKING:
-    from .felt_effects import FeltEffects
 
 ITEM_S = 5.0
 """What an item of a questionnaire takes a participant (unverified default)."""
@@ -66,13 +62,6 @@ def _planned_block(number: int, part: Part) -> PlannedBlock:
     factors = {name: level for name, level in part.factors.items() if level != ""}
     procedure = part.tracks[0].procedure.name
     return PlannedBlock(number, factors, procedure, n_trials, len(part.tracks), n_items, part.practice)
-
-
-def felt_of(experiment: Experiment) -> "list[FeltEffects]":
-    """What simulated participants feel, effect by effect; nothing of stimuli that are measured."""
-    from .felt_effects import felt_effects
-
-    return felt_effects(experiment)
 
 
 def _n_trials(block: Block) -> Iterator[int]:

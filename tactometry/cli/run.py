@@ -10,9 +10,9 @@ import click
 from tactometry.experiments.bench.bench_file import load_bench
 from tactometry.experiments.sessions.recording import Recorded, Who, record
 from tactometry.experiments.sessions.rig_kinds import rig_kind
-from tactometry.experiments.study.contact_loss import pulled_fingers
-from tactometry.experiments.study.dry_run import check_duration, duration_s, felt_of, plan
+from tactometry.experiments.study.dry_run import check_duration, duration_s, plan
 from tactometry.experiments.study.experiment import Experiment, wire
+from tactometry.experiments.study.felt_and_lost import felt_and_lost
 from tactometry.experiments.study.rehearsal import rehearse, rehearse_forms
 from tactometry.experiments.study.study_file import folder_of, load
 
@@ -105,12 +105,9 @@ def _print_plan(experiment: Experiment, who: Who) -> None:
     drawn = "random" in experiment.study.plan.orders and who.seed is None
     notes = ["the order is drawn: this is that of --seed 0"] if drawn else []
     longest = f"at most {count_of(math.ceil(minutes), 'minute')}, trials that are asked again not counted"
-    felt, pulled = felt_of(experiment), pulled_fingers(experiment)
-    felt_lines = [line for effects in felt for line in effects.lines]
-    text = "\n".join(["block", *rows, *notes, longest, *felt_lines, *(finger.line for finger in pulled)])
-    told = {"felt": [asdict(effects) for effects in felt], "contact": [asdict(finger) for finger in pulled]}
+    told = felt_and_lost(experiment)
     plan_record = {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes}
-    say(text, plan_record | {name: records for name, records in told.items() if records})
+    say("\n".join(["block", *rows, *notes, longest, *told.lines]), plan_record | told.record)
 
 
 def _report(root: Path, recorded: Recorded) -> int:

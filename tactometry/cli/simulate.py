@@ -1,16 +1,13 @@
 """`tactometry simulate` and `tactometry demo`: studies with simulated participants."""
 
-from dataclasses import asdict
 from pathlib import Path
-from typing import Any
 
 import click
 
 from tactometry.experiments.sessions.simulation import Simulation, simulate as sessions_of
 from tactometry.experiments.sessions.workers import check_workers
-from tactometry.experiments.study.contact_loss import pulled_fingers
-from tactometry.experiments.study.dry_run import felt_of
 from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.felt_and_lost import felt_and_lost
 from tactometry.experiments.study.study_file import folder_of, load, parse
 
 from ..errors import count_of
@@ -57,20 +54,9 @@ def simulate(
     result = {"data_set": str(out), "participants": n_participants, "trials": n_trials, "seed": seed}
     aborted = f", {count_of(n_aborted, 'procedure')} aborted" if n_aborted else ""
     text = f"{out}: {count_of(n_participants, 'simulated participant')}, {count_of(n_trials, 'trial')}{aborted}"
-    felt_lines, felt = _sensations(content, study) if explain else ([], {})
-    say("\n".join([text, *felt_lines]), {**result, "aborted": n_aborted, **felt})
-
-
-def _sensations(content: bytes, study: str) -> tuple[list[str], dict[str, Any]]:
-    """What the participants of a study feel, in words and as a record."""
-    experiment = wire(parse(content, study), study)
-    felt = felt_of(experiment)
-    pulled = pulled_fingers(experiment)
-    models = {type(cell.sensation).__name__ for cell in experiment.cells.values()}
-    lines = [line for effects in felt for line in effects.lines] or [f"felt by {', '.join(sorted(models))}, no scene"]
-    told = {"felt": [asdict(effects) for effects in felt]}
-    contact = {"contact": [asdict(finger) for finger in pulled]} if pulled else {}
-    return [*lines, *(finger.line for finger in pulled)], {**told, **contact}
+    told = felt_and_lost(wire(parse(content, study), study)) if explain else None
+    lines, record = (told.lines, told.record) if told else ([], {})
+    say("\n".join([text, *lines]), {**result, "aborted": n_aborted, **record})
 
 
 @subcommand("demo --out demo --seed 1")
