@@ -1,4 +1,4 @@
-"""Studies that are felt in processes that know nothing else: a program of tests/experiments/test_scene_in_study.py.
+"""Studies that are felt in processes that know nothing else: a program of tests/experiments/test_scene_imports.py.
 
 It reads study files by name as JSON, and feels the first stimulus of each in a copy of a process that has felt none.
 """

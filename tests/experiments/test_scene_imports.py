@@ -1,0 +1,90 @@
+"""A study imports the effects that its scene states, and no other."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from places import ROOT
+from scene_cases import ELECTROVIBRATION, TIME_REVERSAL
+from scene_studies import EFFECT_LINES, FOCI, SHORT, scene
+from study_texts import changed
+
+from tactometry.loading import resolve
+from tactometry.stimuli.scenes.effects import EFFECTS, OF_ELECTROVIBRATION, OF_TIME_REVERSAL
+
+CASES = {**ELECTROVIBRATION, **TIME_REVERSAL}
+
+
+def test_effects_that_no_study_calls_for_are_not_imported(tmp_path):
+    study = tmp_path / "s.toml"
+    text = changed(scene(*EFFECT_LINES.values(), '{ kind = "contact_area" }'), SHORT)
+    study.write_text(text, encoding="utf-8")
+    script = (
+        "import sys, json; from tactometry.cli import main\n"
+        "try: main()\n"
+        "finally: print(json.dumps(list(sys.modules)), file=sys.stderr)"
+    )
+    words = ["simulate", str(study), "--participants", "1", "--seed", "1", "--out", str(tmp_path / "d")]
+    result = subprocess.run([sys.executable, "-I", "-c", script, *words], capture_output=True, text=True, check=False)
+    assert result.returncode == 0, result.stderr
+    modules = set(json.loads(result.stderr.splitlines()[-1]))
+    stated = {"force_law", "friction", "sensitivity", "contact_area", "skin_mobility"}  # that by default
+    by_kind = {kind: EFFECTS[kind].partition(":")[0] for kind in OF_ELECTROVIBRATION}
+    assert {kind for kind, module in by_kind.items() if module in modules} == stated
+    assert not {name for name in modules if name.endswith(("motion.finger", "motion.pad", "motion.stick_slip"))}
+    assert "tactometry.stimuli.electrovibration.sensation" not in modules
+
+
+def inline(kind):
+    values = {"law": '"sc_layer"'} if kind == "force_law" else CASES[kind][0]
+    return "{ " + ", ".join([f'kind = "{kind}"', *(f"{key} = {value}" for key, value in values.items())]) + " }"
+
+
+SLOTS = {"dry_friction": "friction", "receptors": "sensitivity", "summation": "sensitivity"}
+
+
+def with_company(kind):
+    """An effect, and no more than what it can be felt with."""
+    needs = CASES[kind][1] if kind in CASES else ()
+    return ({kind, *needs, "force_law", "friction", "sensitivity"} - {SLOTS.get(kind)}) - {"plain"}
+
+
+PANEL_KINDS = [kind for kind in OF_ELECTROVIBRATION if not resolve(EFFECTS[kind]).in_signal]
+PLATE_KINDS = ["finger_load", "focus_detection", "movie", "drive_energy"]
+OTHERS = [kind for kind in OF_TIME_REVERSAL if not resolve(EFFECTS[kind]).in_signal]
+ALWAYS = {"skin_mobility"}
+"""What a panel has by default in its scenes: friction moves the skin."""
+UNFELT = {"movie": "focus_detection", "drive_energy": "focus_detection"}
+
+
+@pytest.fixture(scope="module")
+def loaded():
+    """What each scene states, and the modules behind a level through it, felt in a process of its own."""
+    if not hasattr(os, "fork"):
+        pytest.skip("needs os.fork for a process per effect")
+    panels = {kind: with_company(kind) for kind in [*PANEL_KINDS, "plain"]}
+    plates = {kind: {kind, "focus_detection"} for kind in PLATE_KINDS}
+    studies = {kind: scene(*map(inline, sorted(kinds))) for kind, kinds in panels.items()}
+    for kind, kinds in plates.items():
+        studies[kind] = f"{FOCI}\n[scene]\neffects = [{', '.join(map(inline, sorted(kinds)))}]\n"
+    script = ROOT / "tests" / "support" / "felt_processes.py"
+    done = subprocess.run(
+        [sys.executable, script], input=json.dumps(studies), capture_output=True, text=True, check=True
+    )
+    return panels | plates, {kind: set(modules) for kind, modules in json.loads(done.stdout).items()}
+
+
+@pytest.mark.parametrize("kind", [*PANEL_KINDS, *PLATE_KINDS])
+def test_a_study_imports_the_effects_that_its_scene_states_and_no_other(loaded, kind):
+    stated, modules = loaded
+    found = {name for name in (*PANEL_KINDS, *OTHERS) if EFFECTS[name].partition(":")[0] in modules[kind]}
+    assert found - ALWAYS == stated[kind] - ALWAYS
+
+
+@pytest.mark.parametrize("kind", UNFELT)
+def test_an_effect_that_nothing_felt_needs_imports_no_more_than_its_name(loaded, kind):
+    _, modules = loaded
+    named = EFFECTS[kind].partition(":")[0]
+    assert {named} <= modules[kind] - modules[UNFELT[kind]] <= {named, named.rpartition(".")[0]}
