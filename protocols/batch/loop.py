@@ -9,6 +9,7 @@ import numpy as np
 from tactometry.compiled import compiled
 
 from ..procedures.transition import GOES_ON, Transition
+from .delivery import nearest
 
 
 @compiled
@@ -34,17 +35,18 @@ def loop_of(transition: Transition) -> Callable[..., None]:
     after: Any = compiled(transition.after)
     ending_of: Any = compiled(transition.ending)
     threshold_of: Any = compiled(transition.threshold)
-    felt_at = _felt
+    felt_at, delivered_at = _felt, compiled(nearest)
 
-    def loop(rule, table, criteria, results):  # type: ignore[no-untyped-def]
-        (numbers, orders), (places, felt) = rule, table
-        levels, answers, marks, endings, thresholds = results
+    def loop(rule, output, table, criteria, results):  # type: ignore[no-untyped-def]
+        (numbers, orders), (step, low, high), (places, felt) = rule, output, table
+        asked, levels, answers, marks, endings, thresholds = results
         n_sets, n_trials = criteria.shape
         for i in range(n_sets):
             order, row, n = orders[i % len(orders)], felt[i % len(felt)], 0
             state, ending = start(numbers, order), GOES_ON
             while ending == GOES_ON and n < n_trials:
-                levels[i, n] = level_of(numbers, order, state)
+                asked[i, n] = level_of(numbers, order, state)
+                levels[i, n] = delivered_at(asked[i, n], step, low, high)
                 answers[i, n] = felt_at(levels[i, n], places, row) > criteria[i, n]
                 n += 1
                 state, marks[i, n - 1] = after(numbers, order, state, answers[i, :n], levels[i, :n])

@@ -19,16 +19,17 @@ class TrackBatch:
 
     Parameters
     ----------
-    levels : (n_sets, n_trials) array
-        NaN after a track's end.
+    asked, levels : (n_sets, n_trials) array
+        What the rule asked for, and what was delivered; NaN after a track's end.
     answers : (n_sets, n_trials) array of int
-        1, 0, or `NOT_ASKED` after the end.
+        The outcomes, 1 or 0 of most rules, or `NOT_ASKED` after the end.
     endings : (n_sets,) array of int
         As in `tactometry.protocols.procedures.transition`; `ending` says one in words.
     thresholds : (n_sets,) array
         The rule's own estimates; NaN where there is none.
     """
 
+    asked: Array
     levels: Array
     answers: NDArray[np.int8]
     endings: NDArray[np.int8]
@@ -47,11 +48,13 @@ class TrackBatch:
         """Before the first answer."""
         n_sets = shape[0]
         answers, endings = np.full(shape, NOT_ASKED, dtype=np.int8), np.full(n_sets, GOES_ON, dtype=np.int8)
-        return cls(np.full(shape, np.nan), answers, endings, np.full(n_sets, np.nan))
+        asked, levels = np.full(shape, np.nan), np.full(shape, np.nan)
+        return cls(asked, levels, answers, endings, np.full(n_sets, np.nan))
 
     def rows(self, sets: slice) -> Self:
         """A part of the sets, which shares their memory."""
-        return type(self)(self.levels[sets], self.answers[sets], self.endings[sets], self.thresholds[sets])
+        answers, endings = self.answers[sets], self.endings[sets]
+        return type(self)(self.asked[sets], self.levels[sets], answers, endings, self.thresholds[sets])
 
     def ending(self, i: int) -> Ending | None:
         """How a track ended; None if it goes on."""

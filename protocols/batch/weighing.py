@@ -6,30 +6,32 @@ from numpy.typing import NDArray
 from ..bayesian.weighing import WeighingRule, edges, normalised
 from ..procedures.transition import ABORTED, CONVERGED, GOES_ON, TRIALS
 from .answers import Array, LevelTable
+from .delivery import Delivery
 from .results import TrackBatch
 
 MOST_CELLS = 400_000
 """Of all sets at a time: their weights stay near the processor."""
 
 
-def weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, made: TrackBatch) -> None:
-    """Fill in a batch."""
+def weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, delivery: Delivery, made: TrackBatch) -> None:
+    """Fill in a batch, of criteria (n_sets, n_trials, n_outcomes - 1)."""
     size = max(1, MOST_CELLS // rule.prior_state.weights.size)
     for first in range(0, len(criteria), size):
         sets = slice(first, first + size)
-        _weigh(rule, criteria[sets], None if table is None else table.rows(sets), made.rows(sets))
+        _weigh(rule, criteria[sets], None if table is None else table.rows(sets), delivery, made.rows(sets))
 
 
-def _weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, made: TrackBatch) -> None:
+def _weigh(rule: WeighingRule, criteria: Array, table: LevelTable | None, delivery: Delivery, made: TrackBatch) -> None:
     """Of sets that go on together; one that has ended is left out."""
     prior, going = rule.prior_state, np.arange(len(criteria))
     logs, weights = (np.tile(each, (len(criteria), 1)) for each in (prior.log_weights, prior.weights))
     n_trials = min(criteria.shape[1], rule.n_trials)
     for n in range(n_trials):
-        levels = rule.places(logs, weights)
+        asked = rule.places(logs, weights)
+        levels = delivery(asked)
         felt = levels if table is None else table.at(levels, going)
-        answers = (felt > criteria[going, n]).astype(np.int8)
-        made.levels[going, n], made.answers[going, n] = levels, answers
+        answers = (felt[:, None] > criteria[going, n]).sum(axis=1, dtype=np.int8)
+        made.asked[going, n], made.levels[going, n], made.answers[going, n] = asked, levels, answers
         learnt = logs + rule.log_likelihoods(levels, answers)
         possible = np.isfinite(learnt.max(axis=1))
         learnt[~possible] = logs[~possible]  # what no cell allows leaves the weights of before

@@ -126,9 +126,16 @@ class QuestPlus(WeighingRule):
         return np.asarray(self.levels, dtype=np.float64)[least(losses)]
 
     def log_likelihoods(self, levels: Array, answers: NDArray[np.int8]) -> Array:
+        places = self._places_of(levels)
+        found = np.asarray(self.dense.logarithms[answers, places])
+        for n in np.flatnonzero(places < 0):  # delivered, and none of the candidates
+            found[n] = self.grid.log_likelihood(float(levels[n]), int(answers[n]))
+        return found
+
+    def _places_of(self, levels: Array) -> NDArray[np.intp]:
+        """Of levels (n_sets,) among the candidates; -1 of others."""
         index = {level: n for n, level in enumerate(self.levels)}
-        places = [index[level] for level in levels.tolist()]
-        return np.asarray(self.dense.logarithms[answers, places])
+        return np.array([index.get(level, -1) for level in levels.tolist()], dtype=np.intp)
 
     def log_likelihood(self, level: float, outcome: int) -> Array:
         tabled = self.likelihoods.log_likelihood(self.levels.index(level), outcome) if level in self.levels else None

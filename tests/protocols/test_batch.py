@@ -7,6 +7,7 @@ from typing import get_args
 import catalogue
 import numpy as np
 import pytest
+from batches import LEVELS, OUTPUT, own_run
 from examples import examples
 from hypothesis import given, strategies as st
 from scipy.stats import binomtest
@@ -23,6 +24,7 @@ from tactometry.protocols import (
     WeightedStaircase,
 )
 from tactometry.protocols.batch.answers import LevelTable, criteria
+from tactometry.protocols.batch.delivery import AS_ASKED
 from tactometry.protocols.batch.results import NOT_ASKED
 from tactometry.protocols.batch.streams import stream
 from tactometry.protocols.batch.tracks import tracks
@@ -48,31 +50,23 @@ STEPPING = {
     "rising": MethodOfLimits(0.0, 40.0, 4.0, 5, "ascending", 3),
     "falling": MethodOfLimits(0.0, 40.0, 7.0, 4, "descending"),
 }
-LEVELS = np.linspace(-1.0, 41.0, 8)
-
-
-def own_run(rule, order, answers):
-    """The levels, and the run, of a rule that is told the answers of a track."""
-    run, levels = type(rule.begin())(rule, order=tuple(order)), []
-    for answer in answers:
-        levels.append(run.level)
-        run = run.after(int(answer))
-    return levels, run
 
 
 @pytest.mark.parametrize("rule", STEPPING.values(), ids=STEPPING)
-@given(seed=st.integers(0, 2**32 - 1), through_a_table=st.booleans())
+@given(seed=st.integers(0, 2**32 - 1), through_a_table=st.booleans(), output=st.sampled_from([AS_ASKED, OUTPUT]))
 @examples(10, deadline=None)
-def test_a_batch_is_the_rules_own_run_trial_by_trial(rule, seed, through_a_table):
+def test_a_batch_is_the_rules_own_run_trial_by_trial(rule, seed, through_a_table, output):
     rng = np.random.default_rng(seed)
     place, spread = rng.uniform(-10, 50), rng.choice([0.0, 1.0, 10.0])
     drawn, orders = place + spread * rng.standard_normal((6, 50)), rule.orders(6, rng)
     table = LevelTable(LEVELS, np.sort(rng.uniform(0, 40, (6, len(LEVELS))))) if through_a_table else None
-    batch = tracks(rule, drawn, table, orders=orders)
+    batch = tracks(rule, drawn, table, orders=orders, delivery=output)
     for i, n in enumerate(batch.n_trials):
-        levels, run = own_run(rule, orders[i], batch.answers[i, :n])
-        assert batch.levels[i, :n].tolist() == levels
-        felt = np.interp(levels, LEVELS, table.felt[i]) if through_a_table else np.array(levels)
+        levels, run = own_run(rule, orders[i], batch.answers[i, :n], output)
+        assert batch.asked[i, :n].tolist() == levels
+        delivered = output(np.array(levels))
+        assert np.array_equal(batch.levels[i, :n], delivered)
+        felt = np.interp(delivered, LEVELS, table.felt[i]) if through_a_table else delivered
         assert np.array_equal(batch.answers[i, :n], felt > drawn[i, :n])
         assert (batch.ending(i), bool(n < 50)) == (run.ending, bool(n < 50 and run.finished))
         assert np.isnan(batch.levels[i, n:]).all()
@@ -83,7 +77,17 @@ def test_a_batch_is_the_rules_own_run_trial_by_trial(rule, seed, through_a_table
 GRID = ParameterGrid(tuple(np.linspace(0.0, 40.0, 21)), (4.0, 9.0, 20.0), (0.0, 0.5), (0.0, 0.02))
 FEW = tuple(np.linspace(0.0, 40.0, 11))
 COIN = FunctionModel({"bias": (0.2, 0.5, 1.0)}, 2, lambda level, outcome, *, bias: log(bias if outcome else 1 - bias))
+
+
+def unsure(level, outcome, *, threshold, width):
+    """Wrong, "I do not know" or right, whose borders lie 2 apart."""
+    right, known = (1 / (1 + np.exp((threshold + at - level) / width)) for at in (1.0, -1.0))
+    return log((1 - known, known - right, right)[outcome])
+
+
+THREE = FunctionModel({"threshold": GRID.thresholds, "width": (2.0, 5.0)}, 3, unsure)
 WEIGHING = {
+    "wrong, unsure, right": QuestPlus(FEW, THREE, 25, 2.5, "threshold"),
     **{kind: rule for kind, rule in catalogue.PROCEDURES.items() if isinstance(rule, WeighingRule)},
     **{
         f"QUEST+, {aim}, {criterion}": QuestPlus(FEW, GRID, 25, 2.5, aim, criterion, {"width": (1.0, 2.0, 1.0)})
@@ -99,19 +103,24 @@ WEIGHING = {
 
 
 @pytest.mark.parametrize("rule", WEIGHING.values(), ids=WEIGHING)
-@given(seed=st.integers(0, 2**32 - 1), through_a_table=st.booleans())
+@given(seed=st.integers(0, 2**32 - 1), through_a_table=st.booleans(), output=st.sampled_from([AS_ASKED, OUTPUT]))
 @examples(8, deadline=None)
-def test_a_batch_of_a_weighing_rule_is_its_own_run_trial_by_trial(rule, seed, through_a_table):
+def test_a_batch_of_a_weighing_rule_is_its_own_run_trial_by_trial(rule, seed, through_a_table, output):
     """Levels of QUEST lie where a sum puts them: equal but for its rounding."""
     rng = np.random.default_rng(seed)
-    drawn = rng.uniform(-10, 50) + rng.choice([0.0, 1.0, 10.0]) * rng.standard_normal((5, 30))
+    shape = (5, 30, rule.n_outcomes - 1)
+    drawn = np.sort(rng.uniform(-10, 50) + rng.choice([0.0, 1.0, 10.0]) * rng.standard_normal(shape), axis=2)
     table = LevelTable(LEVELS, np.sort(rng.uniform(0, 40, (5, len(LEVELS))))) if through_a_table else None
-    batch = tracks(rule, drawn, table)
+    batch = tracks(rule, drawn, table, delivery=output)
     for i, n in enumerate(batch.n_trials):
         run = rule.begin()
-        for level, answer in zip(batch.levels[i, :n].tolist(), batch.answers[i, :n].tolist(), strict=True):
-            assert level == pytest.approx(run.level, abs=1e-9 if isinstance(rule, Quest) else 0)
+        each = batch.asked[i, :n], batch.levels[i, :n], batch.answers[i, :n]
+        for asked, level, answer in zip(*(values.tolist() for values in each), strict=True):
+            assert asked == pytest.approx(run.level, abs=1e-9 if isinstance(rule, Quest) else 0)
+            assert level == output(asked)
             run = run.after(answer, level)
+        felt = np.array([np.interp(level, LEVELS, table.felt[i]) if through_a_table else level for level in each[1]])
+        assert np.array_equal(each[2], (felt[:, None] > drawn[i, :n]).sum(axis=1))
         assert (batch.ending(i), run.finished) == (run.ending, n < 30 or run.finished)
         wanted = math.nan if run.threshold is None else run.threshold
         assert batch.thresholds[i] == pytest.approx(wanted, rel=1e-9, abs=1e-9, nan_ok=True)
@@ -175,12 +184,19 @@ def test_a_place_that_is_no_word_is_refused(number):
         stream(1, 0, number)
 
 
-def test_a_rule_of_three_outcomes_is_refused():
-    three = FunctionModel(
-        {"bias": (0.2, 0.3)}, 3, lambda level, outcome, *, bias: log((1 - 2 * bias, bias, bias)[outcome])
-    )
-    with pytest.raises(InvalidParameter, match="tracks.rule: found quest_plus, expected .* two outcomes"):
-        tracks(QuestPlus((0.0, 1.0), three), np.zeros((1, 2)))
+def test_criteria_of_a_rule_of_three_outcomes_are_two():
+    with pytest.raises(InvalidParameter, match=r"tracks.criteria: found .* expected \(n_sets, n_trials, 2\)"):
+        tracks(WEIGHING["wrong, unsure, right"], np.zeros((1, 2)))
+
+
+def test_outcomes_are_as_frequent_as_their_criteria_say():
+    """Of one uniform number a trial: below the first chance 2, below the sum of both 1, else 0."""
+    uniform, levels = np.random.default_rng().random((1000, 100)), (0.0, 40.0)
+    drawn = np.stack([np.where(uniform < 0.7, -1.0, 99.0), np.where(uniform < 0.4, -1.0, 99.0)], axis=2)
+    rule = QuestPlus(levels, THREE, n_trials=100)
+    counts = np.bincount(tracks(rule, drawn).answers.ravel(), minlength=3)
+    for n, chance in enumerate((0.3, 0.3, 0.4)):
+        assert binomtest(int(counts[n]), 100_000, chance).pvalue > 1e-4
 
 
 @pytest.mark.parametrize(
