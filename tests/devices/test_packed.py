@@ -253,12 +253,25 @@ def test_a_board_that_has_not_all_of_a_stream_when_it_is_over_played_nothing(boa
         time.sleep(plays_s)
         output.stop()
         assert output.n_gaps() == n_gaps
-    output.play(LONG)
-    time.sleep(LONG.duration_s)
-    with pytest.raises(
-        DeviceFailed, match=r"took \d+ bytes of a stream up to the next one, expected all: what was asked"
-    ):
-        output.play(LONG)
+    output.close()
+
+
+NOT_READ = "had not read all of a stream when the next one came: what was asked for before this was not played"
+
+
+@pytest.mark.parametrize("signal", [LONG, SHORT], ids=["longer than a pipe", "that a pipe holds"])
+def test_a_board_that_hangs_is_seen_by_the_gaps_and_by_the_next_signal(signal, board):
+    """A touch that nothing stops asks for gaps when its signal is over: what lay in the pipe was taken to be played."""
+    output = output_to(board)
+    output.play(signal)
+    time.sleep(signal.duration_s)
+    assert output.n_gaps(LONGEST_WAIT_S) == 0
+    board.hang()
+    output.play(signal)
+    time.sleep(signal.duration_s)
+    assert output.n_gaps() == 1
+    with pytest.raises(DeviceFailed, match=NOT_READ):
+        output.play(signal)
     output.close()
 
 

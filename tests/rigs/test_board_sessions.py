@@ -2,6 +2,7 @@
 
 import io
 import os
+import re
 import threading
 from contextlib import suppress
 from dataclasses import replace
@@ -348,8 +349,8 @@ class Supplying:
 @pytest.mark.parametrize(
     ("closes", "words"),
     [
-        (True, "board: the board took no more (Broken pipe); the output stopped"),
-        (False, "what was asked for before this"),
+        (True, r"board: the board (took no more \(Broken pipe\); the output stopped|had not read all of a stream)"),
+        (False, "what was asked for before this was not played"),
     ],
     ids=["a supply that is refused", "a supply that does not come"],
 )
@@ -365,9 +366,10 @@ def test_a_supply_that_fails_ends_the_session_and_loses_nothing(
     status, said, _ = on_the_console(capsys, monkeypatch, tmp_path, study)
     failing.ended.set()
     assert status == 3, said
-    assert words in said
+    assert re.search(words, said), said
     assert "Traceback" not in said
     kept = trial_rows(tmp_path / "d")
+    assert {row["level"] for row in kept if row["valid"] == "1"} <= {"26", "30"}  # of 63 and 100 V
     sound = Supplying(pipe, LOWEST_V * (1 - 1e-9), closes=True)
     in_background(sound.run)
     status, said, _ = on_the_console(capsys, monkeypatch, tmp_path, study, "--resume")

@@ -124,6 +124,11 @@ class Sending:
                 f"{self._within_s:.3g} s, expected all; restart the board"
             )
 
+    def is_whole(self, within_s: float) -> bool:
+        """Whether the whole stream was sent within a time."""
+        self._thread.join(within_s)
+        return self.n_sent == len(self._stream)
+
     def end(self, within_s: float) -> bool:
         """Send no more: whether the whole stream was sent.
 
@@ -297,13 +302,18 @@ class PackedOutput(AmplifiedDriver):
         return onset_s
 
     def _end_whole(self) -> None:
-        """As `_finish`, before another signal: nobody has asked for gaps since then."""
-        before = self._sending
+        """As `_finish`, before another signal; what lies unread in a pipe by then was not played."""
+        before, is_over = self._sending, time.perf_counter() >= self._over_s
         self._finish()
-        if before is not None and self._is_torn:
+        if before is None:
+            return
+        if is_over and self._line is not None and not self._line.was_read(STOP_WITHIN_S):
+            self._is_torn = True
+            self._let_go()
+        if self._is_torn:
             raise DeviceFailed(
-                f"{self._path}: the board took {before.n_sent} bytes of a stream up to the next one, expected all: "
-                "what was asked for before this was not played; restart the board"
+                f"{self._path}: the board had not read all of a stream when the next one came: what was asked for "
+                "before this was not played; restart the board"
             )
 
     def _finish(self) -> None:
@@ -319,9 +329,11 @@ class PackedOutput(AmplifiedDriver):
         if sending.failure is not None:
             raise sending.failure
 
-    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int:
+    def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
         """1 where the signal was over before the board had all of its stream: it played nothing."""
-        del longest_wait_s
+        sending, line = self._sending, self._line
+        if sending is not None and line is not None and time.perf_counter() >= self._over_s:
+            self._is_torn = not (sending.is_whole(longest_wait_s) and line.was_read(longest_wait_s))
         return int(self._is_torn)
 
     def stop(self) -> None:
