@@ -131,18 +131,31 @@ def compliance(
     """
     positive("compliance", target_n=target_n, tolerance=tolerance, window_s=window_s)
     times, forces = stamped_samples("compliance", times_s, forces_n, "forces_n", rising=False)
-    off_target_n = np.abs(_running_mean(times, forces, window_s) - target_n)
-    in_band = off_target_n <= tolerance * target_n
-    return Compliance(float(forces.mean()), float(forces.std()), float(in_band.mean()))
+    (kept,) = compliances(times, forces[None], target_n, tolerance, window_s)
+    return kept
 
 
-def _running_mean(times_s: NDArray[np.float64], forces_n: NDArray[np.float64], window_s: float) -> NDArray[np.float64]:
+def compliances(
+    times_s: NDArray[np.float64],
+    forces_n: NDArray[np.float64],
+    target_n: float,
+    tolerance: float,
+    window_s: float = 0.25,
+) -> list[Compliance]:
+    """`compliance` of each of several touches with the same stamps: (n_touches, n_samples) forces, unchecked."""
+    off_target_n = np.abs(_running_means(times_s, forces_n, window_s) - target_n)
+    in_band = (off_target_n <= tolerance * target_n).mean(axis=1)
+    return list(map(Compliance, forces_n.mean(axis=1).tolist(), forces_n.std(axis=1).tolist(), in_band.tolist()))
+
+
+def _running_means(times_s: NDArray[np.float64], forces_n: NDArray[np.float64], window_s: float) -> NDArray[np.float64]:
     first = np.searchsorted(times_s, times_s - window_s, side="right")
     behind = np.arange(1, times_s.size + 1)
     first = np.minimum(first, behind - 1)  # a window that rounding makes shorter than any step holds its own sample
     # reduceat sums from each edge to the next: every second sum is a window's; the 0 lets the last edge be the end
     edges = np.column_stack([first, behind]).ravel()
-    sums = np.add.reduceat(np.append(forces_n, 0.0), edges)[::2]
+    ended = np.pad(forces_n, ((0, 0), (0, 1)))
+    sums = np.add.reduceat(ended, edges, axis=1)[:, ::2]
     return np.asarray(sums / (behind - first), dtype=np.float64)
 
 
@@ -302,19 +315,36 @@ def motion(
     >>> motion([0.0, 0.1, 0.2, 0.3], [0.0, 0.01, 0.02, 0.02], 0.1, tolerance=0.2, window_s=0.2).in_band
     0.5
     """
-    gate = SpeedGate(target_m_per_s, tolerance, window_s=window_s)
+    SpeedGate(target_m_per_s, tolerance, window_s=window_s)  # refuses what is no band
     times, positions = stamped_samples("motion", times_s, positions_m, "positions_m", rising=True)
+    (kept,) = motions(times, positions[None], target_m_per_s, tolerance, window_s)
+    return kept
+
+
+def motions(
+    times_s: NDArray[np.float64],
+    positions_m: NDArray[np.float64],
+    target_m_per_s: float,
+    tolerance: float,
+    window_s: float = WINDOW_S,
+) -> list[SpeedCompliance]:
+    """`motion` of each of several touches with the same stamps: (n_touches, n_samples) places, unchecked."""
+    first, last = _windows(times_s, window_s)
+    speeds = np.abs(positions_m[:, last] - positions_m[:, first]) / (times_s[last] - times_s[first])
+    means_m_per_s = np.abs(np.diff(positions_m)).sum(axis=1) / (times_s[-1] - times_s[0])
+    in_band = np.abs(speeds - target_m_per_s) <= tolerance * target_m_per_s * (1 + 1e-12)
+    return list(map(SpeedCompliance, means_m_per_s.tolist(), in_band.mean(axis=1).tolist()))
+
+
+def _windows(times_s: NDArray[np.float64], window_s: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """The first and the last sample of the window around each."""
     half_s = window_s / 2 * (1 + 1e-9)  # a sample at the very end of a window stays in it whatever rounding does
-    first = np.searchsorted(times, times - half_s, side="left")
-    last = np.searchsorted(times, times + half_s, side="right") - 1
+    first = np.searchsorted(times_s, times_s - half_s, side="left")
+    last = np.searchsorted(times_s, times_s + half_s, side="right") - 1
     # a sample alone in its window has no speed: with the one before it, and the first of all with the one after
     alone = first == last
     last = np.where(alone & (first == 0), 1, last)
-    first = np.where(alone, np.maximum(first - 1, 0), first)
-    speeds = np.abs(positions[last] - positions[first]) / (times[last] - times[first])
-    mean_m_per_s = float(np.abs(np.diff(positions)).sum() / (times[-1] - times[0]))
-    in_band = np.abs(speeds - gate.target_m_per_s) <= tolerance * gate.target_m_per_s * (1 + 1e-12)
-    return SpeedCompliance(mean_m_per_s, float(in_band.mean()))
+    return np.where(alone, np.maximum(first - 1, 0), first), last
 
 
 def triangle(path_m: ArrayLike, length_m: float) -> NDArray[np.float64]:

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass
-from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,15 +10,33 @@ from ..arguments.require import below_1, positive
 from ..gates import triangle
 from ..session.request import Press, Slide
 
+Array = NDArray[np.float64]
+N_TRIES = 100
+"""Forces are drawn so often until one falls into the band."""
+
 
 @dataclass(frozen=True)
 class Grip:
     """What a finger did during a stimulus: stamps, forces, places along its path, and its mean speed."""
 
-    times_s: NDArray[np.float64]
-    forces_n: NDArray[np.float64]
-    positions_m: NDArray[np.float64]
+    times_s: Array
+    forces_n: Array
+    positions_m: Array
     speed_m_per_s: float
+
+
+@dataclass(frozen=True)
+class Grips:
+    """The same of several touches with the same stamps: a row of forces and places, and a speed, for each."""
+
+    times_s: Array
+    forces_n: Array
+    positions_m: Array
+    speeds_m_per_s: Array
+
+    def of(self, i: int) -> Grip:
+        """One of them."""
+        return Grip(self.times_s, self.forces_n[i], self.positions_m[i], float(self.speeds_m_per_s[i]))
 
 
 @dataclass(frozen=True)
@@ -49,36 +66,50 @@ class SimulatedFinger:
 
     def hold(self, request: Press | Slide, rng: np.random.Generator) -> Grip:
         """One touch as `request` asks for it, at `rate_hz` for its duration."""
-        n_samples = max(round(request.duration_s * self.rate_hz), 2)
-        mean_n = request.target_n * self._in_band(request.tolerance, rng)
-        forces_n = mean_n * (1 + self.waver_cv * self._waver(n_samples, rng))
+        return self.holds(request, rng.standard_normal((1, self.n_draws(request)))).of(0)
+
+    def n_draws(self, request: Press | Slide) -> int:
+        """How many normal numbers a touch takes: for the force, the waver and, of a slide, the speed and its waver."""
+        n_samples = self._n_samples(request)
+        return N_TRIES + n_samples + (0 if isinstance(request, Press) else 1 + n_samples)
+
+    def _n_samples(self, request: Press | Slide) -> int:
+        return max(round(request.duration_s * self.rate_hz), 2)
+
+    def holds(self, request: Press | Slide, drawn: Array) -> Grips:
+        """A touch for each row of (n_touches, n_draws) standard normal numbers."""
+        n_samples = self._n_samples(request)
         times_s = np.arange(n_samples) / self.rate_hz
-        positions_m, speed_m_per_s = self._path(request, times_s, rng)
-        return Grip(times_s, np.maximum(forces_n, 0.0), positions_m, speed_m_per_s)
-
-    def _path(
-        self, request: Press | Slide, times_s: NDArray[np.float64], rng: np.random.Generator
-    ) -> tuple[NDArray[np.float64], float]:
+        tries, waver, path = np.split(drawn, (N_TRIES, N_TRIES + n_samples), axis=1)
+        means_n = request.target_n * self._in_band(request.tolerance, tries)
+        forces_n = np.maximum(means_n[:, None] * (1 + self.waver_cv * self._waver(waver)), 0.0)
         if isinstance(request, Press):
-            return np.zeros_like(times_s), 0.0
-        mean_m_per_s = (
-            request.speed_m_per_s * self.speed_factor * math.exp(self.speed_cv * float(rng.standard_normal()))
-        )
-        speeds = mean_m_per_s * np.maximum(1 + self.speed_waver_cv * self._waver(times_s.size, rng), 0.0)
+            return Grips(times_s, forces_n, np.zeros_like(forces_n), np.zeros(len(drawn)))
+        return Grips(times_s, forces_n, *self._paths(request, path))
+
+    def _paths(self, request: Slide, drawn: Array) -> tuple[Array, Array]:
+        """Places along the path, (n_touches, n_samples), and mean speeds, (n_touches,)."""
+        asked_m_per_s = request.speed_m_per_s * self.speed_factor
+        means_m_per_s = np.array([asked_m_per_s * math.exp(self.speed_cv * z) for z in drawn[:, 0].tolist()])
+        speeds = means_m_per_s[:, None] * np.maximum(1 + self.speed_waver_cv * self._waver(drawn[:, 1:]), 0.0)
         # a speed is that of the step behind its sample: nothing follows the last
-        path_m = np.concatenate([[0.0], np.cumsum(speeds[:-1]) / self.rate_hz])
-        return triangle(path_m, request.length_m), float(speeds[:-1].mean())
+        steps = speeds[:, :-1]
+        paths_m = np.pad(np.cumsum(steps, axis=1) / self.rate_hz, ((0, 0), (1, 0)))
+        return triangle(paths_m, request.length_m), steps.mean(axis=1)
 
-    def _in_band(self, tolerance: float, rng: np.random.Generator) -> float:
-        for ratio in self.force_factor * np.exp(self.force_cv * rng.standard_normal(100)):
-            if abs(ratio - 1) <= tolerance:
-                return float(ratio)
+    def _in_band(self, tolerance: float, tries: Array) -> Array:
+        """The first of the tries of each touch that falls into the band."""
+        ratios = self.force_factor * np.exp(self.force_cv * tries)
+        inside = np.abs(ratios - 1) <= tolerance
+        first = np.take_along_axis(ratios, inside.argmax(axis=1)[:, None], axis=1)[:, 0]
         # none of a hundred falls into the band: it is narrow, or the habit is far from it
-        return float(np.clip(self.force_factor, 1 - tolerance, 1 + tolerance))
+        return np.where(inside.any(axis=1), first, np.clip(self.force_factor, 1 - tolerance, 1 + tolerance))
 
-    def _waver(self, n_samples: int, rng: np.random.Generator) -> NDArray[np.float64]:
-        """A stationary first-order process of unit variance."""
+    def _waver(self, drawn: Array) -> Array:
+        """A stationary first-order process of unit variance from each row."""
         keep = math.exp(-1 / (self.waver_s * self.rate_hz))
-        steps = rng.standard_normal(n_samples)
+        steps = drawn.T.copy()
         steps[1:] *= math.sqrt(1 - keep**2)  # the first has the variance of the process: stationary from there on
-        return np.array([*accumulate(steps.tolist(), lambda state, step: keep * state + step)])
+        for n in range(1, len(steps)):
+            steps[n] += keep * steps[n - 1]
+        return np.ascontiguousarray(steps.T)

@@ -10,11 +10,11 @@ import numpy as np
 from ..arguments.require import expect, lookup
 from ..contact import Contact
 from ..followed import FollowsFinger, felt_under, straight_way
-from ..gates import SpeedCompliance, compliance, motion
 from ..observers.changes.change import Answer, Shift, Shifted
 from ..observers.decisions import Decision, Felt, Observer
 from ..observers.finger import Grip, SimulatedFinger
 from ..observers.people import Feeling
+from ..observers.touches import Touches
 from ..safety.limits import Limits
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.answer_rules import value_at
@@ -77,13 +77,6 @@ def _value_of(liking: float, scale: Rate | Fill) -> float:
     return value_at(round(fraction * (scale.steps - 1)), scale.steps, scale.low, scale.high)
 
 
-def _speed_compliance(request: Press | Slide, grip: Grip) -> SpeedCompliance | None:
-    """How the speed was kept, where it is gated."""
-    if isinstance(request, Press) or request.speed_tolerance is None:
-        return None
-    return motion(grip.times_s, grip.positions_m, request.speed_m_per_s, request.speed_tolerance)
-
-
 Rendering = Callable[[str, float], Signal]
 """The final samples of a stimulus at a level."""
 N_SIGNALS = 128
@@ -127,14 +120,19 @@ class SimulatedRig(LiveRig):
         self._following = {name for name, stimulus in self.bank.items() if isinstance(stimulus, FollowsFinger)}
         self._rendered = self.rendered or rendering(self.bank, self.limits)
         self._answers: list[Answer] = []
+        self._touches = Touches(self.finger, self.rng_of)
         self._begin_trial(0)
 
     def _begin_trial(self, n_trials: int) -> None:
         self._n_trials = n_trials
-        self._rng = self.rng_of(n_trials)
+        self._touches.begin(n_trials)
         self._observer = self._as_it_is(n_trials)
         self._felt: list[Felt] = []
         self._met: Meeting | None = None
+
+    @property
+    def _rng(self) -> np.random.Generator:
+        return self._touches.rng
 
     def _as_it_is(self, n_trials: int) -> Observer:
         """The observer in this trial."""
@@ -212,9 +210,7 @@ class SimulatedRig(LiveRig):
         return self._touch(request)
 
     def _touch(self, request: Press | Slide) -> Touched:
-        grip = self.finger.hold(request, self._rng)
-        force = compliance(grip.times_s, grip.forces_n, request.target_n, request.tolerance)
-        speed = _speed_compliance(request, grip)
+        grip, force, speed = self._touches.touch(request)
         reason = broken_condition(request, force, speed)
         digest = self._feel(request, Contact(force.mean_n, grip.speed_m_per_s), grip)
         self._pass(request.hold_s)
