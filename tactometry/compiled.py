@@ -5,11 +5,16 @@ tie a file that outlives this source to the name of a class in it. `uniform` arg
 whole number for a float, or columns for rows, would be compiled anew, which takes seconds.
 """
 
+import hashlib
+import inspect
 from collections.abc import Callable, Iterable
+from functools import cache
+from pathlib import Path
 from typing import Any, TypeVar
 
 import numpy as np
 from numba import njit
+from numba.extending import register_jitable
 
 Loop = TypeVar("Loop", bound=Callable[..., object])
 
@@ -24,6 +29,21 @@ def entry(loop: Loop) -> Loop:
     """A loop that Python calls, as machine code that is kept on disk."""
     made: Loop = njit(cache=True)(loop)
     return made
+
+
+@cache
+def called(function: Loop) -> Loop:
+    """A plain function that a loop made for it may call. On disk the loop is then found by the function's name, where a
+    compiled one would have another in each process; `sources` in the loop tell it from that of other code."""
+    made: Loop = register_jitable(function)
+    return made
+
+
+def sources(*functions: Callable[..., object]) -> str:
+    """A digest of the files that functions stand in: a loop on disk knows what it calls by its name alone, or by its
+    code where that stands in no file."""
+    files = map(Path, sorted({inspect.getfile(function) for function in functions}))
+    return hashlib.sha256(b"".join(file.read_bytes() for file in files if file.is_file())).hexdigest()
 
 
 def uniform(values: Iterable[object]) -> tuple[Any, ...]:

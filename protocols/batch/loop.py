@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from tactometry.compiled import compiled
+from tactometry.compiled import called, entry, sources
 
+from ..procedures import transition as codes
 from ..procedures.transition import GOES_ON, Transition
 from .delivery import nearest
 
 
-@compiled
 def _felt(level: float, levels: Any, felt: Any) -> Any:
     """As `numpy.interp`; what is at a place of the table is the table's."""
     n = len(levels)
@@ -29,15 +29,17 @@ def _felt(level: float, levels: Any, felt: Any) -> Any:
 
 @cache
 def loop_of(transition: Transition) -> Callable[..., None]:
-    """The loop of a transition; it is compiled once in a process."""
-    start: Any = compiled(transition.start)
-    level_of: Any = compiled(transition.level)
-    after: Any = compiled(transition.after)
-    ending_of: Any = compiled(transition.ending)
-    threshold_of: Any = compiled(transition.threshold)
-    felt_at, delivered_at = _felt, compiled(nearest)
+    """The loop of a transition; it is compiled once, and kept on disk."""
+    start: Any = called(transition.start)
+    level_of: Any = called(transition.level)
+    after: Any = called(transition.after)
+    ending_of: Any = called(transition.ending)
+    threshold_of: Any = called(transition.threshold)
+    felt_at, delivered_at = called(_felt), called(nearest)
+    stamp = sources(start, level_of, after, ending_of, threshold_of, delivered_at, codes.ending_of)
 
     def loop(rule, output, table, criteria, results):  # type: ignore[no-untyped-def]
+        _ = stamp
         (numbers, orders), (step, low, high), (places, felt) = rule, output, table
         asked, levels, answers, marks, endings, thresholds = results
         n_sets, n_trials = criteria.shape
@@ -53,4 +55,4 @@ def loop_of(transition: Transition) -> Callable[..., None]:
                 ending = ending_of(numbers, order, state, answers[i, :n])
             endings[i], thresholds[i] = ending, threshold_of(marks[i, :n])
 
-    return compiled(loop)
+    return entry(loop)
