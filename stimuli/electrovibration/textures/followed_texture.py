@@ -17,7 +17,7 @@ from ..waveforms.pieces import Pieces
 from ..waveforms.sine import Sine
 from ..waveforms.waveform import LevelUnit, Ramped, check_nyquist
 from .maps import HeightMap
-from .played_texture import SensorModel, finest_period_m
+from .played_texture import SensorModel, check_carrier, finest_period_m
 from .texture import Bump, Texture, Velvet
 from .way import Way, directions_along, without_jitter
 
@@ -154,13 +154,7 @@ frequency of the texture under the finger (4000 Hz); raise the carrier, slow dow
         period_m = finest_period_m(self.texture)
         if period_m is None:
             return
-        twice_hz = 2 * speed_m_per_s / period_m
-        expected = (
-            f"at least twice the frequency of the texture under the finger ({twice_hz:.6g} Hz); raise the carrier, "
-            "slow down or widen the texture"
-        )
-        fast = self.carrier_hz >= twice_hz * (1 - 1e-9)
-        require.expect(fast, "FollowedTexture.carrier_hz", f"{self.carrier_hz:g} Hz", expected)
+        check_carrier("FollowedTexture", self.carrier_hz, speed_m_per_s / period_m)
         if positions_hz is not None:
             SensorModel(positions_hz).check(period_m, speed_m_per_s)
 

@@ -130,16 +130,10 @@ class PlayedTexture:
             )
         if self.sensor is not None:
             self.sensor.check(period_m, step_m * self.rate_hz)
-        self._check_carrier(step_m * self.rate_hz / period_m)
-
-    def _check_carrier(self, texture_hz: float) -> None:
+        texture_hz = step_m * self.rate_hz / period_m
         sideband_hz = round(self.carrier_hz + texture_hz, 6)
         check_nyquist("PlayedTexture", "carrier_hz + that of the texture", sideband_hz, self.rate_hz)
-        if self.carrier_hz < 2 * texture_hz * (1 - 1e-9):
-            raise InvalidParameter(
-                f"PlayedTexture.carrier_hz: found {self.carrier_hz} Hz, expected at least twice the frequency of the "
-                f"texture under the finger ({2 * texture_hz:.6g} Hz); raise the carrier, slow down or widen the texture"
-            )
+        check_carrier("PlayedTexture", self.carrier_hz, texture_hz)
 
     @property
     def duration_s(self) -> float:
@@ -176,6 +170,22 @@ def share_along(texture: Texture | Velvet, path_m: FloatArray) -> FloatArray:
     [1.0, 0.0]
     """
     return texture.force_share_along(path_m) if isinstance(texture, Velvet) else texture.force_share(path_m)
+
+
+def check_carrier(owner: str, carrier_hz: float, texture_hz: float) -> None:
+    """Refuse a carrier that is too slow to show a texture whose finest part passes the finger at `texture_hz`.
+
+    Raises
+    ------
+    InvalidParameter
+        In one sentence with the cure.
+    """
+    expected = (
+        f"at least twice the frequency of the texture under the finger ({2 * texture_hz:.6g} Hz); raise the carrier, "
+        "slow down or widen the texture"
+    )
+    is_fast = carrier_hz >= 2 * texture_hz * (1 - 1e-9)
+    require.expect(is_fast, f"{owner}.carrier_hz", f"{carrier_hz:g} Hz", expected)
 
 
 def finest_period_m(texture: Texture | Velvet) -> float | None:

@@ -140,12 +140,12 @@ def test_noise_of_an_extreme_exponent_is_its_strongest_line(exponent: float) -> 
         ),
         (
             lambda: PlayedTexture(GreyImage(pixel_m=40e-6, values=(0.0, 1.0)), PATH),
-            "PlayedTexture.carrier_hz: found 2000.0 Hz, expected at least twice the frequency of the texture under "
+            "PlayedTexture.carrier_hz: found 2000 Hz, expected at least twice the frequency of the texture under "
             "the finger (2500 Hz); raise the carrier, slow down or widen the texture",
         ),
         (
             lambda: PlayedTexture(Grating(80e-6, "sinusoidal"), PATH),
-            "PlayedTexture.carrier_hz: found 2000.0 Hz, expected at least twice the frequency of the texture under "
+            "PlayedTexture.carrier_hz: found 2000 Hz, expected at least twice the frequency of the texture under "
             "the finger (2500 Hz); raise the carrier, slow down or widen the texture",
         ),
         (
