@@ -1,7 +1,7 @@
 """Where was it?"""
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import combinations
 from math import dist
 
@@ -11,7 +11,7 @@ from tactometry.observers.decisions import Decision, locate
 from tactometry.session.answer import Chosen, Touched
 from tactometry.session.request import Choose
 
-from .task import Alternative, Over, Presentation, Task, TaskKind, TrialCourse, TrialOutcome
+from .task import Over, Places, Presentation, Task, TaskKind, TrialCourse, TrialOutcome
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Localisation(Task):
         target = int(rng.integers(1, len(shown.alternatives) + 1))
         chosen = shown.alternatives[target - 1]
         touch: Touched = yield shown.touch.request(chosen.stimulus, shown.level, None)
-        separation_m = _separation_m(shown.alternatives)
+        separation_m = _separation_m(tuple(alternative.places_m for alternative in shown.alternatives))
         outcome = TrialOutcome((touch,), touch, target=target, factors=chosen.factors, separation_m=separation_m)
         if not touch.valid:
             return outcome
@@ -37,22 +37,23 @@ class Localisation(Task):
         labels = tuple(alternative.label for alternative in shown.alternatives)
         stimuli = tuple(alternative.stimulus for alternative in shown.alternatives)
         choice: Chosen = yield Choose("which_place", numbers, labels, stimuli)
-        outcome = replace(outcome, error_m=_distance_m(chosen, shown.alternatives[choice.option - 1]))
+        outcome = replace(outcome, error_m=_distance_m(chosen.places_m, shown.alternatives[choice.option - 1].places_m))
         return outcome.score(choice, correct=choice.option == target)
 
 
-def _separation_m(alternatives: Sequence[Alternative]) -> float | None:
+@lru_cache(maxsize=256)  # every trial of a track has the same
+def _separation_m(alternatives: tuple[Places, ...]) -> float | None:
     """Between the two that are nearest to each other."""
     distances_m = [_distance_m(one, other) for one, other in combinations(alternatives, 2)]
     return min((distance_m for distance_m in distances_m if distance_m is not None), default=None)
 
 
-def _distance_m(one: Alternative, other: Alternative) -> float | None:
+def _distance_m(one: Places, other: Places) -> float | None:
     """Hausdorff's, in whole nanometres: how far a place of either is at most from the nearest of the other; None
     without places."""
-    if not (one.places_m and other.places_m):
+    if not (one and other):
         return None
-    pairs = ((one.places_m, other.places_m), (other.places_m, one.places_m))
+    pairs = ((one, other), (other, one))
     return round(max(min(dist(a, b) for b in those) for these, those in pairs for a in these), 9)
 
 

@@ -17,6 +17,7 @@ from .touch import Touch, feel_in_turn, nth
 
 Place = tuple[float, float]
 """Coordinates of a point (m)."""
+Places = tuple[Place, ...]
 
 
 @dataclass(frozen=True)
@@ -27,7 +28,7 @@ class Alternative:
     stimulus: str
     label: str
     factors: Mapping[str, float | str] = field(default_factory=dict)
-    places_m: tuple[Place, ...] = ()
+    places_m: Places = ()
 
 
 @dataclass(frozen=True)

@@ -94,7 +94,7 @@ def square_harmonic_force_n(
 
 
 def _period_s(frequency_hz: ArrayLike) -> FloatArray:
-    return 1 / require.positive_array("closed_form.frequency_hz", frequency_hz)
+    return 1 / require.positive_array("frequency_hz", frequency_hz)
 
 
 def _peak_v(voltage_v: float, skin: Skin) -> float:

@@ -1,7 +1,7 @@
 """Friction that lags behind the attraction, less so for a faster finger."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -116,10 +116,15 @@ def lagged_friction_n(
     return mu * force_n + first_order_response(pieces, form, low_pass, t)
 
 
-def scene_friction_n(*drive: Any, **lag: float) -> FloatArray:
-    """The lagging friction of a scene."""
-    *attraction, friction, contact = drive
-    return lagged_friction_n(*attraction, lag=FrictionLag(**lag), friction=friction, **vars(contact))
+def scene_friction_n(
+    t_s: FloatArray, pieces: Pieces, form: "ForceForm", friction: CoulombFriction, contact: Contact, **lag: float
+) -> FloatArray:
+    """(n_times,) `lagged_friction_n` of a scene."""
+    settings = FrictionLag(**lag)
+    force_n, speed_m_per_s = contact.force_n, contact.speed_m_per_s
+    return lagged_friction_n(
+        t_s, pieces, form, lag=settings, friction=friction, force_n=force_n, speed_m_per_s=speed_m_per_s
+    )
 
 
 def _resolved_hz(cutoff_hz: float, t_s: FloatArray) -> float:

@@ -156,14 +156,12 @@ def check_one_relaxation(skin: Skin) -> None:
     for name, neutral in (("body_resistance_ohm", 0.0), ("tissue", None)):
         if getattr(skin, name) != neutral:
             raise InvalidParameter(
-                f"closed_form: found a skin with Skin.{name} other than {neutral}, which these formulas have no term "
-                f"for; expected {neutral}, or take Solution or electrostatic_force_n_at"
+                f"skin: found a skin with Skin.{name} other than {neutral}, which this formula has no term for; "
+                f"expected {neutral}, or take Solution or electrostatic_force_n_at"
             )
 
 
 def in_taus(t_s: ArrayLike, skin: Skin) -> FloatArray:
     """Time in units of tau."""
-    t = np.asarray(t_s, dtype=np.float64)
-    if (t < 0).any():
-        raise InvalidParameter(f"closed_form.t_s: found {t.min()} s, expected at least 0")
+    t = require.not_negative_array("t_s", t_s)
     return t / skin.tau_s if skin.tau_s > 0 else np.where(t == 0, 0.0, inf)
