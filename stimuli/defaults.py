@@ -8,6 +8,9 @@ prediction.
 
 from typing import Final
 
+VACUUM_PERMITTIVITY_F_PER_M: Final = 8.8541878128e-12
+"""CODATA 2018."""
+
 ACCURACY: Final = 0.01
 """Relative error that a scene tolerates."""
 
@@ -37,3 +40,7 @@ DISTANCE_M: Final = 0.3
 
 F_MAX_HZ: Final = 60e3
 """Upper end of the band in which a screen emits; unverified default."""
+
+REPETITION_HZ: Final = 200.0
+TRAIN_S: Final = 50e-3
+"""Of a train of foci: how often they come, and how long; unverified defaults."""

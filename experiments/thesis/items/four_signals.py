@@ -16,9 +16,9 @@ from tactometry.stimuli.time_reversal.field.sound import noise
 from tactometry.stimuli.time_reversal.figures.gallery import FOCUS, FOUR
 from tactometry.stimuli.time_reversal.focusing.focusing import Emission, emitted, focus_amplitude
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
+from tactometry.stimuli.time_reversal.screen.transducer import PATCH_CAPACITANCE_F
 
 from ..reproduction import Number, Reproduction
-from .table_4_1 import patch_capacitance_f
 
 N_X, N_Y = 120, 85
 SOUND_TO_HZ = 125e3
@@ -60,7 +60,7 @@ def _measure(emission: Emission) -> DrivenFocus:
         temporal_width_s(emitted(signal, heard)[0], emission.rate_hz),
         float(resolution_per_focus_m(A4_PROTOTYPE, [FOCUS], emission).mean()),
         contrast_whole_of(amplitude_m, at_focus),
-        switched_power_w(signal, patch_capacitance_f()),
+        switched_power_w(signal, PATCH_CAPACITANCE_F),
         noise(A4_PROTOTYPE, signal, SOUND_TO_HZ).a_weighted_db,
         emission,
     )
@@ -90,7 +90,7 @@ def _analytical_w(signal: DrivenFocus) -> float:
     """Q C 2 V^2 r: r transitions per second of one bit of flat noise (Rice), 2 sqrt((b^3 - a^3) / (3 (b - a)))."""
     low_hz, high_hz = signal.emission.band.f_min_hz, signal.emission.band.f_max_hz
     transitions_hz = 2 * math.sqrt((high_hz**3 - low_hz**3) / (3 * (high_hz - low_hz)))
-    return N_PATCHES * patch_capacitance_f() * 2 * signal.emission.voltage_v**2 * transitions_hz
+    return N_PATCHES * PATCH_CAPACITANCE_F * 2 * signal.emission.voltage_v**2 * transitions_hz
 
 
 def _sound() -> Iterator[Number]:

@@ -1,12 +1,9 @@
 """Table 4.1: the material of the patches."""
 
-from tactometry.stimuli.time_reversal.field.merit import capacitance_f
-from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE
-from tactometry.stimuli.time_reversal.screen.transducer import PZ27_RELATIVE_PERMITTIVITY, Patch
+from tactometry.stimuli.time_reversal.screen.transducer import PATCH_CAPACITANCE_F, PZ27_RELATIVE_PERMITTIVITY
 
 from ..reproduction import Number, Reproduction
 
-PATCH_THICKNESS_M = 0.3e-3
 NAVY_TYPE_II = {
     "relative permittivity K": (1900.0, ""),
     "d33": (400.0, "pC/N"),
@@ -18,17 +15,10 @@ NAVY_TYPE_II = {
 }
 
 
-def patch_capacitance_f() -> float:
-    """Of a patch of the prototype."""
-    patch = A4_PROTOTYPE.sources[0]
-    assert isinstance(patch, Patch)
-    return capacitance_f(patch.area_m2, PATCH_THICKNESS_M)
-
-
 def numbers() -> list[Number]:
     stand_in = [Number(name, "stand-in", *constant, "assumed") for name, constant in NAVY_TYPE_II.items()]
     used = Number("relative permittivity used here", "PZ27", PZ27_RELATIVE_PERMITTIVITY, "", "assumed")
-    return [*stand_in, used, Number("capacitance of a patch", "PZ27", 1e9 * patch_capacitance_f(), "nF", "derived")]
+    return [*stand_in, used, Number("capacitance of a patch", "PZ27", 1e9 * PATCH_CAPACITANCE_F, "nF", "derived")]
 
 
 TABLE = Reproduction(

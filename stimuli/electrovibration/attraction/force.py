@@ -13,10 +13,10 @@ from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
+from ...defaults import VACUUM_PERMITTIVITY_F_PER_M as E0
 from ..skin.relaxation import Relaxations
 from ..skin.skin import INSULATOR, Skin
 from ..skin.solution import Solution
-from ..skin.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
 from ..waveforms.pieces import Pieces
 
 if TYPE_CHECKING:

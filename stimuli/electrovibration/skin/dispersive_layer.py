@@ -11,7 +11,8 @@ from tactometry.arguments.annotations import NotNegative, NotNegativeArray, Posi
 from tactometry.arguments.checked import checked
 
 from ...arrays import ComplexArray, FloatArray
-from .stack import VACUUM_PERMITTIVITY_F_PER_M, Layer
+from ...defaults import VACUUM_PERMITTIVITY_F_PER_M
+from .stack import Layer
 
 
 @checked

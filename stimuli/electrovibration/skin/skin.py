@@ -12,8 +12,9 @@ from tactometry.arguments.checked import checked
 from tactometry.errors import InvalidParameter
 
 from ...arrays import ComplexArray, FloatArray
+from ...defaults import VACUUM_PERMITTIVITY_F_PER_M
 from .relaxation import Relaxations
-from .stack import VACUUM_PERMITTIVITY_F_PER_M, Layer, Stack, check_resistivity
+from .stack import Layer, Stack, check_resistivity
 
 INSULATOR, GAP, CORNEUM = 0, 1, 2
 

@@ -13,9 +13,9 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.magnitudes import DOMAINS
 
 from ...arrays import ComplexArray
+from ...defaults import VACUUM_PERMITTIVITY_F_PER_M
 from .relaxation import Relaxations
 
-VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
 LARGEST = 1e280
 
 

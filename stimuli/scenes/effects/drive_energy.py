@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 from tactometry.errors import InvalidParameter
 
 from ...composition.effect import Demand, Effect, Size, Stage, Surroundings, note
-from ...time_reversal.screen.transducer import PZ27_LOSS_TANGENT
+from ...time_reversal.screen.transducer import PATCH_CAPACITANCE_F, PZ27_LOSS_TANGENT
 from ..stages.truncation import MOST_MODES, n_modes, remainder
 
 if TYPE_CHECKING:
@@ -20,8 +20,8 @@ class DriveEnergy(Effect):
     """Strain energy in the band, and the power that transducers of `capacitance_f` take of each channel.
 
     A drive that switches (an effect of the slot ``quantiser``) loses C dV^2 / 2 in each step; one that does not, what
-    the dielectric of `loss_tangent` turns into heat. 5.31 nF, a plate of PZ27 of 1 cm^2 and 0.3 mm, and 0.017
-    are unverified defaults.
+    the dielectric of `loss_tangent` turns into heat. Those of a plate of PZ27 of 1 cm^2 and
+    0.3 mm, 5.31 nF and 0.017, are unverified defaults.
 
     >>> DriveEnergy().slot
     'energy'
@@ -32,7 +32,7 @@ class DriveEnergy(Effect):
     positive = ("capacitance_f", "loss_tangent")
     cures = note("add the effect drive_energy", "energy_j", "power_w")
 
-    capacitance_f: float = 5.31e-9
+    capacitance_f: float = PATCH_CAPACITANCE_F
     loss_tangent: float = PZ27_LOSS_TANGENT
 
     def stages(self, scene: Surroundings) -> tuple[Stage, ...]:

@@ -7,6 +7,7 @@ from tactometry.arguments import require
 
 from ...composition.content import PlateContent
 from ...composition.effect import Demand, Effect, Size, Surroundings
+from ...defaults import REPETITION_HZ, TRAIN_S
 
 if TYPE_CHECKING:
     from ...time_reversal.focusing.quantiser import Quantiser
@@ -30,8 +31,8 @@ class Repetition(Effect):
     reads, gives = ("learnt", "quantiser"), "emission"
     positive = ("repetition_hz", "duration_s")
 
-    repetition_hz: float = 200.0
-    duration_s: float = 50e-3
+    repetition_hz: float = REPETITION_HZ
+    duration_s: float = TRAIN_S
     envelope: Envelope = "rectangular"
 
     def __post_init__(self) -> None:

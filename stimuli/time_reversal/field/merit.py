@@ -18,7 +18,7 @@ from ...arrays import FloatArray
 from ..focusing.focusing import Emission
 from ..responses.responses import Point, Responses
 from ..screen.screen import Screen
-from ..screen.transducer import PZ27_LOSS_TANGENT, PZ27_RELATIVE_PERMITTIVITY
+from ..screen.transducer import PZ27_LOSS_TANGENT
 from .field import modal_amplitudes
 
 Grid = tuple[Vector, Vector]
@@ -137,9 +137,6 @@ def _crossing(at: FloatArray, relative: FloatArray, level: float) -> float:
     return float(at[i - 1] + share * (at[i] - at[i - 1]))
 
 
-VACUUM_PERMITTIVITY_F_PER_M = 8.8541878128e-12
-
-
 @checked
 def deformation_energy_j(screen: Screen, signal: Signal, sample: int, f_max_hz: float) -> float:
     """Strain energy of the plate at a sample of a drive: half the sum of M w_n^2 q_n^2, exact for its
@@ -148,18 +145,6 @@ def deformation_energy_j(screen: Screen, signal: Signal, sample: int, f_max_hz: 
     q = modal_amplitudes(screen, signal, sample, f_max_hz)
     omega = screen.oscillators(f_max_hz).omega_rad_per_s
     return 0.5 * screen.plate.mass_kg * float(np.sum((omega * q) ** 2))
-
-
-@checked
-def capacitance_f(
-    area_m2: Positive, thickness_m: Positive, relative_permittivity: Positive = PZ27_RELATIVE_PERMITTIVITY
-) -> float:
-    """C = eps A / t of a piezoelectric plate.
-
-    >>> round(capacitance_f(1e-4, 0.3e-3) * 1e9, 2)
-    5.31
-    """
-    return relative_permittivity * VACUUM_PERMITTIVITY_F_PER_M * area_m2 / thickness_m
 
 
 @checked

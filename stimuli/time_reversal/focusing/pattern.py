@@ -19,13 +19,13 @@ from tactometry.errors import InvalidParameter
 from tactometry.signal import Signal
 
 from ...arrays import FloatArray, IntArray
+from ...defaults import REPETITION_HZ, TRAIN_S
 from ..responses.responses import MAX_SAMPLES, Responses
 from .focusing import reversed_waveform
 from .quantiser import Quantiser, one_bit
 
-LOW_HZ: Final = 200.0
+LOW_HZ: Final = REPETITION_HZ
 HIGH_HZ: Final = 500.0
-DURATION_S: Final = 50e-3
 MAX_FOCI: Final = 1_000_000
 MODULATIONS: Final = ("voltage", "burst")
 
@@ -155,12 +155,12 @@ class Pattern:
 
 PATTERNS: Final[Mapping[str, Pattern]] = {
     "P0": Pattern(LOW_HZ, 1 / LOW_HZ),
-    "P1": Pattern(LOW_HZ, DURATION_S, Rectangular()),
-    "P2": Pattern(LOW_HZ, DURATION_S, Exponential()),
-    "P3": Pattern(LOW_HZ, DURATION_S, Sinc()),
-    "P4": Pattern(HIGH_HZ, DURATION_S, Rectangular()),
-    "P5": Pattern(HIGH_HZ, DURATION_S, Exponential()),
-    "P6": Pattern(HIGH_HZ, DURATION_S, Sinc()),
+    "P1": Pattern(LOW_HZ, TRAIN_S, Rectangular()),
+    "P2": Pattern(LOW_HZ, TRAIN_S, Exponential()),
+    "P3": Pattern(LOW_HZ, TRAIN_S, Sinc()),
+    "P4": Pattern(HIGH_HZ, TRAIN_S, Rectangular()),
+    "P5": Pattern(HIGH_HZ, TRAIN_S, Exponential()),
+    "P6": Pattern(HIGH_HZ, TRAIN_S, Sinc()),
 }
 
 

@@ -21,10 +21,9 @@ from ...arrays import ComplexArray, FloatArray
 from ..plate.modes import laplacians
 from ..plate.plate import Plate
 from ..screen.screen import Screen
-from ..screen.transducer import DiscPatch, Patch
+from ..screen.transducer import PATCH_THICKNESS_M, DiscPatch, Patch
 from .load import Attached, PlateLoad
 
-PATCH_THICKNESS_M: Final = 0.3e-3
 CERAMIC_DENSITY_KG_PER_M3: Final = 7700.0
 CERAMIC_MODULUS_PA: Final = 59e9
 CERAMIC_POISSON_RATIO: Final = 0.3

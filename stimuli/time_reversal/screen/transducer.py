@@ -13,6 +13,7 @@ from tactometry.arguments.require import expect, some, whole
 from tactometry.errors import InvalidParameter
 
 from ...arrays import FloatArray
+from ...defaults import VACUUM_PERMITTIVITY_F_PER_M
 from ..plate.modes import Modes, laplacians, values
 from ..plate.plate import Plate
 
@@ -36,8 +37,27 @@ PZ27_RELATIVE_PERMITTIVITY: Final = 1800.0
 PZ27_LOSS_TANGENT: Final = 0.017
 """tan(delta) of PZ27 at small fields; unverified default."""
 
+PATCH_THICKNESS_M: Final = 0.3e-3
+"""Unverified default."""
+
 MAX_TRANSDUCERS: Final = 10_000
 EDGE_TOLERANCE: Final = 1e-9
+
+
+@checked
+def capacitance_f(
+    area_m2: Positive, thickness_m: Positive, relative_permittivity: Positive = PZ27_RELATIVE_PERMITTIVITY
+) -> float:
+    """C = eps A / t of a piezoelectric plate.
+
+    >>> round(capacitance_f(1e-4, 0.3e-3) * 1e9, 2)
+    5.31
+    """
+    return relative_permittivity * VACUUM_PERMITTIVITY_F_PER_M * area_m2 / thickness_m
+
+
+PATCH_CAPACITANCE_F: Final = capacitance_f(SIDE_M**2, PATCH_THICKNESS_M)
+"""Of a patch of PZ27 as above."""
 
 
 @runtime_checkable

@@ -5,6 +5,7 @@ import pytest
 from corneum_closed_form import square_mean_force_n
 
 from tactometry.errors import InvalidParameter
+from tactometry.stimuli.defaults import VACUUM_PERMITTIVITY_F_PER_M as E0
 from tactometry.stimuli.electrovibration import (
     DispersiveLayer,
     Layer,
@@ -14,7 +15,6 @@ from tactometry.stimuli.electrovibration import (
     electrostatic_force_n_at,
     periodic_force_n,
 )
-from tactometry.stimuli.electrovibration.skin.stack import VACUUM_PERMITTIVITY_F_PER_M as E0
 from tactometry.stimuli.electrovibration.waveforms.pieces import Pieces
 
 AREA_M2, N = 1e-4, 512

@@ -25,7 +25,6 @@ from tactometry.stimuli.time_reversal.design.closed_forms import (
 )
 from tactometry.stimuli.time_reversal.field.merit import (
     area_m2,
-    capacitance_f,
     contrast_far_of,
     contrast_temporal_of,
     contrast_whole_of,
@@ -51,7 +50,7 @@ from tactometry.stimuli.time_reversal.responses.plate_constants import rigidity_
 from tactometry.stimuli.time_reversal.responses.responses import Responses, impulse_responses
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import Screen
-from tactometry.stimuli.time_reversal.screen.transducer import border
+from tactometry.stimuli.time_reversal.screen.transducer import border, capacitance_f
 from tactometry.stimuli.time_reversal.stimulus.focus_train import TimeReversalStimulus
 
 FOCUS = Responses(np.array([[[3.0, -2.0, 1.0]]]), 1e3)

@@ -10,7 +10,6 @@ from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.field.field import modal_amplitudes
 from tactometry.stimuli.time_reversal.field.merit import (
     area_m2,
-    capacitance_f,
     contrast_far_of,
     contrast_temporal_of,
     contrast_whole_of,
@@ -38,7 +37,7 @@ from tactometry.stimuli.time_reversal.plate.glass import A4_SCREEN, BOROFLOAT_33
 from tactometry.stimuli.time_reversal.responses.responses import band_limited, impulse_responses, inaudible
 from tactometry.stimuli.time_reversal.screen.attenuation import Attenuation
 from tactometry.stimuli.time_reversal.screen.screen import A4_PROTOTYPE, Screen
-from tactometry.stimuli.time_reversal.screen.transducer import PointForce
+from tactometry.stimuli.time_reversal.screen.transducer import PointForce, capacitance_f
 
 X = np.linspace(-0.05, 0.05, 401)
 SIGMA = 6e-3
