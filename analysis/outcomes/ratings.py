@@ -1,6 +1,6 @@
 """The questionnaires of a data set, each with its scores, tables and comparisons."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -135,11 +135,11 @@ def _rows_of_forms(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def _ratings(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire, primary: str | None) -> Ratings:
-    varied = [factor for factor in factors if rows[factor].nunique() > 1]
-    scored = scores(rows, questionnaire=form, within=varied)
+    scored = form_scores(rows, factors, form)
+    varied = scored.attrs["within"]
     items = item_scores(rows, questionnaire=form, within=varied)
     profile = _with_condition(word_pairs(items), varied)
-    has_patterns = varied == [PATTERN] and set(THESIS) <= set(scored[PATTERN])
+    has_patterns = are_patterns({name: scored[name].unique() for name in varied})
     has_reference = has_patterns and REFERENCE in set(scored[PATTERN])
     has_portfolio = {"PQ", "HQ"} <= set(form.dimensions)
     return Ratings(
@@ -157,12 +157,34 @@ def _ratings(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire, pr
     )
 
 
+def form_scores(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire) -> pd.DataFrame:
+    """What `attrakdiff.scoring.scores` gives of the answers to a questionnaire, by the factors that vary."""
+    varied = [factor for factor in factors if rows[factor].nunique() > 1]
+    return scores(rows, questionnaire=form, within=varied)
+
+
+def are_patterns(levels: Mapping[str, Collection[object]]) -> bool:
+    """Whether the factors that vary, with their levels, are the patterns of the thesis, whose scores are compared by
+    frequency and envelope, and with the single focus.
+
+    >>> are_patterns({"pattern": ["P0", *THESIS]}), are_patterns({"pattern": ["P1", "P2"]})
+    (True, False)
+    """
+    return list(levels) == [PATTERN] and set(THESIS) <= set(levels[PATTERN])
+
+
 def _outcomes(
     scored: pd.DataFrame, factors: Sequence[str], form: Questionnaire, primary: str | None
 ) -> dict[str, Outcome]:
-    """Of each dimension. A mixed model by the measured force is none of a questionnaire: the rule chooses then."""
+    """Of each dimension."""
+    return {name: score_outcome(scored, factors, name, primary) for name in form.dimensions}
+
+
+def score_outcome(scored: pd.DataFrame, factors: Sequence[str], dimension: str, primary: str | None) -> Outcome:
+    """Which conditions differ in the score of a dimension. A mixed model by the measured force is none of a
+    questionnaire: the rule chooses then."""
     named = None if primary == Primary.MIXED_MODEL else primary  # scores have no measured force
-    return {name: outcome(scored, factors, FORM_TASK, name, primary=named) for name in form.dimensions}
+    return outcome(scored, factors, FORM_TASK, dimension, primary=named)
 
 
 def _with_condition(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:

@@ -1,7 +1,7 @@
 """The effect that a study is to find: how much more or less is needed, or felt, at the levels of a factor."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from typing import Final
@@ -12,12 +12,16 @@ from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.trials.cells import cell as cell_text
 
-from ..study.study_file import Study
+from ..study.study_file import Levels
 
 OF_SENSATION: Final = "dB SL"
 """The unit of an effect on what is felt: decibels of sensation level."""
+OF_SCORE: Final = "points"
+"""The unit of an effect on the score of a questionnaire's dimension: that of the score."""
 WHERE: Final = "--effect"
-EXAMPLES: Final = "an effect such as 'force_n: 2 dB', 'force_n: 3 dB SL' or 'pattern: P1 = 3 dB, P4 = 1 dB'"
+EXAMPLES: Final = (
+    "an effect such as 'force_n: 2 dB', 'force_n: 3 dB SL', 'pattern: P1 = 3 dB, P4 = 1 dB' or 'feedback: 0.5 points'"
+)
 _QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
 
 
@@ -29,7 +33,8 @@ class StatedEffect:
     ----------
     factor : str
     unit : str
-        ``"dB SL"``: so much more is felt; any other is that of the levels: so much higher is the threshold.
+        ``"dB SL"``: so much more is felt; ``"points"``: so much higher is a score; any other is that of the levels: so
+        much higher is the threshold.
     change : float or None
         From the first level to the last, in equal steps, half of it below zero.
     by_level : tuple of (str, float)
@@ -45,6 +50,11 @@ class StatedEffect:
     def is_felt(self) -> bool:
         """Whether it is one of sensation, not of the levels."""
         return self.unit == OF_SENSATION
+
+    @property
+    def is_of_score(self) -> bool:
+        """Whether it is one of a questionnaire's score."""
+        return self.unit == OF_SCORE
 
     def of_levels(self, levels: Sequence[float | str]) -> dict[str, float]:
         """What changes at each level of the factor, in its unit.
@@ -114,15 +124,14 @@ def _quantity(words: str, text: str) -> tuple[float, str]:
     return value, unit
 
 
-def check_effect(effect: StatedEffect, study: Study) -> None:
-    """Refuse an effect that a study cannot have.
+def check_effect(effect: StatedEffect, factors: Mapping[str, Levels]) -> None:
+    """Refuse an effect that a study with these factors cannot have.
 
     Raises
     ------
     InvalidParameter
         If the study has no such factor or level, the factor has one level alone, or nothing changes.
     """
-    factors = study.factors
     if effect.factor not in factors:
         known = ", ".join(factors) or "it has none"
         hint = nearest(effect.factor, factors)

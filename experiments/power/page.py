@@ -1,8 +1,10 @@
 """The page of a power analysis: the recommendation, what was applied to whom, table, figure, and how to repeat it."""
 
 import json
+from dataclasses import dataclass
 from importlib.resources import files
 from pathlib import Path
+from typing import Final
 
 from tactometry.errors import attempt
 from tactometry.provenance import versions
@@ -11,7 +13,8 @@ from .analysis import Power
 from .design import PowerDesign
 from .figures import power_curves
 from .files import asked
-from .scenario import experiment_of
+from .scenario import experiment_of, felt_more
+from .scores import applied_effect, attitudes_of
 from .summary import HEAD, cells_of
 
 PAGE, FIGURE = "power.html", "power"
@@ -41,8 +44,6 @@ def page(found: Power, svg: str) -> str:
     return environment.from_string((files(__package__) / PAGE.replace(FIGURE, "page")).read_text("utf-8")).render(
         study=design.where,
         effect=effect.words(),
-        factor=effect.factor,
-        unit=effect.unit,
         seed=design.seed,
         dependent=design.dependent,
         dropout_share=design.dropout_share,
@@ -56,10 +57,39 @@ def page(found: Power, svg: str) -> str:
     )
 
 
-def applied(design: PowerDesign) -> list[tuple[str, ...]]:
-    """Of each level of the factor what is stated, and what everybody feels more with the effect and without it."""
-    effect, (yes, no) = design.effect, design.cases[:2]
-    studies = [experiment_of(design, case).study for case in (yes, no)]
-    with_db, without_db = (study.observer["people"]["effects_db"][effect.factor] for study in studies)
+@dataclass(frozen=True)
+class Applied:
+    """What everybody has at each level of a factor: in words, and as a table."""
+
+    words: str
+    head: tuple[str, ...]
+    rows: list[tuple[str, ...]]
+
+
+def applied(design: PowerDesign) -> Applied:
+    """Of each level of the factor what is stated, and what everybody feels more, or thinks, with the effect and without
+    it."""
+    studies = [experiment_of(design, case).study for case in design.cases[:2]]
+    effect = applied_effect(design.effect, studies[0])
     stated = effect.of_levels(studies[0].factors[effect.factor])
-    return [(name, *(f"{value:.2f}" for value in (stated[name], with_db[name], without_db[name]))) for name in stated]
+    if effect.is_of_score:
+        made, columns = [attitudes_of(study, effect.factor) for study in studies], ATTITUDES
+    else:
+        made, columns = [felt_more(study, effect.factor) for study in studies], FELT
+    rows = [(name, *(f"{value:.2f}" for value in (stated[name], *(of[name] for of in made)))) for name in stated]
+    words = (WORDS_OF_SCORES if effect.is_of_score else WORDS_OF_LEVELS).format(factor=effect.factor)
+    return Applied(words, (effect.factor, f"stated ({effect.unit})", *columns), rows)
+
+
+FELT: Final = ("felt more with the effect (dB)", "without (dB)")
+ATTITUDES: Final = ("attitude with the effect (-1 to 1)", "without")
+WORDS_OF_LEVELS: Final = (
+    "Every participant feels so many decibels more at a level of {factor} than the skin model says. Without the effect "
+    "its levels are felt alike in the middle of the levels that are played, averaged over other factors; with it they "
+    "differ as stated. How people differ beside is what the study says in [observer] and [observer.people]."
+)
+WORDS_OF_SCORES: Final = (
+    "Every participant has these attitudes to the levels of {factor}, all of which are felt alike. Without the effect "
+    "no dimension of the questionnaire differs between them. How people differ beside is what the study says in "
+    "[observer.people] and [observer.raters]."
+)

@@ -1,13 +1,13 @@
 """One study, simulated and tested for each number of participants: a row each."""
 
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.outcomes.findings import FORCE, Outcome, Primary
-from tactometry.analysis.outcomes.outcome import MEASURED, outcome
+from tactometry.analysis.outcomes.findings import Primary
+from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import exclude, quality
 from tactometry.analysis.reading.trials import Trials, used_rows
@@ -23,10 +23,9 @@ from ..study.experiment import Experiment
 from ..study.session_plan import all_sessions, stream
 from .design import Case, PowerDesign
 from .scenario import experiment_of, plan_of_study
+from .scores import applied_effect, form_of_task, p_of_scores, task_scores
+from .tested import p_of
 from .truth import TRUTH, true_thresholds
-
-P_COLUMNS: Final = ("p_CM_corr", "p", "p_permutation")
-"""What an analysis reports of an effect: the first that its table has."""
 
 
 @dataclass(frozen=True)
@@ -120,14 +119,16 @@ class _Compared:
     ) -> None:
         self.design, self.experiment, self.plan, self.everything = design, experiment, plan, everything
         self.trials, _ = exclude(everything, plan.exclusion, quality(everything))
-        self.task = experiment.table.kind
+        self.task, self.form = experiment.table.kind, form_of_task(experiment)
         self.used = used_rows(self.trials)
         self.minutes = _minutes(everything.rows, experiment)
         self.values = _with_truth(self._values(), truth)
 
     def _values(self) -> pd.DataFrame:
-        """A row per participant and condition: a threshold, a setting, a rate."""
+        """A row per participant and condition: a threshold, a setting, a rate, scores."""
         factors = self.trials.factors
+        if self.form is not None:
+            return task_scores(self.trials, self.form)
         if self.task in RESULTS:
             results = RESULTS[self.task]
             of_task = self.used[self.used["task"] == self.task]
@@ -138,12 +139,11 @@ class _Compared:
 
     def row(self, case: Case, number: int, n: int) -> Row:
         """Of the first `n` participants."""
-        these = set(codes(n))
-        tested = self._outcome(these)
-        values = pd.DataFrame() if tested is None else tested.estimates
-        known = values[tested.dependent].notna() if tested is not None else pd.Series(dtype=bool)
-        p = None if tested is None else p_of(tested, self.design.effect.factor)
-        has_any = set() if tested is None else set(values.loc[known, "participant"])
+        these, dependent = set(codes(n)), self.design.dependent
+        values = self._values_of(these)
+        known = values[dependent].notna() if len(values) else pd.Series(dtype=bool)
+        p = self._p(values, these) if len(values) else None
+        has_any = set(values.loc[known, "participant"]) if len(values) else set()
         return Row(
             n_trials=case.n_trials or 0,
             has_effect=case.has_effect,
@@ -151,9 +151,9 @@ class _Compared:
             n_participants=n,
             p=p,
             significant=p is not None and p < self.design.alpha,
-            found=None if tested is None else self._found(tested),
-            error=None if tested is None else _error(values, tested.dependent),
-            width=None if tested is None else _width(values, tested.dependent),
+            found=self._found(values) if len(values) else None,
+            error=_error(values, dependent),
+            width=_width(values, dependent) if len(values) else None,
             n_cells=n * self._n_conditions(),
             n_unknown=n * self._n_conditions() - int(known.sum()),
             n_left_out=n - len(has_any),
@@ -166,51 +166,39 @@ class _Compared:
         kept = [levels for name, levels in study.factors.items() if name != over and name not in study.plan.between]
         return int(np.prod([len(levels) for levels in kept]))
 
-    def _outcome(self, these: set[str]) -> Outcome | None:
-        """The comparison, or None where there is nothing to compare."""
-        if not len(self.values):
-            return None
-        values = self.values[self.values["participant"].isin(these)]
+    def _values_of(self, these: set[str]) -> pd.DataFrame:
+        return self.values[self.values["participant"].isin(these)] if len(self.values) else self.values
+
+    def _p(self, values: pd.DataFrame, these: set[str]) -> float | None:
+        """What the analysis of the study says of the factor; None where it has no answer."""
+        factor, dependent, primary = self.design.effect.factor, self.design.dependent, self.plan.primary
+        if self.form is not None:
+            return p_of_scores(values, self.experiment.study, dependent, factor, primary)
         results = RESULTS.get(self.task)
         further = results.further if results is not None else ()
         factors = [name for name in (*self.trials.factors, *further) if name in values.columns]
-        if not len(values):
-            return None
-        forces = self._forces(these) if self.plan.primary == Primary.MIXED_MODEL.value else None
-        return outcome(values, factors, self.task, self.design.dependent, forces=forces, primary=self.plan.primary)
+        forces = self._forces(these) if primary == Primary.MIXED_MODEL.value else None
+        return p_of(outcome(values, factors, self.task, dependent, forces=forces, primary=primary), factor)
 
     def _forces(self, these: set[str]) -> pd.DataFrame | None:
         used = self.used[self.used["participant"].isin(these)]
         return force_of_participants(used, self.trials.factors) if has_force(used) else None
 
-    def _found(self, tested: Outcome) -> float | None:
+    def _found(self, values: pd.DataFrame) -> float | None:
         """The slope of the means of the levels over the effect that is stated, times its span: the effect as found."""
-        effect, factors = self.design.effect, self.experiment.study.factors
-        stated = pd.Series(effect.of_levels(factors[effect.factor]))
-        values = tested.estimates
+        study = self.experiment.study
+        effect = applied_effect(self.design.effect, study)
         if effect.factor not in values.columns:
             return None
-        means = values.groupby(effect.factor)[tested.dependent].mean()
-        by_level = dict(zip(factors[effect.factor], stated, strict=True))
+        levels = study.factors[effect.factor]
+        by_level = dict(zip(levels, effect.of_levels(levels).values(), strict=True))
+        means = values.groupby(effect.factor)[self.design.dependent].mean()
         x = np.array([by_level[level] for level in means.index])
         y = means.to_numpy(dtype=float)
         x = x - x.mean()
         if np.isnan(y).any() or not np.any(x):
             return None
         return float(x @ y / (x @ x) * np.ptp(list(by_level.values())))
-
-
-def p_of(tested: Outcome, factor: str) -> float | None:
-    """What the primary analysis says of a factor; None where it has no answer."""
-    effects = tested.effects
-    if effects is None:
-        return None
-    name = MEASURED if tested.primary is Primary.MIXED_MODEL and factor == FORCE else factor
-    of_factor = effects[effects.iloc[:, 0] == name]
-    column = next((column for column in P_COLUMNS if column in effects.columns), None)
-    if of_factor.empty or column is None or pd.isna(of_factor[column].iloc[0]):
-        return None
-    return float(of_factor[column].iloc[0])
 
 
 def _with_truth(values: pd.DataFrame, truth: pd.DataFrame) -> pd.DataFrame:

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from tactometry.analysis.outcomes.ratings import PATTERN, REFERENCE
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.tasks.kinds import ANALYSES
 from tactometry.arguments.require import expect, one_of
@@ -15,6 +16,7 @@ from tactometry.errors import rewording
 from tactometry.observers.kinds import USUAL
 from tactometry.observers.people import Stated, Varied
 from tactometry.trials.cells import cell as cell_text
+from tactometry.trials.tasks import FORM_TASK
 
 from ..study.cells import WiredCell, merge
 from ..study.experiment import Experiment, wire
@@ -22,14 +24,14 @@ from ..study.felt_levels import contact_of, felt_db
 from ..study.session_plan import places_of
 from ..study.study_file import Study, parse
 from .design import Case, PowerDesign
-from .effect import OF_SENSATION, StatedEffect, check_effect
+from .effect import OF_SCORE, OF_SENSATION, StatedEffect, check_effect
+from .scores import applied_effect, factors_of, form_of_task, has_patterns, with_attitudes
 
-SUPPORTED: Final = ("yes_no", "forced_choice", "adjustment", "localisation")
+SUPPORTED: Final = ("yes_no", "forced_choice", "adjustment", "localisation", "rating")
 REFUSED: Final = {
     "comparison": "both of what is compared are felt in one condition, whose effect shifts them alike",
     "same_different": "both of what is compared are felt in one condition, whose effect shifts them alike",
     "magnitude": "an effect in decibels moves all numbers alike and leaves their exponent",
-    "rating": "answers follow attitudes, and how good a strength feels is no straight line of it",
     "preference": "its answers are compared within a trial, and no value of a participant in a condition is tested",
     "measurement": "a sensor is read, and nobody feels an effect",
 }
@@ -42,8 +44,12 @@ def experiment_of(design: PowerDesign, case: Case) -> Experiment:
     """The wired study of a case; once in a process."""
     study = with_trials(parse(design.study_toml, design.where), case.n_trials)
     base = wire(study, design.where, design.code_from)
-    shifts_db = shifts(base, design.effect, has_effect=case.has_effect)
-    return wire(with_shifts(study, design.effect.factor, shifts_db), design.where, design.code_from)
+    effect = applied_effect(design.effect, study)
+    shifts_db = shifts(base, effect, has_effect=case.has_effect and not effect.is_of_score)
+    study = with_shifts(study, effect.factor, shifts_db)
+    if effect.is_of_score:
+        study = with_attitudes(study, effect, base, design.dependent, float(case.has_effect))
+    return wire(study, design.where, design.code_from)
 
 
 def plan_of_study(study: Study) -> AnalysisPlan:
@@ -60,10 +66,10 @@ def check_design(design: PowerDesign) -> str:
         If the study cannot have the effect or the trials, or its task is one whose power is not told here.
     """
     study = parse(design.study_toml, design.where)
-    check_effect(design.effect, study)
+    check_effect(design.effect, factors_of(study))
     dependent = _dependent(design, study)
     for case in design.cases:
-        experiment_of(design, case)
+        experiment_of(replace(design, dependent=dependent), case)
     return dependent
 
 
@@ -76,16 +82,38 @@ def _dependent(design: PowerDesign, study: Study) -> str:
     expect(task in SUPPORTED, f"{design.where}, task.kind", f"{task!r}", f"one of {', '.join(SUPPORTED)}: {why}")
     asked = f"the factor {design.effect.factor!r}, whose levels are the alternatives of a trial"
     expect(experiment.table.over != design.effect.factor, "--effect", asked, "another factor")
-    _check_places(experiment, design.effect.factor)
+    _check_places(experiment, applied_effect(design.effect, study).factor)
+    known = _check_scores(design, experiment) if task == FORM_TASK else _check_levels(design, experiment)
+    if design.dependent:
+        one_of("--dependent", design.dependent, known)
+    return design.dependent or known[0]
+
+
+def _check_levels(design: PowerDesign, experiment: Experiment) -> tuple[str, ...]:
+    """What a task of levels compares; an effect is one in the unit of the levels, or of what is felt."""
     units = {cell.condition.level_unit.partition(" re ")[0] for cell in experiment.cells.values()}
     felt = () if isinstance(experiment.people.middle, Stated) else (OF_SENSATION,)  # stated thresholds: no sensation
     allowed = sorted({*felt, *(units if len(units) == 1 else ())})
     one = f"one of {', '.join(allowed)}: that of the levels, or of what is felt ({OF_SENSATION})"
     expect(design.effect.unit in allowed, "--effect", f"the unit {design.effect.unit!r}", one)
-    known = ANALYSES[task].dependents
-    if design.dependent:
-        one_of("--dependent", design.dependent, known)
-    return design.dependent or known[0]
+    return tuple(ANALYSES[experiment.table.kind].dependents)
+
+
+def _check_scores(design: PowerDesign, experiment: Experiment) -> tuple[str, ...]:
+    """The dimensions of the questionnaire of a study whose people have attitudes, which an effect in points moves."""
+    form = form_of_task(experiment)
+    assert form is not None
+    with rewording(lambda words: f"{design.where}, {words}"):
+        has_attitudes = experiment.people.raters is not None
+        expected = "that table: an effect on a score is one on attitudes"
+        expect(has_attitudes, "observer.raters", "none", expected)
+    one = f"{OF_SCORE}, of the score of a dimension ({', '.join(form.dimensions)}; --dependent)"
+    expect(design.effect.is_of_score, "--effect", f"the unit {design.effect.unit!r}", one)
+    has_test = design.effect.factor != PATTERN or not has_patterns(experiment.study)
+    levels = map(str, experiment.study.factors.get(PATTERN, ()))
+    with_reference = f"frequency or envelope: without {REFERENCE} no test of single patterns is made"
+    expect(has_test or REFERENCE in levels, "--effect", f"the factor {PATTERN!r}", with_reference)
+    return tuple(form.dimensions)
 
 
 def _check_places(experiment: Experiment, factor: str) -> None:
@@ -188,3 +216,9 @@ def with_shifts(study: Study, factor: str, shifts_db: Mapping[str, float]) -> St
     people = study.observer.get("people", {})
     effects_db = {**people.get("effects_db", {}), factor: dict(shifts_db)}
     return replace(study, observer={**study.observer, "people": {**people, "effects_db": effects_db}})
+
+
+def felt_more(study: Study, factor: str) -> dict[str, float]:
+    """What `with_shifts` put on each level, dB."""
+    of_level: dict[str, float] = study.observer["people"]["effects_db"][factor]
+    return of_level

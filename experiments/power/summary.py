@@ -11,6 +11,7 @@ from ..study.study_file import parse
 from .design import PowerDesign
 from .replicate import Row
 from .sampling import interval
+from .scores import factors_of
 
 IN_LEVELS: Final = ("threshold", "setting")
 """Dependent values in the unit of the levels, whose effect is known beforehand."""
@@ -123,10 +124,11 @@ class Summary:
 
 def stated_effect(design: PowerDesign) -> float | None:
     """What the means of the levels differ by at most, where the dependent value is in the unit of the effect."""
-    if design.effect.is_felt or design.dependent not in IN_LEVELS:
+    effect = design.effect
+    if not effect.is_of_score and (effect.is_felt or design.dependent not in IN_LEVELS):
         return None
-    study = parse(design.study_toml, design.where)
-    return float(np.ptp(list(design.effect.of_levels(study.factors[design.effect.factor]).values())))
+    levels = factors_of(parse(design.study_toml, design.where))[effect.factor]
+    return float(np.ptp(list(effect.of_levels(levels).values())))
 
 
 def recommendation(design: PowerDesign, points: Sequence[PowerEstimate]) -> str:

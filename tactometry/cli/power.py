@@ -23,7 +23,11 @@ from .output import path_option, say, subcommand
 
 @subcommand('power tutorial --effect "frequency_hz: 6 dB" --participants 6..12 --seed 1 --out power')
 @click.argument("study")
-@click.option("--effect", required=True, help="As 'force_n: 2 dB', '... 2 dB SL', or 'pattern: P1 = 3 dB, P4 = 1 dB'.")
+@click.option(
+    "--effect",
+    required=True,
+    help="As 'force_n: 2 dB', '... 2 dB SL', 'pattern: P1 = 3 dB, P4 = 1 dB', 'feedback: 1 points'.",
+)
 @click.option("--participants", required=True, help="As 6..24, 6..24:2 or 8,12,16.")
 @click.option("--trials", help="In each track, as 40,60; by default as the study says.")
 @click.option("--target", type=float, default=0.8, show_default=True, help="The power that is wanted.")

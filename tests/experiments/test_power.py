@@ -91,7 +91,6 @@ def test_each_task_is_supported_or_says_why_not():
     [
         ("grating-roughness", "period_m: 2 dB", "leaves their exponent"),
         ("time-reversal-localisation", "place: 2 dB", "whose levels are the alternatives of a trial"),
-        ("time-reversal-patterns", "pattern: P1 = 2 dB SL", "answers follow attitudes"),
         ("time-reversal-localisation", "distance_m: 6 dB SL", "whose levels are other places"),
         ("force-loss", "force_n: 2 dB", "nobody feels an effect"),
     ],

@@ -1,0 +1,122 @@
+"""Effects on the scores of a questionnaire: the attitudes that make them, and the test that its analysis has."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import exp
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.attrakdiff.patterns import BY, THESIS, against_reference, frequency_by_envelope
+from tactometry.analysis.outcomes.ratings import PATTERN, are_patterns, form_scores, score_outcome
+from tactometry.analysis.reading.trials import Trials, asked_rows
+from tactometry.observers.raters import Raters
+from tactometry.protocols.tasks.task import AsksForm
+from tactometry.questionnaire import Questionnaire
+from tactometry.trials.cells import cell as cell_text
+from tactometry.trials.tasks import FORM_TASK
+
+from ..study.experiment import Experiment
+from ..study.study_file import Levels, Study
+from .effect import StatedEffect
+from .tested import p_of
+
+OF_THESIS: Final[Mapping[str, Levels]] = {
+    name: tuple(dict.fromkeys(values[place] for values in THESIS.values())) for place, name in enumerate(BY)
+}
+"""What the analysis of the patterns' ratings compares: the levels of repetition frequency and of envelope."""
+
+
+def factors_of(study: Study) -> dict[str, Levels]:
+    """The factors that an effect may name: those of the study, and what an analysis of its patterns makes of them."""
+    return {**study.factors, **(OF_THESIS if has_patterns(study) else {})}
+
+
+def has_patterns(study: Study) -> bool:
+    """Whether the patterns of the thesis are rated, which are compared in a way of their own."""
+    varied = {name: levels for name, levels in study.factors.items() if len(levels) > 1}
+    return study.task.get("kind") == FORM_TASK and are_patterns(varied)
+
+
+def applied_effect(effect: StatedEffect, study: Study) -> StatedEffect:
+    """The effect by a factor of the study: one of frequency or envelope is one of the patterns.
+
+    >>> from ..study.study_file import load
+    >>> _, content = load("time-reversal-patterns")
+    >>> from ..study.study_file import parse
+    >>> from .effect import parse_effect
+    >>> applied_effect(parse_effect("frequency: 1 points"), parse(content, "patterns")).words()
+    'pattern: P1 = -0.5 points, P2 = -0.5 points, P3 = -0.5 points, P4 = 0.5 points, P5 = 0.5 points, P6 = 0.5 points'
+    """
+    if effect.factor in study.factors or effect.factor not in OF_THESIS:
+        return effect
+    of_level, place = effect.of_levels(OF_THESIS[effect.factor]), BY.index(effect.factor)
+    by_pattern = tuple((pattern, of_level[levels[place]]) for pattern, levels in THESIS.items())
+    return replace(effect, factor=PATTERN, change=None, by_level=by_pattern)
+
+
+def form_of_task(experiment: Experiment) -> Questionnaire | None:
+    """The questionnaire that the task asks, if it asks one."""
+    return experiment.task.form if isinstance(experiment.task, AsksForm) else None
+
+
+def attitude_per_point(raters: Raters, form: Questionnaire, dimension: str) -> float:
+    """The attitude, the same to all items of a dimension, that raises its mean score by a point, where no answer is at
+    an end of the scale: `observers.raters.Raters` solved for the mean over items and people.
+
+    >>> from tactometry.questionnaire import load
+    >>> round(attitude_per_point(Raters(loading=0.5, extremity_cv=0.0), load("attrakdiff"), "ATT"), 4)
+    0.6667
+    """
+    loading = float(np.mean([raters.loadings.get(item, raters.loading) for item in form.items_of(dimension)]))
+    extremity = exp(raters.extremity_cv**2 / 2)  # the mean of a lognormal factor
+    return 2 / ((form.score_high - form.score_low) * loading * extremity)
+
+
+def with_attitudes(study: Study, effect: StatedEffect, experiment: Experiment, dimension: str, share: float) -> Study:
+    """The study in which everybody's attitudes to a factor's levels are `share` times the effect, and nothing else."""
+    form, raters = form_of_task(experiment), experiment.people.raters
+    assert form is not None
+    assert raters is not None
+    per_point = attitude_per_point(raters, form, dimension)
+    parts = {item.dimension for item in form.items if item.id in form.items_of(dimension)}
+    by_level = {
+        level: dict.fromkeys(sorted(parts), share * points * per_point)
+        for level, points in effect.of_levels(study.factors[effect.factor]).items()
+    }
+    table = study.observer["raters"]
+    effects = {**table.get("effects", {}), effect.factor: by_level}
+    return replace(study, observer={**study.observer, "raters": {**table, "effects": effects}})
+
+
+def attitudes_of(study: Study, factor: str) -> dict[str, float]:
+    """What `with_attitudes` put on each level."""
+    table: Mapping[str, Mapping[str, float]] = study.observer["raters"]["effects"][factor]
+    return {cell_text(level): next(iter(of_level.values())) for level, of_level in table.items()}
+
+
+def task_scores(trials: Trials, form: Questionnaire) -> pd.DataFrame:
+    """The scores of the task's questionnaire, by participant and condition."""
+    rows = asked_rows(trials)
+    rows = rows[(rows["task"] == FORM_TASK) & (rows["procedure"] == form.name)]
+    return form_scores(rows, trials.factors, form) if len(rows) else pd.DataFrame()
+
+
+def p_of_scores(scored: pd.DataFrame, study: Study, dimension: str, factor: str, primary: str | None) -> float | None:
+    """What the analysis of ratings says of a factor: of the patterns of the thesis the analysis of variance by
+    frequency and envelope, or, of the factor `pattern`, the smallest of Holm's p against the single focus."""
+    if not has_patterns(study):
+        return p_of(score_outcome(scored, scored.attrs["within"], dimension, primary), factor)
+    if factor == PATTERN:
+        return _least(against_reference(scored), {"dimension": dimension}, "p_corr")
+    return _least(frequency_by_envelope(scored), {"dimension": dimension, "Source": factor}, "p_CM_corr")
+
+
+def _least(table: pd.DataFrame, rows: Mapping[str, Any], column: str) -> float | None:
+    """Of the rows with these values; None where none has an answer."""
+    if column not in table.columns:
+        return None
+    kept = np.logical_and.reduce([table[name] == value for name, value in rows.items()])
+    least = table.loc[kept, column].min()
+    return None if pd.isna(least) else float(least)
