@@ -5,19 +5,29 @@ Run: OMP_NUM_THREADS=1 python benchmarks/batch.py [--sets 2000] [--peers 20] [--
 of one core; ratios are of one run, ours and theirs in turn, after imports and compilation. A `table` gives the
 sensation level of each level of the stimulus, as a scene's table does. Two processes are compared with one by processor
 time, and by the wall clock too: on a machine that does other work that ratio tells of this work as well.
+
+With --tracks 1000000 [--out DIR] [--jobs 2] instead: so many tracks, fitted and written to Parquet, whole. A run with
+--out that was killed goes on.
 """
 
 import argparse
 import math
+import os
+import resource
+import sys
 import time
 import warnings
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
+from pyarrow import parquet
 
 from tactometry.experiments.census.batches import BATCH, Respondents, fitted_tracks
+from tactometry.experiments.census.chunks import TrackRun, write_chunk, write_tracks
 from tactometry.protocols import ParameterGrid, QuestPlus, Staircase
 from tactometry.protocols.batch.answers import LevelTable, criteria
 from tactometry.protocols.batch.tracks import tracks
@@ -147,12 +157,51 @@ def fits(n_batches: int) -> None:
     print(f"two processes, of twice one: {each_us / both_us:.2f} by processor time, {one_s / two_s:.2f} by the clock")
 
 
+def told_chunk(job: tuple[TrackRun, range, Path]) -> tuple[Path, int, float, int]:
+    """A chunk; who made it, in how many seconds of processor time so far, and its most memory (KiB)."""
+    path = write_chunk(job)
+    return path, os.getpid(), time.process_time(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+
+
+def whole(n_tracks: int, n_jobs: int, out: Path) -> None:
+    """All tracks, on processes that are begun for it: their imports count."""
+    run = TrackRun(STAIRCASE, PEOPLE, math.ceil(n_tracks / BATCH), 1, n_trials=N_TRIALS)
+    busy_s: dict[int, float] = {}
+    memory_kib: dict[int, int] = {}
+
+    def spread(function: Callable[..., Path], jobs: Iterable[tuple[TrackRun, range, Path]]) -> Iterator[Path]:
+        assert function is write_chunk
+        with ProcessPoolExecutor(n_jobs, mp_context=get_context("spawn")) as pool:
+            for path, who, so_far_s, most_kib in pool.map(told_chunk, jobs):
+                busy_s[who], memory_kib[who] = so_far_s, most_kib
+                print(f"\r{path.name}", end="", file=sys.stderr, flush=True)
+                yield path
+
+    began_s = time.perf_counter()
+    paths = list(write_tracks(run, out, resume=True, spread=spread))
+    took_s, size = time.perf_counter() - began_s, sum(path.stat().st_size for path in paths)
+    n_rows = sum(parquet.read_metadata(path).num_rows for path in paths)
+    print(f"\n{n_rows} tracks of {N_TRIALS} trials, fitted, in {len(paths)} files of {size / 1e6:.0f} MB in all")
+    print(f"{took_s:.1f} s by the clock on {n_jobs} processes; load {os.getloadavg()[0]:.1f}")
+    print(
+        f"{sum(busy_s.values()):.1f} s of the processor, {', '.join(f'{each:.1f}' for each in busy_s.values())} of each"
+    )
+    print(f"at most {max(memory_kib.values(), default=0) / 1024:.0f} MiB of a process")
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--tracks", type=int)
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--out", type=Path)
     parser.add_argument("--sets", type=int, default=2000)
     parser.add_argument("--peers", type=int, default=20)
     parser.add_argument("--batches", type=int, default=4)
     said = parser.parse_args()
+    if said.tracks is not None:
+        with TemporaryDirectory() as folder:
+            whole(said.tracks, said.jobs, said.out or Path(folder))
+        return
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # of the peers' imports
         compare(said.sets, said.peers)

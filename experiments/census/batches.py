@@ -48,8 +48,9 @@ def fitted_tracks(
     *,
     n_trials: int,
     table: LevelTable | None = None,
+    size: int = BATCH,
 ) -> Iterator[FittedTracks]:
-    """`BATCH` tracks for each number of a batch, whose random numbers are its own: any batch can be made alone, by any
+    """`size` tracks for each number of a batch, whose random numbers are its own: any batch can be made alone, by any
     process, in any order. With a `table` the levels of the stimulus are felt as it says, and are fitted as they are.
 
     >>> from tactometry.protocols import Staircase
@@ -63,10 +64,10 @@ def fitted_tracks(
     shape, guess_rate, lapse_rate = respondents.shape, respondents.guess_rate, respondents.lapse_rate
     for number in batches:
         rng = stream(seed, number)
-        thresholds = respondents.threshold + respondents.threshold_sd * rng.standard_normal(BATCH)
-        uniform = rng.random((BATCH, n_trials))
+        thresholds = respondents.threshold + respondents.threshold_sd * rng.standard_normal(size)
+        uniform = rng.random((size, n_trials))
         drawn = criteria(uniform, shape, thresholds[:, None], respondents.width, guess_rate, lapse_rate)
-        orders = rule.orders(BATCH, rng) if isinstance(rule, SteppingRule) else None
+        orders = rule.orders(size, rng) if isinstance(rule, SteppingRule) else None
         made = tracks(rule, drawn, table, orders=orders)
         modes = fit_modes(made.levels, made.answers, shape=shape, guess_rate=guess_rate, lapse_rate=lapse_rate)
         yield FittedTracks(thresholds, made.endings, modes)

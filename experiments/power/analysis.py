@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from ..sessions.workers import Spread, here
+from ..workers import Spread, here
 from .design import PowerDesign
 from .files import Folder
 from .sampling import Batch, sample

@@ -1,7 +1,6 @@
 """The folder of a power analysis: what was asked, what each simulated study gave, batch by batch, and the results."""
 
 import io
-import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
@@ -11,6 +10,7 @@ import pyarrow as pa
 from pyarrow import parquet
 
 from tactometry.errors import InvalidFile
+from tactometry.files.asked import prepare
 from tactometry.files.durable import make_folder, read_file, write_atomically
 from tactometry.files.rows import write_records
 from tactometry.provenance import sha256, versions
@@ -20,7 +20,7 @@ from .replicate import Row
 from .sampling import Batch
 from .summary import PowerEstimate
 
-ASKED, STUDY, STUDIES, TABLE = "asked.json", "study.toml", "studies", "power.csv"
+STUDY, STUDIES, TABLE = "study.toml", "studies", "power.csv"
 _TYPES: Final = {int: pa.int64(), bool: pa.bool_(), float: pa.float64(), float | None: pa.float64()}
 SCHEMA: Final = pa.schema([(field.name, _TYPES[field.type]) for field in fields(Row)])  # type: ignore[index]
 
@@ -59,20 +59,9 @@ class Folder:
         InvalidFile
             If it holds a power analysis already and `resume` is not given, or another one.
         """
-        path, wanted = root / ASKED, asked(design)
-        if path.exists():
-            held = _read(path)
-            other = [name for name, value in wanted.items() if held.get(name) != value]
-            if other:
-                name = other[0]
-                raise InvalidFile(
-                    f"{path}: found {name} {held.get(name)!r}, expected {wanted[name]!r} as asked; give another --out"
-                )
-            if not resume:
-                raise InvalidFile(f"{root}: found this power analysis, expected none; go on with --resume")
+        prepare(root, asked(design), "power analysis", resume=resume, beside={"versions": versions()})
         make_folder(root / STUDIES)
         write_atomically(root / STUDY, design.study_toml)
-        write_atomically(path, json.dumps({**wanted, "versions": versions()}, indent=2).encode() + b"\n")
         return cls(root)
 
     def kept(self, batch: Batch) -> tuple[Row, ...] | None:
@@ -107,13 +96,3 @@ class Folder:
 
     def _path(self, batch: Batch) -> Path:
         return self.root / STUDIES / f"{batch.name}.parquet"
-
-
-def _read(path: Path) -> dict[str, Any]:
-    try:
-        held = json.loads(read_file(path, "what a power analysis was asked"))
-    except ValueError:
-        held = None
-    if not isinstance(held, dict):
-        raise InvalidFile(f"{path}: found no JSON object, expected what a power analysis was asked; give another --out")
-    return held

@@ -8,7 +8,7 @@ from typing import Final
 
 from scipy.stats import binomtest
 
-from ..sessions.workers import Spread
+from ..workers import Spread
 from .design import Case, PowerDesign
 from .replicate import Row, replicate
 

@@ -13,8 +13,8 @@ from ..study.experiment import Experiment, wire
 from ..study.rehearsal import flaw
 from ..study.session_plan import all_sessions
 from ..study.study_file import parse
+from ..workers import workers
 from .recording import Recorded, Who, record, simulated
-from .workers import workers
 
 MOST_PARTICIPANTS = 100_000
 

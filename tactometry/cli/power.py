@@ -14,8 +14,8 @@ from tactometry.experiments.power.files import Folder, asked
 from tactometry.experiments.power.sampling import Batch
 from tactometry.experiments.power.scenario import check_design
 from tactometry.experiments.power.summary import table
-from tactometry.experiments.sessions.workers import check_workers, workers
 from tactometry.experiments.study.study_file import folder_of, load
+from tactometry.experiments.workers import check_workers, workers
 
 from ..arguments.require import expect
 from .output import path_option, say, subcommand

@@ -5,10 +5,10 @@ from pathlib import Path
 import click
 
 from tactometry.experiments.sessions.simulation import Simulation, simulate as sessions_of
-from tactometry.experiments.sessions.workers import check_workers
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.felt_and_lost import felt_and_lost
 from tactometry.experiments.study.study_file import folder_of, load, parse
+from tactometry.experiments.workers import check_workers
 
 from ..errors import count_of
 from .output import path_option, progress, say, subcommand

@@ -1,0 +1,53 @@
+"""What a folder of results was asked: another question is refused, the same one goes on."""
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from ..errors import InvalidFile
+from .durable import make_folder, read_file, write_atomically
+
+ASKED = "asked.json"
+
+
+def prepare(
+    root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool, beside: Mapping[str, Any] | None = None
+) -> None:
+    """Make a folder that holds what is asked, or (`resume`) go on with one that an earlier run of the same left.
+
+    Parameters
+    ----------
+    wanted : mapping
+        All that the results follow from, as JSON reads it again: numbers, texts, lists.
+    work : str
+        What is asked, in words: ``power analysis``.
+    beside : mapping
+        What may differ when it goes on, such as versions.
+
+    Raises
+    ------
+    InvalidFile
+        If it holds this question already and `resume` is not given, or another one.
+    """
+    path = root / ASKED
+    if path.exists():
+        held = _read(path, work)
+        other = next((name for name, value in wanted.items() if held.get(name) != value), None)
+        if other is not None:
+            found, asked = held.get(other), wanted[other]
+            raise InvalidFile(f"{path}: found {other} {found!r}, expected {asked!r} as asked; give another --out")
+        if not resume:
+            raise InvalidFile(f"{root}: found this {work}, expected none; go on with --resume")
+    make_folder(root)
+    write_atomically(path, json.dumps({**wanted, **(beside or {})}, indent=2).encode() + b"\n")
+
+
+def _read(path: Path, work: str) -> dict[str, Any]:
+    try:
+        held = json.loads(read_file(path, f"what a {work} was asked"))
+    except ValueError:
+        held = None
+    if not isinstance(held, dict):
+        raise InvalidFile(f"{path}: found no JSON object, expected what a {work} was asked; give another --out")
+    return held

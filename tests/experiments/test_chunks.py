@@ -1,0 +1,75 @@
+"""Simulated tracks on the disk: the same bytes whatever dies, and nothing but what was asked."""
+
+import numpy as np
+import pandas as pd
+import pytest
+from pyarrow import parquet
+
+from tactometry.errors import InvalidFile
+from tactometry.experiments.census.batches import Respondents, fitted_tracks
+from tactometry.experiments.census.chunks import TrackRun, write_tracks
+from tactometry.protocols import Staircase
+
+RULE = Staircase(36.0, (8.0, 4.0, 2.0), 0.0, 40.0, n_trials=30, n_reversals=30)
+PEOPLE = Respondents(20.0, 3.0, 8.0, guess_rate=0.5, lapse_rate=0.02)
+
+
+def run(seed=1):
+    return TrackRun(RULE, PEOPLE, 5, seed, n_trials=30, size=40, n_together=2)
+
+
+def contents(root):
+    return {path.name: path.read_bytes() for path in (root / "tracks").glob("*")}
+
+
+@pytest.fixture
+def whole(tmp_path):
+    list(write_tracks(run(), tmp_path / "whole"))
+    return tmp_path / "whole"
+
+
+def test_the_rows_are_those_of_the_batches(whole):
+    table = pd.read_parquet(whole / "tracks")
+    made = list(fitted_tracks(RULE, PEOPLE, range(5), 1, n_trials=30, size=40))
+    assert table["threshold"].tolist() == np.concatenate([each.modes.thresholds for each in made]).tolist()
+    assert table["true_threshold"].tolist() == np.concatenate([each.thresholds for each in made]).tolist()
+    assert sorted(contents(whole)) == ["000000-000001.parquet", "000002-000003.parquet", "000004-000004.parquet"]
+
+
+def test_every_file_says_that_it_is_simulated(whole):
+    for path in (whole / "tracks").glob("*"):
+        assert parquet.read_schema(path).metadata[b"simulated"] == b"true"
+
+
+def test_a_run_that_was_killed_keeps_its_whole_chunks_and_goes_on_to_the_same_bytes(whole, tmp_path):
+    begun = write_tracks(run(), tmp_path / "killed")
+    first = next(begun)
+    begun.close()
+    stamp = first.stat().st_mtime_ns
+    assert len(contents(tmp_path / "killed")) == 1
+    paths = list(write_tracks(run(), tmp_path / "killed", resume=True))
+    assert contents(tmp_path / "killed") == contents(whole)
+    assert [path.name for path in paths] == sorted(contents(whole))
+    assert first.stat().st_mtime_ns == stamp
+
+
+def test_the_order_of_work_changes_no_byte(whole, tmp_path):
+    def backwards(function, jobs):
+        return reversed([function(job) for job in reversed(list(jobs))])
+
+    list(write_tracks(run(), tmp_path / "other", spread=backwards))
+    assert contents(tmp_path / "other") == contents(whole)
+
+
+@pytest.mark.parametrize(
+    ("seed", "resume", "sentence"),
+    [
+        (1, False, "found this run of tracks, expected none; go on with --resume"),
+        (2, True, "found seed 1, expected 2 as asked; give another --out"),
+    ],
+)
+def test_a_folder_that_holds_something_is_not_written_to(whole, seed, resume, sentence):
+    before = contents(whole)
+    with pytest.raises(InvalidFile, match=sentence):
+        write_tracks(run(seed=seed), whole, resume=resume)
+    assert contents(whole) == before
