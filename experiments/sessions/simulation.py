@@ -7,6 +7,7 @@ from pathlib import Path
 
 from tactometry.arguments.require import expect
 from tactometry.errors import rewording
+from tactometry.observers.own import state_of
 from tactometry.records.head import LARGEST_SEED
 
 from ..study.experiment import Experiment, wire
@@ -50,7 +51,8 @@ class Simulation:
         ]
 
     def experiment(self) -> Experiment:
-        return _wired(self.study_toml, self.where, self.code_from)
+        state = "" if self.code_from is None else state_of(self.code_from)
+        return _wired(self.study_toml, self.where, self.code_from, state)
 
     def record(self, who: Who) -> Recorded:
         """One session of one simulated participant."""
@@ -59,8 +61,9 @@ class Simulation:
 
 
 @lru_cache(maxsize=1)
-def _wired(study_toml: bytes, where: str, code_from: Path | None) -> Experiment:
-    """One for all sessions of a process, which share what they render and feel."""
+def _wired(study_toml: bytes, where: str, code_from: Path | None, state: str) -> Experiment:
+    """One for all sessions of a process, which share what they render and feel, until the code is in another state."""
+    del state
     return wire(parse(study_toml, where), where, code_from)
 
 

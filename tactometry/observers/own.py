@@ -1,6 +1,8 @@
 """An observer of one's own: a class in a file beside the study, whose code runs only where a person allowed it."""
 
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, is_dataclass
 from importlib.util import module_from_spec, spec_from_file_location
 from pathlib import Path
@@ -10,14 +12,13 @@ from typing import Any, Final
 import numpy as np
 
 from ..arguments.require import expect
-from ..errors import InvalidParameter
+from ..errors import InvalidParameter, reason
 from ..provenance import sha256
 from .decisions import Observer
+from .own_calls import ANSWERS, guarded, place_of
 
-METHODS: Final = (
-    "participant", "detect", "compare", "identify", "differ", "magnitude", "liking", "answer_time_s", "facts",
-)  # fmt: skip
-"""What such a class has; `observers/decisions.py` says what each answers."""
+METHODS: Final = ("participant", *ANSWERS)
+"""What such a class has."""
 
 
 @dataclass(frozen=True)
@@ -63,13 +64,17 @@ def own_class(target: str, folder: Path, path: str) -> Any:
     lacking = [method for method in METHODS if not callable(getattr(kind, method, None))]
     found = f"{target!r}, which lacks {', '.join(lacking)}"
     expect(not lacking, where, found, "the methods of an observer (tactometry/observers/decisions.py)")
-    return kind
+    return guarded(kind)
+
+
+def state_of(folder: Path) -> str:
+    """Of the code in a folder: another one if any file of it is."""
+    return sha256(b"".join(str(file).encode() + file.read_bytes() for file in sorted(folder.glob("*.py"))))
 
 
 def _module(file: Path, where: str) -> ModuleType:
-    """The module of a file, under a name that no other file or state of it has; what stands beside the file can be
-    imported too."""
-    name = f"tactometry_own_{sha256(str(file).encode() + file.read_bytes())[:12]}_{file.stem}"
+    """The module of a file, under a name that no other file or state of its folder has."""
+    name = f"tactometry_own_{state_of(file.parent)[:12]}_{file.stem}"
     if name in sys.modules:
         return sys.modules[name]
     spec = spec_from_file_location(name, file)
@@ -77,15 +82,27 @@ def _module(file: Path, where: str) -> ModuleType:
     assert spec.loader is not None
     made = module_from_spec(spec)
     sys.modules[name] = made
-    beside = str(file.parent)
-    sys.path.append(beside)
     try:
-        spec.loader.exec_module(made)
+        with _beside(file.parent):
+            spec.loader.exec_module(made)
     except Exception as error:  # whatever foreign code may raise
         del sys.modules[name]
+        place, words = place_of(error, file.parent) or file.name, f"{type(error).__name__}: {reason(error)}"
         raise InvalidParameter(
-            f"{where}: the import of {file.name} failed ({type(error).__name__}: {error}), expected a module that runs"
+            f"{where}: the import of {file.name} failed at {place} ({words}), expected a module that runs"
         ) from None
-    finally:
-        sys.path.remove(beside)
     return made
+
+
+@contextmanager
+def _beside(folder: Path) -> Iterator[None]:
+    """What stands in a folder can be imported, by who does it here alone: another state of it is imported anew."""
+    known = set(sys.modules)
+    sys.path.append(str(folder))
+    try:
+        yield
+    finally:
+        sys.path.remove(str(folder))
+        for name in sys.modules.keys() - known:
+            if (file := getattr(sys.modules[name], "__file__", None)) and Path(file).parent == folder:
+                del sys.modules[name]

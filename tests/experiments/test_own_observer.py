@@ -103,7 +103,11 @@ def test_a_cluster_finds_it_by_the_path_of_the_study(study, tmp_path, capsys):
     ("kind", "code", "sentence"),
     [
         ("mine:Guesser", None, "but no file mine.py in"),
-        ("mine:Guesser", "1 / 0\n", "the import of mine.py failed (ZeroDivisionError: division by zero)"),
+        (
+            "mine:Guesser",
+            "1 / 0\n",
+            "mine.py, line 1 (ZeroDivisionError: division by zero), expected a module that runs",
+        ),
         ("mine:Guesser", "Guesser = 3\n", "no dataclass 'Guesser' in mine.py"),
         (
             "mine:Guesser",
@@ -122,6 +126,63 @@ def test_code_that_is_no_observer_is_refused_in_one_sentence(study, tmp_path, ca
     assert sentence in said
     assert "Traceback" not in said
     assert not (tmp_path / "d").exists()
+
+
+WRONG = [
+    ("detect", "return 1 / 0", "found ZeroDivisionError (division by zero) in detect, expected an answer"),
+    ("detect", "return 'maybe'", "found 'maybe' as the answer of detect, expected True or False"),
+    ("answer_time_s", "return float('nan')", "found nan as the answer of answer_time_s, expected a finite number"),
+    ("facts", "return {'levels': [1]}", "expected a dictionary of plain texts and numbers"),
+    ("participant", "return None", "found None as the answer of participant, expected an observer"),
+    ("__post_init__", "raise KeyError('no such table')", "found KeyError ('no such table') in __post_init__"),
+]
+
+
+def with_body(method, body):
+    """The code of the observer with another first line in one of its methods, and the numbers of the two lines."""
+    lines = CODE.splitlines()
+    begin = next(n for n, line in enumerate(lines) if f"def {method}(" in line)
+    lines.insert(begin + 1, f"        {body}")
+    return "\n".join(lines), (begin + 1, begin + 2)
+
+
+@pytest.mark.parametrize(("method", "body", "sentence"), WRONG)
+def test_what_its_calls_raise_or_answer_is_told_with_file_and_line(study, tmp_path, capsys, method, body, sentence):
+    code, numbers = with_body(method, body)
+    (study.parent / "mine.py").write_text(code)
+    status, said, _ = call(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
+    assert status == 2
+    assert sentence in said
+    assert any(f"{study.parent / 'mine.py'}, line {number}: " in said for number in numbers)
+    assert said.count("\n") == 0
+
+
+def test_what_was_recorded_before_it_failed_is_kept_and_goes_on(study, tmp_path, capsys):
+    """Of three people the second fails in the middle: mended and resumed, all is as if nothing had happened."""
+    output(capsys, "simulate", study, *ALL, "--out", tmp_path / "whole", "--allow-code")
+    (study.parent / "beside.py").write_text("BIAS, LEFT = 0.5, iter(range(70))\n")
+    failing = with_body("detect", "next(LEFT)")[0].replace("import BIAS", "import BIAS, LEFT")
+    (study.parent / "mine.py").write_text(failing)
+    words = ("simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
+    status, said, _ = call(capsys, *words)
+    assert status == 2
+    assert "found StopIteration () in detect" in said
+    assert 70 <= len(trial_rows(tmp_path / "d")) < len(trial_rows(tmp_path / "whole"))
+    (study.parent / "mine.py").write_text(CODE)
+    output(capsys, *words, "--resume")
+    assert trial_rows(tmp_path / "d") == trial_rows(tmp_path / "whole")
+    assert call(capsys, "validate", tmp_path / "d")[0] == 0
+
+
+def test_a_person_of_another_class_is_guarded_too(study, tmp_path, capsys):
+    (study.parent / "mine.py").write_text(
+        CODE.replace("return self\n", "return Person(self.bias)\n")
+        + "\n\n@dataclass(frozen=True, slots=True)\nclass Person(Guesser):\n"
+        "    def detect(self, sensation_db, rng):\n        return self.nothing\n"
+    )
+    status, said, _ = call(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
+    assert status == 2
+    assert "found AttributeError ('Person' object has no attribute 'nothing') in detect" in said
 
 
 @pytest.mark.parametrize("form", ["bids", "psych-ds", "psychopy", "r"])
