@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 PRINT_DPI = 300
+PACKING = 2
+"""Of pixels, of 9: flat drawings take half of the time, and little more space."""
 LIGHTEST = 0.8
 """Of viridis (dark to light): lighter is too faint on white."""
 MARKERS = ("o", "s", "^", "D", "v", "P", "X")
@@ -82,7 +84,8 @@ class Drawing:
         with house_style():
             self.figure.set_dpi(PRINT_DPI)
             # Else the version of matplotlib stands in the file.
-            FigureCanvasAgg(self.figure).print_png(target, metadata={"Software": None})  # type: ignore[no-untyped-call]
+            canvas = FigureCanvasAgg(self.figure)  # type: ignore[no-untyped-call]
+            canvas.print_png(target, metadata={"Software": None}, pil_kwargs={"compress_level": PACKING})
             self.figure.set_dpi(dpi)
         return target.getvalue()
 
@@ -92,6 +95,7 @@ def drawing_of(figure: "Figure") -> Drawing:
     target = io.StringIO()
     # Not `savefig`, which draws all twice: it measures first what it may have to cut.
     figure.canvas.print_svg(target, metadata={"Date": None, "Creator": "tactometry"})  # type: ignore[attr-defined]
+    figure.set_layout_engine("none")  # all has its place: pixels need not seek it again
     text = target.getvalue()
     # Without the XML declaration: the page holds the drawing as one of its elements.
     return Drawing(figure, text[text.index("<svg") :])

@@ -16,6 +16,7 @@ from places import SHARED
 
 from tactometry.analysis.anova.group_means import group_table
 from tactometry.analysis.anova.post_hoc import MOST_LOG, MOST_T
+from tactometry.analysis.figures.style import drawing_of, new_figure
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import Exclusion
@@ -390,6 +391,16 @@ def drawn_once(rated) -> list:
 def test_a_figure_has_the_same_bytes_again(rated, drawn_once) -> None:
     one, other = (figures[1].drawing for figures in (drawn_once, figures_of(rated)))
     assert (one.svg, one.png()) == (other.svg, other.png())
+
+
+def test_the_pixels_of_a_figure_have_the_places_of_its_lines():
+    with new_figure(3.0, 2.0) as figure:
+        for axes in figure.subplots(1, 2):
+            axes.set(ylabel="Level (dB)", title="a")
+        drawing = drawing_of(figure)
+    places = [axes.get_position().bounds for axes in figure.axes]
+    drawing.png()
+    assert [axes.get_position().bounds for axes in figure.axes] == places
 
 
 def test_a_study_of_a_questionnaire_alone_is_reported(rated) -> None:
