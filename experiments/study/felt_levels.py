@@ -7,6 +7,7 @@ import numpy as np
 from tactometry.contact import Contact
 from tactometry.followed import felt_under, straight_way
 from tactometry.protocols.batch.answers import LevelTable
+from tactometry.protocols.procedures.procedure import OfLevels
 from tactometry.session.request import TRAJECTORY_M
 
 from .cells import WiredCell
@@ -42,7 +43,7 @@ def level_table(cell: WiredCell, levels: Sequence[float] | None = None, contact:
     """
     met = contact_of(cell) if contact is None else contact
     rule = cell.procedure.rule
-    own: tuple[float, ...] = getattr(rule, "levels", ())
-    chosen = levels or (sorted(own) if len(own) > 1 else np.linspace(*rule.bounds, N_LEVELS).tolist())
+    own = sorted(set(rule.levels)) if isinstance(rule, OfLevels) else np.linspace(*rule.bounds, N_LEVELS).tolist()
+    chosen = levels or own
     told = [max(felt_db(cell, level, met), SILENT_DB) for level in chosen]
     return LevelTable(np.asarray(chosen, dtype=np.float64), np.asarray(told))

@@ -4,7 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, ClassVar, Generic, Literal, Self, TypeVar
+from typing import Any, ClassVar, Generic, Literal, Protocol, Self, TypeVar, runtime_checkable
 
 import numpy as np
 
@@ -135,6 +135,13 @@ RunT = TypeVar("RunT", bound="Run[Any]")
 RuleT = TypeVar("RuleT", bound="Rule[Any]")
 
 
+@runtime_checkable
+class OfLevels(Protocol):
+    """A rule that asks for its `levels` alone, at least one."""
+
+    levels: tuple[float, ...]
+
+
 class Rule(DelegatingProcedure, Generic[RunT]):
     """The numbers of a procedure, frozen and checked: what a study file holds.
 
@@ -150,8 +157,8 @@ class Rule(DelegatingProcedure, Generic[RunT]):
     @property
     def bounds(self) -> tuple[float, float]:
         """The least and the greatest of its `levels`, or, where it has none, its `low` and its `high`."""
-        levels: tuple[float, ...] = getattr(self, "levels", None) or (self.low, self.high)
-        return min(levels), max(levels)
+        ends = self.levels if isinstance(self, OfLevels) else (self.low, self.high)
+        return min(ends), max(ends)
 
     @property
     def n_trials_at_most(self) -> int:
