@@ -84,7 +84,7 @@ class Drawing:
         with house_style():
             self.figure.set_dpi(PRINT_DPI)
             # Else the version of matplotlib stands in the file.
-            canvas = FigureCanvasAgg(self.figure)  # type: ignore[no-untyped-call]
+            canvas: Any = FigureCanvasAgg(self.figure)
             canvas.print_png(target, metadata={"Software": None}, pil_kwargs={"compress_level": PACKING})
             self.figure.set_dpi(dpi)
         return target.getvalue()
