@@ -17,12 +17,12 @@ from scipy.optimize import brentq
 from scipy.special import logsumexp, nctdtr
 from scipy.stats import t as student, wilcoxon
 
-from tactometry.arguments.require import between, expect, one_of
+from tactometry.arguments.require import between, expect
 
 from ..arrays import RELATIVE_ZERO, Array, size_of
+from .corrections import adjusted_p
 from .design import UndefinedStatistic, within_design
 
-CORRECTIONS = ("holm", "bonferroni", "sidak", "fdr_bh", "none")
 SPREADS = 12.0
 DIGITS = 12
 """Of a difference in units of the largest value: what is equal but for rounding is tied."""
@@ -243,18 +243,6 @@ def _rank_row(pair: Pair) -> dict[str, object]:
     ranks = pd.Series(np.abs(moved)).rank().to_numpy()
     r = float(np.sum(ranks * np.sign(moved)) / ranks.sum())
     return row | {"w": float(test.statistic), "p_unc": float(test.pvalue), "r": r, "status": "ok"}
-
-
-def adjusted_p(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":
-    """Adjusted p-values of the tests that there are."""
-    from pingouin import multicomp  # statsmodels' equal collects garbage at each call, for 0.1 s
-
-    one_of("correction", correction, CORRECTIONS)
-    result = p.astype(float)
-    if correction != "none" and result.notna().any():
-        method = "bonf" if correction == "bonferroni" else correction
-        result[result.notna()] = multicomp(result.dropna().to_numpy(), method=method)[1]
-    return result
 
 
 def evidence(bf10: float) -> str:

@@ -59,7 +59,9 @@ def level_unit(trials: Trials) -> str:
 
 def cells(answers: pd.DataFrame, factors: Sequence[str]) -> list[Cell]:
     """The cells of judgements that count (`counted_answers`), ordered by participant, condition and task."""
-    return [_cell(key, rows, len(factors)) for key, rows in parts(answers, cell_keys(factors))]
+    keys = cell_keys(factors)
+    counted = answers[[*keys, "is_catch", "x", "yes"]]  # parts of all columns take most of the time
+    return [_cell(key, rows, len(factors)) for key, rows in parts(counted, keys)]
 
 
 def judgements(used: pd.DataFrame) -> pd.DataFrame:
@@ -80,17 +82,18 @@ def _yes(rows: pd.DataFrame) -> "pd.Series[float]":
 
 
 def _cell(key: tuple[Any, ...], rows: pd.DataFrame, n_factors: int) -> Cell:
-    catch = rows["is_catch"].to_numpy()
-    counts = rows[~catch].groupby("x")["yes"].agg(["sum", "count"])
+    catch, x, yes = (rows[name].to_numpy() for name in ("is_catch", "x", "yes"))
+    at = ~catch & ~np.isnan(x)
+    levels, place = np.unique(x[at], return_inverse=True)
     return Cell(
         participant=str(key[0]),
         condition=tuple(key[1 : 1 + n_factors]),
         task=str(key[-1]),
-        levels=tuple(float(x) for x in counts.index),
-        n_yes=tuple(int(k) for k in counts["sum"]),
-        n_trials=tuple(int(n) for n in counts["count"]),
+        levels=tuple(levels.tolist()),
+        n_yes=tuple(np.bincount(place, yes[at]).astype(int).tolist()),
+        n_trials=tuple(np.bincount(place).tolist()),
         n_catch=int(catch.sum()),
-        n_false_alarms=int(rows["yes"].to_numpy()[catch].sum()),
+        n_false_alarms=int(yes[catch].sum()),
     )
 
 

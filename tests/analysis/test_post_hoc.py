@@ -13,6 +13,7 @@ from scipy import stats
 from scipy.stats import f as f_distribution
 from soak import SOAK
 
+from tactometry.analysis.anova.corrections import adjusted_p
 from tactometry.analysis.anova.design import UndefinedStatistic
 from tactometry.analysis.anova.nonparametric import aligned_rank_transform, art_contrasts, friedman
 from tactometry.analysis.anova.post_hoc import bayes_factor, dz_interval, equivalence, evidence, pairs, rank_pairs
@@ -63,6 +64,15 @@ def test_adjusted_p_are_monotone_and_at_most_one(found) -> None:
     assert ordered["p_corr"].is_monotonic_increasing
     assert (ordered["p_corr"] >= ordered["p_unc"]).all()
     assert ordered["p_corr"].max() <= 1
+
+
+@pytest.mark.parametrize(
+    ("correction", "name"), [("holm", "holm"), ("bonferroni", "bonf"), ("sidak", "sidak"), ("fdr_bh", "fdr_bh")]
+)
+def test_corrections_equal_pingouin_and_leave_out_what_is_missing(correction, name) -> None:
+    p = np.insert(np.random.default_rng().random(9) ** 3, [0, 4], np.nan)
+    peer = pingouin.multicomp(p, method=name)[1]
+    assert adjusted_p(pd.Series(p), correction).tolist() == pytest.approx(peer.tolist(), nan_ok=True, rel=1e-15)
 
 
 def test_pairs_equal_scipy_and_pingouin() -> None:
