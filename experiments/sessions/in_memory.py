@@ -1,6 +1,7 @@
 """A study with simulated participants that leaves no file: its trials as an analysis would read them."""
 
 from collections.abc import Iterable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
@@ -16,7 +17,9 @@ from tactometry.trials.columns import Column
 from tactometry.trials.trial import Trial
 
 from ..study.experiment import Experiment
+from ..workers import workers
 from .recording import Who
+from .simulation import Simulation
 
 NOWHERE: Final = Path("simulated in memory")
 """In place of the folder of a data set, in what is told of its rows."""
@@ -62,12 +65,33 @@ def simulated_trials(experiment: Experiment, sessions: Iterable[Who]) -> Trials:
     >>> simulated_trials(experiment, [Who("P01", seed=1), Who("P02", seed=1)]).rows["participant"].unique().tolist()
     ['P01', 'P02']
     """
+    return trials_in(dict(_table(experiment, who) for who in sessions), NOWHERE)
+
+
+def trials_of(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None = None) -> Trials:
+    """As `simulated_trials` of all its sessions, here, on `n_jobs` processes, or on the Dask cluster at `scheduler`.
+
+    The result does not depend on where it is computed.
+
+    >>> from ..study.study_file import load
+    >>> trials_of(Simulation(load("tutorial")[1], "tutorial", NOWHERE, n_participants=2, seed=1)).n_files
+    2
+    """
+    simulation.check()
+    with workers(n_jobs, scheduler) as spread:
+        return trials_in(dict(spread(partial(_table_of, simulation), simulation.sessions())), NOWHERE)
+
+
+def _table_of(simulation: Simulation, who: Who) -> tuple[Path, pd.DataFrame]:
+    """Of one session, in a process that wires the study once."""
+    return _table(simulation.experiment(), who)
+
+
+def _table(experiment: Experiment, who: Who) -> tuple[Path, pd.DataFrame]:
+    """The file that a session would have, and its cells."""
+    session = Session(who.participant, who.session, experiment.study.name)
     columns = experiment.design(b"").columns
-    tables = {}
-    for who in sessions:
-        session = Session(who.participant, who.session, experiment.study.name)
-        tables[session.trials(NOWHERE)] = _cells(simulated_session(experiment, who), session, columns)
-    return trials_in(tables, NOWHERE)
+    return session.trials(NOWHERE), _cells(simulated_session(experiment, who), session, columns)
 
 
 def _cells(trials: Sequence[Trial], session: Session, columns: Sequence[Column]) -> pd.DataFrame:

@@ -54,6 +54,19 @@ class Simulation:
         state = "" if self.code_from is None else state_of(self.code_from)
         return _wired(self.study_toml, self.where, self.code_from, state)
 
+    def check(self) -> Experiment:
+        """The study, whose people may be simulated: one that is refused starts no process and no session.
+
+        Raises
+        ------
+        InvalidParameter
+            If its people are a class of one's own that is not allowed.
+        """
+        experiment = self.experiment()
+        with rewording(lambda words: f"{self.where}, {words}"):
+            experiment.people.check_allowed()
+        return experiment
+
     def record(self, who: Who) -> Recorded:
         """One session of one simulated participant."""
         experiment = self.experiment()
@@ -72,10 +85,6 @@ def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None =
 
     The result does not depend on where it is computed.
     """
-    # Once and here: a study that is refused starts no process and no session.
-    experiment = simulation.experiment()
-    with rewording(lambda words: f"{simulation.where}, {words}"):
-        experiment.people.check_allowed()
-    flaw(experiment, simulation.root)
+    flaw(simulation.check(), simulation.root)
     with workers(n_jobs, scheduler) as spread:
         yield from spread(simulation.record, simulation.sessions())

@@ -8,7 +8,7 @@ from command_line import call
 
 from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials
-from tactometry.experiments.sessions.in_memory import NOWHERE, simulated_session, simulated_trials
+from tactometry.experiments.sessions.in_memory import NOWHERE, simulated_session, simulated_trials, trials_of
 from tactometry.experiments.sessions.recording import Who
 from tactometry.experiments.sessions.simulation import Simulation
 from tactometry.experiments.study.experiment import wire
@@ -32,6 +32,13 @@ def test_its_trials_are_those_that_its_data_set_reads_back_as(capsys, tmp_path, 
     in_folder = made.rows.assign(source=[str(tmp_path / Path(file).relative_to(NOWHERE)) for file in made.rows.source])
     pd.testing.assert_frame_equal(in_folder[list(kept.rows.columns)], kept.rows)
     assert call(capsys, "replay", tmp_path)[:2] == (0, "")
+
+
+def test_it_is_the_same_on_two_processes():
+    study = simulation("tutorial")
+    here, spread = simulated_trials(study.experiment(), study.sessions()), trials_of(study, n_jobs=2)
+    assert (spread.factors, spread.n_files, spread.notes) == (here.factors, here.n_files, here.notes)
+    pd.testing.assert_frame_equal(spread.rows, here.rows)
 
 
 def test_a_session_is_its_journal(capsys, tmp_path):
