@@ -15,7 +15,7 @@ import numpy as np
 import pandas as pd
 from scipy.optimize import brentq
 from scipy.special import logsumexp, nctdtr
-from scipy.stats import t as student, wilcoxon
+from scipy.stats import chi2, t as student, wilcoxon
 
 from tactometry.arguments.require import between, expect
 
@@ -23,7 +23,7 @@ from ..arrays import RELATIVE_ZERO, Array, size_of
 from .corrections import adjusted_p
 from .design import UndefinedStatistic, within_design
 
-SPREADS = 12.0
+SPREADS, FAR_T = 12.0, 1e4
 DIGITS = 12
 """Of a difference in units of the largest value: what is equal but for rounding is tied."""
 BAYES_SCALE, MOST_T, MOST_LOG, LOG_STEP = 0.707, 100.0, 600.0, 0.01
@@ -195,6 +195,14 @@ def dz_interval(t: float, n: int, interval: float) -> tuple[float, float]:
 
 
 def _noncentral(t: float, df: int, chance: float) -> float:
+    """The noncentrality at which a t or less has this chance.
+
+    Far out the normal part of t has no share: t < x where the root of chi-square over its degrees of freedom is above
+    the noncentrality over x (to 20 / t^2; scipy's series takes seconds there, and then has no value).
+    """
+    if abs(t) > FAR_T * np.sqrt(df):
+        return float(t * np.sqrt(chi2.isf(chance if t > 0 else 1 - chance, df) / df))
+
     def above(x: float) -> float:
         share = float(nctdtr(df, x, t))
         # Far out the series has no value: all or nothing lies below t there.

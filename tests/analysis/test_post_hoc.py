@@ -178,6 +178,16 @@ def test_bayes_factors_are_pingouins_until_it_misses_the_peak(t) -> None:
         assert bayes_factor(t, *sizes) == pytest.approx(float(peer), rel=1e-6)
 
 
+@pytest.mark.parametrize("n", [3, 6, 40])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_intervals_of_a_vast_effect_go_on_from_those_of_a_large_one(n, sign) -> None:
+    """They took 15 s for three participants, and were the effect itself from t = 1e6 on."""
+    at = 1e4 * np.sqrt(n - 1)
+    near, far = (np.array(dz_interval(sign * t, n, 0.95)) / t for t in (0.999 * at, 1.001 * at))
+    assert far == pytest.approx(near, rel=1e-5)
+    assert np.array(dz_interval(sign * 1e12, n, 0.95)) / 1e12 == pytest.approx(far, rel=1e-6)
+
+
 @pytest.mark.parametrize("spread", [2e-2, 2e-3, 2e-6])
 def test_three_participants_who_differ_nearly_alike_have_a_bayes_factor(spread) -> None:
     values = np.array([[0.0, 20.0], [1.0, 21.0 + spread], [2.0, 22.0 - spread]])

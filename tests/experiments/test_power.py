@@ -179,7 +179,7 @@ def test_an_observer_without_traits_takes_no_effect(capsys, own):
 
 @pytest.mark.slow
 def test_a_stopped_analysis_says_how_to_go_on_and_does(capsys, tmp_path):
-    words = [*ASKED[:-1], "12", "--out"]
+    words = [*ASKED[:-1], "6", "--out"]
     process = subprocess.Popen(
         [sys.executable, "-m", "tactometry", *words, tmp_path / "p"], stderr=subprocess.PIPE, text=True
     )
@@ -243,8 +243,9 @@ def test_people_who_leave_take_their_later_trials_with_them():
 
 
 def test_an_interrupted_analysis_goes_on_to_the_same_bytes(capsys, tmp_path, alone):
-    output(capsys, *ASKED, "--out", tmp_path)
-    assert files(tmp_path) == alone
+    for name, content in alone.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(content)
     lost = sorted(tmp_path.glob("studies/*"))[-1]
     lost.unlink()
     (tmp_path / "power.csv").unlink()
