@@ -40,7 +40,7 @@ debian() {
 }
 endef
 
-.PHONY: help demo test soak static check bench pages reproduced keys stability constraints platforms clean system
+.PHONY: help demo test soak static check bench pages reproduced validated keys stability constraints platforms clean system
 
 help: ## what can be made
 	@sed -nE 's/^([a-z]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 20
@@ -72,6 +72,10 @@ pages: $(VENV)/.test ## write docs/cost.md (accuracy), docs/reproduced.md (the t
 
 reproduced: $(VENV)/.core ## write docs/reproduced.md: what of the thesis comes out
 	@$(BIN)/tactometry reproduce all --page docs/reproduced.md >/dev/null
+
+validated: $(VENV)/.core ## write docs/validated.md anew: our methods, put to known truths; half an hour of two cores
+	@$(BIN)/tactometry validate-method --out docs/.validated --rounds 20 --jobs 2 --page docs/validated.md >/dev/null
+	@rm -rf docs/.validated
 
 keys: $(VENV)/.core ## write the tables of keys in docs/studies.md and docs/procedures.md anew
 	@$(BIN)/python -m tactometry.experiments.study.key_tables

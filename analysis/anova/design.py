@@ -42,6 +42,10 @@ class UndefinedStatistic(InvalidParameter):
         super().__init__(message)
         self.status = status
 
+    def __reduce__(self) -> tuple[type["UndefinedStatistic"], tuple[str, DesignStatus]]:
+        """An error of a worker reaches the process that asked: pickle passes the message alone."""
+        return type(self), (str(self), self.status)
+
 
 def expect_defined(holds: bool | np.bool_, status: DesignStatus, where: str, found: object, expected: str) -> None:
     """As `expect`, of what a statistic needs to have a meaning.

@@ -8,7 +8,7 @@ drawn to the group as far as the answers leave it open; nothing is put in place 
 
 from __future__ import annotations  # so that `help` says ArrayLike, and not what it stands for
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -36,6 +36,12 @@ ZERO_SD = 1e-3
 LARGEST_GRADIENT = 1e-2
 START_FACTORS = (1.0, 0.3, 3.0)
 ONE_WIDTH = "widths are taken to be the same in all participants: the answers do not tell how they vary"
+HIGH_LAPSES = 0.1
+OPEN_LAPSES = (
+    "a lapse rate of {:.0%} for all: where levels lie about the threshold alone, the answers leave open whether it is "
+    "that or lower thresholds; state the lapse rate, or ask far above the threshold too"
+)
+OPEN_MEAN = "the mean threshold of a condition is known to no better than the range of its levels"
 COMPONENTS = ("threshold", "log_width", "threshold_cell", "log_width_cell")
 
 
@@ -165,7 +171,7 @@ def _fit(alone: Alone, interval: float, *, width_varies: bool) -> HierarchicalFi
     of_cells = ParameterPlace.unknown(study.n_conditions, n).replaced(chosen, cells(model, mixed_fit))
     angles = zip(study.shared, model.parts(mixed_fit.parameters)[1], strict=True)
     rates = {place: float(rate_of(np.array(angle))[0]) for place, angle in angles}
-    note = "; ".join(filter(None, (status.note, "" if width_varies else ONE_WIDTH)))
+    note = "; ".join(filter(None, (status.note, "" if width_varies else ONE_WIDTH, *_open(kept, mixed_fit, rates))))
     components, correlation = _components(kept, model, mixed_fit)
     all_means, covariance, width_group = _means_of_all(alone, kept, mixed_fit, inflation)
     return HierarchicalFit(
@@ -185,6 +191,16 @@ def _fit(alone: Alone, interval: float, *, width_varies: bool) -> HierarchicalFi
         covariance=covariance,
         width_group=width_group,
     )
+
+
+def _open(study: StudyCounts, mixed_fit: MixedFit, rates: Mapping[int, float]) -> Iterator[str]:
+    """What the answers leave open although the likelihood has a maximum."""
+    low, high, _ = study.ranges()
+    errors = np.sqrt(np.diagonal(mixed_fit.covariance)[: study.n_conditions])
+    if np.any((high > low) & ~(errors <= high - low)):
+        yield OPEN_MEAN
+    if rates.get(LAPSE, 0.0) > HIGH_LAPSES:
+        yield OPEN_LAPSES.format(rates[LAPSE])
 
 
 def _maximum(model: ClusteredModel, at: Array) -> MixedFit:

@@ -51,8 +51,11 @@ def census(
     for person in people:
         pse, n_more = answers(person, n_sets, rng)
         fitted = fit_many(LEVELS, n_more, person.n_trials, **options)
-        ends = [[one.interval_low, one.interval_high, one.width_low, one.width_high, one.width] for one in fitted]
-        table = pd.DataFrame(ends, columns=["pse_low", "pse_high", "jnd_low", "jnd_high", "jnd"], dtype=float)
+        told = [
+            [one.threshold, one.interval_low, one.interval_high, one.width, one.width_low, one.width_high]
+            for one in fitted
+        ]
+        table = pd.DataFrame(told, columns=["pse", "pse_low", "pse_high", "jnd", "jnd_low", "jnd_high"], dtype=float)
         table[["jnd_low", "jnd_high", "jnd"]] *= DIFFERENCE_PER_WIDTH
         named = {"sd": person.sd, "n_trials": person.n_trials, "lapse_rate": person.lapse_rate}
         yield table.assign(**named, true_pse=pse, true_jnd=JND_PER_SD * person.sd)

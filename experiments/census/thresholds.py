@@ -102,11 +102,14 @@ PROCEDURES: Mapping[str, Callable[[float], Rule[Any]]] = {
 
 @dataclass(frozen=True)
 class Tracks:
-    """Thresholds (n_sets,) of participants, and the levels and answers (n_sets, n_trials) of their tracks."""
+    """Thresholds and widths (n_sets,) of participants, the levels and answers (n_sets, n_trials) of their tracks (NaN
+    after the end of one), and the rule's own estimates (n_sets,), NaN where it has none."""
 
     thresholds_db: Array
+    widths_db: Array
     levels_db: Array
     answers: Array
+    rule_db: Array
 
 
 def widths_db(uniform: Array) -> Array:
@@ -136,16 +139,17 @@ def tracks(
     *,
     n_trials: int = N_TRIALS[-1],
     lapse_rate: float = LAPSE_RATE,
+    procedures: Mapping[str, Callable[[float], Rule[Any]]] = PROCEDURES,
 ) -> Tracks:
     """Simulated participants, each with a track."""
     uniform = rng.random((n_sets, n_trials + 2))
     width_db = widths_db(uniform[:, 1])
     thresholds_db = places_db(place, procedure, uniform[:, 0], width_db)
-    rule, rates = PROCEDURES[procedure](task.guess_rate), (task.guess_rate, lapse_rate)
+    rule, rates = procedures[procedure](task.guess_rate), (task.guess_rate, lapse_rate)
     drawn = criteria(uniform[:, 2:], SHAPE, thresholds_db[:, None], width_db[:, None], *rates)
     orders = rule.orders(n_sets, rng) if isinstance(rule, SteppingRule) else None
     made = batch.tracks(rule, drawn, orders=orders)
-    return Tracks(thresholds_db, made.levels, made.answers.astype(np.float64))
+    return Tracks(thresholds_db, width_db, made.levels, made.answers.astype(np.float64), made.thresholds)
 
 
 def fits(simulated: Tracks, task: SimulatedTask, n_trials: int, rng: np.random.Generator) -> tuple[ThresholdFit, ...]:

@@ -36,8 +36,8 @@ def felt_and_lost(experiment: Experiment) -> FeltAndLost:
 
     >>> from .experiment import wire
     >>> from .study_file import load
-    >>> felt_and_lost(wire(load("tutorial")[0], "tutorial")).lines[0][:19]
-    'felt of tutorial: f'
+    >>> felt_and_lost(wire(load("tutorial")[0], "tutorial")).lines[0][:15]
+    'felt of amplitu'
     """
     from .felt_effects import felt_effects
 

@@ -31,6 +31,10 @@ COMMANDS = {
     "scene": ("tactometry.cli.scene:command", "The physics of a scene: only what is called for, as finely as asked."),
     "cost": ("tactometry.cli.cost:command", "What accuracy costs in time, emission and trials."),
     "reproduce": ("tactometry.cli.reproduce:command", "The thesis's tables, figures and findings, made anew."),
+    "validate-method": (
+        "tactometry.cli.validate_method:command",
+        "Our procedures, fits and tests, put to known truths.",
+    ),
     "design": ("tactometry.cli.design:command", "Time-reversal screens: what is wanted, what can be reached and why."),
 }
 

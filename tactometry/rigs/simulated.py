@@ -69,7 +69,7 @@ def meeting(stimulus: str, request: Play | Press | Slide | Adjust) -> Meeting:
     return stimulus, force_n or 0.0, speed_m_per_s or 0.0
 
 
-def _value_of(liking: float, scale: Rate | Fill) -> float:
+def value_of(liking: float, scale: Rate | Fill) -> float:
     """A liking from -1 to 1 as an answer on a scale."""
     fraction = (1 + liking) / 2
     if scale.steps is None:
@@ -240,14 +240,14 @@ class SimulatedRig(LiveRig):
         return self._pass(latency_s), latency_s
 
     def _rate(self, request: Rate) -> Rated:
-        return Rated(_value_of(self._liking(), request), *self._timing(1))
+        return Rated(value_of(self._liking(), request), *self._timing(1))
 
     def _enter(self, request: Enter) -> Rated:
         value = max(self._observer.magnitude(self._last_db(), self._rng), request.low)
         return Rated(value if request.high is None else min(value, request.high), *self._timing(1))
 
     def _fill(self, request: Fill) -> Filled:
-        values = tuple(_value_of(place, request) for place in self._places(request))
+        values = tuple(value_of(place, request) for place in self._places(request))
         return Filled(values, *self._timing(len(values)))
 
     def _places(self, request: Fill) -> list[float]:

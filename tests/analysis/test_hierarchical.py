@@ -258,6 +258,20 @@ def test_widths_that_cannot_be_told_to_vary_are_taken_as_one(study) -> None:
     assert "log_width" not in found.components
 
 
+def test_many_lapses_which_may_be_low_thresholds_are_told() -> None:
+    """Four of five right wherever it was asked: thresholds of tracks came out 10 dB low, without a word."""
+    names = [f"P{person}" for person in range(6) for _ in range(5)]
+    levels = [18.0 + person + step for person in range(6) for step in (0.0, 2.0, 4.0, 6.0, 8.0)]
+    k = [31, 37, 41, 40, 41, 30, 38, 40, 42, 41, 32, 36, 41, 40, 40] * 2
+    conditions = {"force_n": [0.5] * len(names)}
+    told = [
+        fit_hierarchical(levels, k, 50, names, conditions, shape="gumbel", guess_rate=0.5, lapse_rate=rate).note
+        for rate in (None, 0.02)
+    ]
+    assert "state the lapse rate, or ask far above the threshold too" in told[0]
+    assert "lapse rate" not in told[1]
+
+
 def test_two_participants_have_wide_intervals(study) -> None:
     found = fitted(study[0][study[0]["participant"].isin(["P0", "P1"])])
     first = found.conditions.iloc[0]

@@ -14,7 +14,7 @@ PICTURE = (DOCS / "design" / "rooms.svg").read_text(encoding="utf-8")
 WINGS = ("experiments", "protocols", "stimuli", "analysis", "tactometry")
 BOX = re.compile(r'<rect x="([\d.]+)" y="([\d.]+)" width="([\d.]+)" height="([\d.]+)" rx="8"')
 TITLE = re.compile(r'<text x="([\d.]+)" y="([\d.]+)" font-size="16"[^>]*>([\w/]+)')
-ROOM = re.compile(r'<text x="([\d.]+)" y="([\d.]+)" font-size="12(?:\.5)?" [^>]*text-anchor="middle"[^>]*>(\w+)')
+ROOM = re.compile(r'<text x="([\d.]+)" y="([\d.]+)" font-size="12(?:\.5)?" [^>]*text-anchor="middle"[^>]*>([\w-]+)')
 
 
 def drawn(wing: str, picture: str = PICTURE) -> set[str]:

@@ -1,0 +1,141 @@
+"""Tests and intervals of questionnaires, of people who rate patterns of focused pulses."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Final
+
+import numpy as np
+import pandas as pd
+
+from tactometry.analysis.anova.nonparametric import friedman
+from tactometry.analysis.attrakdiff.patterns import THESIS, against_reference, frequency_by_envelope
+from tactometry.analysis.attrakdiff.scoring import scores, summary
+from tactometry.observers.raters import Rater, Raters
+from tactometry.protocols.tasks.rating import pages
+from tactometry.questionnaire import load
+from tactometry.rigs.simulated import value_of
+
+from ...study.experiment import dimensions_of
+from ...study.session_plan import stream
+from ..check import Check, Simulate
+from ..kinds import ESTIMATES, TESTS
+
+FORM: Final = load("attrakdiff")
+DIMENSION: Final = "PQ"
+PATTERNS: Final = ("P0", *THESIS)
+N_PARTICIPANTS: Final = 12
+ATTITUDE: Final = 0.2
+"""Of everybody to patterns of the high frequency, from -1 to 1 (0.6 points of the scale, less what is clipped)."""
+RATERS: Final[Mapping[float, Raters]] = {
+    effect: Raters(
+        noise=0.35,
+        liking=0.0,
+        effects={
+            "pattern": {name: {DIMENSION: effect} for name, (frequency, _) in THESIS.items() if frequency == "high"}
+        },
+    )
+    for effect in (0.0, ATTITUDE)
+}
+"""As those of the study time-reversal-patterns, with no effects but this one."""
+
+
+def study(effect: float, seed: int) -> pd.DataFrame:
+    """A row for each answer, of whole steps of the scale, as a session asks and keeps them."""
+    rows = []
+    for code in (f"P{number:02d}" for number in range(N_PARTICIPANTS)):
+        rater = Rater(
+            RATERS[effect], partial(stream, seed, code), dimensions_of([FORM]), lambda met: {"pattern": str(met)}
+        )
+        for pattern in PATTERNS:
+            noise = stream(seed, code, pattern)
+            for page in pages(FORM, FORM.items):
+                places = rater.answers(page, pattern, 0.0, noise)
+                answers = zip(page.questions, places, strict=True)
+                rows += [(code, pattern, FORM.name, question.item, value_of(at, page)) for question, at in answers]
+    return pd.DataFrame(rows, columns=["participant", "pattern", "procedure", "item", "response"])
+
+
+def scored(effect: float, rng: np.random.Generator) -> pd.DataFrame:
+    return scores(study(effect, int(rng.integers(2**62))), within=["pattern"])
+
+
+def _crossed(source: str) -> Callable[[pd.DataFrame], float]:
+    def p(table: pd.DataFrame) -> float:
+        found = frequency_by_envelope(table)
+        rows = found[(found["dimension"] == DIMENSION) & (found["Source"] == source)]
+        return float(rows["p_CM_corr"].iloc[0])
+
+    return p
+
+
+def _against(table: pd.DataFrame) -> pd.DataFrame:
+    found = against_reference(table)
+    return found[found["dimension"] == DIMENSION]
+
+
+TESTED: Final[Mapping[str, Callable[[pd.DataFrame], float]]] = {
+    "frequency": _crossed("frequency"),
+    "envelope": _crossed("envelope"),
+    "frequency * envelope": _crossed("frequency * envelope"),
+    "against P0, Holm: any of six": lambda table: _against(table)["p_corr"].min(),
+    "Friedman, all patterns": lambda table: friedman(
+        table, dependent=DIMENSION, factor="pattern", subject="participant"
+    )["p_unc"].iloc[0],
+}
+
+
+def false_alarms(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
+    """Of studies without an effect, and of others with one."""
+    rows = []
+    for effect in RATERS:
+        for table in (scored(effect, rng) for _ in range(n_sets)):
+            rows += [(effect, test, float(p(table))) for test, p in TESTED.items()]
+    return pd.DataFrame(rows, columns=["effect", "test", "p"])
+
+
+def effects(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
+    """Patterns that nobody rates otherwise: their means and differences are 0, as the scale is symmetric."""
+    rows = []
+    for table in (scored(0.0, rng) for _ in range(n_sets)):
+        pair = _against(table).iloc[0]
+        means = summary(table)
+        mean = means[(means["dimension"] == DIMENSION) & (means["pattern"] == PATTERNS[0])].iloc[0]
+        rows.append(("mean", *mean[["mean", "mean_low", "mean_high"]]))
+        rows.append(("difference to P0", *pair[["difference", "difference_low", "difference_high"]]))
+    return pd.DataFrame(rows, columns=["method", "estimate", "low", "high"]).assign(truth=0.0)
+
+
+_PEOPLE: Final = f"""\
+{N_PARTICIPANTS} simulated people ([observer.raters](people.md)) rate seven patterns by AttrakDiff's 28 word pairs,
+in whole steps: attitudes by person, dimension and pattern, loadings, noise, extremity and acquiescence as in the
+study `time-reversal-patterns`. Pragmatic quality is looked at."""
+_SETTINGS: Final[Mapping[str, Simulate]] = {"patterns": false_alarms}
+FALSE_ALARMS: Final = Check(
+    title="Tests of questionnaires",
+    words=f"""\
+{_PEOPLE} Without an effect 5 % of tests ought to have p < 5 %; with an attitude of {ATTITUDE:g} more to the three
+patterns of the high frequency the share is the power of *frequency*, *against P0* and *Friedman*; *envelope* and the
+interaction have no effect then either.""",
+    kind=TESTS,
+    keys=("effect", "test"),
+    settings={"patterns": false_alarms},
+    n_sets=10,
+    reasons={
+        "against P0, Holm: any of six": "Holm's correction holds 5 % for any dependence and is below where "
+        "comparisons share the "
+        "reference",
+        "Friedman, all patterns": "its chi-square has no allowance for few participants",
+    },
+    reason_key="test",
+    figure="tests-of-ratings",
+)
+EFFECTS: Final = Check(
+    title="Intervals of questionnaires",
+    words=f"{_PEOPLE} Without any effect: the mean of a pattern, and the difference of two.",
+    kind=ESTIMATES,
+    keys=("method",),
+    settings={"patterns": effects},
+    n_sets=10,
+    reasons={},
+    reason_key="method",
+)

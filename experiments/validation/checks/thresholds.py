@@ -1,0 +1,186 @@
+"""Thresholds of one participant: every procedure with every fit."""
+
+from collections.abc import Iterable, Mapping
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from tactometry.analysis.hierarchical.fitting import fit_hierarchical
+from tactometry.analysis.threshold.fitting import ThresholdFit, fit_many
+from tactometry.protocols import MethodOfLimits, PsiSettings
+from tactometry.protocols.procedures.procedure import Rule
+from tactometry.psychometric import PsychometricFunction
+
+from ...census import thresholds as census
+from ...census.thresholds import (
+    AT_CHANCE,
+    FALSE_ALARM_RATE,
+    HIGH_DB,
+    INSIDE,
+    LAPSE_RATE,
+    LOW_DB,
+    SHAPE,
+    TASKS,
+    SimulatedTask,
+    Tracks,
+)
+from ..check import Check
+from ..kinds import ESTIMATES
+
+N_TRIALS: Final = 60
+N_GROUP: Final = 10
+"""Participants of a hierarchical fit."""
+N_RESAMPLES: Final = 200
+CHOSEN: Final = TASKS[1:3]
+"""Yes/no with catch trials, and two alternatives."""
+POSTERIOR: Final = ("mode", "median", "mean")
+OTHERS: Final = ("map", "ml", "profile", "bootstrap")
+
+
+def method_of_limits(guess_rate: float) -> MethodOfLimits:
+    """Series that alternate and begin anywhere in the outer quarter; the track ends with its last trial."""
+    del guess_rate
+    return MethodOfLimits(LOW_DB, HIGH_DB, 4.0, n_series=1000, n_start_steps=2)
+
+
+def psi(guess_rate: float) -> Rule[Any]:
+    """Of a cumulative normal, told the lapse rate that participants have."""
+    table = PsiSettings(
+        LOW_DB, HIGH_DB, 41, 1.0, 6.0, 6, guess_rate=guess_rate, lapse_rate=LAPSE_RATE, n_trials=N_TRIALS
+    )
+    return table.procedure()
+
+
+PROCEDURES: Final = {**census.PROCEDURES, "psi": psi, "method of limits": method_of_limits}
+LEFT_OUT: Final = (AT_CHANCE, ("method of limits", "2AFC"))
+"""Rules that go down as long as the answer is 1, which guesses are as well."""
+TARGETS: Final[Mapping[str, float]] = {
+    "1 up 1 down": 0.5,
+    "1 up 2 down": 0.5 ** (1 / 2),
+    "1 up 3 down": 0.5 ** (1 / 3),
+    "weighted, 0.75": 0.75,
+    "method of limits": 0.5,
+}
+"""The chance of the answer 1 at the level that a rule aims at (Levitt 1971, J. Acoust. Soc. Am. 49, 467; Kaernbach
+1991, Percept. Psychophys. 49, 227); of the others the threshold."""
+
+
+def outcomes(procedure: str, task: SimulatedTask, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
+    """Each participant's track with all fits."""
+    made = census.tracks(procedure, task, INSIDE, n_sets, rng, n_trials=N_TRIALS, procedures=PROCEDURES)
+    n_catch = round(task.catch * N_TRIALS)
+    catch = {"n_false_alarms": rng.binomial(n_catch, task.guess_rate, n_sets), "n_catch": np.full(n_sets, n_catch)}
+    told: dict[str, Any] = {"shape": SHAPE, "guess_rate": task.told}
+    by_fit = {"the rule's own": _of_rule(procedure, task, made)} | _of_fits(made, told | catch, rng)
+    by_fit["hierarchical"] = _of_groups(made, told, catch)
+    tables = [table.assign(procedure=procedure, task=task.name, fit=fit) for fit, table in by_fit.items()]
+    return pd.concat([table for table in tables if table["estimate"].notna().any()], ignore_index=True)
+
+
+def _of_rule(procedure: str, task: SimulatedTask, made: Tracks) -> pd.DataFrame:
+    """Against the level that the rule aims at."""
+    targets = {**TARGETS, "QUEST": 1 - (1 - task.guess_rate) / np.e}
+    people = zip(made.thresholds_db, made.widths_db, strict=True)
+    functions = [PsychometricFunction(SHAPE, at, width, task.guess_rate, LAPSE_RATE) for at, width in people]
+    target = targets.get(procedure)
+    truth = made.thresholds_db if target is None else [function.level(target) for function in functions]
+    return pd.DataFrame({"truth": truth, "estimate": made.rule_db, "low": np.nan, "high": np.nan})
+
+
+def _of_fits(made: Tracks, told: Mapping[str, Any], rng: np.random.Generator) -> dict[str, pd.DataFrame]:
+    """Of the posterior by its three estimates, which share an interval, and of each other method."""
+    counts, options = _counts(made), {**told, "scale_free_width": True}
+    posterior = fit_many(*counts, **options)
+    by_fit = {
+        f"posterior, {name}": _table(made, posterior, [getattr(fit, f"threshold_{name}") for fit in posterior])
+        for name in POSTERIOR
+    }
+    by_fit["posterior, mode"] = _table(made, posterior, [fit.threshold for fit in posterior])
+    for method in OTHERS:
+        found = fit_many(*counts, **options, method=method, n_resamples=N_RESAMPLES, rng=rng)
+        by_fit[method] = _table(made, found, [fit.threshold for fit in found])
+    return by_fit
+
+
+def _counts(made: Tracks) -> tuple[NDArray[np.float64], ...]:
+    """Levels, answers and trials (n_sets, n_trials), none after the end of a track."""
+    asked = ~np.isnan(made.levels_db)
+    return np.where(asked, made.levels_db, 0.0), np.where(asked, made.answers, 0.0), asked.astype(np.float64)
+
+
+def _table(made: Tracks, fits: Iterable[ThresholdFit], estimates: Iterable[float | None]) -> pd.DataFrame:
+    """Of fits that have a threshold the estimate; of the others the bounds alone."""
+    rows = [
+        (None if fit.threshold is None else estimate, fit.interval_low, fit.interval_high)
+        for fit, estimate in zip(fits, estimates, strict=True)
+    ]
+    table = pd.DataFrame(rows, columns=["estimate", "low", "high"], dtype=np.float64)
+    return table.assign(truth=made.thresholds_db)
+
+
+def _of_groups(made: Tracks, told: Mapping[str, Any], catch: Mapping[str, NDArray[Any]]) -> pd.DataFrame:
+    """Shrunken thresholds of groups of participants in one condition."""
+    groups = [slice(first, first + N_GROUP) for first in range(0, len(made.answers), N_GROUP)]
+    return pd.concat([_of_group(made, told, catch, members) for members in groups])
+
+
+def _of_group(made: Tracks, told: Mapping[str, Any], catch: Mapping[str, NDArray[Any]], members: slice) -> pd.DataFrame:
+    counts = [part[members] for part in _counts(made)]
+    n_people, n_trials = counts[0].shape
+    names = np.repeat([f"P{place:02d}" for place in range(n_people)], n_trials).tolist()
+    own_catch = {name: np.repeat(numbers[members], n_trials) for name, numbers in catch.items()}
+    condition = {"condition": ["all"] * len(names)}
+    levels, n_correct, n_asked = (part.ravel() for part in counts)
+    options: dict[str, Any] = {**told, **own_catch}
+    found = fit_hierarchical(levels, n_correct, n_asked, names, condition, **options).participants
+    columns = {"threshold": "estimate", "interval_low": "low", "interval_high": "high"}
+    people = found.sort_values("participant")[list(columns)].rename(columns=columns).astype(float)
+    return people.assign(truth=made.thresholds_db[members])
+
+
+CHECK: Final = Check(
+    title="Thresholds of one participant",
+    words=f"""\
+Each participant answers {N_TRIALS} trials of a procedure from {LOW_DB:g} to {HIGH_DB:g} dB (constant stimuli from 8
+to 32 dB in steps of 4): a Gumbel function with a threshold in the middle half of the levels, a width from 4 to 16 dB
+(evenly on a logarithm), {LAPSE_RATE:.0%} lapses, and in yes/no {FALSE_ALARM_RATE:.0%} false alarms, asked for by a
+catch trial to four trials. Errors and widths in dB. The fits are told what `analyse` is told: the shape and, in
+forced choice, the guess rate. *posterior, mode* is what `analyse` gives; median and mean share its interval. *the
+rule's own* is held against the level at which the rule aims, {N_RESAMPLES} sets are drawn for a bootstrap, and a
+hierarchical fit has {N_GROUP} participants.""",
+    kind=ESTIMATES,
+    keys=("procedure", "task", "fit"),
+    settings={
+        f"{procedure}, {task.name}": partial(outcomes, procedure, task)
+        for procedure in PROCEDURES
+        for task in CHOSEN
+        if (procedure, task.name) not in LEFT_OUT
+    },
+    n_sets=10,
+    reasons={
+        "map": "Laplace's interval takes the levels as given in advance; where they follow the answers, or the "
+        "posterior is "
+        "skewed, it is too short. `analyse` does not use it",
+        "ml": "Wald's interval rests on the curvature at the maximum, which says too little of few trials, and "
+        "the levels are "
+        "taken as given in advance. `analyse` does not use it",
+        "profile": "the profile likelihood takes the levels as given in advance, and chi-square holds for many "
+        "trials only",
+        "bootstrap": "sets are drawn anew at the levels as presented, so that what the levels owe to the answers "
+        "is not in them",
+        "hierarchical": "one lapse rate for all is estimated: where a rule puts its levels about the threshold, "
+        "a group "
+        "may have many lapses and low thresholds as well as few and high ones, and the fit takes one of them (its note "
+        "says so from 10 % on); the model has normal thresholds, where these participants have evenly spread ones",
+        "posterior, mode": "a Bayesian interval is exact on average over its priors, and these participants are "
+        "not drawn "
+        "from those: their lapses and widths leave less open than the priors do",
+        "posterior, median": "as that of the mode, whose interval it shares",
+        "posterior, mean": "as that of the mode, whose interval it shares",
+    },
+    reason_key="fit",
+    figure="thresholds",
+)

@@ -1,0 +1,185 @@
+"""Tests and intervals of values that participants have in conditions, by the errors of the values."""
+
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from tactometry.analysis.anova.censored import censored_anova
+from tactometry.analysis.anova.design import UndefinedStatistic
+from tactometry.analysis.anova.group_means import group_table
+from tactometry.analysis.anova.nonparametric import aligned_rank_transform, friedman
+from tactometry.analysis.anova.post_hoc import pairs
+from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
+from tactometry.analysis.mixed_models.linear import mixed_model
+
+from ..check import Check, Simulate
+from ..kinds import ESTIMATES, TESTS
+
+N_CONDITIONS: Final = 4
+EFFECT: Final = 1.1
+"""Of the last condition, in standard deviations of the errors."""
+PARTICIPANTS_SD: Final = 2.0
+SHARE_OF_BOUNDS: Final = 0.15
+ERRORS: Final = ("spherical", "AR(1), 0.7", "noisy")
+DESIGNS: Final = (*((errors, 10) for errors in ERRORS), ("spherical", 6), ("spherical", 14))
+OF: Final[dict[str, Any]] = {"dependent": "y", "subject": "participant"}
+FIRST, LAST = 0, N_CONDITIONS - 1
+
+
+def studies(errors: str, n_participants: int, n: int, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Values (n, n_participants, N_CONDITIONS) without effects: participants who differ, and errors of variance 1 that
+    are independent, correlated by 0.7 a step, or three times as large in the first condition."""
+    places = np.arange(N_CONDITIONS)
+    covariance = {
+        "spherical": np.eye(N_CONDITIONS),
+        "AR(1), 0.7": 0.7 ** np.abs(np.subtract.outer(places, places)),
+        "noisy": np.diag(np.where(places == 0, 9.0, 1.0)),
+    }[errors]
+    drawn = rng.standard_normal((n, n_participants, N_CONDITIONS))
+    return np.asarray(drawn @ np.linalg.cholesky(covariance + PARTICIPANTS_SD**2).T)
+
+
+def long_table(values: NDArray[np.float64]) -> pd.DataFrame:
+    """Of one study a row for each participant and condition; `cut` has a bound in place of low values."""
+    shape = [range(length) for length in values.shape]
+    table = pd.MultiIndex.from_product(shape, names=["participant", "condition"]).to_frame(index=False)
+    y = values.ravel()
+    at = float(np.quantile(values[:, 1:], SHARE_OF_BOUNDS))
+    return table.assign(y=y, cut=np.where(y < at, np.nan, y), low=np.nan, high=at)
+
+
+def _censored(table: pd.DataFrame) -> Any:
+    return censored_anova(table, dependent="cut", low="low", high="high", within="condition", subject="participant")
+
+
+def _anova(column: str) -> Callable[[pd.DataFrame], float]:
+    return lambda table: repeated_measures(table, within="condition", **OF)[column].iloc[0]
+
+
+TESTED: Final[Mapping[str, Callable[[pd.DataFrame], float]]] = {
+    "ANOVA, Chi-Muller": _anova("p_CM_corr"),
+    "ANOVA, Greenhouse-Geisser": _anova("p_GG_corr"),
+    "ANOVA, uncorrected": _anova("p_unc"),
+    "ANOVA of values and bounds": lambda table: _censored(table).table["p_CM_corr"].iloc[0],
+    "permutation test": lambda table: permutation_test(table, within="condition", **OF)["p_permutation"].iloc[0],
+    "mixed model": lambda table: mixed_model(table, factors=["condition"], **OF).terms["p"].iloc[0],
+    "Friedman": lambda table: friedman(table, factor="condition", **OF)["p_unc"].iloc[0],
+    "aligned rank transform": lambda table: aligned_rank_transform(table, within="condition", **OF)["p_GG_corr"].iloc[
+        0
+    ],
+    "pairs, Holm: any of six": lambda table: pairs(table, factor="condition", **OF)["p_corr"].min(),
+}
+"""p of each test of a study."""
+
+
+def p_of(test: str, table: pd.DataFrame) -> float:
+    """NaN where it has no answer."""
+    try:
+        return float(TESTED[test](table))
+    except UndefinedStatistic:
+        return float("nan")
+
+
+def false_alarms(errors: str, n_participants: int, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
+    """Each study without an effect, and with one."""
+    rows = []
+    for values in studies(errors, n_participants, n_sets, rng):
+        for effect in (0.0, EFFECT):
+            table = long_table(with_effect(values, effect))
+            rows += [(effect, test, p_of(test, table)) for test in TESTED]
+    named = pd.DataFrame(rows, columns=["effect", "test", "p"])
+    return named.assign(errors=errors, participants=n_participants)
+
+
+def with_effect(values: NDArray[np.float64], effect: float) -> NDArray[np.float64]:
+    """The last condition is so much higher."""
+    return np.asarray(values + effect * (np.arange(values.shape[-1]) == LAST))
+
+
+def effects(errors: str, n_participants: int, n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
+    """The last condition less the first, and its mean."""
+    rows = []
+    for values in studies(errors, n_participants, n_sets, rng):
+        table = long_table(with_effect(values, EFFECT))
+        rows += [(method, EFFECT, *found) for method, found in estimates(table).items()]
+    named = pd.DataFrame(rows, columns=["method", "truth", "estimate", "low", "high"])
+    return named.assign(errors=errors, participants=n_participants)
+
+
+Estimate = tuple[float, float, float]
+
+
+def estimates(table: pd.DataFrame) -> dict[str, Estimate]:
+    """Estimate and ends of the interval by each method."""
+    compared = pairs(table, factor="condition", **OF)
+    pair = compared[(compared["a"] == FIRST) & (compared["b"] == LAST)].iloc[0]
+    model = mixed_model(table, factors=["condition"], **OF).coefficients.iloc[LAST]
+    group = group_table(table, ["condition"], "y").iloc[LAST]
+    found = {
+        "difference, pairs": tuple(pair[["difference", "difference_low", "difference_high"]]),
+        "difference, mixed model": tuple(model[["estimate", "low", "high"]]),
+        "mean": tuple(group[["mean", "mean_low", "mean_high"]]),
+    }
+    try:
+        of_bounds = _censored(table).means().iloc[LAST][["mean", "mean_low", "mean_high"]]
+    except UndefinedStatistic:
+        of_bounds = (np.nan, np.nan, np.nan)
+    return found | {"mean, of values and bounds": tuple(of_bounds)}
+
+
+def _settings(simulate: Callable[..., pd.DataFrame]) -> Mapping[str, Simulate]:
+    return {f"{errors}, {n} participants": partial(simulate, errors, n) for errors, n in DESIGNS}
+
+
+_PEOPLE: Final = f"""\
+Participants have normal values in {N_CONDITIONS} conditions: they differ by {PARTICIPANTS_SD:g} standard deviations
+of the errors, which are independent and alike (*spherical*), correlated by 0.7 a step (*AR(1)*), or three times as
+large in the first condition (*noisy*)."""
+FALSE_ALARMS: Final = Check(
+    title="Tests of values",
+    words=f"""\
+{_PEOPLE} Without an effect 5 % of tests ought to have p < 5 %; with {EFFECT:g} standard deviations more in the last
+condition the share is the power. For the analysis of values and bounds the lowest {SHARE_OF_BOUNDS:.0%} are upper
+bounds. `analyse` reports Chi and Muller's p, or that of values and bounds.""",
+    kind=TESTS,
+    keys=("errors", "participants", "effect", "test"),
+    settings=_settings(false_alarms),
+    n_sets=20,
+    reasons={
+        "ANOVA, uncorrected": "it takes the contrasts to be spherical; it is printed beside the corrected p, not "
+        "reported",
+        "ANOVA, Greenhouse-Geisser": "Greenhouse and Geisser's epsilon is too small with few participants, so "
+        "that the test errs "
+        "on the side of no effect; `analyse` reports Chi and Muller's",
+        "mixed model": "a random intercept takes the differences of all conditions to vary alike",
+        "Friedman": "its chi-square has no allowance for few participants",
+        "pairs, Holm: any of six": "Holm's correction holds 5 % for any dependence and is below where pairs "
+        "share conditions",
+        "permutation test": "it asks for symmetric errors alone, and 2 to the number of participants changes of "
+        "signs make a p of "
+        "steps",
+    },
+    reason_key="test",
+    figure="tests-of-values",
+)
+EFFECTS: Final = Check(
+    title="Effects of values",
+    words=f"""\
+{_PEOPLE} The last condition is {EFFECT:g} higher: the difference to the first, and its mean (of which the truth is
+{EFFECT:g} too); for *values and bounds* the lowest {SHARE_OF_BOUNDS:.0%} are upper bounds.""",
+    kind=ESTIMATES,
+    keys=("errors", "participants", "method"),
+    settings=_settings(effects),
+    n_sets=20,
+    reasons={
+        "difference, mixed model": "a random intercept has one variance for the differences of all conditions: "
+        "where they do not "
+        "vary alike its interval is too short for some and too long for others"
+    },
+    reason_key="method",
+    figure="effects-of-values",
+)

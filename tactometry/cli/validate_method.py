@@ -1,0 +1,75 @@
+"""`tactometry validate-method`."""
+
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Any
+
+import click
+
+from tactometry.experiments.validation.check import CHECKS, Chunk, check_of
+from tactometry.experiments.validation.page import departures, page as page_of
+from tactometry.experiments.validation.run import Validated, Validation, validate
+from tactometry.experiments.workers import check_workers, workers
+
+from .output import path_option, progress, say, subcommand, writing
+
+PAGE = "validated.md"
+
+
+@subcommand("validate-method --out validated --check comparisons --rounds 4")
+@path_option("--out", required=True, help="A folder for the page, its figures, tables and outcomes.")
+@click.option("--check", "checks", multiple=True, help=f"One of {', '.join(CHECKS)}; by default all.")
+@click.option(
+    "--rounds", "n_rounds", type=int, default=1, show_default=True, help="How often each setting is simulated."
+)
+@click.option("--seed", type=int, default=1, show_default=True, help="The same seed gives the same tables.")
+@click.option("--resume", is_flag=True, help="Go on with a run that was stopped, or add rounds.")
+@click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
+@click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
+@path_option("--page", help="Write the page here too, its figures in the folder 'validated' beside it.")
+def command(
+    *, out: Path, checks: tuple[str, ...], n_jobs: int, scheduler: str | None, page: Path | None, **options: Any
+) -> None:
+    """Put our procedures, fits and tests to simulated participants: bias, coverage, errors, calibration."""
+    check_workers(n_jobs, scheduler)
+    resume = options.pop("resume")
+    validation = Validation(checks=tuple(dict.fromkeys(checks)) or tuple(CHECKS), **options)
+    with workers(n_jobs, scheduler) as spread:
+        found = validate(validation, out, resume=resume, spread=spread, tell=partial(_told, what="validating"))
+    _write(found, out / PAGE, as_pixels=True)
+    if page is not None:
+        _write(found, page, as_pixels=False)
+    say(_text(found, out), _record(found))
+
+
+def _told(chunks: Iterator[Chunk], n: int, *, what: str) -> Iterator[Chunk]:
+    return progress(chunks, n, what)
+
+
+def _write(found: Validated, path: Path, *, as_pixels: bool) -> None:
+    from tactometry.experiments.validation.figures import FOLDER, write_figures
+
+    write_figures(found, path.parent / FOLDER, as_pixels=as_pixels)
+    with writing(path):
+        path.write_text(page_of(found), encoding="utf-8")
+
+
+def _text(found: Validated, out: Path) -> str:
+    lines = []
+    for name, table in found.tables.items():
+        off = departures(table)
+        lines.append(f"{name}: {len(table)} rows, {len(off)} of which depart from what is stated")
+        lines += [
+            f"  {', '.join(str(row[key]) for key in check_of(name).keys)}: {row['verdict']}"
+            for row in off.to_dict("records")
+        ]
+    return "\n".join([*lines, f"page: {out / PAGE}"])
+
+
+def _record(found: Validated) -> dict[str, Any]:
+    return {
+        "asked": found.validation.asked | {"rounds": found.validation.n_rounds},
+        "tables": {name: table.to_dict("records") for name, table in found.tables.items()},
+        "processor_s": dict(found.seconds),
+    }

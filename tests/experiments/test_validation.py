@@ -1,0 +1,225 @@
+"""`tactometry validate-method`: what departs is seen, nothing depends on where it is computed, nor on interruptions,
+and docs/validated.md is what it makes."""
+
+import copy
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from command_line import call, output, status
+from places import DOCS
+from scipy.stats import norm
+
+from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
+from tactometry.experiments.validation.check import CHECKS, Chunk, check_of
+from tactometry.experiments.validation.checks.calibration import rank
+from tactometry.experiments.validation.kinds import ESTIMATES, RANKS, TESTS, summary
+from tactometry.experiments.validation.page import departures, page
+from tactometry.experiments.validation.run import Validated, Validation, path_of, validate
+
+SMALL = Validation(seed=3, n_rounds=2, checks=("comparisons",))
+PAGE, PAGE_SEED, PAGE_ROUNDS = DOCS / "validated.md", 1, 20
+
+
+def tables(root):
+    return {path.name: path.read_bytes() for path in root.glob("*.csv")}
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    root = tmp_path_factory.mktemp("whole") / "v"
+    return root, validate(SMALL, root)
+
+
+# --- what a table says of outcomes
+
+
+def of_estimates(estimate, reach, n=2000):
+    truth = np.random.default_rng(1).standard_normal(n)
+    found = truth + estimate * np.random.default_rng(2).standard_normal(n)
+    table = pd.DataFrame({"truth": truth, "estimate": found, "low": found - reach, "high": found + reach})
+    return summary(ESTIMATES, table.assign(fit="a"), ("fit",)).iloc[0]
+
+
+@pytest.mark.parametrize(("part", "verdict"), [(0.8, "too few"), (1.0, ""), (1.2, "too many")])
+def test_intervals_that_are_too_short_or_too_long_are_told(part, verdict):
+    row = of_estimates(2.0, part * 2.0 * norm.ppf(0.975))
+    assert row["verdict"] == verdict
+    assert row["width"] == pytest.approx(2 * part * 2.0 * norm.ppf(0.975))
+
+
+def test_the_bias_and_its_error_are_those_of_sets_that_told_a_value():
+    table = pd.DataFrame(
+        {"truth": [0.0, 0, 0, 0], "estimate": [1.0, 2, 3, None], "low": [0.0, 0, 0, 1], "high": [4.0, 4, 4, None]}
+    )
+    row = summary(ESTIMATES, table.assign(fit="a"), ("fit",)).iloc[0]
+    assert (row["sets"], row["none"], row["n"], row["share"], row["bounds"]) == (4, 0.25, 3, 1.0, 0.0)
+    assert (row["bias"], row["sd"], row["bias_se"]) == pytest.approx((2.0, 1.0, 1 / np.sqrt(3)))
+
+
+@pytest.mark.parametrize(("power", "verdict"), [(1.0, ""), (0.5, "too many"), (2.0, "too few")])
+def test_a_test_that_errs_too_often_or_too_seldom_is_told(power, verdict):
+    p = np.random.default_rng(5).random(4000) ** (1 / power)
+    row = summary(TESTS, pd.DataFrame({"effect": 0.0, "p": p, "test": "t"}), ("test",)).iloc[0]
+    assert row["verdict"] == verdict
+
+
+def test_a_test_of_an_effect_that_there_is_is_not_judged():
+    row = summary(TESTS, pd.DataFrame({"effect": [1.0] * 100, "p": 0.0, "test": "t"}), ("test",)).iloc[0]
+    assert (row["share"], row["verdict"]) == (1.0, "")
+
+
+@pytest.mark.parametrize(("posterior_sd", "shift", "verdict"), [(1, 0, ""), (0.7, 0, "not"), (1, 0.3, "not")])
+def test_ranks_in_a_posterior_are_uniform_where_it_is_the_right_one(posterior_sd, shift, verdict):
+    """A truth and a datum with errors of variance 1; the posterior is normal, as wide as it is said to be."""
+    rng = np.random.default_rng(11)
+    truth = rng.standard_normal(4000)
+    centre = (truth + rng.standard_normal(4000)) / 2 + shift
+    quantiles = [
+        norm.ppf([0.5 - s / 2, 0.5, 0.5 + s / 2], 0, posterior_sd / np.sqrt(2)) for s in np.arange(0.1, 0.95, 0.1)
+    ]
+    places = centre[:, None, None] + np.array(quantiles).T
+    ranks = rank(truth, places, rng)
+    row = summary(RANKS, pd.DataFrame({"rank": ranks, "posterior": "a"}), ("posterior",)).iloc[0]
+    assert row["verdict"].startswith(verdict)
+    assert bool(row["verdict"]) == bool(verdict)
+    assert sum(row[f"bin_{place:02d}"] for place in range(1, 21)) == 4000
+
+
+# --- a run
+
+
+def test_any_process_makes_the_same_tables(whole, tmp_path):
+    root, _ = whole
+    assert status("validate-method", "--out", tmp_path / "v", "--check", "comparisons", "--rounds", "2", "--seed", "3",
+                  "--jobs", "2") == 0  # fmt: skip
+    assert tables(tmp_path / "v") == tables(root)
+    assert {path.suffix for path in (tmp_path / "v" / "validated").iterdir()} == {".png", ".svg"}
+
+
+def test_a_run_that_was_stopped_goes_on_and_makes_no_chunk_twice(whole, tmp_path):
+    root, _ = whole
+    chunks = SMALL.chunks
+
+    def dies(function, jobs):
+        for job in list(jobs)[:3]:
+            yield function(job)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        validate(SMALL, tmp_path / "v", spread=dies)
+    assert [path_of(tmp_path / "v", chunk).exists() for chunk in chunks[:4]] == [True, True, True, False]
+    made = []
+    validate(SMALL, tmp_path / "v", resume=True, tell=lambda found, n: (made.append(each) or each for each in found))
+    assert made == chunks[3:]
+    assert tables(tmp_path / "v") == tables(root)
+
+
+def test_rounds_are_added_to_those_that_are_kept(whole, tmp_path):
+    root, _ = whole
+    one = Validation(seed=3, n_rounds=1, checks=("comparisons",))
+    validate(one, tmp_path / "v")
+    validate(SMALL, tmp_path / "v", resume=True)
+    assert tables(tmp_path / "v") == tables(root)
+
+
+def test_the_outcomes_of_a_chunk_are_its_own():
+    other = [
+        Chunk("comparisons", setting, number)
+        for setting in list(check_of("comparisons").settings)[:2]
+        for number in (0, 1)
+    ]
+    drawn = [each.simulated(1)["estimate"].to_numpy() for each in other]
+    drawn.append(other[0].simulated(2)["estimate"].to_numpy())
+    assert len({values.tobytes() for values in drawn}) == len(drawn)
+    assert drawn[0].tobytes() == other[0].simulated(1)["estimate"].to_numpy().tobytes()
+
+
+REFUSALS = {
+    "no such check": (["--check", "comparison"], "check: found 'comparison', expected one of"),
+    "no rounds": (["--rounds", "0"], "n_rounds: found 0, expected a whole number, at least 1"),
+    "no seed": (["--seed", "-1"], "seed: found -1, expected a whole number, at least 0"),
+    "no workers": (["--jobs", "0"], "--jobs: found 0, expected at least 1"),
+}
+
+
+@pytest.mark.parametrize("case", REFUSALS)
+def test_what_cannot_be_asked_is_refused_in_one_sentence(case, capsys, tmp_path):
+    more, expected = REFUSALS[case]
+    code, said, _ = call(capsys, "validate-method", "--out", tmp_path / "v", *more)
+    assert (code, said.count("\n")) == (2, 0)
+    assert expected in said
+    assert not (tmp_path / "v").exists()
+
+
+@pytest.mark.parametrize(
+    ("more", "expected"),
+    [([], "found this validation, expected none; go on with --resume"), (["--resume"], "found seed 3, expected 1")],
+)
+def test_a_folder_of_another_run_is_not_written_to(more, expected, whole, capsys):
+    root, _ = whole
+    before = tables(root)
+    asked = ["--check", "comparisons", *(["--seed", "3"] if not more else [])]
+    code, said, _ = call(capsys, "validate-method", "--out", root, *asked, *more)
+    assert (code, said.count("\n")) == (2, 0)
+    assert expected in said
+    assert tables(root) == before
+
+
+def test_an_error_of_a_worker_is_an_error_of_the_command():
+    """As it is made again there, by what `copy` asks for too: it was told as a broken pool of processes."""
+    error = copy.copy(UndefinedStatistic("a sentence", DesignStatus.NO_DATA))
+    assert (str(error), error.status) == ("a sentence", DesignStatus.NO_DATA)
+
+
+# --- every check, and the page
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", CHECKS)
+def test_every_setting_has_outcomes_of_its_kind(name):
+    check = check_of(name)
+    for simulate in check.settings.values():
+        outcomes = simulate(2, np.random.default_rng(1))
+        assert {*check.keys, *check.kind.columns} <= set(outcomes.columns)
+        assert np.isfinite(outcomes[list(check.kind.columns)].to_numpy(float)).any()
+
+
+def test_what_departs_without_a_known_reason_is_said_to(whole):
+    _, found = whole
+    table = found.tables["comparisons"].copy()
+    assert departures(table).empty
+    assert "No share departs from what is stated." in page(found)
+    table.loc[0, "verdict"] = "too few"
+    wrong = page(Validated(SMALL, {"comparisons": table}, found.seconds))
+    assert "- *equality*, too few in 1 of the rows: as that of the difference." in wrong
+
+
+def test_the_page_of_the_docs_is_what_the_command_makes():
+    """One setting in all its rounds; with `make validated` all are made anew."""
+    text = PAGE.read_text("utf-8")
+    assert f"--rounds {PAGE_ROUNDS} --seed {PAGE_SEED}" in text
+    assert [f"## {check_of(name).title}" in text for name in CHECKS] == [True] * len(CHECKS)
+    check, setting = check_of("comparisons"), next(iter(check_of("comparisons").settings))
+    chunks = [Chunk("comparisons", setting, number).simulated(PAGE_SEED) for number in range(PAGE_ROUNDS)]
+    table = summary(check.kind, pd.concat(chunks, ignore_index=True), check.keys)
+    made = page(
+        Validated(Validation(PAGE_SEED, PAGE_ROUNDS, ("comparisons",)), {"comparisons": table}, {"comparisons": 0.0})
+    )
+    rows = [line for line in made.splitlines() if line.startswith(("| equality", "| difference"))]
+    assert len(rows) == 2
+    assert [row in text for row in rows] == [True, True]
+    for figure in (check_of(name).figure for name in CHECKS):
+        assert not figure or (DOCS / "validated" / f"{figure}.svg").exists()
+
+
+@pytest.mark.parametrize("form", ["text", "json"])
+def test_the_command_says_what_departs(form, whole, capsys):
+    root, found = whole
+    asked = ["--out", root, "--check", "comparisons", "--seed", "3", "--rounds", "2", "--resume"]
+    said = output(capsys, "validate-method", *asked, *(["--json"] if form == "json" else []))
+    if form == "text":
+        assert said.startswith("comparisons: 32 rows, 0 of which depart from what is stated")
+    else:
+        assert len(json.loads(said)["tables"]["comparisons"]) == len(found.tables["comparisons"])
