@@ -20,6 +20,9 @@ def test_the_stimuli_of_a_built_in_study_feel_as_they_did(study):
     check(study_levels(study), RECORDED["studies"][study])
 
 
-@pytest.mark.parametrize("scene", RECORDED["scenes"])
+SLOW = {"hybrid-screen": pytest.mark.slow}
+
+
+@pytest.mark.parametrize("scene", [pytest.param(name, marks=SLOW.get(name, ())) for name in RECORDED["scenes"]])
 def test_a_built_in_scene_gives_what_it_gave(scene):
     check(scene_outputs(scene), RECORDED["scenes"][scene])

@@ -23,7 +23,7 @@ CASES = [
     ("thin-screen", MAP),
     ("electrovibration-panel", ("t_s", "voltage_v", *RUBBED)),
     ("electrovibration-panel", ("sensation_db",)),
-    ("hybrid-screen", FOCUS),
+    pytest.param("hybrid-screen", FOCUS, marks=pytest.mark.slow),
     ("hybrid-screen", ("sliding_t_s", *RUBBED, "sliding_sensation_db")),
 ]
 CLOCKS = frozenset(("t_s", "sliding_t_s", "x_m", "y_m"))
