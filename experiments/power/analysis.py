@@ -28,7 +28,8 @@ def power(
 ) -> Power:
     """Simulate studies until their powers are known; what is in the `folder` already is not simulated again."""
     found = Summary(design)
-    batches = sample(design, spread) if folder is None else sample(design, spread, folder.kept, folder.keep)
+    stored = () if folder is None else (folder.kept, folder.keep, folder.simulated)
+    batches = sample(design, spread, *stored)
     for batch, rows in batches:
         found.add(rows)
         tell(batch)

@@ -1,7 +1,7 @@
 """The folder of a power analysis: what was asked, what each simulated study gave, batch by batch, and the results."""
 
 import io
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Final
@@ -15,9 +15,11 @@ from tactometry.files.durable import make_folder, read_file, write_atomically
 from tactometry.files.rows import write_records
 from tactometry.provenance import sha256, versions
 
+from ..workers import Spread
+from .data import DATA, paths_of, simulated_and_kept
 from .design import PowerDesign
 from .replicate import Row
-from .sampling import Batch
+from .sampling import Batch, simulated
 from .summary import PowerEstimate
 
 STUDY, STUDIES, TABLE = "study.toml", "studies", "power.csv"
@@ -46,12 +48,13 @@ def asked(design: PowerDesign) -> dict[str, Any]:
 
 @dataclass(frozen=True)
 class Folder:
-    """A folder of one power analysis."""
+    """A folder of one power analysis; with `keeps_data` the trials of its studies are kept too."""
 
     root: Path
+    keeps_data: bool = False
 
     @classmethod
-    def prepared(cls, root: Path, design: PowerDesign, *, resume: bool) -> "Folder":
+    def prepared(cls, root: Path, design: PowerDesign, *, resume: bool, keeps_data: bool = False) -> "Folder":
         """The folder with what is asked; with `resume` one that an earlier run of the same left.
 
         Raises
@@ -61,8 +64,16 @@ class Folder:
         """
         prepare(root, asked(design), "power analysis", resume=resume, beside={"versions": versions()})
         make_folder(root / STUDIES)
+        if keeps_data:
+            make_folder(root / DATA)
         write_atomically(root / STUDY, design.study_toml)
-        return cls(root)
+        return cls(root, keeps_data)
+
+    def simulated(self, design: PowerDesign, batch: Batch, spread: Spread) -> Iterable[Row]:
+        """The rows of a batch, whose trials are kept where that is wanted."""
+        if self.keeps_data:
+            return simulated_and_kept(self.root, design, batch, spread)
+        return simulated(design, batch, spread)
 
     def kept(self, batch: Batch) -> tuple[Row, ...] | None:
         """The rows of a batch, or None where there are none.
@@ -73,7 +84,8 @@ class Folder:
             If its file is damaged.
         """
         path = self._path(batch)
-        if not path.exists():
+        lacks_data = self.keeps_data and not all(file.exists() for file in paths_of(self.root, batch))
+        if lacks_data or not path.exists():
             return None
         content = read_file(path, "a table of simulated studies")
         try:

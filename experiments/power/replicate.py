@@ -59,12 +59,19 @@ def replicate(design: PowerDesign, case: Case, number: int) -> tuple[Row, ...]:
 
     Studies of one number share their people, orders and noise in all cases.
     """
+    rows, _ = studied(design, case, number)
+    return rows
+
+
+def studied(design: PowerDesign, case: Case, number: int) -> tuple[tuple[Row, ...], Trials]:
+    """As `replicate`, with the trials that the rows are of."""
     experiment = experiment_of(design, case)
     plan = plan_of_study(experiment.study)
     seed = seed_of(design.seed, number)
     truth = true_thresholds(experiment, codes(design.n_participants), seed)
-    every = _Compared(design, experiment, plan, simulated(design, experiment, seed), truth)
-    return tuple(every.row(case, number, n) for n in design.participants)
+    trials = simulated(design, experiment, seed)
+    every = _Compared(design, experiment, plan, trials, truth)
+    return tuple(every.row(case, number, n) for n in design.participants), trials
 
 
 def seed_of(seed: int, number: int) -> int:

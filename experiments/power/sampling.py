@@ -87,6 +87,7 @@ class Significances:
 Kept = Callable[[Batch], tuple[Row, ...] | None]
 """The rows of a batch that an earlier run left, or None."""
 Keep = Callable[[Batch, Sequence[Row]], None]
+Simulate = Callable[[PowerDesign, Batch, Spread], Iterable[Row]]
 
 
 def sample(
@@ -94,6 +95,7 @@ def sample(
     spread: Spread,
     kept: Kept = lambda batch: None,
     keep: Keep = lambda batch, rows: None,
+    simulate: Simulate | None = None,
 ) -> Iterator[tuple[Batch, tuple[Row, ...]]]:
     """Batch after batch of each case, with its rows; what was kept is not simulated again.
 
@@ -105,12 +107,13 @@ def sample(
             batch = Batch(case, counts.n, min(counts.n + design.batch, design.most))
             rows = kept(batch)
             if rows is None:
-                rows = _simulated(design, batch, spread)
+                rows = tuple((simulate or simulated)(design, batch, spread))
                 keep(batch, rows)
             counts.add(rows, batch.end - batch.first)
             yield batch, rows
 
 
-def _simulated(design: PowerDesign, batch: Batch, spread: Spread) -> tuple[Row, ...]:
-    studies = spread(partial(replicate, design, batch.case), range(batch.first, batch.end))
-    return tuple(row for rows in studies for row in rows)
+def simulated(design: PowerDesign, batch: Batch, spread: Spread) -> Iterator[Row]:
+    """The rows of a batch."""
+    for rows in spread(partial(replicate, design, batch.case), range(batch.first, batch.end)):
+        yield from rows

@@ -38,6 +38,7 @@ from .output import path_option, say, subcommand
 @click.option("--dropout", type=float, default=0.0, show_default=True, help="Share of participants who leave midway.")
 @click.option("--dependent", default="", help="What is compared, where a task has several values.")
 @path_option("--out", help="A folder for tables and what is needed to repeat them.")
+@click.option("--keep-data", is_flag=True, help="Keep the trials of each simulated study too, as Parquet (with --out).")
 @click.option("--resume", is_flag=True, help="Go on where an interrupted analysis stopped (with --out).")
 @click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
@@ -46,15 +47,18 @@ def command(
     *, study: str, effect: str, participants: str, trials: str | None, out: Path | None, **options: Any
 ) -> None:
     """Simulate STUDY (a built-in name or a path) again and again: how often is an effect found?"""
-    n_jobs, scheduler, resume = (options.pop(name) for name in ("n_jobs", "scheduler", "resume"))
+    n_jobs, scheduler, resume, keep_data = (
+        options.pop(name) for name in ("n_jobs", "scheduler", "resume", "keep_data")
+    )
     check_workers(n_jobs, scheduler)
     expect(out is not None or not resume, "--resume", "no --out", "the folder of the analysis that was interrupted")
+    expect(out is not None or not keep_data, "--keep-data", "no --out", "the folder in which they are kept")
     _, content = load(study)
     options["code_from"] = folder_of(study) if options.pop("allow_code") else None
     people, tracks, share = participants_of(participants), trials_of(trials), options.pop("dropout")
     design = PowerDesign(content, study, parse_effect(effect), people, tracks, dropout_share=share, **options)
     design = replace(design, dependent=check_design(design))
-    folder = None if out is None else Folder.prepared(out, design, resume=resume)
+    folder = None if out is None else Folder.prepared(out, design, resume=resume, keeps_data=keep_data)
     with workers(n_jobs, scheduler) as spread:
         found = power(design, spread, folder, _tell)
     if out is not None:

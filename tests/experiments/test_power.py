@@ -12,6 +12,7 @@ import pandas as pd
 import pytest
 from command_line import call, output, status
 from places import ROOT
+from pyarrow import parquet
 from scipy import stats
 from soak import SOAK
 
@@ -60,6 +61,7 @@ REFUSALS = {
     "nobody": (["--participants", "0..6"], "expected from 3 to 999"),
     "a target of one": (["--target", "1"], "--target: found 1, expected above 0 and below 1"),
     "trials that are not even": (["--trials", "41"], "expected as many trials at each level"),
+    "nowhere to keep data": (["--keep-data"], "--keep-data: found no --out"),
     "nothing to resume": (["--resume"], "--resume: found no --out"),
 }
 
@@ -254,6 +256,23 @@ def test_an_interrupted_analysis_goes_on_to_the_same_bytes(capsys, tmp_path, alo
     assert "go on with --resume" in said
     output(capsys, *ASKED, "--out", tmp_path, "--resume")
     assert files(tmp_path) == alone
+
+
+def test_trials_are_kept_where_that_is_asked_and_say_that_they_are_simulated(capsys, tmp_path, alone):
+    """In an analysis that had not kept them, too: its rows come out the same."""
+    for name, content in alone.items():
+        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(content)
+    output(capsys, *ASKED, "--out", tmp_path, "--resume", "--keep-data")
+    kept = sorted(tmp_path.glob("data/*.parquet"))
+    assert {name: content for name, content in files(tmp_path).items() if not name.startswith("data")} == alone
+    rows = pd.concat(map(pd.read_parquet, sorted(tmp_path.glob("studies/*.parquet"))))
+    assert len(kept) == len(rows) / len(participants_of("3,4"))
+    assert all(parquet.read_schema(path).metadata[b"simulated"] == b"true" for path in kept)
+    trials = pd.read_parquet(kept[-1])
+    assert set(trials["rig"]) == {"simulated"}
+    assert trials["participant"].nunique() == 4
+    assert not list(tmp_path.glob("data/.*"))
 
 
 def test_the_page_says_what_is_applied_and_how_to_repeat_it(alone):
