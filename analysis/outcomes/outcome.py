@@ -72,10 +72,11 @@ def outcome(
     forces: pd.DataFrame | None = None,
     bounds: Mapping[str, float] | None = None,
     primary: str | None = None,
+    compared: bool = True,
 ) -> Outcome:
     """All that is said of `dependent` in a table of estimates; `forces` has the applied force per participant and
     condition, `bounds` the differences that count as none, per factor; `primary` names the analysis that answers, else
-    the rule of `primary` does."""
+    the rule of `primary` does. Without `compared` nothing is said of pairs and simple effects."""
     design = EstimateDesign.of(table, factors, dependent)
     group = group_table(table, factors, dependent)
     result = Outcome(task, dependent, table, group, cross_table(group, factors), design.within, design.between)
@@ -89,6 +90,8 @@ def outcome(
         result = _with_model(result, design, forces)
     if design.factors:  # last, as an analysis that has no answer cannot be the one that answers
         result = _with_primary(result, primary, is_whole=design.is_whole)
+    if not compared:
+        return result
     if result.primary is Primary.CENSORED and result.censored is not None:
         return _with_comparisons(result, _comparison_of_censored(design, result.censored), bounds or {})
     if result.anova is None or complete is None:

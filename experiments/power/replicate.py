@@ -146,7 +146,7 @@ class _Compared:
 
     def row(self, case: Case, number: int, n: int) -> Row:
         """Of the first `n` participants."""
-        these, dependent = set(codes(n)), self.design.dependent
+        these, dependent = codes(n), self.design.dependent
         values = self._values_of(these)
         known = values[dependent].notna() if len(values) else pd.Series(dtype=bool)
         p = self._p(values, these) if len(values) else None
@@ -164,7 +164,7 @@ class _Compared:
             n_cells=n * self._n_conditions(),
             n_unknown=n * self._n_conditions() - int(known.sum()),
             n_left_out=n - len(has_any),
-            minutes=float(self.minutes[[code for code in these if code in self.minutes]].mean()),
+            minutes=mean_minutes(self.minutes, n),
         )
 
     def _n_conditions(self) -> int:
@@ -173,10 +173,10 @@ class _Compared:
         kept = [levels for name, levels in study.factors.items() if name != over and name not in study.plan.between]
         return int(np.prod([len(levels) for levels in kept]))
 
-    def _values_of(self, these: set[str]) -> pd.DataFrame:
+    def _values_of(self, these: list[str]) -> pd.DataFrame:
         return self.values[self.values["participant"].isin(these)] if len(self.values) else self.values
 
-    def _p(self, values: pd.DataFrame, these: set[str]) -> float | None:
+    def _p(self, values: pd.DataFrame, these: list[str]) -> float | None:
         """What the analysis of the study says of the factor; None where it has no answer."""
         factor, dependent, primary = self.design.effect.factor, self.design.dependent, self.plan.primary
         if self.form is not None:
@@ -185,9 +185,10 @@ class _Compared:
         further = results.further if results is not None else ()
         factors = [name for name in (*self.trials.factors, *further) if name in values.columns]
         forces = self._forces(these) if primary == Primary.MIXED_MODEL.value else None
-        return p_of(outcome(values, factors, self.task, dependent, forces=forces, primary=primary), factor)
+        found = outcome(values, factors, self.task, dependent, forces=forces, primary=primary, compared=False)
+        return p_of(found, factor)
 
-    def _forces(self, these: set[str]) -> pd.DataFrame | None:
+    def _forces(self, these: list[str]) -> pd.DataFrame | None:
         used = self.used[self.used["participant"].isin(these)]
         return force_of_participants(used, self.trials.factors) if has_force(used) else None
 
@@ -234,6 +235,12 @@ def _width(values: pd.DataFrame, dependent: str) -> float | None:
     widths = pd.to_numeric(values[high]) - pd.to_numeric(values[low])
     width = widths[values[dependent].notna()].mean()
     return None if pd.isna(width) else float(width)
+
+
+def mean_minutes(minutes: "pd.Series[float]", n: int) -> float:
+    """Of the first `n` participants, of those who have any, in their order: each process has its own order of a set,
+    and sums with other last bits."""
+    return float(minutes[[code for code in codes(n) if code in minutes]].mean())
 
 
 def _minutes(rows: pd.DataFrame, experiment: Experiment) -> "pd.Series[float]":

@@ -1,7 +1,7 @@
 """The thresholds that simulated people have, against which those of their data are held."""
 
-from collections.abc import Iterator
-from functools import lru_cache
+from collections.abc import Callable, Iterator
+from functools import cache, lru_cache
 from math import log10
 
 import pandas as pd
@@ -15,12 +15,14 @@ from tactometry.observers.signal_detection import SignalDetectionObserver
 from tactometry.protocols.tasks.task import Task
 from tactometry.rigs.simulated import meeting
 
-from ..study.cells import WiredCell
 from ..study.experiment import Experiment
+from ..study.session_plan import Key
 from .scenario import growth, middle_of
 
 TRUTH = "truth"
 MOST_D_PRIME = 20.0
+Grown = Callable[[Key], tuple[float, float]]
+"""The growth of a cell."""
 
 
 def true_thresholds(experiment: Experiment, codes: list[str], seed: int) -> pd.DataFrame:
@@ -32,27 +34,29 @@ def true_thresholds(experiment: Experiment, codes: list[str], seed: int) -> pd.D
     """
     if experiment.table.kind not in ("yes_no", "forced_choice"):
         return pd.DataFrame()
-    rows = [row for code in codes for row in _of_person(experiment, code, seed)]
+    grown = cache(lambda key: growth(experiment, experiment.cells[key]))  # alike for all people
+    rows = [row for code in codes for row in _of_person(experiment, code, seed, grown)]
     return pd.DataFrame(rows)
 
 
-def _of_person(experiment: Experiment, code: str, seed: int) -> Iterator[dict[str, object]]:
+def _of_person(experiment: Experiment, code: str, seed: int, grown: Grown) -> Iterator[dict[str, object]]:
     observer, feelings = experiment.simulated_participant(code, seed), experiment.feelings(code, seed)
-    for cell in experiment.cells.values():
+    for key, cell in experiment.cells.items():
         stimulus = cell.condition.stimulus
         feeling = feelings[meeting(stimulus, cell.condition.touch.request(stimulus, None, None))]
-        level = _level(experiment, cell, observer, feeling)
+        level = _level(experiment, key, observer, feeling, grown)
         if level is not None:
             yield {"participant": code, **cell.condition.factors, TRUTH: level}
 
 
-def _level(experiment: Experiment, cell: WiredCell, observer: object, feeling: Feeling) -> float | None:
+def _level(experiment: Experiment, key: Key, observer: object, feeling: Feeling, grown: Grown) -> float | None:
     if feeling.threshold is not None:
         return feeling.threshold - feeling.deviation_db
     if not isinstance(observer, SignalDetectionObserver):
         return None
-    at_db, slope = growth(experiment, cell)
-    return middle_of(cell) + (_half_way_db(observer, experiment.task) - feeling.deviation_db - at_db) / slope
+    at_db, slope = grown(key)
+    own_db = _half_way_db(observer, experiment.task) - feeling.deviation_db
+    return middle_of(experiment.cells[key]) + (own_db - at_db) / slope
 
 
 def _half_way_db(observer: SignalDetectionObserver, task: Task) -> float:

@@ -56,6 +56,15 @@ def test_of_a_whole_design_the_analysis_of_variance_answers() -> None:
     assert found.roles()[["role", "analysis"]].values.tolist() == [["primary", "anova"]]
 
 
+@pytest.mark.parametrize("n_below", [0, 2])
+def test_effects_are_the_same_where_nothing_is_compared(n_below) -> None:
+    table = estimates(np.random.default_rng(), n_below=n_below)
+    whole, alone = told(table), told(table, compared=False)
+    assert (len(whole.pairs), alone.pairs, alone.simple_pairs) == (2, {}, {})
+    assert (alone.primary, alone.notes) == (whole.primary, whole.notes)
+    pd.testing.assert_frame_equal(alone.effects, whole.effects)
+
+
 def test_with_bounds_nobody_is_left_out_and_the_complete_part_is_a_check() -> None:
     table = estimates(np.random.default_rng(), n_below=2)
     found = told(table, bounds={"force_n": 3.0})

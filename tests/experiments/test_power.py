@@ -19,7 +19,7 @@ from soak import SOAK
 from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.experiments.power.design import Case, PowerDesign, participants_of
 from tactometry.experiments.power.effect import parse_effect
-from tactometry.experiments.power.replicate import Row, codes, p_of, replicate, seed_of
+from tactometry.experiments.power.replicate import Row, codes, mean_minutes, p_of, replicate, seed_of
 from tactometry.experiments.power.sampling import Batch, interval, sample
 from tactometry.experiments.power.scenario import REFUSED, SUPPORTED, check_design, experiment_of, growth
 from tactometry.experiments.power.summary import Summary, cautions, recommendation
@@ -234,6 +234,13 @@ def test_the_right_of_two_intervals_is_taken_half_way_at_the_true_threshold():
 
 def test_studies_have_seeds_of_their_own():
     assert len({seed_of(seed, number) for seed in range(20) for number in range(500)}) == 10_000
+
+
+def test_minutes_are_summed_in_the_order_of_participants():
+    """Of a set of codes each process summed in an order of its own."""
+    minutes = pd.Series(np.random.default_rng().random(24), codes(24))
+    found = [mean_minutes(minutes.drop("P002"), n) for n in range(3, 25)]
+    assert found == [float(minutes.iloc[[0, *range(2, n)]].mean()) for n in range(3, 25)]
 
 
 def test_people_who_leave_take_their_later_trials_with_them():
