@@ -1,5 +1,6 @@
 """Files in TOML as tables: every way in which one cannot be read is one sentence that names it."""
 
+import re
 import tomllib
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -41,15 +42,31 @@ def table_of(content: bytes, where: str, what: str) -> dict[str, Any]:
     if len(content) > LARGEST_FILE:
         raise InvalidFile(f"{where}: found {len(content)} bytes, expected {what} of at most {LARGEST_FILE}")
     try:
-        table = tomllib.loads(content.decode("utf-8-sig"))
+        text = content.decode("utf-8-sig")
+        table = tomllib.loads(text)
     except UnicodeDecodeError as damage:
         raise InvalidFile(
             f"{where}, byte {damage.start}: found a byte that is not UTF-8, expected {what} in UTF-8"
         ) from None
     except (ValueError, RecursionError) as damage:
-        raise InvalidFile(f"{where}: found no valid TOML ({damage}), expected {what}") from None
+        twice = _declared_twice(text, str(damage))
+        raise InvalidFile(f"{where}: found {twice or f'no valid TOML ({damage}), expected {what}'}") from None
     _refuse_vast(table, where, what)
     return table
+
+
+def _declared_twice(text: str, damage: str) -> str:
+    """Which lines begin the same table, where that is the damage: of the first the reader of TOML says nothing."""
+    named = re.match(r"Cannot declare \((.*)\) twice", damage)
+    if named is None:
+        return ""
+    name = ".".join(re.findall(r"'([^']*)'", named[1]))
+    lines = [
+        f"{number}" for number, line in enumerate(text.splitlines(), 1) if line.partition("#")[0].strip() == f"[{name}]"
+    ]
+    if len(lines) < 2:
+        return ""
+    return f"[{name}] in lines {' and '.join(lines)}, expected it once: put what stands below them together"
 
 
 def _refuse_vast(table: dict[str, Any], where: str, what: str) -> None:

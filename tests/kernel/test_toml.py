@@ -49,6 +49,19 @@ def test_damage_is_told_in_one_sentence(tmp_path: Path, what: str, damage: str) 
     assert f"expected {what}" in said
 
 
+def test_a_table_that_stands_twice_is_named_with_its_lines(tmp_path: Path) -> None:
+    """One that is added at the end of a copy: TOML's own words name the second line alone."""
+    path = tmp_path / "s.toml"
+    path.write_text(SOUND["a study file"] + "\n[observer]\nexponent = 2.0\n", encoding="utf-8")
+    lines = [
+        number for number, line in enumerate(path.read_text("utf-8").splitlines(), 1) if line.startswith("[observer]")
+    ]
+    with pytest.raises(InvalidFile) as refused:
+        READERS["a study file"](path)
+    words = "expected it once: put what stands below them together"
+    assert str(refused.value) == f"{path}: found [observer] in lines {lines[0]} and {lines[1]}, {words}"
+
+
 @pytest.mark.parametrize("what", sorted(set(READERS) - {"a questionnaire", "a study file"}))
 def test_an_absent_file_is_told(tmp_path: Path, what: str) -> None:
     with pytest.raises(InvalidFile, match=f"none.toml: cannot be read .No such file or directory., expected {what}"):
