@@ -7,7 +7,7 @@ import typing
 from collections.abc import Collection, Mapping
 from datetime import date
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, Final, TypeVar
 
 import msgspec
 
@@ -90,8 +90,12 @@ def as_table(value: object, path: str) -> Mapping[str, Any]:
     raise InvalidParameter(f"{path}: found {value!r}, expected a table")
 
 
-def check_keys(table: Mapping[str, Any], names: Collection[str], path: str, what: str = "key") -> None:
-    """Refuse a key that is none of `names`, with the nearest of them; `what` says what the names are.
+LOST_LEVEL: Final = "; of a level that the study has no more, remove the line"
+
+
+def check_keys(table: Mapping[str, Any], names: Collection[str], path: str, what: str = "key", cure: str = "") -> None:
+    """Refuse a key that is none of `names`, with the nearest of them; `what` says what the names are, `cure` what else
+    may be done.
 
     Raises
     ------
@@ -101,6 +105,7 @@ def check_keys(table: Mapping[str, Any], names: Collection[str], path: str, what
     for key in table:
         if key not in names:
             known = f"one of {', '.join(names)}{nearest(key, names)}" if names else "none; remove it"
+            known += cure
             raise InvalidParameter(f"{_join(path, key)}: found an unknown {what}, expected {known}")
 
 

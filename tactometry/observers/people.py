@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..arguments.require import expect, finite, not_negative, one_of
-from ..config.strict import check_keys
+from ..config.strict import LOST_LEVEL, check_keys
 from ..session.request import Facts
 from ..trials.cells import cell as cell_text
 from .decisions import Observer
@@ -211,7 +211,7 @@ class People:
         check_keys(self.factor_sd_db, factors, f"{path}.factor_sd_db", "factor")
         check_keys(self.effects_db, factors, f"{path}.effects_db", "factor")
         for name, of_level in self.effects_db.items():
-            check_keys(of_level, list(map(cell_text, factors[name])), f"{path}.effects_db.{name}", "level")
+            check_keys(of_level, list(map(cell_text, factors[name])), f"{path}.effects_db.{name}", "level", LOST_LEVEL)
 
     def deviation_db(self, factors: Mapping[str, float | str], modality: str, draws: Draws) -> float:
         """What a person feels more in a cell than the skin model says; `draws` are the streams of that person."""

@@ -7,7 +7,7 @@ from math import exp
 import numpy as np
 
 from ..arguments.require import finite, not_negative, within
-from ..config.strict import check_keys
+from ..config.strict import LOST_LEVEL, check_keys
 from ..session.request import Fill
 from ..trials.cells import cell as cell_text
 from .people import Draws
@@ -87,7 +87,7 @@ class Raters:
         check_keys(self.effects, factors, f"{path}.effects", "factor")
         dimensions = list(dict.fromkeys(items.values()))
         for name, of_factor in self.effects.items():
-            check_keys(of_factor, list(map(cell_text, factors[name])), f"{path}.effects.{name}", "level")
+            check_keys(of_factor, list(map(cell_text, factors[name])), f"{path}.effects.{name}", "level", LOST_LEVEL)
             for level, of_level in of_factor.items():
                 check_keys(of_level, dimensions, f"{path}.effects.{name}.{level}", "dimension")
 
