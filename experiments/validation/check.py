@@ -1,15 +1,10 @@
 """A question that is put to methods whose truth is known, and what is simulated for it."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
-from typing import Final
-from zlib import crc32
+from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-
-from tactometry.loading import resolve
-from tactometry.protocols.batch.streams import stream
 
 from .kinds import Kind
 
@@ -52,39 +47,3 @@ class Check:
     reason_key: str
     figure: str = ""
     name: str = ""
-
-
-_HERE: Final = "tactometry.experiments.validation.checks"
-CHECKS: Final[Mapping[str, str]] = {
-    "thresholds": f"{_HERE}.thresholds:CHECK",
-    "comparisons": f"{_HERE}.comparisons:CHECK",
-    "calibration": f"{_HERE}.calibration:CHECK",
-    "false-alarms": f"{_HERE}.values:FALSE_ALARMS",
-    "effects": f"{_HERE}.values:EFFECTS",
-    "false-alarms-of-answers": f"{_HERE}.answers:FALSE_ALARMS",
-    "effects-of-answers": f"{_HERE}.answers:EFFECTS",
-    "false-alarms-of-ratings": f"{_HERE}.ratings:FALSE_ALARMS",
-    "effects-of-ratings": f"{_HERE}.ratings:EFFECTS",
-}
-"""The name of each check, and where it is."""
-
-
-def check_of(name: str) -> Check:
-    """A check by its name."""
-    check: Check = resolve(CHECKS[name])
-    return replace(check, name=name)
-
-
-@dataclass(frozen=True)
-class Chunk:
-    """Some sets of one setting of a check, by names and a number: whoever has them makes the same outcomes."""
-
-    check: str
-    setting: str
-    number: int
-
-    def simulated(self, seed: int) -> pd.DataFrame:
-        """Its outcomes; its random numbers are its own, and no other check, setting or number changes them."""
-        check = check_of(self.check)
-        rng = stream(seed, *(crc32(name.encode()) for name in (self.check, self.setting)), self.number)
-        return check.settings[self.setting](check.n_sets, rng)

@@ -11,7 +11,8 @@ from scipy.stats import binom
 from tactometry.analysis.figures.style import Drawing, drawing_of, look, new_figure
 from tactometry.files.durable import make_folder, write_atomically
 
-from .check import Check, check_of
+from .check import Check
+from .checks import check_of
 from .kinds import ALPHA, N_BINS
 from .run import Validated
 

@@ -7,7 +7,8 @@ from typing import Any, Final
 import pandas as pd
 
 from ..census.shares import share_interval
-from .check import Check, check_of
+from .check import Check
+from .checks import check_of
 from .run import Validated
 
 PERCENT: Final = frozenset(("share", "none", "bounds"))

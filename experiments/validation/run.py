@@ -6,20 +6,38 @@ from dataclasses import dataclass
 from pathlib import Path
 from time import process_time
 from typing import Any, Final
+from zlib import crc32
 
 import pandas as pd
 
 from tactometry.arguments.require import one_of, whole
 from tactometry.files.asked import prepare
 from tactometry.files.durable import make_folder, write_atomically
+from tactometry.protocols.batch.streams import stream
 from tactometry.provenance import versions
 
 from ..workers import Spread, here
-from .check import CHECKS, Check, Chunk, check_of
+from .check import Check
+from .checks import CHECKS, check_of
 from .kinds import summary
 
 OUTCOMES: Final = "outcomes"
 SECONDS: Final = "processor_s"
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Some sets of one setting of a check, by names and a number: whoever has them makes the same outcomes."""
+
+    check: str
+    setting: str
+    number: int
+
+    def simulated(self, seed: int) -> pd.DataFrame:
+        """Its outcomes; its random numbers are its own, and no other check, setting or number changes them."""
+        check = check_of(self.check)
+        rng = stream(seed, *(crc32(name.encode()) for name in (self.check, self.setting)), self.number)
+        return check.settings[self.setting](check.n_sets, rng)
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ from typing import Any
 
 import click
 
-from tactometry.experiments.validation.check import CHECKS, Chunk, check_of
+from tactometry.experiments.validation.checks import CHECKS, check_of
 from tactometry.experiments.validation.page import departures, page as page_of
-from tactometry.experiments.validation.run import Validated, Validation, validate
+from tactometry.experiments.validation.run import Chunk, Validated, Validation, validate
 from tactometry.experiments.workers import check_workers, workers
 
 from .output import path_option, progress, say, subcommand, writing

@@ -13,11 +13,11 @@ from places import DOCS
 from scipy.stats import norm
 
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
-from tactometry.experiments.validation.check import CHECKS, Chunk, check_of
+from tactometry.experiments.validation.checks import CHECKS, check_of
 from tactometry.experiments.validation.checks.calibration import rank
 from tactometry.experiments.validation.kinds import ESTIMATES, RANKS, TESTS, summary
 from tactometry.experiments.validation.page import departures, page
-from tactometry.experiments.validation.run import Validated, Validation, path_of, validate
+from tactometry.experiments.validation.run import Chunk, Validated, Validation, path_of, validate
 
 SMALL = Validation(seed=3, n_rounds=2, checks=("comparisons",))
 PAGE, PAGE_SEED, PAGE_ROUNDS = DOCS / "validated.md", 1, 20

@@ -277,7 +277,6 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "amplitude_by_subset_m": {"contributions": FIELD, "subsets": {"all": [0, 1]}},
             "resolution_per_focus_m": {"screen": SCREEN, "foci": [(0.14, 0.1)], "emission": EMISSION, "level": 0.5},
             "deformation_energy_j": {**driven, "sample": 7},
-            "capacitance_f": {"area_m2": 1e-4, "thickness_m": 3e-4, "relative_permittivity": 1800.0},
             "switched_power_w": {"signal": SIGNAL, "channel_capacitance_f": 1e-9},
             "dielectric_power_w": {"signal": SIGNAL, "channel_capacitance_f": 1e-9, "loss_tangent": 0.017},
             "contrast_whole_of": {"amplitude_m": 4.0, "field_m": FIELD},
@@ -421,6 +420,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
             "best_sheet": {"among": SHEETS, "thickness_m": 1e-3},
         },
         "screen.transducer": {
+            "capacitance_f": {"area_m2": 1e-4, "thickness_m": 3e-4, "relative_permittivity": 1800.0},
             **{
                 f"{type(source).__name__}.{name}": {"self": source, **arguments}
                 for source in (PointForce(0.1, 0.1), Patch(0.1, 0.1, 0.01, 0.01), DiscPatch(0.1, 0.1, 0.01))

@@ -33,6 +33,8 @@ SEND_BESIDE_S: Final = 1.0
 """A board takes a stream in the time that it lasts and this (unverified default)."""
 STOP_WITHIN_S: Final = 0.25
 """A board that has not read a stop by then hangs (unverified default)."""
+TAKE_BESIDE_S: Final = 0.5
+"""A board that has not all of a stream so long after its end played nothing (unverified default)."""
 LOOK_S: Final = 0.005
 """A line that takes nothing is looked at this often."""
 _NEVER: Final = threading.Event()
@@ -307,7 +309,7 @@ class PackedOutput(AmplifiedDriver):
         self._finish()
         if before is None:
             return
-        if is_over and self._line is not None and not self._line.was_read(STOP_WITHIN_S):
+        if is_over and self._line is not None and not self._line.was_read(TAKE_BESIDE_S):
             self._is_torn = True
             self._let_go()
         if self._is_torn:
@@ -333,7 +335,8 @@ class PackedOutput(AmplifiedDriver):
         """1 where the signal was over before the board had all of its stream: it played nothing."""
         sending, line = self._sending, self._line
         if sending is not None and line is not None and time.perf_counter() >= self._over_s:
-            self._is_torn = not (sending.is_whole(longest_wait_s) and line.was_read(longest_wait_s))
+            within_s = max(longest_wait_s, TAKE_BESIDE_S)
+            self._is_torn = not (sending.is_whole(within_s) and line.was_read(within_s))
         return int(self._is_torn)
 
     def stop(self) -> None:
