@@ -181,12 +181,12 @@ def test_an_observer_without_traits_takes_no_effect(capsys, own):
 
 @pytest.mark.slow
 def test_a_stopped_analysis_says_how_to_go_on_and_does(capsys, tmp_path):
-    words = [*ASKED[:-1], "6", "--out"]
+    words = [*ASKED, "--trials", "20,60", "--out"]  # a short batch, then three: time enough to be stopped in
     process = subprocess.Popen(
         [sys.executable, "-m", "tactometry", *words, tmp_path / "p"], stderr=subprocess.PIPE, text=True
     )
     while process.poll() is None and not list((tmp_path / "p").glob("studies/*.parquet")):
-        time.sleep(0.05)
+        time.sleep(0.01)
     process.send_signal(signal.SIGINT)
     _, said = process.communicate(timeout=60)
     assert process.returncode == 130
