@@ -256,7 +256,10 @@ def test_a_board_that_has_not_all_of_a_stream_when_it_is_over_played_nothing(boa
     output.close()
 
 
-NOT_READ = "had not read all of a stream when the next one came: what was asked for before this was not played"
+NOT_READ = (
+    "had not read all of a stream when the next one came: what was asked for before this was not played"
+    r"|took \d+ of \d+ bytes within 1.1 s, expected all; restart the board"  # by then, on a busy machine
+)
 
 
 @pytest.mark.parametrize("signal", [LONG, SHORT], ids=["longer than a pipe", "that a pipe holds"])
