@@ -31,8 +31,8 @@ def power_curves(design: PowerDesign, points: Sequence[PowerEstimate]) -> Drawin
         highest = max(point.false_positives_high for point in points)
         below.set(ylabel="False positives", xlabel="Participants", ylim=(0, max(1.05 * highest, 2 * design.alpha)))
         below.set_xticks(sorted({point.n_participants for point in points}))
-        above.legend(loc="lower right")
-        below.legend(handles=below.get_legend_handles_labels()[0][:1], loc="best")
+        handles = [*above.get_legend_handles_labels()[0], *below.get_legend_handles_labels()[0][:1]]
+        figure.legend(handles=handles, loc="outside lower center", ncols=2)
         return drawing_of(figure)
 
 

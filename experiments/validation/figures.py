@@ -69,7 +69,7 @@ def shares(check: Check, table: pd.DataFrame) -> Drawing:
         axes.set_yticks(range(len(labels)), labels)
         axes.set_ylim(len(labels) - 0.4, -0.6)
         what = check.kind.heads["share"].replace(" / %", " (%)")
-        axes.set_xlabel(f"{what}, dashed: as stated; of equal methods the first is drawn")
+        axes.set_xlabel(f"{what}, dashed: as stated;\nof equal methods the first is drawn")
         axes.grid(axis="y", linewidth=0.3)
         figure.legend(loc="outside upper center", ncols=COLUMNS)
         return drawing_of(figure)

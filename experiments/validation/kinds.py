@@ -67,7 +67,7 @@ def _estimates(outcomes: pd.DataFrame) -> dict[str, Any]:
         "bounds": float(holds[~told].mean()) if n_told < len(outcomes) else math.nan,
         "bias": float(error.mean()) if n_told else math.nan,
         "bias_se": float(error.std() / math.sqrt(n_told)) if n_told > 1 else math.nan,
-        "sd": float(error.std()) if n_told > 1 else math.nan,
+        "error_sd": float(error.std()) if n_told > 1 else math.nan,
         "width": float((high - low)[with_interval].median()) if with_interval.any() else math.nan,
     }
 
@@ -101,7 +101,7 @@ ESTIMATES = Kind(
         "sets": "sets",
         "none": "no value / %",
         "bias": "bias",
-        "sd": "SD of error",
+        "error_sd": "SD of error",
         "share": "95 % interval holds / %",
         "verdict": "",
         "width": "its width",

@@ -88,7 +88,7 @@ def main(arguments: list[str] | None = None) -> None:
         with private():
             status = tactometry.main(words or ["--help"], prog_name="tactometry", standalone_mode=False)
     except (click.Abort, KeyboardInterrupt):
-        way = ": go on with --resume" if words[:1] in (["run"], ["simulate"], ["power"]) else ""
+        way = ": go on with --resume" if words[:1] in (["run"], ["simulate"], ["power"], ["validate-method"]) else ""
         status = _complain(f"interrupted; what was recorded is safe{way}", 130)
     except click.ClickException as error:
         status = _complain(f"{_where(error)}{error.format_message()}", 2)

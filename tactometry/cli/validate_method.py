@@ -12,6 +12,7 @@ from tactometry.experiments.validation.page import departures, page as page_of
 from tactometry.experiments.validation.run import Chunk, Validated, Validation, validate
 from tactometry.experiments.workers import check_workers, workers
 
+from ..arguments.require import expect, one_of
 from .output import path_option, progress, say, subcommand, writing
 
 PAGE = "validated.md"
@@ -34,6 +35,11 @@ def command(
     """Put our procedures, fits and tests to simulated participants: bias, coverage, errors, calibration."""
     check_workers(n_jobs, scheduler)
     resume = options.pop("resume")
+    n_rounds, seed = options["n_rounds"], options["seed"]
+    expect(n_rounds >= 1, "--rounds", n_rounds, "at least 1")
+    expect(seed >= 0, "--seed", seed, "a whole number, at least 0")
+    for check in checks:
+        one_of("--check", check, tuple(CHECKS))
     validation = Validation(checks=tuple(dict.fromkeys(checks)) or tuple(CHECKS), **options)
     with workers(n_jobs, scheduler) as spread:
         found = validate(validation, out, resume=resume, spread=spread, tell=partial(_told, what="validating"))

@@ -1,6 +1,7 @@
 """Power by simulation: what is asked, what is simulated, when it stops, and that nothing depends on where it is
 computed, nor on interruptions."""
 
+import re
 import signal
 import subprocess
 import sys
@@ -290,6 +291,14 @@ def test_the_page_says_what_is_applied_and_how_to_repeat_it(alone):
     assert "&#34;seed&#34;: 5" in page
     assert page.count("<svg") == 1
     assert {"power.csv", "power.png", "power.svg", "asked.json", "study.toml"} <= set(alone)
+
+
+@pytest.mark.parametrize("label", ["target 0.8", "trials of the study", "level of the test 0.05"])
+def test_the_legend_lies_on_no_curve(alone, label):
+    places = {
+        word: float(y) for y, word in re.findall(r'<text[^>]* y="([0-9.]+)"[^>]*>([^<]+)<', alone["power.svg"].decode())
+    }
+    assert places[label] > places["Participants"]
 
 
 def test_another_question_is_no_continuation(capsys, tmp_path, alone):

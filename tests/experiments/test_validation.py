@@ -13,6 +13,7 @@ from places import DOCS
 from scipy.stats import norm
 
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic
+from tactometry.experiments.census.comparisons import PEOPLE
 from tactometry.experiments.validation.checks import CHECKS, check_of
 from tactometry.experiments.validation.checks.calibration import rank
 from tactometry.experiments.validation.kinds import ESTIMATES, RANKS, TESTS, summary
@@ -56,7 +57,7 @@ def test_the_bias_and_its_error_are_those_of_sets_that_told_a_value():
     )
     row = summary(ESTIMATES, table.assign(fit="a"), ("fit",)).iloc[0]
     assert (row["sets"], row["none"], row["n"], row["share"], row["bounds"]) == (4, 0.25, 3, 1.0, 0.0)
-    assert (row["bias"], row["sd"], row["bias_se"]) == pytest.approx((2.0, 1.0, 1 / np.sqrt(3)))
+    assert (row["bias"], row["error_sd"], row["bias_se"]) == pytest.approx((2.0, 1.0, 1 / np.sqrt(3)))
 
 
 @pytest.mark.parametrize(("power", "verdict"), [(1.0, ""), (0.5, "too many"), (2.0, "too few")])
@@ -88,7 +89,31 @@ def test_ranks_in_a_posterior_are_uniform_where_it_is_the_right_one(posterior_sd
     assert sum(row[f"bin_{place:02d}"] for place in range(1, 21)) == 4000
 
 
+@pytest.mark.parametrize("name", CHECKS)
+def test_what_a_table_says_of_outcomes_takes_the_place_of_no_key(name):
+    """The column of the errors' SD was once called as the key of the comparisons, and stood in its place."""
+    check = check_of(name)
+    outcome = dict.fromkeys(("truth", "estimate", "low", "high", "effect", "p", "rank"), 0.5)
+    assert not set(check.keys) & set(check.kind.row(pd.DataFrame([outcome] * 2)))
+
+
+def test_rows_of_comparisons_are_named_by_the_functions_of_the_people(whole):
+    check, (_, found) = check_of("comparisons"), whole
+    rows = found.tables["comparisons"]
+    assert len(rows[["sd", "n_trials", "lapse_rate"]].drop_duplicates()) == len(check.settings)
+    assert set(rows["sd"]) == {person.sd for person in PEOPLE}
+
+
 # --- a run
+
+
+def test_an_interrupted_command_says_how_it_goes_on(tmp_path, capsys, monkeypatch):
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("tactometry.cli.validate_method.validate", interrupted)
+    code, said, _ = call(capsys, "validate-method", "--out", tmp_path / "v")
+    assert (code, said.strip()) == (130, "tactometry: interrupted; what was recorded is safe: go on with --resume")
 
 
 def test_any_process_makes_the_same_tables(whole, tmp_path):
@@ -130,9 +155,9 @@ def test_the_outcomes_of_a_chunk_are_its_own():
 
 
 REFUSALS = {
-    "no such check": (["--check", "comparison"], "check: found 'comparison', expected one of"),
-    "no rounds": (["--rounds", "0"], "n_rounds: found 0, expected a whole number, at least 1"),
-    "no seed": (["--seed", "-1"], "seed: found -1, expected a whole number, at least 0"),
+    "no such check": (["--check", "comparison"], "tactometry: --check: found 'comparison', expected one of"),
+    "no rounds": (["--rounds", "0"], "tactometry: --rounds: found 0, expected at least 1"),
+    "no seed": (["--seed", "-1"], "tactometry: --seed: found -1, expected a whole number, at least 0"),
     "no workers": (["--jobs", "0"], "--jobs: found 0, expected at least 1"),
 }
 
