@@ -20,12 +20,12 @@ between the events, which are exact.
 from collections.abc import Callable
 from math import ceil, hypot, pi, sqrt
 
+from ..defaults import VACUUM_PERMITTIVITY_F_PER_M
 from .content import VoltageContent
 from .effect import Demand, Size, Surroundings
 
 FEWEST, MOST = 16, 4_000_000
 """Samples of a record; the most take about 2 GB."""
-VACUUM_F_PER_M = 8.8541878128e-12
 
 
 def force_rad_per_s(scene: Surroundings) -> float:
@@ -107,4 +107,4 @@ def _leak_per_s(scene: Surroundings, content: VoltageContent) -> float:
     skin = scene.surface
     insulator_m = skin.insulator_thickness_m / skin.insulator_permittivity + content.gap_m
     permittivity = skin.corneum_permittivity + skin.corneum_thickness_m / insulator_m
-    return float(1 / (VACUUM_F_PER_M * content.resistivity_ohm_m * permittivity))
+    return float(1 / (VACUUM_PERMITTIVITY_F_PER_M * content.resistivity_ohm_m * permittivity))
