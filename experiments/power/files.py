@@ -16,7 +16,7 @@ from tactometry.files.rows import write_records
 from tactometry.provenance import sha256, versions
 
 from ..workers import Spread
-from .data import DATA, paths_of, simulated_and_kept
+from .data import DATA, MARK, paths_of, simulated_and_kept
 from .design import PowerDesign
 from .replicate import Row
 from .sampling import Batch, simulated
@@ -24,7 +24,8 @@ from .summary import PowerEstimate
 
 STUDY, STUDIES, TABLE = "study.toml", "studies", "power.csv"
 _TYPES: Final = {int: pa.int64(), bool: pa.bool_(), float: pa.float64(), float | None: pa.float64()}
-SCHEMA: Final = pa.schema([(field.name, _TYPES[field.type]) for field in fields(Row)])  # type: ignore[index]
+_COLUMNS: Final = [(field.name, _TYPES[field.type]) for field in fields(Row)]  # type: ignore[index]
+SCHEMA: Final = pa.schema(_COLUMNS, metadata=MARK)
 
 
 def asked(design: PowerDesign) -> dict[str, Any]:

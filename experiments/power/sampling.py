@@ -6,27 +6,14 @@ from dataclasses import dataclass
 from functools import partial
 from typing import Final
 
-from scipy.stats import binomtest
-
+from ..census.shares import share_interval
 from ..workers import Spread
 from .design import Case, PowerDesign
 from .replicate import Row, replicate
 
-INTERVAL: Final = 0.95
 EXCLUDED_AT: Final = 0.999
 """Sampling stops at a target that an interval of this coverage leaves out: batch after batch is asked, and one of 95 %
 would leave it out by chance too often."""
-
-
-def interval(n_yes: int, n: int, coverage: float = INTERVAL) -> tuple[float, float]:
-    """Clopper and Pearson's exact interval of a share (1934, Biometrika 26, 404).
-
-    >>> low, high = interval(8, 10)
-    >>> round(low, 4), round(high, 4)
-    (0.4439, 0.9748)
-    """
-    found = binomtest(n_yes, n).proportion_ci(coverage, method="exact")
-    return float(found.low), float(found.high)
 
 
 def is_settled(n_yes: int, n: int, precision: float, target: float | None) -> bool:
@@ -35,12 +22,12 @@ def is_settled(n_yes: int, n: int, precision: float, target: float | None) -> bo
     >>> is_settled(40, 40, 0.05, 0.8), is_settled(32, 40, 0.05, 0.8), is_settled(10, 40, 0.05, 0.8)
     (True, False, True)
     """
-    low, high = interval(n_yes, n)
+    low, high = share_interval(n_yes, n)
     if (high - low) / 2 <= precision:
         return True
     if target is None:
         return False
-    least, most = interval(n_yes, n, EXCLUDED_AT)
+    least, most = share_interval(n_yes, n, EXCLUDED_AT)
     return not least <= target <= most
 
 

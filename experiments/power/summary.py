@@ -7,10 +7,10 @@ from typing import Final
 
 import numpy as np
 
+from ..census.shares import share_interval
 from ..study.study_file import parse
 from .design import PowerDesign
 from .replicate import Row
-from .sampling import interval
 from .scores import factors_of
 
 IN_LEVELS: Final = ("threshold", "setting")
@@ -27,6 +27,7 @@ class PowerEstimate:
     the mean distance of known thresholds from those that the people have, `width` the mean width of the intervals of
     single values, `untested_share` the share of these studies in which no test had an answer, `unknown_share` that of
     cells without a value, `n_left_out` the mean number of participants who have none, `minutes` what one sits.
+    `simulated` says so wherever a row goes.
     """
 
     n_trials: int
@@ -47,6 +48,7 @@ class PowerEstimate:
     unknown_share: float
     n_left_out: float
     minutes: float
+    simulated: bool = True
 
     @property
     def cost_minutes(self) -> float:
@@ -81,7 +83,7 @@ class _Sum:
     @property
     def shares(self) -> tuple[float, float, float]:
         """The share that is significant, with its interval."""
-        return self.n_significant / self.n, *interval(self.n_significant, self.n)
+        return self.n_significant / self.n, *share_interval(self.n_significant, self.n)
 
 
 class Summary:
@@ -136,9 +138,11 @@ def recommendation(design: PowerDesign, points: Sequence[PowerEstimate]) -> str:
     reaching = [point for point in points if point.power >= design.target]
     if not reaching:
         best = max(points, key=lambda point: point.power)
+        excluded = best.power_high < design.target
+        open_yet = "" if excluded else f", whose interval does not exclude {design.target:g}: simulate more studies, or"
         return (
             f"No number that was tried reaches a power of {design.target:g} for {design.effect.words()}: "
-            f"{_words(best)} have {_power(best)}; try more participants or trials, or a larger effect."
+            f"{_words(best)} have {_power(best)}{open_yet or ';'} try more participants or trials, or a larger effect."
         )
     best = min(reaching, key=lambda point: (point.cost_minutes, point.n_participants))
     sure = "" if best.power_low >= design.target else f"; the interval does not exclude less than {design.target:g}"

@@ -6,9 +6,10 @@ from typing import Any, Final
 
 import pandas as pd
 
-from ..census.shares import share_interval
+from ..census.shares import departure, share_interval
 from .check import Check
 from .checks import check_of
+from .kinds import ALPHA
 from .run import Validated
 
 PERCENT: Final = frozenset(("share", "none", "bounds"))
@@ -77,6 +78,17 @@ def _section(check: Check, table: pd.DataFrame) -> Iterator[str]:
         yield _row(*(_name(row[key]) for key in check.keys), *(shown(name, row) for name in heads))
     yield ""
     yield from _reasons(check, departures(table))
+    yield from _pooled(check, table)
+
+
+def _pooled(check: Check, table: pd.DataFrame) -> Iterator[str]:
+    """Of methods whose rows depart in none, but whose sets do all together: small shares off show there alone."""
+    for name, rows in table[table["stated"].notna()].groupby(check.reason_key, sort=False):
+        n, n_yes = int(rows["n"].sum()), round(float((rows["share"] * rows["n"]).sum()))
+        stated = rows["stated"].iloc[0]
+        if (rows["verdict"] == "").all() and n and departure(n_yes, n, stated, ALPHA):
+            reason = check.reasons.get(str(name), UNEXPLAINED)
+            yield f"- *{name}*: {100 * n_yes / n:.1f} % over all rows together, {100 * stated:g} % stated: {reason}.\n"
 
 
 def _reasons(check: Check, departing: pd.DataFrame) -> Iterator[str]:

@@ -1,6 +1,7 @@
 """Power by simulation: what is asked, what is simulated, when it stops, and that nothing depends on where it is
 computed, nor on interruptions."""
 
+import io
 import re
 import signal
 import subprocess
@@ -18,10 +19,11 @@ from scipy import stats
 from soak import SOAK
 
 from tactometry.analysis.outcomes.outcome import outcome
+from tactometry.experiments.census.shares import share_interval
 from tactometry.experiments.power.design import Case, PowerDesign, participants_of
 from tactometry.experiments.power.effect import parse_effect
 from tactometry.experiments.power.replicate import Row, codes, mean_minutes, p_of, replicate, seed_of
-from tactometry.experiments.power.sampling import Batch, interval, sample
+from tactometry.experiments.power.sampling import Batch, sample
 from tactometry.experiments.power.scenario import REFUSED, SUPPORTED, check_design, experiment_of, growth
 from tactometry.experiments.power.summary import Summary, cautions, recommendation
 from tactometry.experiments.power.truth import half_way_of_choice, half_way_of_yes, true_thresholds
@@ -301,6 +303,12 @@ def test_the_legend_lies_on_no_curve(alone, label):
     assert places[label] > places["Participants"]
 
 
+def test_its_tables_say_that_they_are_simulated(alone):
+    assert pd.read_csv(io.BytesIO(alone["power.csv"]))["simulated"].all()
+    batches = [content for name, content in alone.items() if name.startswith("studies")]
+    assert all(parquet.read_schema(io.BytesIO(batch)).metadata[b"simulated"] == b"true" for batch in batches)
+
+
 def test_another_question_is_no_continuation(capsys, tmp_path, alone):
     (tmp_path / "asked.json").write_bytes(alone["asked.json"])
     code, said, _ = call(capsys, *ASKED[:-1], "4", "--out", tmp_path, "--resume")
@@ -349,7 +357,7 @@ def test_sampling_stops_when_it_knows_enough_and_not_before():
     assert low.power_high < asked.target
     assert (high.false_positives_high - high.false_positives_low) / 2 <= asked.precision
     before = high.n_studies - asked.batch
-    ends = interval(round(high.power * before), before)
+    ends = share_interval(round(high.power * before), before)
     assert (ends[1] - ends[0]) / 2 > asked.precision
     assert recommendation(asked, (high,)) != recommendation(asked, (low,))
 

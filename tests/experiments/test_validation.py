@@ -214,6 +214,15 @@ def test_what_departs_without_a_known_reason_is_said_to(whole):
     assert "- *equality*, too few in 1 of the rows: as that of the difference." in wrong
 
 
+def test_what_departs_over_all_rows_alone_is_told(whole):
+    """Each of sixteen rows of 1000 at 94 %: chance explains any of them, and not all."""
+    _, found = whole
+    table = found.tables["comparisons"].assign(n=1000, share=0.94, stated=0.95, verdict="")
+    said = page(Validated(SMALL, {"comparisons": table}, found.seconds))
+    assert "- *equality*: 94.0 % over all rows together, 95 % stated: as that of the difference." in said
+    assert "over all rows" not in page(Validated(SMALL, {"comparisons": table.assign(share=0.95)}, found.seconds))
+
+
 def test_the_page_of_the_docs_is_what_the_command_makes():
     """One setting in all its rounds; with `make validated` all are made anew."""
     text = PAGE.read_text("utf-8")
