@@ -41,7 +41,12 @@ CATCH = {"few false alarms": (1, 20), "many": (8, 20), "none asked": (0, 0)}
 ANSWERS = ((0, 3, 7, 10), (1, 1, 2, 2), (10, 10, 9, 10), (3, 6, 8, 10), (4, 4, 5, 4))
 
 
-@pytest.mark.parametrize("catch", CATCH.values(), ids=list(CATCH))
+SLOW = {"many": pytest.mark.slow}
+
+
+@pytest.mark.parametrize(
+    "catch", [pytest.param(catch, id=name, marks=SLOW.get(name, ())) for name, catch in CATCH.items()]
+)
 def test_all_participants_at_once_have_the_verdicts_of_each_alone(catch) -> None:
     levels = (1.0, 2.0, 3.0, 4.0)
     cells = [Cell(f"P{i}", (), "yes_no", levels, k, (10,) * 4, *catch[::-1]) for i, k in enumerate(ANSWERS)]

@@ -408,7 +408,14 @@ def test_every_built_in_study_has_its_bench_in_the_docs():
     ]
 
 
-@pytest.mark.parametrize(("study", "text", "line"), CLAIMED)
+def each_study_at_once(claimed):
+    """The first bench of each study; its others in `make check`."""
+    seen = [study for study, _, _ in claimed]
+    marks = [pytest.mark.slow if study in seen[:place] else () for place, study in enumerate(seen)]
+    return [pytest.param(*case, marks=mark) for case, mark in zip(claimed, marks, strict=True)]
+
+
+@pytest.mark.parametrize(("study", "text", "line"), each_study_at_once(CLAIMED))
 def test_a_bench_of_the_docs_runs_the_studies_that_it_claims(tmp_path, capsys, study, text, line):
     """As a user goes: a copy of the study, the line that the page says, a dry run, and what check looks at."""
     (tmp_path / "bench.toml").write_text(text, encoding="utf-8")

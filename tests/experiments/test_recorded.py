@@ -27,7 +27,10 @@ def test_its_protocol_asks_what_it_asked(capsys, name):
     assert call(capsys, "replay", RECORDED / name)[:2] == (0, "")
 
 
-@pytest.mark.parametrize("name", DATA_SETS)
+SLOW = {"inquiries": pytest.mark.slow}
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=SLOW.get(str(name), ())) for name in DATA_SETS])
 def test_it_is_analysed(capsys, name):
     status, said, out = call(capsys, "analyse", RECORDED / name)
     assert (status, said) == (0, "")

@@ -84,6 +84,7 @@ def test_low_rank_update_of_unlike_contacts_between_few_and_many_places(n_to, n_
     assert np.abs(found - expected).max() < 1e-12 * np.abs(expected).max()
 
 
+@pytest.mark.slow
 def test_1000_contacts_on_80_modes_take_less_than_150_mb():
     oscillators, to, of, at, s = system(1000, 3)
     receptances, stiffness = Receptances.of(oscillators, MASS_KG, s), np.repeat((0.01 * s)[:, None], 1000, axis=1)
