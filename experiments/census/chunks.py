@@ -16,7 +16,6 @@ from tactometry.files.asked import prepare
 from tactometry.files.durable import make_folder, write_atomically
 from tactometry.protocols.batch.answers import LevelTable
 from tactometry.protocols.procedures.procedure import Rule
-from tactometry.provenance import versions
 
 from ..workers import Spread, here
 from .batches import BATCH, FittedTracks, Respondents, fitted_tracks
@@ -101,7 +100,7 @@ def write_tracks(run: TrackRun, root: Path, *, resume: bool = False, spread: Spr
     InvalidFile
         If the folder holds this run already and `resume` is not given, or another one.
     """
-    prepare(root, run.asked, "run of tracks", resume=resume, beside={"versions": versions()})
+    prepare(root, run.asked, "run of tracks", resume=resume)
     make_folder(root / TRACKS)
     paths = [root / TRACKS / f"{part.start:06d}-{part.stop - 1:06d}.parquet" for part in run.chunks]
     left = [(run, part, path) for part, path in zip(run.chunks, paths, strict=True) if not path.exists()]

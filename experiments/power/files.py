@@ -13,7 +13,7 @@ from tactometry.errors import InvalidFile
 from tactometry.files.asked import prepare
 from tactometry.files.durable import make_folder, read_file, write_atomically
 from tactometry.files.rows import write_records
-from tactometry.provenance import sha256, versions
+from tactometry.provenance import sha256
 
 from ..workers import Spread
 from .data import DATA, MARK, paths_of, simulated_and_kept
@@ -63,7 +63,7 @@ class Folder:
         InvalidFile
             If it holds a power analysis already and `resume` is not given, or another one.
         """
-        prepare(root, asked(design), "power analysis", resume=resume, beside={"versions": versions()})
+        prepare(root, asked(design), "power analysis", resume=resume)
         make_folder(root / STUDIES)
         if keeps_data:
             make_folder(root / DATA)

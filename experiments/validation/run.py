@@ -14,7 +14,6 @@ from tactometry.arguments.require import one_of, whole
 from tactometry.files.asked import prepare
 from tactometry.files.durable import make_folder, write_atomically
 from tactometry.protocols.batch.streams import stream
-from tactometry.provenance import versions
 
 from ..workers import Spread, here
 from .check import Check
@@ -103,7 +102,7 @@ def validate(
     InvalidFile
         If the folder holds a run already and `resume` is not given, or another one.
     """
-    prepare(root, validation.asked, "validation", resume=resume, beside={"versions": versions()})
+    prepare(root, validation.asked, "validation", resume=resume)
     make_folder(root / OUTCOMES)
     chunks = validation.chunks
     left = [chunk for chunk in chunks if not path_of(root, chunk).exists()]

@@ -1,7 +1,6 @@
 """`tactometry validate-method`."""
 
 from collections.abc import Iterator
-from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -42,15 +41,15 @@ def command(
         one_of("--check", check, tuple(CHECKS))
     validation = Validation(checks=tuple(dict.fromkeys(checks)) or tuple(CHECKS), **options)
     with workers(n_jobs, scheduler) as spread:
-        found = validate(validation, out, resume=resume, spread=spread, tell=partial(_told, what="validating"))
+        found = validate(validation, out, resume=resume, spread=spread, tell=_told)
     _write(found, out / PAGE, as_pixels=True)
     if page is not None:
         _write(found, page, as_pixels=False)
     say(_text(found, out), _record(found))
 
 
-def _told(chunks: Iterator[Chunk], n: int, *, what: str) -> Iterator[Chunk]:
-    return progress(chunks, n, what)
+def _told(chunks: Iterator[Chunk], n: int) -> Iterator[Chunk]:
+    return progress(chunks, n, "validating")
 
 
 def _write(found: Validated, path: Path, *, as_pixels: bool) -> None:

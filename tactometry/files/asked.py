@@ -6,15 +6,16 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import InvalidFile
+from ..provenance import versions
 from .durable import make_folder, read_file, write_atomically
 
 ASKED = "asked.json"
 
 
-def prepare(
-    root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool, beside: Mapping[str, Any] | None = None
-) -> None:
+def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -> None:
     """Make a folder that holds what is asked, or (`resume`) go on with one that an earlier run of the same left.
+
+    The versions stand beside what is asked: they may be others when it goes on.
 
     Parameters
     ----------
@@ -22,8 +23,6 @@ def prepare(
         All that the results follow from, as JSON reads it again: numbers, texts, lists.
     work : str
         What is asked, in words: ``power analysis``.
-    beside : mapping
-        What may differ when it goes on, such as versions.
 
     Raises
     ------
@@ -40,7 +39,7 @@ def prepare(
         if not resume:
             raise InvalidFile(f"{root}: found this {work}, expected none; go on with --resume")
     make_folder(root)
-    write_atomically(path, json.dumps({**wanted, **(beside or {})}, indent=2).encode() + b"\n")
+    write_atomically(path, json.dumps({**wanted, "versions": versions()}, indent=2).encode() + b"\n")
 
 
 def _read(path: Path, work: str) -> dict[str, Any]:

@@ -214,8 +214,7 @@ lapses.""",
     reasons={
         "generalised mixed model": _RANDOM_INTERCEPT,
         "hierarchical": "it has the variances as found, and where none is found its chi-square has no allowance "
-        "for few "
-        "participants",
+        "for few participants",
     },
     reason_key="test",
     figure="tests-of-answers",

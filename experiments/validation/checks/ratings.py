@@ -122,8 +122,7 @@ interaction have no effect then either.""",
     n_sets=10,
     reasons={
         "against P0, Holm: any of six": "Holm's correction holds 5 % for any dependence and is below where "
-        "comparisons share the "
-        "reference",
+        "comparisons share the reference",
         "Friedman, all patterns": "its chi-square has no allowance for few participants",
     },
     reason_key="test",

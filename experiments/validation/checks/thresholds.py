@@ -162,11 +162,9 @@ hierarchical fit has {N_GROUP} participants.""",
     n_sets=10,
     reasons={
         "map": "Laplace's interval takes the levels as given in advance; where they follow the answers, or the "
-        "posterior is "
-        "skewed, it is too short. `analyse` does not use it",
+        "posterior is skewed, it is too short. `analyse` does not use it",
         "ml": "Wald's interval rests on the curvature at the maximum, which says too little of few trials, and "
-        "the levels are "
-        "taken as given in advance. `analyse` does not use it",
+        "the levels are taken as given in advance. `analyse` does not use it",
         "profile": "the profile likelihood takes the levels as given in advance, and chi-square holds for many "
         "trials only",
         "bootstrap": "sets are drawn anew at the levels as presented, so that what the levels owe to the answers "
