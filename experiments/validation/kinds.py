@@ -18,6 +18,9 @@ N_BINS: Final = 20
 WORDS: Final = {-1: "too few", 0: "", 1: "too many"}
 FEWEST: Final = 20
 """Of fewer outcomes nothing is said."""
+Estimate = tuple[float, float, float]
+"""With the ends of its interval."""
+NO_ANSWER: Final[Estimate] = (math.nan, math.nan, math.nan)
 
 
 @dataclass(frozen=True)

@@ -22,7 +22,7 @@ from tactometry.errors import InvalidParameter
 from tactometry.psychometric import PsychometricFunction
 
 from ..check import Check, Simulate
-from ..kinds import ESTIMATES, TESTS
+from ..kinds import ESTIMATES, NO_ANSWER, TESTS, Estimate
 
 N_PARTICIPANTS, N_CONDITIONS, N_TRIALS = 10, 3, 14
 LEVELS: Final = np.linspace(8.0, 32.0, 7)
@@ -33,7 +33,6 @@ GUESS_RATE: Final = 0.5
 FACTOR: Final = "condition"
 FIRST, LAST = 0.0, float(N_CONDITIONS - 1)
 SLOPE: Final = "level"
-NO_ANSWER: Final = (math.nan, math.nan, math.nan)
 
 
 def study(cell_sd_db: float, effect_db: float, rng: np.random.Generator) -> list[Cell]:
@@ -104,7 +103,7 @@ def _wald_p(found: MixedEstimate) -> float:
     return float(chi2.sf(shifts @ np.linalg.solve(covariance, shifts), len(places)))
 
 
-def _wald_difference(found: MixedEstimate) -> tuple[float, float, float]:
+def _wald_difference(found: MixedEstimate) -> Estimate:
     """Last less first in the unit of the levels: a shift of the answer over minus the slope, by the delta method."""
     if found.effects is None or found.covariance is None:
         return NO_ANSWER
@@ -127,7 +126,7 @@ def _p_of_hierarchical(found: HierarchicalFit) -> float:
         return math.nan
 
 
-def _of_pairs(fitted: pd.DataFrame) -> tuple[float, float, float]:
+def _of_pairs(fitted: pd.DataFrame) -> Estimate:
     """None where a cell has no threshold."""
     try:
         compared = pairs(fitted, dependent="threshold", factor=FACTOR, subject="participant")
@@ -137,7 +136,7 @@ def _of_pairs(fitted: pd.DataFrame) -> tuple[float, float, float]:
     return pair["difference"], pair["difference_low"], pair["difference_high"]
 
 
-def _of_contrast(found: HierarchicalFit) -> tuple[float, float, float]:
+def _of_contrast(found: HierarchicalFit) -> Estimate:
     try:
         contrast = found.contrast({(LAST,): 1.0, (FIRST,): -1.0})
     except InvalidParameter:
@@ -156,7 +155,7 @@ def tested(cells: list[Cell]) -> dict[str, float]:
     }
 
 
-def estimated(cells: list[Cell]) -> dict[str, tuple[float, float, float]]:
+def estimated(cells: list[Cell]) -> dict[str, Estimate]:
     """The last condition less the first, with its interval, by each method."""
     rows = columns(cells)
     return {

@@ -17,7 +17,7 @@ from tactometry.analysis.anova.within_subjects import permutation_test, repeated
 from tactometry.analysis.mixed_models.linear import mixed_model
 
 from ..check import Check, Simulate
-from ..kinds import ESTIMATES, TESTS
+from ..kinds import ESTIMATES, NO_ANSWER, TESTS, Estimate
 
 N_CONDITIONS: Final = 4
 EFFECT: Final = 1.1
@@ -110,9 +110,6 @@ def effects(errors: str, n_participants: int, n_sets: int, rng: np.random.Genera
     return named.assign(errors=errors, participants=n_participants)
 
 
-Estimate = tuple[float, float, float]
-
-
 def estimates(table: pd.DataFrame) -> dict[str, Estimate]:
     """Estimate and ends of the interval by each method."""
     compared = pairs(table, factor="condition", **OF)
@@ -127,7 +124,7 @@ def estimates(table: pd.DataFrame) -> dict[str, Estimate]:
     try:
         of_bounds = _censored(table).means().iloc[LAST][["mean", "mean_low", "mean_high"]]
     except UndefinedStatistic:
-        of_bounds = (np.nan, np.nan, np.nan)
+        of_bounds = NO_ANSWER
     return found | {"mean, of values and bounds": tuple(of_bounds)}
 
 
