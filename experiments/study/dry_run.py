@@ -8,6 +8,7 @@ from tactometry.errors import InvalidParameter, count_of
 from tactometry.protocols.block import Block
 from tactometry.protocols.session import Inquiry, Part
 from tactometry.protocols.tasks.task import AsksForm
+from tactometry.session.progress import PartAhead
 
 from .experiment import Experiment
 from .session_plan import stream
@@ -87,6 +88,26 @@ def _longest_block_s(experiment: Experiment, block: PlannedBlock) -> float:
     n_rests = (n_trials - 1) // options.rest_after if options.rest_after and n_trials else 0
     trials_s = experiment.study.trial_s * n_trials + (options.rest_s or 0.0) * n_rests
     return min(trials_s + ITEM_S * block.n_items, inf if options.longest_s is None else options.longest_s)
+
+
+def parts_ahead(experiment: Experiment, number: int, n_session: int = 1, seed: int = 0) -> tuple[PartAhead, ...]:
+    """The parts of a session as who follows it needs them (`tactometry.session.progress`).
+
+    >>> from .experiment import wire
+    >>> from .study_file import load
+    >>> [part.n_trials for part in parts_ahead(wire(load("tutorial")[0], "tutorial"), number=1)]
+    [20, 20]
+    """
+    n_attempts = experiment.table.options.n_attempts
+    return tuple(
+        PartAhead(
+            block.factors,
+            block.n_trials_at_most,
+            _longest_block_s(experiment, block),
+            n_attempts if block.n_trials_at_most else None,
+        )
+        for block in plan(experiment, number, n_session, seed)
+    )
 
 
 def check_duration(experiment: Experiment, blocks: list[PlannedBlock]) -> str | None:

@@ -1,0 +1,307 @@
+"""Where a session stands, from what its journal holds: who shows it, on a terminal or on a page, asks here.
+
+`Progress` is a fold: `after` takes the next request with its answer, or the next event. What is still to come is no
+matter of a journal: a plan of the parts (`PartAhead`) says how many trials there are at most, and how long they take.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from statistics import median
+from typing import Any, Final
+
+from ..trials.trial import Reason, Tally, Trial
+from .answer import Adjusted, Done, Played, Touched
+from .event import Event
+from .request import Fact, Press, Record, Request, Show, Slide
+
+TURNING: Final = frozenset(("staircase", "weighted_staircase"))
+"""Procedures whose levels turn round at reversals."""
+MOST_SHOWN: Final = 12
+"""So many touches are kept for who looks at them."""
+MOST_INTERVALS: Final = 20
+"""So many of the last trials say how long one takes."""
+LONGEST_INTERVALS: Final = 5
+"""In times of what a trial should take: whatever took longer was a pause, no trial."""
+NEAR: Final = 2
+"""So many presentations before a track is aborted, who looks on is warned."""
+
+TrackKey = tuple[int, str | None]
+"""The number of a block, and the name of a track that is interleaved with others."""
+
+
+@dataclass(frozen=True)
+class PartAhead:
+    """A part as it is planned: its factors, at most how many trials, how long it takes at most (s), and how many
+    presentations in a row may be not valid before a track is aborted."""
+
+    factors: Mapping[str, float | str] = field(default_factory=dict)
+    n_trials: int = 0
+    lasts_s: float = 0.0
+    n_attempts: int | None = None
+
+
+@dataclass(frozen=True)
+class AnsweredTouch:
+    """A touch that was answered: at which level (None: nothing was emitted), and what came of it."""
+
+    stimulus: str
+    level: float | None
+    answer: Touched
+
+
+@dataclass(frozen=True)
+class TrackProgress:
+    """The presentations of a track in their order, one row for each, and how many of the last were not valid.
+
+    >>> levels = (10.0, 8.0, 6.0, 8.0, 6.0)
+    >>> rows = [Trial(1, n, {}, "staircase", level, "dB", "yes_no", 1) for n, level in enumerate(levels, 1)]
+    >>> [row.level for row in TrackProgress(tuple(rows)).reversals]
+    [6.0, 8.0]
+    """
+
+    presented: tuple[Trial, ...] = ()
+    n_invalid_in_a_row: int = 0
+    aborted: bool = False
+
+    def after(self, trial: Trial, *, aborted: bool) -> "TrackProgress":
+        """With another row; the later rows of one presentation are the same one."""
+        if self.presented and self.presented[-1].key == trial.key:
+            return replace(self, aborted=self.aborted or aborted)
+        n_in_a_row = 0 if trial.valid else self.n_invalid_in_a_row + 1
+        return TrackProgress((*self.presented, trial), n_in_a_row, self.aborted or aborted)
+
+    @property
+    def answered(self) -> tuple[Trial, ...]:
+        """Those that the rule learnt of: valid, and no catch trial."""
+        return tuple(trial for trial in self.presented if trial.valid and trial.level is not None)
+
+    @property
+    def reversals(self) -> tuple[Trial, ...]:
+        """Where the levels of a staircase turned; the last turn shows when the level after it is presented."""
+        found: list[Trial] = []
+        last, direction = None, 0.0
+        for trial in self.answered:
+            if last is not None and last.level is not None and trial.level is not None:
+                step = trial.level - last.level
+                if last.procedure in TURNING and step * direction < 0:
+                    found.append(last)
+                direction = step or direction
+            last = trial
+        return tuple(found)
+
+    @property
+    def n_lost(self) -> int:
+        """What counts towards its end: presentations that were not valid, in a row or of one trial."""
+        last = self.presented[-1] if self.presented else None
+        return 0 if last is None or last.valid else max(self.n_invalid_in_a_row, last.attempt)
+
+    def warning(self, n_attempts: int | None) -> str | None:
+        """What is to be said before it is aborted.
+
+        >>> lost = Trial(1, 1, {}, "staircase", 10.0, "dB", "yes_no", None, valid=False)
+        >>> TrackProgress().after(lost, aborted=False).warning(3)
+        'the last touch did not count: 2 more abort this condition'
+        >>> TrackProgress().after(lost, aborted=False).warning(5) is None
+        True
+        """
+        n_left = 0 if n_attempts is None else n_attempts - self.n_lost
+        if self.aborted or not self.n_lost or not 0 < n_left <= NEAR:
+            return None
+        whose = "the last touch" if self.n_lost == 1 else f"the last {self.n_lost} touches"
+        return f"{whose} did not count: {n_left} more abort{'s' if n_left == 1 else ''} this condition"
+
+
+@dataclass(frozen=True)
+class Progress:
+    """Where a session stands.
+
+    Parameters
+    ----------
+    tally : Tally
+        Trials, those that are not valid, answers to questionnaires.
+    n_parts, part : int
+        How many parts the session has, and the number of the present one, from 1; 0: not begun.
+    page : str or None
+        The message of the page that was shown last.
+    factors : mapping of str to float or str
+        The present condition.
+    tracks : mapping of (int, str or None) to TrackProgress
+        By block and name of the track, in their order.
+    last : Trial or None
+        The row that was recorded last.
+    at_s : float
+        The latest time that is known, s of the session.
+    trial_times_s : tuple of float
+        When the last trials were recorded, s.
+    n_catch, n_false_alarms : int
+        Valid catch trials, and those of them that were answered with yes.
+    touches : tuple of AnsweredTouch
+        The last of them.
+    reasons : mapping of str to int
+        How many touches and answers did not count, by the reason.
+    n_frames, n_dropped_frames, n_gaps : int
+        Of the screen, and gaps in the output.
+    timing : mapping of str to (float, float)
+        Last and longest `gate_delay_s` and `key_to_record_s`, s.
+    clocks : mapping of str to mapping
+        What was last said of the clock of each device.
+    paused : str or None
+        Who or what has paused it.
+    stopped, aborted : tuple of str
+        Why it was stopped, and what ended unfinished.
+    """
+
+    tally: Tally = field(default_factory=Tally)
+    n_parts: int = 0
+    part: int = 0
+    page: str | None = None
+    factors: Mapping[str, float | str] = field(default_factory=dict)
+    tracks: Mapping[TrackKey, TrackProgress] = field(default_factory=dict)
+    last: Trial | None = None
+    at_s: float = 0.0
+    trial_times_s: tuple[float, ...] = ()
+    n_catch: int = 0
+    n_false_alarms: int = 0
+    touches: tuple[AnsweredTouch, ...] = ()
+    reasons: Mapping[str, int] = field(default_factory=dict)
+    n_frames: int = 0
+    n_dropped_frames: int = 0
+    n_gaps: int = 0
+    timing: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    clocks: Mapping[str, Mapping[str, Fact]] = field(default_factory=dict)
+    paused: str | None = None
+    stopped: tuple[str, ...] = ()
+    aborted: tuple[str, ...] = ()
+
+    def after(self, request: Request[Any], answer: object) -> "Progress":
+        """With another request and its answer."""
+        match request, answer:
+            case Record(trial, aborted), Done(at_s):
+                return self._recorded(trial, aborted, at_s)
+            case Show(message, values), Done(at_s):
+                return self._shown(message, values, at_s)
+            case ((Press() | Slide()), Touched()):
+                return self._touched(AnsweredTouch(request.stimulus, request.level, answer))
+            case _, Played() | Adjusted():
+                return replace(self, at_s=max(self.at_s, answer.onset_s), n_gaps=self.n_gaps + (answer.n_gaps or 0))
+        return self
+
+    def after_event(self, event: Event) -> "Progress":
+        """With another event."""
+        state, facts = replace(self, at_s=max(self.at_s, event.at_s)), event.facts
+        text = str(facts.get("text", ""))
+        match event.kind:
+            case "trial":
+                return state._timed(facts)
+            case "clock":
+                return replace(state, clocks={**self.clocks, str(facts.get("device")): facts})
+            case "pause":
+                return replace(state, paused=text)
+            case "resume":
+                return replace(state, paused=None)
+            case "stop":
+                return replace(state, paused=None, stopped=(*self.stopped, text))
+        return state
+
+    def _recorded(self, trial: Trial, aborted: str | None, at_s: float) -> "Progress":
+        state = replace(
+            self,
+            tally=self.tally.after(trial),
+            part=trial.block,
+            factors=trial.factors,
+            last=trial,
+            at_s=max(self.at_s, at_s),
+            aborted=self.aborted if aborted is None else (*self.aborted, aborted),
+        )
+        is_new = state.tally.n_trials > self.tally.n_trials
+        return state if trial.is_form else state._presented(trial, aborted, at_s, is_new=is_new)
+
+    def _presented(self, trial: Trial, aborted: str | None, at_s: float, *, is_new: bool) -> "Progress":
+        key = (trial.block, trial.track)
+        track = self.tracks.get(key, TrackProgress())
+        caught = is_new and trial.valid and bool(trial.catch)
+        return replace(
+            self,
+            tracks={**self.tracks, key: track.after(trial, aborted=aborted is not None)},
+            trial_times_s=(*self.trial_times_s, at_s)[-MOST_INTERVALS:] if is_new else self.trial_times_s,
+            n_catch=self.n_catch + caught,
+            n_false_alarms=self.n_false_alarms + (caught and trial.response == 1),
+        )
+
+    def _shown(self, message: str, values: Mapping[str, str | int | float], at_s: float) -> "Progress":
+        state = replace(self, page=message, at_s=max(self.at_s, at_s))
+        if "n_blocks" not in values:
+            return state
+        factors = {name: level for name, level in values.items() if name not in ("block", "n_blocks")}
+        return replace(state, n_parts=int(values["n_blocks"]), part=int(values.get("block", 0)), factors=factors)
+
+    def _touched(self, touch: AnsweredTouch) -> "Progress":
+        reason: Reason | None = touch.answer.invalid_reason
+        reasons = self.reasons if reason is None else {**self.reasons, reason: self.reasons.get(reason, 0) + 1}
+        return replace(
+            self,
+            at_s=max(self.at_s, touch.answer.onset_s),
+            touches=(*self.touches, touch)[-MOST_SHOWN:],
+            reasons=reasons,
+            n_gaps=self.n_gaps + (touch.answer.n_gaps or 0),
+        )
+
+    def _timed(self, facts: Mapping[str, Fact]) -> "Progress":
+        timing = dict(self.timing)
+        for name in ("gate_delay_s", "key_to_record_s"):
+            if isinstance(value := facts.get(name), int | float):
+                timing[name] = (value, max(value, timing.get(name, (0.0, 0.0))[1]))
+        n_frames, n_dropped = (int(facts.get(name) or 0) for name in ("n_frames", "n_dropped_frames"))
+        return replace(
+            self,
+            timing=timing,
+            n_frames=self.n_frames + n_frames,
+            n_dropped_frames=self.n_dropped_frames + n_dropped,
+        )
+
+    @property
+    def track(self) -> TrackProgress | None:
+        """That of the trial that was recorded last."""
+        return None if self.last is None else self.tracks.get((self.last.block, self.last.track))
+
+    @property
+    def over(self) -> bool:
+        """Whether its last page has been left."""
+        return self.page == "end"
+
+    def n_valid(self, part: int | None = None) -> int:
+        """Valid presentations, of one part or of all, catch trials with them."""
+        return sum(
+            trial.valid
+            for (block, _), track in self.tracks.items()
+            for trial in track.presented
+            if part is None or block == part
+        )
+
+    def warning(self, parts: Sequence[PartAhead]) -> str | None:
+        """What is to be said before the present track is aborted."""
+        ahead = parts[self.part - 1] if 0 < self.part <= len(parts) else PartAhead()
+        return None if self.track is None else self.track.warning(ahead.n_attempts)
+
+    def left_s(self, parts: Sequence[PartAhead]) -> float:
+        """How long the rest takes at most (s), at the pace of the last trials.
+
+        >>> Progress().left_s([PartAhead(n_trials=10, lasts_s=50.0), PartAhead(lasts_s=20.0)])
+        70.0
+        """
+        if self.over:
+            return 0.0
+        number = max(self.part, 1)
+        return sum(self._part_left_s(n, part) for n, part in enumerate(parts, 1) if n >= number)
+
+    def _part_left_s(self, number: int, part: PartAhead) -> float:
+        if not part.n_trials:
+            return part.lasts_s
+        n_left = max(part.n_trials - self.n_valid(number), 0) if number == self.part else part.n_trials
+        return n_left * self._trial_lasts_s(part.lasts_s / part.n_trials)
+
+    def _trial_lasts_s(self, planned_s: float) -> float:
+        """How long a trial takes: the median of the last ones, in which pauses do not count; what is planned before."""
+        pairs = zip(self.trial_times_s, self.trial_times_s[1:], strict=False)
+        intervals_s = [after - before for before, after in pairs if after - before < LONGEST_INTERVALS * planned_s]
+        return median(intervals_s) if len(intervals_s) >= LONGEST_INTERVALS else planned_s

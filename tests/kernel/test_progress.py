@@ -1,0 +1,153 @@
+"""Where a session stands, from its journal alone: against what the protocol itself knows of it."""
+
+from functools import reduce
+
+import numpy as np
+import pytest
+from places import ROOT
+from tutorial_session import EXPERIMENT, journal_of
+
+from tactometry.experiments.study.dry_run import duration_s, parts_ahead, plan
+from tactometry.protocols import Staircase, WeightedStaircase
+from tactometry.records.journal import Entry, read
+from tactometry.session.answer import Done, Touched
+from tactometry.session.event import Event
+from tactometry.session.progress import MOST_SHOWN, PartAhead, Progress, TrackProgress
+from tactometry.session.request import Press, Record, Show
+from tactometry.trials.trial import Trial, tally
+
+RECORDED = sorted((ROOT / "tests" / "recorded").glob("*/journals/*[!s].jsonl"))
+
+
+def after(state, line):
+    if isinstance(line, Entry):
+        return state.after(*line)
+    return state.after_event(line) if isinstance(line, Event) else state
+
+
+def progress_of(recording):
+    return reduce(after, recording.lines, Progress())
+
+
+def trial(n, level=10.0, *, valid=True, attempt=1, **known):
+    return Trial(1, n, {}, "staircase", level, "dB", "yes_no", 1, valid=valid, attempt=attempt, **known)
+
+
+@pytest.mark.parametrize("path", RECORDED, ids=lambda path: f"{path.parents[1].name}-{path.stem[12:15]}")
+def test_every_recorded_session_is_counted_as_its_tally_counts_it(path):
+    recording = read(path)
+    state = progress_of(recording)
+    assert state.tally == tally(recording.trials)
+    assert sum(len(track.presented) for track in state.tracks.values()) == state.tally.n_trials
+    assert state.over == recording.complete
+
+
+def test_the_parts_and_the_trials_are_those_of_the_plan(lived):
+    state, parts = progress_of(read(journal_of(lived))), parts_ahead(EXPERIMENT, number=1)
+    assert state.n_parts == state.part == len(parts)
+    assert [state.n_valid(n) for n in range(1, len(parts) + 1)] == [part.n_trials for part in parts]
+
+
+def test_before_the_first_trial_the_time_left_is_that_of_the_plan():
+    blocks, parts = plan(EXPERIMENT, 1), parts_ahead(EXPERIMENT, number=1)
+    assert Progress().left_s(parts) == pytest.approx(duration_s(EXPERIMENT, blocks))
+
+
+def test_the_time_left_goes_at_the_pace_of_the_last_trials_and_not_of_pauses():
+    parts = [PartAhead(n_trials=20, lasts_s=100.0), PartAhead(n_trials=10, lasts_s=50.0)]
+    times_s = [*np.arange(1, 9) * 2.0, 1016.0]  # a trial in 2 s, then a long pause
+    state = Progress().after(Show("block", {"block": 1, "n_blocks": 2}), Done(0.0))
+    for n, at_s in enumerate(times_s, 1):
+        state = state.after(Record(trial(n)), Done(at_s))
+    assert state.left_s(parts) == pytest.approx(2.0 * (20 - 9 + 10))
+    assert state.after(Show("end"), Done(1100.0)).left_s(parts) == 0.0
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize(
+    "rule",
+    [
+        Staircase(start=20.0, steps=(4.0, 2.0), low=0.0, high=40.0, n_reversals=50, n_trials=200),
+        Staircase(start=2.0, steps=(3.0,), low=0.0, high=40.0, n_down=1, n_reversals=50, n_trials=200, n_at_bound=9),
+        WeightedStaircase(start=20.0, steps_up=(6.0,), steps_down=(2.0,), low=0.0, high=40.0, n_reversals=50),
+    ],
+)
+def test_the_reversals_are_those_of_the_staircase(rule, seed):
+    rng, run, track = np.random.default_rng(seed), rule.begin(), TrackProgress()
+    n = 0
+    while not run.finished:
+        n += 1
+        row = Trial(1, n, {}, rule.name, run.level, "dB", "yes_no", 1)
+        track = track.after(row, aborted=False)
+        run = run.after(rng.random() < 1 / (1 + np.exp(6.0 - run.level)))
+    # the last turn of the rule shows in the level that comes next
+    track = track.after(Trial(1, n + 1, {}, rule.name, run.level, "dB", "yes_no", 1), aborted=False)
+    levels = [row.level for row in track.reversals]
+    marks = [mark for mark in run.marks if not np.isnan(mark)]
+    assert levels == marks or levels == marks[:-1]  # at a bound a turn asks for the level that stands
+    assert len(levels) > 2
+
+
+def test_levels_in_a_drawn_order_have_no_reversals():
+    track = TrackProgress()
+    for n, level in enumerate((1.0, 3.0, 2.0, 4.0, 1.0), 1):
+        track = track.after(Trial(1, n, {}, "constant_stimuli", level, "dB", "yes_no", 1), aborted=False)
+    assert not track.reversals
+
+
+def test_catch_trials_and_what_is_not_valid_move_no_staircase():
+    track = TrackProgress()
+    rows = (trial(1, 10.0), trial(2, None, catch=True), trial(3, 8.0, valid=False), trial(3, 12.0, attempt=2))
+    for row in rows:
+        track = track.after(row, aborted=False)
+    assert [row.level for row in track.answered] == [10.0, 12.0]
+
+
+def test_a_track_is_warned_of_before_it_is_aborted_and_not_after():
+    parts, state, warnings = [PartAhead(n_attempts=5)], Progress(), []
+    state = state.after(Show("block", {"block": 1, "n_blocks": 1}), Done(0.0))
+    for attempt in range(1, 6):
+        aborted = "block 1 is aborted" if attempt == 5 else None
+        state = state.after(Record(trial(1, valid=False, attempt=attempt), aborted), Done(float(attempt)))
+        warnings.append(state.warning(parts))
+    assert [warning is not None for warning in warnings] == [False, False, True, True, False]
+    assert warnings[3] == "the last 4 touches did not count: 1 more aborts this condition"
+    assert state.aborted == ("block 1 is aborted",)
+
+
+def test_a_valid_touch_ends_the_warning():
+    state = Progress().after(Show("block", {"block": 1, "n_blocks": 1}), Done(0.0))
+    for attempt in range(1, 5):
+        state = state.after(Record(trial(1, valid=False, attempt=attempt)), Done(float(attempt)))
+    assert state.after(Record(trial(1, attempt=5)), Done(5.0)).warning([PartAhead(n_attempts=5)]) is None
+
+
+def test_false_alarms_are_those_of_valid_catch_trials():
+    state = Progress()
+    for n, (valid, response) in enumerate([(True, 1), (True, 0), (False, 1), (True, 1)], 1):
+        row = Trial(1, n, {}, "staircase", None, "dB", "yes_no", response, valid=valid, catch=True)
+        state = state.after(Record(row), Done(float(n)))
+    assert (state.n_false_alarms, state.n_catch) == (2, 3)
+
+
+def test_touches_are_kept_with_their_reasons_and_gaps():
+    state, press = Progress(), Press("tone", 10.0, 0.5, 1.0, 0.2, 0.3, 5.0)
+    for n in range(MOST_SHOWN + 3):
+        reason = "too_light" if n % 2 else None
+        state = state.after(press, Touched(float(n), 10.0, "0", valid=not reason, invalid_reason=reason, n_gaps=1))
+    assert len(state.touches) == MOST_SHOWN
+    assert state.reasons == {"too_light": 7}
+    assert state.n_gaps == MOST_SHOWN + 3
+
+
+def test_events_tell_of_frames_latencies_clocks_and_pauses():
+    state = Progress()
+    for delay_s, n_dropped in ((0.004, 1), (0.002, 0)):
+        facts = {"n_frames": 100, "n_dropped_frames": n_dropped, "gate_delay_s": delay_s, "key_to_record_s": None}
+        state = state.after_event(Event("trial", 1.0, facts=facts))
+    state = state.after_event(Event("clock", 2.0, facts={"device": "hand", "clock_offset_s": 0.1}))
+    state = state.after_event(Event("pause", 3.0, facts={"text": "the experimenter"}))
+    assert (state.n_frames, state.n_dropped_frames, state.timing) == (200, 1, {"gate_delay_s": (0.002, 0.004)})
+    assert state.clocks["hand"]["clock_offset_s"] == 0.1
+    assert state.paused == "the experimenter"
+    assert state.after_event(Event("resume", 4.0)).paused is None
