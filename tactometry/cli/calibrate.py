@@ -14,9 +14,19 @@ import click
 
 from tactometry.experiments.bench import calibration
 from tactometry.experiments.bench.bench_file import BenchFile, Devices, load_bench
-from tactometry.experiments.bench.calibration import Learning, Microphone, join, learn
+from tactometry.experiments.bench.bench_table import stated_in, table_toml, write_values
+from tactometry.experiments.bench.learning import (
+    REPEATABILITY,
+    Heard,
+    Learning,
+    Microphone,
+    Quality,
+    expect_whole,
+    join,
+    learn,
+    repeatable,
+)
 from tactometry.stimuli.time_reversal.responses.learning import as_displacement, sequence, sweep, write_learnt
-from tactometry.stimuli.time_reversal.responses.responses import Responses
 
 from ..arguments.require import expect, lookup, one_of
 from ..devices.outputs.gain import Gain, measured_anew, required_gain
@@ -47,12 +57,20 @@ def _numbers(ctx: click.Context, param: click.Parameter, text: str) -> list[floa
 
 by_option = click.option("--by", required=True, callback=_somebody, help="Who measures: initials or a code.")
 numbers_option = partial(click.option, callback=_numbers)
+write_option = click.option("--write", is_flag=True, help="Write it into the bench file, whose comments stay.")
+residual_option = click.option(
+    "--residual-at-most",
+    type=click.FloatRange(0, 1, min_open=True),
+    default=calibration.RESIDUAL_AT_MOST,
+    show_default=True,
+    help="What is further off the fit is refused: a part of the voltage, or of the largest force.",
+)
 TODAY = date.today
 
 
 @click.group(epilog="Example: tactometry calibrate display --bar-m 0.149")
 def command() -> None:
-    """Measure what a bench file says; each prints the table to put there, with its date."""
+    """Measure what a bench file says; each prints the table, with its date, and puts it there with --write."""
 
 
 @subcommand("calibrate gain --bench bench.toml --by ZG", command)
@@ -61,7 +79,18 @@ def command() -> None:
 @numbers_option("--parts", default="0.02,0.05,0.1", show_default=True, help="What to play, as parts of full scale.")
 @numbers_option("--measured-v", default="", metavar="V,V,...", help="What was measured, peak V; else asked for each.")
 @click.option("--tone-s", type=click.FloatRange(0.1, 30), default=3.0, show_default=True, help="How long each sounds.")
-def gain(bench_path: Path, by: str, parts: list[float], measured_v: list[float], tone_s: float) -> None:
+@residual_option
+@write_option
+def gain(
+    *,
+    bench_path: Path,
+    by: str,
+    parts: list[float],
+    measured_v: list[float],
+    tone_s: float,
+    residual_at_most: float,
+    write: bool,
+) -> None:
     """Output gain: play sines of 100 Hz on every channel, and type in the peak voltage at the known load.
 
     The limits and the gain that the bench file states hold while it plays: until it is measured, that of the data
@@ -72,11 +101,13 @@ def gain(bench_path: Path, by: str, parts: list[float], measured_v: list[float],
     new = measured_anew(before, bench.output.settings.chain(), TODAY(), by)
     for share in parts:
         expect(0 < share <= 1, "--parts", f"{share:g}", "parts of full scale, above 0 and at most 1")
-    fit = calibration.fit_gain(parts, measured_v or list(_play_and_ask_v(bench, new, parts, tone_s)))
-    table = calibration.gain_toml(replace(new, volts_per_unit=fit.volts_per_unit / new.amplifier_gain))
+    volts = measured_v or list(_play_and_ask_v(bench, new, parts, tone_s))
+    fit = calibration.fit_gain(parts, volts, residual_at_most=residual_at_most)
+    values = vars(replace(new, volts_per_unit=fit.volts_per_unit / new.amplifier_gain))
     was = before.load_volts_per_unit
-    text = f"{table}# residual rms {fit.residual_rms_v:.3g} V; the file stated {was:.6g} V per unit at the load"
-    say(text, {"volts_per_unit": fit.volts_per_unit, "residual_rms_v": fit.residual_rms_v})
+    remark = f"residual rms {fit.residual_rms_v:.3g} V; the file stated {was:.6g} V per unit at the load"
+    record = {"volts_per_unit": fit.volts_per_unit, "residual_rms_v": fit.residual_rms_v}
+    _tell("output.gain", values, [remark], record, bench_path, write=write)
 
 
 def _play_and_ask_v(bench: BenchFile, gain: Gain, shares: list[float], tone_s: float) -> Iterator[float]:
@@ -91,6 +122,7 @@ def _play_and_ask_v(bench: BenchFile, gain: Gain, shares: list[float], tone_s: f
             played = calibration.tone(peak_v, n_channels, driver.rate_hz or 48e3, tone_s, 0.1 * tone_s)
             output.play(played)
             time.sleep(played.duration_s)
+            expect_whole(output)
             yield click.prompt("Peak voltage at the load (V)", type=float, err=True)
 
 
@@ -104,6 +136,8 @@ def _play_and_ask_v(bench: BenchFile, gain: Gain, shares: list[float], tone_s: f
 @click.option("--degree", type=click.IntRange(1, 5), default=1, show_default=True, help="Of the polynomial.")
 @click.option("--gravity-m-per-s2", type=float, default=9.80665, show_default=True, help="Where you are.")
 @figure_option("Write fit and residuals as PNG, PDF or SVG.")
+@residual_option
+@write_option
 def force(
     *,
     bench_path: Path,
@@ -115,6 +149,8 @@ def force(
     degree: int,
     gravity_m_per_s2: float,
     figure: Path | None,
+    residual_at_most: float,
+    write: bool,
 ) -> None:
     """Force sensor: put on weights one after the other; a polynomial is fitted to what it counts."""
     bench = load_bench(bench_path)
@@ -124,12 +160,15 @@ def force(
     reader = lookup("--sensor", name, bench.sensors).reader()
     reader.check_channels("--channel", channel)
     counted = counts or _count_weights(reader, channel, weights_kg)
-    fit = calibration.fit_force(weights_kg, counted, degree=degree, gravity_m_per_s2=gravity_m_per_s2)
+    fit = calibration.fit_force(
+        weights_kg, counted, degree=degree, gravity_m_per_s2=gravity_m_per_s2, residual_at_most=residual_at_most
+    )
     weights = zip(fit.forces_n, fit.counts, fit.residuals_n, strict=True)
-    rows = [f"# {f:8.4f} N  {c:12.2f} counts  residual {1e3 * r:+.2f} mN" for f, c, r in weights]
-    table = calibration.force_toml(fit, name, channel, TODAY(), by)
-    text = "\n".join([table, *rows, f"# residual rms {1e3 * fit.residual_rms_n:.3g} mN"])
-    say(text, {"polynomial": fit.polynomial, "residuals_n": fit.residuals_n.tolist(), "counts": fit.counts.tolist()})
+    rows = [f"{f:8.4f} N  {c:12.2f} counts  residual {1e3 * r:+.2f} mN" for f, c, r in weights]
+    rows.append(f"residual rms {1e3 * fit.residual_rms_n:.3g} mN")
+    values = calibration.force_values(fit, name, channel, TODAY(), by)
+    record = {"polynomial": fit.polynomial, "residuals_n": fit.residuals_n.tolist(), "counts": fit.counts.tolist()}
+    _tell("force", values, rows, record, bench_path, write=write)
     _draw("force_figure", fit, figure)
 
 
@@ -146,13 +185,17 @@ def _count_weights(reader: Reader, channel: int, masses_kg: list[float]) -> list
 
 @subcommand("calibrate display --bar-m 0.149", command)
 @click.option("--bar-m", type=float, help="Length of the bar, m; without it, the bar is shown, then asked for.")
-def display(bar_m: float | None) -> None:
+@path_option("--bench", "bench_path", help="Bench file (TOML), where --write puts it.")
+@write_option
+def display(bar_m: float | None, bench_path: Path | None, *, write: bool) -> None:
     """Display size: the screen shows a white bar until a key is pressed; measure it and type in its length.
 
     It is half as high as the picture. With --bar-m no window is opened.
     """
-    height_m = calibration.display_height_m(_ask_bar_m() if bar_m is None else bar_m)
-    say(calibration.display_toml(height_m), {"height_m": height_m})
+    expect(bench_path is not None or not write, "--write", "no bench file", "--bench, the file to write into")
+    load_bench(bench_path)  # what is wrong with it is said before anything is measured
+    found = {"height_m": calibration.display_height_m(_ask_bar_m() if bar_m is None else bar_m)}
+    _tell("screen", found, [], found, bench_path, write=write)
 
 
 def _ask_bar_m() -> float:
@@ -186,9 +229,20 @@ def _ask_bar_m() -> float:
 @click.option("--sweep-s", type=float, default=0.2, show_default=True, help="Duration of the sweep.")
 @click.option("--sequence-order", type=int, help="Play a maximum-length sequence of this order instead.")
 @click.option("--duration-s", type=float, default=0.03, show_default=True, help="Of a response.")
+@click.option(
+    "--repeats", type=click.IntRange(2, 100), default=2, show_default=True, help="How often each channel plays."
+)
+@click.option(
+    "--repeatability-at-least",
+    type=click.FloatRange(0, 1),
+    default=REPEATABILITY,
+    show_default=True,
+    help="Of two responses of a channel, as the part of a focus that is left; one below it is refused.",
+)
 @path_option("--out", required=True, help="NPZ file to write.")
 @figure_option("Write response and spectra as PNG, PDF or SVG.")
 @hands_off_option
+@write_option
 def responses(**asked: Any) -> None:
     """Time-reversal learning: play on each channel, record the point to be touched, keep the impulse responses.
 
@@ -206,16 +260,48 @@ def responses(**asked: Any) -> None:
     # the last question before anything plays: no gate of force stops a sweep
     if bench.output.settings.connected and not (asked["hands_off"] or hands_are_off()):
         raise InvalidParameter("--hands-off: found no word that hands are off, expected it; nothing was played")
-    learnt = _learn(learning, devices.output, reader, asked)
+    heard = _learn(learning, devices.output, reader, asked)
+    learnt, qualities = join([each.mean for each, _ in heard]), [found for _, found in heard]
     responses = as_displacement(learnt, *asked["band_hz"])
     provenance = _provenance(asked, learning, devices.output.name, reader.source.name)
     provenance["recorded_quantity"] = learnt.quantity
+    worst = Quality(*map(min, zip(*qualities, strict=True)))
+    provenance |= {"signal_to_noise": _in_db(worst.snr_db), "repeatability": round(worst.repeatability, 6)}
     with writing(out):
         write_learnt(responses, out, provenance)
     _draw("responses_figure", responses, asked["figure"])
     kept = f"{responses.n_channels} responses of {responses.duration_s:g} s at {responses.rate_hz:g} Hz"
     record = {"file": str(out), "n_channels": responses.n_channels, **provenance}
-    say(f"{out}: {kept}", record)
+    each = {"channels": [found._asdict() for found in qualities]}
+    said = f"signal to noise: {_in_db(worst.snr_db)}, repeatability: {worst.repeatability:.4f}, of the worst channel"
+    remarks = [f"{out}: {kept}", said]
+    _tell("time_reversal", {"responses": str(out)}, remarks, record | each, asked["bench_path"], write=asked["write"])
+
+
+def _in_db(ratio_db: float) -> str:
+    return f"{ratio_db:.1f} dB" if math.isfinite(ratio_db) else "no noise was recorded"
+
+
+def _tell(
+    name: str,
+    values: Mapping[str, object],
+    remarks: list[str],
+    record: Mapping[str, object],
+    bench_path: Path | None,
+    *,
+    write: bool,
+) -> None:
+    """Say a table of the bench file as it was measured, with what the file states beside it; write it if asked to."""
+    stated = {} if bench_path is None else stated_in(bench_path, name)
+    lines = [table_toml(name, {**stated, **values}), *(f"# {remark}\n" for remark in remarks)]
+    written = None
+    try:
+        if write and bench_path is not None:
+            write_values(bench_path, name, values)
+            written = str(bench_path)
+            lines.append(f"# written into {written}\n")
+    finally:  # what was measured is said, though it could not be written
+        say("".join(lines).rstrip("\n"), {**record, "written": written})
 
 
 def _devices(bench: BenchFile) -> Devices:
@@ -237,18 +323,22 @@ def _learning(asked: Mapping[str, Any], n_channels: int, rate_hz: float) -> Lear
         excitation = sequence(asked["sequence_order"], rate_hz=rate_hz)
     reference = asked["reference_output"]
     channels = tuple(k for k in range(n_channels) if k != reference)
-    return Learning(excitation, asked["voltage_v"], channels, asked["duration_s"], asked["quantity"], reference)
+    how = asked["duration_s"], asked["quantity"], reference
+    return Learning(excitation, asked["voltage_v"], channels, *how, n_repeats=asked["repeats"])
 
 
-def _learn(learning: Learning, output: Guarded, reader: Reader, asked: Mapping[str, Any]) -> Responses:
+def _learn(
+    learning: Learning, output: Guarded, reader: Reader, asked: Mapping[str, Any]
+) -> list[tuple[Heard, Quality]]:
     counts = asked["units_per_count"], asked["volts_per_count"]
     microphone = Microphone(reader, asked["channel"], asked["reference"], *counts)
     # the output is closed first, whatever went wrong: it is the one that plays
     with closing(reader), closing(output):
         reader.open()
         output.open()
-        each_channel = learn(learning, output, microphone)
-        return join(list(progress(each_channel, len(learning.channels), "learning")))
+        each_channel = zip(learning.channels, learn(learning, output, microphone), strict=True)
+        alike = repeatable(each_channel, asked["band_hz"], asked["repeatability_at_least"])
+        return list(progress(alike, len(learning.channels), "learning"))
 
 
 def _provenance(asked: Mapping[str, Any], learning: Learning, output: str, sensor: str) -> dict[str, Any]:

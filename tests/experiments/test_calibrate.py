@@ -23,23 +23,13 @@ from patience import LONGEST_PROGRAM_S
 from tactometry.cli import main
 from tactometry.devices.outputs.gain import Gain
 from tactometry.devices.sensors.reader import Reader, SampleBlock
-from tactometry.errors import DeviceFailed, InvalidParameter, Stopped
-from tactometry.experiments.bench.bench_file import parse_bench
-from tactometry.experiments.bench.calibration import (
-    Learning,
-    Microphone,
-    display_height_m,
-    display_toml,
-    fit_force,
-    fit_gain,
-    force_toml,
-    gain_toml,
-    join,
-    learn,
-    show_bar,
-    tone,
-)
+from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter, Stopped
+from tactometry.experiments.bench.bench_file import Learnt, load_bench, parse_bench
+from tactometry.experiments.bench.bench_table import table_toml, with_values, write_values
+from tactometry.experiments.bench.calibration import display_height_m, fit_force, fit_gain, force_values, show_bar, tone
 from tactometry.experiments.bench.figures import force_figure, responses_figure
+from tactometry.experiments.bench.learning import Heard, Learning, Microphone, join, learn, quality, repeatable
+from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.filters import Band
 from tactometry.stimuli.time_reversal.focusing.focusing import drive, focus_amplitude
 from tactometry.stimuli.time_reversal.responses.learning import as_displacement, read_provenance, sequence, sweep
@@ -100,11 +90,11 @@ def test_what_cannot_be_fitted_is_refused(call, message):
 def test_what_is_printed_is_a_bench_file():
     fit = fit_force([0.0, 0.1, 0.2, 0.3], [5.0, 105.0, 205.0, 305.0])
     text = (
-        display_toml(0.298)
+        table_toml("screen", {"height_m": 0.298})
         + '[output]\nkind = "file"\nfolder = "x"\n'
-        + gain_toml(Gain(2.0, 50.0, TODAY, 'Z "G"', 30, "file x", 0.5))
+        + table_toml("output.gain", vars(Gain(2.0, 50.0, TODAY, 'Z "G"', 30, "file x", 0.5)))
         + '[sensors.hand]\nkind = "serial"\nport = "x"\nrate_hz = 1000\n'
-        + force_toml(fit, "hand", 0, TODAY, "ZG")
+        + table_toml("force", force_values(fit, "hand", 0, TODAY, "ZG"))
     )
     bench = parse_bench(tomllib.loads(text))
     assert bench.screen.height_m == 0.298
@@ -118,6 +108,109 @@ def test_the_tone_of_a_gain_has_its_part_and_ramps():
     played = tone(0.05 * 200.0, 2, 48e3, 3.0, 0.3)
     assert played.peak == pytest.approx(10.0, rel=1e-3)
     assert np.abs(played.samples[:, [0, -1]]).max() < 1e-2
+
+
+# --- writing
+
+STATED = """# the bench in room 7
+[output]
+kind = "file"
+folder = "played"        # on the fast disk
+{gain}
+
+[sensors.hand]
+kind = "lsl"
+stream = "force"
+rate_hz = "1 kHz"
+
+[force] # of the left hand
+sensor = "hand"
+newtons_per_count = 0.01 # as the maker says
+zero_count = 3
+release = false          # the plate is soft
+max_age_days = 60
+"""
+IN_ITS_TABLE = "[output.gain]\nvolts_per_unit = 1.0 # data sheet\namplifier_gain = 50.0\nmax_age_days = 20"
+GAIN = ["gain", "--bench", "bench.toml", "--by", "ZG", "--parts", "0.1,0.2", "--measured-v", "10,20", "--write"]
+
+
+@pytest.mark.parametrize(
+    "gain",
+    [
+        IN_ITS_TABLE,
+        "gain = {volts_per_unit = 1.0, amplifier_gain = 50.0, max_age_days = 20} # data sheet",
+        "gain.volts_per_unit = 1.0 # data sheet\ngain.amplifier_gain = 50.0\ngain.max_age_days = 20",
+    ],
+)
+def test_a_gain_is_written_into_the_bench_file_and_all_else_stays(calibrate, tmp_path, gain):
+    file, before = tmp_path / "bench.toml", STATED.format(gain=gain)
+    file.write_text(before, encoding="utf-8")
+    done = calibrate(*GAIN)
+    assert (done.returncode, done.stdout.splitlines()[-1]) == (0, "# written into bench.toml")
+    after = file.read_text(encoding="utf-8")
+    measured = load_bench(file).output.gain
+    assert measured.load_volts_per_unit == pytest.approx(100.0)
+    assert (measured.measured_by, measured.max_age_days) == ("ZG", 20)
+    assert "# data sheet" in after
+    rest = before.split(gain)
+    assert [part.strip() in after for part in rest] == [True, True]
+    again = calibrate(*GAIN, "--json")
+    assert json.loads(again.stdout)["written"] == "bench.toml"
+    assert file.read_text(encoding="utf-8") == after
+
+
+def test_weights_take_the_place_of_another_form_of_calibration(calibrate, tmp_path):
+    file = tmp_path / "bench.toml"
+    file.write_bytes(STATED.format(gain=IN_ITS_TABLE).replace("\n", "\r\n").encode())
+    typed = ["--weights-kg", "0,0.1,0.2", "--counts", "0,100,200", "--gravity-m-per-s2", "10", "--by", "ZG", "--write"]
+    assert calibrate("force", "--bench", "bench.toml", *typed).returncode == 0
+    bench, after = load_bench(file), file.read_bytes()
+    assert bench.force.calibration.polynomial == pytest.approx((0.0, 0.01))
+    assert (bench.force.release, bench.force.calibration.max_age_days) == (False, 60)
+    assert b"newtons_per_count" not in after
+    assert b"[force] # of the left hand\r\n" in after
+    assert b"release = false          # the plate is soft\r\n" in after
+    assert after.count(b"\n") == after.count(b"\r\n")
+
+
+def test_a_display_is_written_where_the_file_has_no_screen(calibrate, tmp_path):
+    (tmp_path / "bench.toml").write_text("# ours\n[limits]\nvoltage_peak_v = 1\n", encoding="utf-8")
+    assert calibrate("display", "--bar-m", "0.149", "--bench", "bench.toml", "--write").returncode == 0
+    bench = load_bench(tmp_path / "bench.toml")
+    assert (bench.screen.height_m, bench.limits.voltage_peak_v) == (0.298, 1.0)
+    assert (tmp_path / "bench.toml").read_text(encoding="utf-8").startswith("# ours\n")
+
+
+def test_what_is_refused_is_not_written(calibrate, tmp_path):
+    file = tmp_path / "bench.toml"
+    file.write_text(STATED.format(gain=IN_ITS_TABLE), encoding="utf-8")
+    before = file.read_bytes()
+    off = calibrate(*GAIN[:-2], "10,25", "--write")
+    assert (off.returncode, file.read_bytes()) == (2, before)
+    assert calibrate(*GAIN[:-2], "10,25", "--residual-at-most", "0.2").returncode == 0
+    assert file.read_bytes() == before
+
+
+def test_a_file_that_would_be_no_bench_stands(tmp_path):
+    file = tmp_path / "bench.toml"
+    file.write_text("[screen]\nwidth_px = 800\n", encoding="utf-8")
+    with pytest.raises(InvalidFile, match="screen.width_px: found 3, expected at least 320 pixels"):
+        write_values(file, "screen", {"width_px": 3})
+    assert file.read_text(encoding="utf-8") == "[screen]\nwidth_px = 800\n"
+    linked = tmp_path / "linked.toml"
+    linked.symlink_to(file)
+    write_values(linked, "screen", {"width_px": 900})
+    assert linked.is_symlink()
+    assert tomllib.loads(file.read_text(encoding="utf-8")) == {"screen": {"width_px": 900}}
+
+
+@given(st.dictionaries(st.sampled_from("abcd"), st.floats(-9, 9) | st.text(max_size=5) | st.none(), max_size=4))
+def test_keys_are_set_or_removed_and_others_stay(values):
+    text = "[t.u] # one\na = 1 # two\nb = 2\nz = 3 # three\n"
+    wanted = {key: value for key, value in ({"a": 1, "b": 2, "z": 3} | values).items() if value is not None}
+    after = with_values(text, "t.u", values)
+    assert tomllib.loads(after) == {"t": {"u": wanted}}
+    assert "z = 3 # three\n" in after
 
 
 # --- learning
@@ -173,8 +266,8 @@ class Played:
 
     limits, name = None, "plate"
 
-    def __init__(self, device):
-        self.driver, self.play = self, device.play
+    def __init__(self, device, n_gaps=0):
+        self.driver, self.play, self.n_gaps = self, device.play, lambda: n_gaps
         self.n_channels, self.rate_hz = device.responses.n_channels, device.rate_hz
 
 
@@ -195,13 +288,63 @@ def test_a_simulated_plate_is_learnt_through_its_vibrometer_at_40_db(quantity):
     excitation = sweep(15e3, 70e3, rate_hz=rate_hz, duration_s=0.1)
     learning = Learning(excitation, 10.0, tuple(range(4)), 0.02, quantity)
     microphone = Microphone(reader, 0, 1, units_per_count=scale, volts_per_count=100.0)
-    learned = join(list(learn(learning, Played(device), microphone)))
+    learned = join([heard.mean for heard in learn(learning, Played(device), microphone)])
     reader.close()
     found = as_displacement(learned, 20e3, 60e3)
     assert (found.quantity, found.samples.shape) == ("displacement", (1, 4, 3000))
     kept = Responses(true.samples[:, :, :3000], rate_hz)
     wanted = focus_amplitude(drive(band_limited(kept, Band(20e3, 60e3)), 30.0), kept)
     assert focus_amplitude(drive(found, 30.0), kept) == pytest.approx(wanted, rel=0.05)
+
+
+class OtherEachTime(DeviceUnderTest):
+    """A plate that answers as one row of its responses after the other, and a quiet that is white noise."""
+
+    def play(self, signal):
+        rows = self.responses.samples
+        self.responses = Responses(np.roll(rows, -1, axis=1), self.rate_hz)
+        return super().play(Signal(np.pad(signal.samples, ((0, len(rows[0]) - 1), (0, 0))), self.rate_hz, "V"))
+
+
+def test_what_the_next_response_leaves_of_a_focus_is_told():
+    """Of two responses at right angles for a half of their energy, it is their cosine."""
+    rate_hz, shapes = 10e3, np.eye(2, 64, 20) + np.eye(2, 64, 20)[0]
+    device = OtherEachTime(Responses(0.2 * shapes[None], rate_hz), np.random.default_rng(0), noise_db=200.0)
+    reader = Reader(device)
+    reader.open()
+    learning, microphone = (
+        Learning(sequence(10, rate_hz=rate_hz), 1.0, (0,), 0.01),
+        Microphone(reader, 0, 1, 1.0, 100.0),
+    )
+    one = Played(device)
+    one.n_channels = 1
+    [heard] = learn(learning, one, microphone)
+    reader.close()
+    assert quality(heard, (200.0, 4900.0)).repeatability == pytest.approx(2 / np.sqrt(4 * 2), abs=0.02)
+    with pytest.raises(DeviceFailed, match=r"channel 7: found a repeatability of 0\.7.*, expected at least 0\.9"):
+        list(repeatable([(7, heard)], (200.0, 4900.0), 0.9))
+
+
+def test_the_quiet_is_compared_with_the_response():
+    """Noise of a tenth of the amplitude is 20 dB below, whatever the band."""
+    rng = np.random.default_rng(3)
+    shape, noise = rng.standard_normal((2, 1, 1, 4096))
+    heard = Heard((Responses(shape, 1e3),) * 2, Responses(0.1 * noise, 1e3))
+    wide = quality(heard, (50.0, 450.0)).snr_db
+    n_free = 2 * 4096 * 0.8  # of a ratio of two energies; each is chi squared
+    assert wide == pytest.approx(20.0, abs=3.9 * 10 / np.log(10) * np.sqrt(2 * 2 / n_free))
+    louder = Heard(heard.repeats, Responses(noise, 1e3))
+    assert quality(louder, (50.0, 450.0)).snr_db == pytest.approx(wide - 20.0)
+
+
+def test_what_was_played_with_gaps_is_not_learnt():
+    device = DeviceUnderTest(Responses(np.array([[[0.5]]]), 10e3), np.random.default_rng(0), noise_db=80.0)
+    reader = Reader(device)
+    reader.open()
+    learning = Learning(sequence(8, rate_hz=10e3), 1.0, (0,), 0.01)
+    with pytest.raises(DeviceFailed, match="output 'plate': found 2 gaps in what was played, expected none"):
+        list(learn(learning, Played(device, n_gaps=2), Microphone(reader, 0, 1, 1.0, 1.0)))
+    reader.close()
 
 
 def test_a_recording_that_is_clipped_or_silent_is_refused():
@@ -276,7 +419,7 @@ def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):
     arguments += ["--duration-s", 0.01, "--out", "learnt.npz", "--figure", artefacts / "learnt.png", "--by", "ZG"]
     refused = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
     assert (refused.returncode, "hands are off, expected it; nothing was played" in refused.stderr) == (2, True)
-    arguments.append("--hands-off")
+    arguments += ["--hands-off", "--write"]
     result = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
     assert result.returncode == 0, result.stderr
     assert "learnt.npz: 1 responses of 0.01 s at 48000 Hz" in result.stdout
@@ -286,6 +429,8 @@ def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):
     assert np.allclose(found.samples, wanted.samples, atol=2e-3 * np.abs(wanted.samples).max())
     said = read_provenance(tmp_path / "learnt.npz")
     assert (said["measured_by"], said["excitation"], said["output"]) == ("ZG", "maximum-length sequence", "audio pulse")
+    assert (said["signal_to_noise"], said["repeatability"]) == ("no noise was recorded", pytest.approx(1.0, abs=1e-4))
+    assert load_bench(tmp_path / "bench.toml").time_reversal == Learnt("learnt.npz")
 
 
 @pytest.mark.skipif(importlib.util.find_spec("sounddevice") is None, reason="no sounddevice: extra audio")
@@ -374,9 +519,10 @@ def test_tones_are_played_at_the_load_and_the_voltages_asked_for(calibrate, alsa
 
 
 def test_a_display_is_measured_by_its_bar(calibrate):
-    assert calibrate("display", "--bar-m", "0.149").stdout == "[screen]\nheight_m = 0.298\n\n"
+    assert calibrate("display", "--bar-m", "0.149").stdout == "[screen]\nheight_m = 0.298\n"
 
 
+WEIGH = ["force", "--bench", "s.toml", "--by", "Z", "--channel", 2, "--weights-kg", "0,0.1,0.2,0.3"]
 LEARN = ["responses", "--bench", "s.toml", "--by", "Z", "--sensor", "hand", "--units-per-count", 1]
 LEARN += ["--volts-per-count", 1, "--voltage-v", 1]
 
@@ -413,8 +559,13 @@ LEARN += ["--volts-per-count", 1, "--voltage-v", 1]
         (["gain", "--bench", "b.toml", "--by", "Z"], r"output\.gain: found none, expected volts_per_unit and"),
         (
             ["gain", "--bench", "s.toml", "--by", "Z", "--measured-v", "4.1,20.2,20.1"],
-            "found 20.2 V at 0.05 of full scale, 68% off the line through zero, expected at most 5%; measure again",
+            "found 20.2 V at 0.05 of full scale, 68.0% off the line through zero, expected at most 5%; measure",
         ),
+        (
+            [*WEIGH, "--counts", "100,200,330,400", "--residual-at-most", "0.01"],
+            "found 330 counts at 0.2 kg, 6.5% of the largest force off the fit, expected at most 1%; weigh",
+        ),
+        (["display", "--bar-m", "0.1", "--write"], "--write: found no bench file, expected --bench, the file to write"),
     ],
 )
 def test_a_bad_calibration_is_one_sentence(calibrate, tmp_path, arguments, message):

@@ -1,0 +1,107 @@
+"""One table of a bench file, said as TOML, and written into the file, whose comments and other keys stay."""
+
+import tomllib
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import tomlkit
+from tomlkit.exceptions import TOMLKitError
+
+from tactometry.arguments.require import expect
+from tactometry.config.strict import as_table
+from tactometry.config.toml import LARGEST_FILE, errors_in, read_table
+from tactometry.files.durable import read_file, write_atomically
+
+from .bench_file import parse_bench
+
+
+def table_toml(name: str, values: Mapping[str, object]) -> str:
+    """A table of a bench file, without what is None.
+
+    >>> print(table_toml("screen", {"height_m": 0.298, "language": None}), end="")
+    [screen]
+    height_m = 0.298
+    """
+    lines = (f"{key} = {_item(value).as_string()}\n" for key, value in values.items() if value is not None)
+    return "".join([f"[{name}]\n", *lines])
+
+
+def stated_in(path: Path, name: str) -> dict[str, Any]:
+    """What a bench file states in a table, such as ``output.gain``; nothing where it has none.
+
+    Raises
+    ------
+    InvalidFile
+        If the file cannot be read.
+    """
+    return _within(read_table(path, "a bench file"), name)
+
+
+def with_values(text: str, name: str, values: Mapping[str, object]) -> str:
+    """The text of a bench file with some keys of a table set, and those removed that are None; all else stays.
+
+    >>> print(with_values("# ours\\n[screen]\\nheight_m = 0.3  # by ruler\\n", "screen", {"height_m": 0.298}), end="")
+    # ours
+    [screen]
+    height_m = 0.298  # by ruler
+    """
+    line_end = "\r\n" if "\r\n" in text else "\n"
+    document = tomlkit.parse(text.replace("\r\n", "\n"))
+    table: Any = document
+    for part in name.split("."):
+        if part not in table:
+            table[part] = tomlkit.table()
+        table = table[part]
+    for key, value in values.items():
+        if value is not None:
+            table[key] = _item(value)
+        elif key in table:
+            del table[key]
+    return document.as_string().replace("\n", line_end)
+
+
+def write_values(path: Path, name: str, values: Mapping[str, object]) -> None:
+    """Set keys of a table of a bench file, as `with_values`; the file is the old one or the new one, whole.
+
+    Raises
+    ------
+    InvalidFile
+        If it cannot be read, or would be no bench file with these keys: the old one stands.
+    DeviceFailed
+        If it cannot be written: the old one stands.
+    """
+    file = path.resolve()  # of a link, what it leads to
+    before = read_file(file, "a bench file", LARGEST_FILE).decode("utf-8-sig")
+    with errors_in(path):
+        after = _edited(before, name, values)
+        parse_bench(tomllib.loads(after))
+    write_atomically(file, after.encode())
+
+
+def _edited(before: str, name: str, values: Mapping[str, object]) -> str:
+    """As `with_values`; what the editor of TOML cannot do to a file is told, and that it does no more is looked at."""
+    wanted = _without_none({**_within(tomllib.loads(before), name), **values})
+    try:
+        after = with_values(before, name, values)
+        is_done = _within(tomllib.loads(after), name) == wanted
+    except (TOMLKitError, tomllib.TOMLDecodeError):
+        is_done = False
+    expect(is_done, name, "a form of this table that cannot be edited", f"[{name}]; put it there by hand, as printed")
+    return after
+
+
+def _within(tables: Mapping[str, Any], name: str) -> dict[str, Any]:
+    for part in name.split("."):
+        tables = as_table(tables.get(part, {}), name)
+    return dict(tables)
+
+
+def _without_none(values: Mapping[str, object]) -> dict[str, object]:
+    kept = {key: value for key, value in values.items() if value is not None}
+    return {key: list(value) if isinstance(value, tuple) else value for key, value in kept.items()}
+
+
+def _item(value: object) -> Any:
+    plain: Any = list(value) if isinstance(value, tuple) else value
+    return tomlkit.item(plain)

@@ -1,0 +1,251 @@
+"""Impulse responses of a bench: one channel plays after the other, while a sensor and a reference record."""
+
+import math
+import time
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Final, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from tactometry.arguments.require import expect, whole
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.sensors.reader import Listener, Reader
+from tactometry.errors import DeviceFailed, count_of
+from tactometry.signal import Signal
+from tactometry.stimuli.time_reversal.responses.learning import Excitation, as_displacement, deconvolve
+from tactometry.stimuli.time_reversal.responses.responses import Responses
+
+FloatArray = NDArray[np.float64]
+
+LEAD_S: Final = 0.1
+REPEATABILITY: Final = 0.9
+"""Of a focus from one response, what must be left through the next (unverified default)."""
+CLIPPED: Final = 0.999
+
+
+@dataclass(frozen=True)
+class Microphone:
+    """What records a calibration: a channel that measures the point, and one that records the drive itself.
+
+    Parameters
+    ----------
+    reader : Reader
+    channel, reference : int
+        Of the sensor, from 0.
+    units_per_count : float
+        m, m/s or m/s^2 for a count of 1 on `channel`.
+    volts_per_count : float
+        V at the load for a count of 1 on `reference`.
+    """
+
+    reader: Reader
+    channel: int
+    reference: int
+    units_per_count: float
+    volts_per_count: float
+
+    def __post_init__(self) -> None:
+        n = self.reader.source.n_channels
+        two = len({self.channel, self.reference} & set(range(n))) == 2
+        expected = f"two of 0 to {n - 1}, those of {self.reader.source.name}"
+        expect(two, "channel, reference", f"{self.channel} and {self.reference}", expected)
+
+
+@dataclass(frozen=True)
+class Learning:
+    """How responses are learnt: the excitation at `voltage_v` on each of `channels` in turn, `duration_s` of response.
+
+    `reference_output` is an output channel that carries the drive too, for a cable back to the reference; without it,
+    the reference must record whichever channel plays. Each channel plays `n_repeats` times.
+    """
+
+    excitation: Excitation
+    voltage_v: float
+    channels: tuple[int, ...]
+    duration_s: float
+    quantity: str = "displacement"
+    reference_output: int | None = None
+    regularisation: float = 1e-6
+    n_repeats: int = 2
+
+    def __post_init__(self) -> None:
+        whole("Learning", lowest=1, n_repeats=self.n_repeats)
+
+    @property
+    def recorded_s(self) -> float:
+        """How long a recording lasts: the excitation, the response, and a rest before and after."""
+        return len(self.excitation.samples) / self.excitation.rate_hz + self.duration_s + 2 * LEAD_S
+
+
+class Heard(NamedTuple):
+    """The responses to one channel, of shape (1, 1, n_samples): one of each time that it played, and what the quiet
+    before all of them would have been taken for."""
+
+    repeats: tuple[Responses, ...]
+    quiet: Responses
+
+    @property
+    def mean(self) -> Responses:
+        first = self.repeats[0]
+        return Responses(np.mean([each.samples for each in self.repeats], axis=0), first.rate_hz, first.quantity)
+
+
+class Quality(NamedTuple):
+    """How well a channel was heard.
+
+    `snr_db` is the energy of its response over that of the quiet, taken for a response; infinite where the quiet holds
+    nothing. `repeatability` is the smallest normalised correlation of two of its responses: as a drive is a response
+    turned back, the part of its focus that is left when the other response is the true one.
+    """
+
+    snr_db: float
+    repeatability: float
+
+
+def quality(heard: Heard, band_hz: tuple[float, float]) -> Quality:
+    """How well a channel was heard at least twice, in displacement within a band.
+
+    Examples
+    --------
+    >>> early, none = (Responses(shape[None, None], 1e3) for shape in (np.eye(64)[9], np.zeros(64)))
+    >>> quality(Heard((early, early), quiet=none), (100.0, 400.0)).snr_db
+    inf
+    >>> quality(Heard((early, early), quiet=early), (100.0, 400.0)).snr_db
+    0.0
+    """
+    *repeats, quiet = (as_displacement(each, *band_hz).samples.ravel() for each in (*heard.repeats, heard.quiet))
+    energies, noise = [float(each @ each) for each in repeats], float(quiet @ quiet)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        snr_db = 10 * np.log10(np.mean(energies) / noise) if noise else math.inf
+    pairs = combinations(zip(repeats, energies, strict=True), 2)
+    return Quality(
+        float(snr_db), min(float(a @ b) / math.sqrt(e * f) for (a, e), (b, f) in pairs) if all(energies) else 0.0
+    )
+
+
+def repeatable(
+    heard: Iterable[tuple[int, Heard]], band_hz: tuple[float, float], at_least: float
+) -> Iterator[tuple[Heard, Quality]]:
+    """How well each channel was heard, until one repeats itself less than `at_least`.
+
+    Raises
+    ------
+    DeviceFailed
+        At that channel.
+    """
+    for channel, each in heard:
+        found = quality(each, band_hz)
+        if found.repeatability < at_least:
+            raise DeviceFailed(
+                f"channel {channel}: found a repeatability of {found.repeatability:.3f} at a signal-to-noise ratio of "
+                f"{found.snr_db:.1f} dB, expected at least {at_least:g}; play louder or longer, and let nothing move; "
+                "nothing was written"
+            )
+        yield each, found
+
+
+def learn(learning: Learning, output: Guarded, microphone: Microphone) -> Iterator[Heard]:
+    """The responses to one channel after the other; both devices are open, and silent for the length of a recording.
+
+    Raises
+    ------
+    DeviceFailed
+        If samples were lost or clipped, what was played has gaps, nothing was heard, or the rates differ.
+    LimitExceeded
+        If the excitation passes a limit.
+    """
+    rate_hz = microphone.reader.source.rate_hz
+    excitation_hz, output_hz = learning.excitation.rate_hz, output.driver.rate_hz
+    if excitation_hz != rate_hz or output_hz not in (None, rate_hz):
+        raise DeviceFailed(
+            f"calibrate: found an excitation at {excitation_hz:g} Hz, an output at {output_hz} Hz and a sensor at "
+            f"{rate_hz:g} Hz, expected one rate; nothing was played"
+        )
+    listener = microphone.reader.listen()
+    quiet = _record(listener, microphone, time.perf_counter() + learning.recorded_s)
+    for channel in learning.channels:
+        signal = _signal(learning, channel, output.driver.n_channels or max(learning.channels) + 1)
+        recorded = [_played(learning, signal, output, listener, microphone) for _ in range(learning.n_repeats)]
+        repeats = tuple(_response(learning, microphone, each) for each in recorded)
+        yield Heard(repeats, _response(learning, microphone, recorded[0], quiet))
+
+
+def _played(
+    learning: Learning, signal: Signal, output: Guarded, listener: Listener, microphone: Microphone
+) -> FloatArray:
+    """What was recorded, (n_channels, n_samples), while a signal played once, whole."""
+    listener.read()  # what came before is not of this recording
+    time.sleep(LEAD_S)
+    onset_s = output.play(signal)
+    recorded = _record(listener, microphone, onset_s + learning.recorded_s - LEAD_S)
+    expect_whole(output)
+    return recorded
+
+
+def expect_whole(output: Guarded) -> None:
+    """Refuse what an output played with gaps.
+
+    Raises
+    ------
+    DeviceFailed
+        If the driver tells of any.
+    """
+    if n_gaps := output.n_gaps():
+        found = f"{count_of(n_gaps, 'gap')} in what was played"
+        raise DeviceFailed(
+            f"output {output.name!r}: found {found}, expected none; close other programs and begin again"
+        )
+
+
+def join(responses: Sequence[Responses]) -> Responses:
+    """One point's responses to several channels."""
+    samples = np.concatenate([response.samples for response in responses], axis=1)
+    return Responses(samples, responses[0].rate_hz, responses[0].quantity)
+
+
+def _signal(learning: Learning, channel: int, n_channels: int) -> Signal:
+    samples = np.zeros((n_channels, len(learning.excitation.samples)))
+    reference = channel if learning.reference_output is None else learning.reference_output
+    for played in {channel, reference}:
+        expect(0 <= played < n_channels, "channel", played, f"from 0 to {n_channels - 1}, those of the output")
+        samples[played] = learning.voltage_v * learning.excitation.samples
+    return Signal(samples, learning.excitation.rate_hz, "V")
+
+
+def _record(listener: Listener, microphone: Microphone, end_s: float) -> FloatArray:
+    """(n_channels, n_samples) from the last reading of the listener to `end_s`, without a break."""
+    source = microphone.reader.source
+    values: list[FloatArray] = []
+    for block in listener.blocks(end_s + 2.0):
+        values.append(block.values)
+        if block.times_s[-1] >= end_s:
+            break
+    else:
+        raise DeviceFailed(f"{source.name}: the sensor fell silent in the middle of a recording; begin again")
+    recorded = np.concatenate(values).T
+    chosen = recorded[[microphone.channel, microphone.reference]]
+    if microphone.reader.facts().get("n_overruns"):
+        raise DeviceFailed(f"{source.name}: samples were lost in the recording; close other programs and begin again")
+    if np.abs(chosen).max() >= CLIPPED:
+        raise DeviceFailed(f"{source.name}: the recording is clipped; lower the voltage or the sensor's range")
+    return recorded
+
+
+def _response(
+    learning: Learning, microphone: Microphone, recorded: FloatArray, heard: FloatArray | None = None
+) -> Responses:
+    """The response in a recording; of what was `heard` at another time, what it would be taken for."""
+    heard = recorded if heard is None else heard
+    drive = recorded[microphone.reference] * microphone.volts_per_count
+    point = heard[microphone.channel] * microphone.units_per_count
+    if not (recorded[microphone.channel].any() and drive.any()):
+        raise DeviceFailed(
+            f"{microphone.reader.source.name}: the channel or its reference heard nothing, expected both to; check the "
+            "cables"
+        )
+    n = math.ceil(learning.duration_s * learning.excitation.rate_hz)
+    response = deconvolve(drive, point, n, regularisation=learning.regularisation)
+    return Responses(response[None, None], learning.excitation.rate_hz, learning.quantity)
