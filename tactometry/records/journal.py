@@ -9,7 +9,7 @@ flushed and fsynced before `append` returns; an unfinished last line is what a c
 """
 
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
@@ -184,37 +184,58 @@ def read(path: Path) -> Recording:
 
 def decode_journal(content: bytes, path: Path) -> Recording:
     """As `read`, of the bytes of a journal."""
-    *whole, torn = content.split(b"\n")
+    lines, place = decode_on(content, path)
+    return Recording(lines, place.complete, len(content) - place.n_bytes)
+
+
+@dataclass(frozen=True)
+class Place:
+    """How far a journal was read: so many bytes and lines, the checksum and the head that lines behind them rest on,
+    and whether the last of them ends the session."""
+
+    n_bytes: int = 0
+    n_lines: int = 0
+    checksum: int = 0
+    head: Head | None = None
+    complete: bool = False
+
+
+def decode_on(content: bytes, path: Path, place: Place = Place()) -> tuple[tuple[Line, ...], Place]:
+    """The whole lines of what stands in a journal behind a place, and the place behind them.
+
+    Raises
+    ------
+    InvalidFile
+        If one of them is damaged or out of place, with its number.
+    """
     lines: list[Line] = []
-    complete = False
-    for number, table in _tables(whole, path):
-        where = f"{path}, line {number}"
-        if complete:
-            raise InvalidFile(f"{where}: found a line behind the end of the session, expected none; remove it")
-        try:
-            line = _decode_line(table, lines[0] if lines else None)
-        except msgspec.ValidationError as error:
-            raise InvalidFile(
-                f"{where}: found {error}, expected {'the head' if number == 1 else 'a request or event'} of a journal "
-                f"of format {FORMAT}; read it with the version that wrote it"
-            ) from None
-        if line is None:
-            complete = True
-        else:
+    for whole in content.split(b"\n")[:-1]:
+        line, place = _next_line(whole, path, place)
+        if line is not None:
             lines.append(line)
-    return Recording(tuple(lines), complete, len(torn))
+    return tuple(lines), place
 
 
-def _tables(whole: Sequence[bytes], path: Path) -> Iterator[tuple[int, dict[str, Any]]]:
-    before = 0
-    for number, line in enumerate(whole, 1):
-        yield number, _table(line, before, f"{path}, line {number}")
-        before = checksum(line)
+def _next_line(whole: bytes, path: Path, place: Place) -> tuple[Line | None, Place]:
+    """What the line behind a place holds (None: the end), and the place behind it."""
+    where = f"{path}, line {place.n_lines + 1}"
+    table = _table(whole, place.checksum, where)
+    if place.complete:
+        raise InvalidFile(f"{where}: found a line behind the end of the session, expected none; remove it")
+    try:
+        line = _decode_line(table, place.head)
+    except msgspec.ValidationError as error:
+        raise InvalidFile(
+            f"{where}: found {error}, expected {'a request or event' if place.n_lines else 'the head'} of a journal "
+            f"of format {FORMAT}; read it with the version that wrote it"
+        ) from None
+    head = line if place.head is None and isinstance(line, Head) else place.head
+    return line, Place(place.n_bytes + len(whole) + 1, place.n_lines + 1, checksum(whole), head, line is None)
 
 
-def _decode_line(table: dict[str, Any], head: Line | None) -> Line | None:
+def _decode_line(table: dict[str, Any], head: Head | None) -> Line | None:
     """What a line holds, behind the `head` if it is not the first; None: the end. Raises `msgspec.ValidationError`."""
-    if not isinstance(head, Head):
+    if head is None:
         return head_of(table)
     kind = next((kind for kind in _KEYS if kind in table), "")
     keys = table.keys() - _MAY.get(kind, set())

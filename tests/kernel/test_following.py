@@ -1,0 +1,153 @@
+"""A journal that is followed while it is written, cut, exchanged, damaged and mended."""
+
+import pytest
+from hypothesis import given, strategies as st
+from tutorial_session import journal_of, live
+
+from tactometry.errors import InvalidFile
+from tactometry.experiments.sessions.recording import Who
+from tactometry.records.following import Follower
+from tactometry.records.journal import decode_journal, read
+from tactometry.records.open_journal import Journal
+from tactometry.session.event import Event
+
+
+@pytest.fixture(scope="module")
+def content(tmp_path_factory):
+    root = tmp_path_factory.mktemp("followed")
+    live(root)
+    return journal_of(root).read_bytes()
+
+
+@pytest.fixture
+def path(tmp_path):
+    return tmp_path / "journal.jsonl"
+
+
+def lines_of(content, path):
+    return decode_journal(content, path).lines
+
+
+def whole(content, n_lines):
+    return b"".join(content.splitlines(keepends=True)[:n_lines])
+
+
+@given(data=st.data())
+def test_each_line_is_read_once_however_the_journal_grows(content, tmp_path_factory, data):
+    path = tmp_path_factory.mktemp("grows") / "journal.jsonl"
+    follower, seen, complete = Follower(path), [], False
+    ends = sorted(data.draw(st.lists(st.integers(0, len(content)), max_size=8)))
+    for end in [*ends, len(content)]:
+        path.write_bytes(content[:end])
+        news = follower.news()
+        if news is not None:
+            assert not (news.anew and seen)
+            seen += news.lines
+            complete = news.complete
+    assert tuple(seen) == lines_of(content, path)
+    assert complete
+
+
+def test_nothing_is_new_in_a_journal_that_nobody_wrote_to(content, path):
+    path.write_bytes(content)
+    follower = Follower(path)
+    assert follower.news() is not None
+    assert follower.news() is None
+
+
+def test_a_journal_that_is_cut_begins_anew(content, path):
+    path.write_bytes(content)
+    follower = Follower(path)
+    follower.news()
+    path.write_bytes(whole(content, 9))
+    news = follower.news()
+    assert news.anew
+    assert not news.complete
+    assert news.lines == lines_of(whole(content, 9), path)
+
+
+def test_a_journal_that_was_emptied_begins_anew_with_nothing(content, path):
+    path.write_bytes(content)
+    follower = Follower(path)
+    follower.news()
+    path.write_bytes(b"")
+    news = follower.news()
+    assert (news.lines, news.anew) == ((), True)
+
+
+def test_one_that_was_cut_and_grew_beyond_its_length_is_no_continuation(content, path, tmp_path):
+    other = tmp_path / "other"
+    live(other, Who("P02", seed=9))
+    longer = journal_of(other).read_bytes()
+    path.write_bytes(whole(content, 5))
+    follower = Follower(path)
+    follower.news()
+    path.write_bytes(longer)
+    news = follower.news()
+    assert news.anew
+    assert news.lines == lines_of(longer, path)
+
+
+def test_a_file_that_is_put_in_its_place_with_more_lines_goes_on(content, path, tmp_path):
+    path.write_bytes(whole(content, 5))
+    follower = Follower(path)
+    follower.news()
+    (tmp_path / "draft").write_bytes(whole(content, 7))
+    (tmp_path / "draft").replace(path)
+    news = follower.news()
+    assert not news.anew
+    assert news.lines == lines_of(content, path)[5:7]
+
+
+def test_a_session_that_goes_on_with_resume_is_followed(content, tmp_path):
+    root = tmp_path / "resumed"
+    live(root)
+    path = journal_of(root)
+    # killed within a trial: the touch of trial 3 was answered, its row is missing
+    path.write_bytes(whole(content, 13) + b'{"request":"Ch')
+    follower = Follower(path)
+    follower.news()
+    live(root, resume=True)
+    news = follower.news()
+    assert news.complete
+    seen = news.lines if news.anew else (*lines_of(whole(content, 13), path), *news.lines)
+    assert seen == read(path).lines
+
+
+def test_a_damaged_line_is_named_and_a_mended_journal_read_again(content, path):
+    path.write_bytes(whole(content, 5))
+    follower = Follower(path)
+    follower.news()
+    spoiled = bytearray(whole(content, 8))
+    spoiled[len(whole(content, 6)) + 12] ^= 1
+    path.write_bytes(spoiled)
+    with pytest.raises(InvalidFile, match="line 7: the line is damaged"):
+        follower.news()
+    path.write_bytes(content)
+    news = follower.news()
+    assert news.anew
+    assert news.lines == lines_of(content, path)
+
+
+def test_a_journal_that_vanishes_is_told_and_found_again(content, path):
+    path.write_bytes(content)
+    follower = Follower(path)
+    follower.news()
+    path.unlink()
+    with pytest.raises(InvalidFile, match="cannot be read"):
+        follower.news()
+    path.write_bytes(content)
+    assert follower.news().anew
+
+
+def test_a_journal_is_followed_while_it_is_locked_and_written(content, path):
+    path.write_bytes(whole(content, 5))
+    writer = Journal(path, resume=True)
+    try:
+        follower = Follower(path)
+        n_lines = len(follower.news().lines)
+        writer.note(Event("remark", 1.0, facts={"text": "coughed"}))
+        assert [line.kind for line in follower.news().lines] == ["remark"]
+    finally:
+        writer.close()
+    assert len(read(path).lines) == n_lines + 1
