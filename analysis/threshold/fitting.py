@@ -159,9 +159,42 @@ def fit_many(
     ...     shape="logistic", guess_rate=0.0, lapse_rate=0.0, method="map")]
     ['separated', 'threshold_below_range']
     """
+    _check_method(method, estimate, interval, rng, overdispersion=overdispersion)
+    posterior = log_posterior(
+        *(levels, n_correct, n_trials),
+        shape=shape,
+        guess_rate=guess_rate,
+        lapse_rate=lapse_rate,
+        n_false_alarms=n_false_alarms,
+        n_catch=n_catch,
+        robust_range=robust_range,
+        scale_free_width=scale_free_width,
+        rate_beta=rate_beta,
+        equal_asymptotes=equal_asymptotes,
+        narrowest_spacings=narrowest_spacings,
+    )
+    return Fitting(posterior, shape, method, interval, estimate, overdispersion, n_resamples, rng).results()
+
+
+def log_posterior(
+    levels: ArrayLike,
+    n_correct: ArrayLike,
+    n_trials: ArrayLike,
+    *,
+    shape: str,
+    guess_rate: float | None,
+    lapse_rate: float | None = None,
+    n_false_alarms: ArrayLike = 0,
+    n_catch: ArrayLike = 0,
+    robust_range: bool = False,
+    scale_free_width: bool = False,
+    rate_beta: float = BETA_B,
+    equal_asymptotes: bool = False,
+    narrowest_spacings: float = 1.0,
+) -> LogPosterior:
+    """What `fit_many` rests on: the density of the parameters of each data set; arguments as there."""
     curve = shape_named(shape)
     check_rates("fit", guess_rate, lapse_rate)
-    _check_method(method, estimate, interval, rng, overdispersion=overdispersion)
     positive("fit", rate_beta=rate_beta, narrowest_spacings=narrowest_spacings)
     arrays = count_arrays(levels, n_correct, n_trials, logarithms=curve.on_log_levels)
     counts = normalise(*arrays, robust_range=robust_range)
@@ -175,8 +208,7 @@ def fit_many(
         equal_asymptotes=equal_asymptotes,
         narrowest_spacings=narrowest_spacings,
     )
-    posterior = LogPosterior(curve, counts, prior)
-    return Fitting(posterior, shape, method, interval, estimate, overdispersion, n_resamples, rng).results()
+    return LogPosterior(curve, counts, prior)
 
 
 def _check_one_rate(guess_rate: float | None, lapse_rate: float | None, n_catch: Array) -> None:

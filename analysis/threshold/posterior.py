@@ -75,7 +75,7 @@ def marginals(posterior: LogPosterior, mode: Mode, interval: float) -> Marginals
     """Means and central intervals of every data set, one data set's grid at a time in memory."""
     if not len(posterior):
         return Marginals.empty(0)
-    boxes = _find_box(posterior, mode)
+    boxes = find_box(posterior, mode)
     by_set = []
     for here in _one_by_one(posterior):
         etas = _eta_nodes(posterior[here], mode[here])
@@ -97,7 +97,7 @@ def _eta_nodes(posterior: LogPosterior, mode: Mode) -> tuple[Array, Array]:
         return np.zeros(1), np.ones(1)
     axes = [mode.theta[0, place, None] for place in range(N_PARAMETERS)]
     tried = np.linspace(0.005, LARGEST_ETA, 100)
-    along = np.array([_log_density_grid(posterior, axes, eta).item() for eta in tried])
+    along = np.array([log_density_grid(posterior, axes, eta).item() for eta in tried])
     kept = along + log_prior_of(tried) > mode.log_density[0] - NEGLIGIBLE
     # The other parameters stand still at their mode here; free, they let eta reach somewhat farther.
     end = min(LARGEST_ETA, 1.3 * float(tried[kept].max(initial=0.005)))
@@ -106,7 +106,7 @@ def _eta_nodes(posterior: LogPosterior, mode: Mode) -> tuple[Array, Array]:
     return nodes, weights * np.exp(log_prior_of(nodes))
 
 
-def _find_box(posterior: LogPosterior, mode: Mode) -> _Box:
+def find_box(posterior: LogPosterior, mode: Mode) -> _Box:
     """The smallest box, up to a node, outside of which the density is negligible."""
     ends = _Box(*posterior.prior.bounds())
     reach = np.where(mode.sd > 0, START_SD * mode.sd, np.inf)
@@ -137,7 +137,7 @@ def _profiles_of_one(posterior: LogPosterior, box: _Box) -> list[Array]:
     axes = posterior.prior.search_axes(box.low[0], box.high[0], SEARCH_NODES)
     eta = posterior.prior.overdispersion
     etas = (0.0,) if eta is None else (float(eta[0]), *ETA_SEARCH)
-    by_eta = [_log_density_grid(posterior, axes, eta) + log_prior_of(eta) for eta in etas]
+    by_eta = [log_density_grid(posterior, axes, eta) + log_prior_of(eta) for eta in etas]
     density = np.maximum.reduce(by_eta)
     return [density.max(axis=others(place)) for place in range(N_PARAMETERS)]
 
@@ -174,7 +174,7 @@ def rate_rule(n: int) -> tuple[Array, Array]:
     return (points + 1) / 2, weights
 
 
-def _nodes(prior: Prior, low: Array, high: Array) -> tuple[list[Array], list[Array]]:
+def nodes_in(prior: Prior, low: Array, high: Array) -> tuple[list[Array], list[Array]]:
     """Nodes and weights along each parameter for the box of one data set; one node for a fixed parameter."""
     nodes, weights = [], []
     for place in range(N_PARAMETERS):
@@ -190,7 +190,7 @@ def _nodes(prior: Prior, low: Array, high: Array) -> tuple[list[Array], list[Arr
     return nodes, weights
 
 
-def _log_density_grid(posterior: LogPosterior, axes: list[Array], eta: float) -> Array:
+def log_density_grid(posterior: LogPosterior, axes: list[Array], eta: float) -> Array:
     """Log density at an overdispersion on the product of four axes, for one data set; shape of the four
     lengths."""
     threshold, log_width, lapse, guess = posterior.prior.along(axes)
@@ -264,8 +264,8 @@ def _marginal_densities(
     """Of one data set: means, the densities of threshold and log width on their nodes, the mean of eta, the logarithm
     of the integral over all, and the shares beyond the levels."""
     prior, (low, high) = posterior.prior, (box.low[0], box.high[0])
-    axes, weights = _nodes(prior, low, high)
-    densities = np.stack([_log_density_grid(posterior, axes, float(eta)) for eta in etas[0]])
+    axes, weights = nodes_in(prior, low, high)
+    densities = np.stack([log_density_grid(posterior, axes, float(eta)) for eta in etas[0]])
     densities += axes[LOG_WIDTH][:, None, None]  # the prior is one of the width, the nodes lie along its logarithm
     highest = densities.max()
     densities -= highest  # likelihoods themselves are too small for floats

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..errors import InvalidFile
-from .journal import Line, Place, decode_on
+from .journal import Line, Reached, decode_on
 
 Stamp = tuple[int, int, int]
 """Which file it is, how long, and when it was written last."""
@@ -38,7 +38,7 @@ class Follower:
     """
 
     path: Path
-    _place: Place = field(default_factory=Place, init=False)
+    _place: Reached = field(default_factory=Reached, init=False)
     _last: bytes = field(default=b"", init=False)
     _stamp: Stamp | None = field(default=None, init=False)
 
@@ -84,4 +84,4 @@ class Follower:
         return News(lines, anew, self._place.complete)
 
     def _forget(self) -> None:
-        self._place, self._last, self._stamp = Place(), b"", None
+        self._place, self._last, self._stamp = Reached(), b"", None

@@ -189,7 +189,7 @@ def decode_journal(content: bytes, path: Path) -> Recording:
 
 
 @dataclass(frozen=True)
-class Place:
+class Reached:
     """How far a journal was read: so many bytes and lines, the checksum and the head that lines behind them rest on,
     and whether the last of them ends the session."""
 
@@ -200,7 +200,7 @@ class Place:
     complete: bool = False
 
 
-def decode_on(content: bytes, path: Path, place: Place = Place()) -> tuple[tuple[Line, ...], Place]:
+def decode_on(content: bytes, path: Path, place: Reached = Reached()) -> tuple[tuple[Line, ...], Reached]:
     """The whole lines of what stands in a journal behind a place, and the place behind them.
 
     Raises
@@ -216,7 +216,7 @@ def decode_on(content: bytes, path: Path, place: Place = Place()) -> tuple[tuple
     return tuple(lines), place
 
 
-def _next_line(whole: bytes, path: Path, place: Place) -> tuple[Line | None, Place]:
+def _next_line(whole: bytes, path: Path, place: Reached) -> tuple[Line | None, Reached]:
     """What the line behind a place holds (None: the end), and the place behind it."""
     where = f"{path}, line {place.n_lines + 1}"
     table = _table(whole, place.checksum, where)
@@ -230,7 +230,7 @@ def _next_line(whole: bytes, path: Path, place: Place) -> tuple[Line | None, Pla
             f"of format {FORMAT}; read it with the version that wrote it"
         ) from None
     head = line if place.head is None and isinstance(line, Head) else place.head
-    return line, Place(place.n_bytes + len(whole) + 1, place.n_lines + 1, checksum(whole), head, line is None)
+    return line, Reached(place.n_bytes + len(whole) + 1, place.n_lines + 1, checksum(whole), head, line is None)
 
 
 def _decode_line(table: dict[str, Any], head: Head | None) -> Line | None:

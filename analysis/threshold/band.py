@@ -1,0 +1,100 @@
+"""The band of a psychometric function: where its posterior holds the curve at each level, point by point."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from tactometry.arguments.require import between, finite_array
+
+from ..arrays import Array
+from .fitting import log_posterior
+from .likelihood import GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, THRESHOLD
+from .log_posterior import LogPosterior
+from .mode import find_mode
+from .posterior import find_box, log_density_grid, nodes_in
+
+N_DRAWS = 500
+"""Curves that stand for the posterior; the ends of a band of 95 % are those of the thirteenth from each side."""
+
+
+@dataclass(frozen=True)
+class Band:
+    """At each of the `levels` the median of the chance of an answer, and the ends of its central interval."""
+
+    levels: Array
+    low: Array
+    median: Array
+    high: Array
+
+
+def curve_band(
+    levels: ArrayLike,
+    n_correct: ArrayLike,
+    n_trials: ArrayLike,
+    at: ArrayLike,
+    *,
+    interval: float = 0.95,
+    **options: Any,
+) -> Band | None:
+    """The posterior band of a psychometric function at the levels `at`; None with fewer than two levels.
+
+    Parameters
+    ----------
+    levels, n_correct, n_trials : (n_levels,) array_like
+        As `fit` takes them.
+    at : (n,) array_like
+        Levels at which the band is told, in the same unit.
+    interval : float
+        Coverage at each level, between 0 and 1.
+    **options
+        ``shape``, ``guess_rate`` and what else `log_posterior` takes.
+
+    Raises
+    ------
+    InvalidParameter
+        As `fit` does.
+
+    Examples
+    --------
+    >>> band = curve_band([1, 2, 3, 4, 5], [0, 1, 5, 9, 10], 10, [1, 3, 5], shape="normal", guess_rate=0.0)
+    >>> bool((band.low < band.median).all() and (band.median < band.high).all())
+    True
+    """
+    between("curve_band", 0, 1, interval=interval)
+    places = finite_array("at", at)
+    columns = (np.atleast_1d(np.asarray(values))[None] for values in (levels, n_correct, n_trials))
+    posterior = log_posterior(*columns, **options)
+    if posterior.counts.n_levels[0] < 2:
+        return None
+    tails = [(1 - interval) / 2, 0.5, (1 + interval) / 2]
+    low, median, high = np.quantile(_chances(posterior, posterior_draws(posterior), places), tails, axis=0)
+    return Band(places, low, median, high)
+
+
+def posterior_draws(posterior: LogPosterior, n_draws: int = N_DRAWS) -> Array:
+    """Parameters (n_draws, 4) of one data set on the scale of `Counts.u` that stand for its posterior.
+
+    They are the nodes of a grid at equal steps of the cumulated mass: no chance, and the same answers give the same
+    draws.
+    """
+    prior, box = posterior.prior, find_box(posterior, find_mode(posterior))
+    axes, weights = nodes_in(prior, box.low[0], box.high[0])
+    density = log_density_grid(posterior, axes, 0.0) + axes[LOG_WIDTH][:, None, None]
+    mass = np.exp(density - density.max()) * weights[LAPSE][:, None] * weights[GUESS]
+    cumulated = np.cumsum(mass.ravel(), dtype=np.float64)
+    steps = (np.arange(n_draws) + 0.5) / n_draws
+    chosen = np.searchsorted(cumulated, steps * cumulated[-1])
+    places = np.unravel_index(chosen, mass.shape)
+    return prior.tied(np.stack([axes[n][places[n]] for n in range(N_PARAMETERS)], axis=1))
+
+
+def _chances(posterior: LogPosterior, theta: Array, levels: Array) -> Array:
+    """The chance of an answer under each draw (n_draws, 4) at each level (n,); shape (n_draws, n)."""
+    counts, shape = posterior.counts, posterior.shape
+    x = np.log(levels) if shape.on_log_levels else levels
+    u = (x - counts.centre[0]) / counts.spread[0]
+    threshold, log_width, lapse, guess = (theta[:, [n]] for n in (THRESHOLD, LOG_WIDTH, LAPSE, GUESS))
+    z = shape.z50 + (u - threshold) * shape.z_width * np.exp(-log_width)
+    return np.asarray(guess + (1 - guess - lapse) * np.exp(shape.log_cdf(z)))
