@@ -20,7 +20,7 @@ N_DRAWS = 500
 
 
 @dataclass(frozen=True)
-class Band:
+class CurveBand:
     """At each of the `levels` the median of the chance of an answer, and the ends of its central interval."""
 
     levels: Array
@@ -37,7 +37,7 @@ def curve_band(
     *,
     interval: float = 0.95,
     **options: Any,
-) -> Band | None:
+) -> CurveBand | None:
     """The posterior band of a psychometric function at the levels `at`; None with fewer than two levels.
 
     Parameters
@@ -70,7 +70,7 @@ def curve_band(
         return None
     tails = [(1 - interval) / 2, 0.5, (1 + interval) / 2]
     low, median, high = np.quantile(_chances(posterior, posterior_draws(posterior), places), tails, axis=0)
-    return Band(places, low, median, high)
+    return CurveBand(places, low, median, high)
 
 
 def posterior_draws(posterior: LogPosterior, n_draws: int = N_DRAWS) -> Array:
