@@ -120,6 +120,7 @@ class DeviceRig(LiveRig):
         self.closed = False
         with self._closed_on_failure():
             self._open()
+            screen.give_back()
 
     def _open(self) -> None:
         # the output last: it is not claimed where a sensor is missing
@@ -186,7 +187,9 @@ class DeviceRig(LiveRig):
     def answer(self, request: Request[A]) -> A:
         with self._closed_on_failure():
             self._finish_trial()
-            return super().answer(request)
+            answer = super().answer(request)
+            self._screen.give_back()
+            return answer
 
     def _finish_trial(self) -> None:
         """What is due before anything else is asked."""

@@ -8,28 +8,28 @@ import ctypes
 import functools
 import time
 import warnings
-from collections import Counter, deque
-from collections.abc import Callable, Iterable, Iterator
-from contextlib import ExitStack, contextmanager
+from collections import Counter
+from collections.abc import Callable
+from contextlib import ExitStack
 from dataclasses import replace
 from importlib.metadata import version
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 
-from ..errors import DeviceFailed, ended_by_signal
+from ..arguments.require import expect
+from ..errors import DeviceFailed
 from ..session.request import Facts
 from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
+from .keyboard import FreshPresses, failing_as, keyboard_of_script, open_keyboard
+from .loan import Loan
 from .pages.page import PAPER, Box, Click, Closed, Disc, Display, Input, KeyDown, Page, Text
 
 FONT = "Noto Sans"
 N_MEASURED_FRAMES, N_MEASUREMENTS = 20, 3
 PIXELS_PER_LINE = 300
-N_WAITING_PRESSES = 50_000
-"""More that nobody reads would crash the process: psychtoolbox 3.0.22 prints that its queue is full from a thread
-without Python's lock (found at PsychoPy's own 5 000)."""
 VIEWING_DISTANCE_CM = 60.0
 UNSTATED_WIDTH_CM = 50.0
 Look = tuple[type[Box | Disc], str | None, str | None]
@@ -46,28 +46,10 @@ def _psychopy() -> SimpleNamespace:
 
         logging.console.setLevel(logging.ERROR)
         import pyglet
-        from psychopy import monitors, visual
+        from psychopy import event, monitors, visual
         from psychopy.hardware import keyboard
-    return SimpleNamespace(
-        clock=logging.defaultClock, pyglet=pyglet, monitors=monitors, visual=visual, keyboard=keyboard
-    )
-
-
-@contextmanager
-def failing_as(what: str, cure: str) -> Iterator[None]:
-    """Whatever PsychoPy raises in the body as one sentence, with its cause between `what` and `cure`.
-
-    Raises
-    ------
-    DeviceFailed
-        If the body fails, or ends the program without a signal.
-    """
-    try:
-        yield
-    except (Exception, SystemExit) as error:
-        if ended_by_signal(error) or isinstance(error, DeviceFailed):
-            raise
-        raise DeviceFailed(f"{what} ({type(error).__name__}: {error}){cure}") from error
+    parts = {"pyglet": pyglet, "event": event, "monitors": monitors, "visual": visual, "keyboard": keyboard}
+    return SimpleNamespace(clock=logging.defaultClock, **parts)
 
 
 def load_psychopy() -> SimpleNamespace:
@@ -112,16 +94,54 @@ class Window(Display):
 
     def __init__(self, *, fullscreen: bool, size: tuple[int, int] | None = None) -> None:
         self._psychopy = load_psychopy()
-        self._window = _open_window(self._psychopy, fullscreen=fullscreen, size=size)
-        self._opened = ExitStack()
-        self._opened.callback(self._window.close)
+        self._begin(_open_window(self._psychopy, fullscreen=fullscreen, size=size), adopted=False)
+
+    @classmethod
+    def adopt(cls, window: Any) -> Self:
+        """The window of a PsychoPy script, for pages within it.
+
+        From the first page on until `give_back` it is ours: the pages have a ground of their own, nothing of the script
+        is drawn, and what is pressed is for the pages. Then it is as it was: units, colour, view, viewport, blending,
+        stimuli with autoDraw, what waits for the next flip, mouse, keys that wait to be read. It is never closed here.
+
+        Parameters
+        ----------
+        window : psychopy.visual.Window
+
+        Raises
+        ------
+        InvalidParameter
+            If it is no such window, or closed.
+        DeviceFailed
+            If the script reads its keys in a way that loses some.
+        """
+        psychopy = load_psychopy()
+        is_window = isinstance(window, psychopy.visual.Window)
+        found = "one that is closed" if is_window else f"{type(window).__name__}"
+        is_open = is_window and not window._closed
+        expect(is_open, "Window.adopt", found, "an open psychopy.visual.Window")
+        adopted = cls.__new__(cls)
+        adopted._psychopy = psychopy
+        adopted._begin(window, adopted=True)
+        return adopted
+
+    def _begin(self, window: Any, *, adopted: bool) -> None:
+        self._window, self._adopted, self._opened = window, adopted, ExitStack()
+        if not adopted:
+            self._opened.callback(window.close)
         try:
-            self._keyboard = _open_keyboard(self._psychopy)
-            self._opened.callback(self._keyboard.stop)
+            self._keyboard = (keyboard_of_script if adopted else open_keyboard)(self._psychopy)
+            heard: dict[str, Callable[..., Any]] = {"on_mouse_press": self._on_mouse_press, "on_close": self._on_close}
+            self._loan = Loan(self._psychopy, window, self._keyboard, heard)
+            self._opened.callback(self._loan.give_back if adopted else self._keyboard.stop)
             self._prepare_drawing()
         except BaseException:
             self.close()
             raise
+
+    def give_back(self) -> None:
+        if self._adopted:
+            self._loan.give_back()
 
     def _prepare_drawing(self) -> None:
         _add_font(self._psychopy)
@@ -129,19 +149,20 @@ class Window(Display):
         self._text = functools.cache(self._new_text)
         self._fresh = FreshPresses()
         self._pressed: list[Input] = []
-        self._window.winHandle.push_handlers(on_mouse_press=self._on_mouse_press, on_close=self._on_close)
         self._intervals_s: list[float] = []
         self._flipped_s = time.perf_counter()
         self._pacer = Pacer(self._rhythm())
 
     def _rhythm(self) -> Rhythm:
         """By the first frames that are believed, of `N_MEASUREMENTS` at most: opening a window is work."""
+        self._loan.take()
         nominal_hz = nominal_rate_hz(_mode_of(self._window.winHandle.screen))
         for _ in range(N_MEASUREMENTS):
             flips_s = [self._flip() for _ in range(N_MEASURED_FRAMES + 1)]
             rhythm = rhythm_of(np.diff(flips_s).tolist(), nominal_hz)
             if rhythm.trusted or rhythm.in_software:
                 break
+        self.give_back()
         return rhythm
 
     def _on_mouse_press(self, x: float, y: float, button: int, modifiers: int) -> None:
@@ -163,8 +184,8 @@ class Window(Display):
         self._window.clearBuffer()
 
     def present(self, page: Page) -> float:
-        self._window.mouseVisible = bool(page.buttons)
         self._draw(page)
+        self._window.mouseVisible = bool(page.buttons)
         self._flipped_s = self._flip()
         return self._flipped_s
 
@@ -199,6 +220,7 @@ class Window(Display):
             "display_width_px": width,
             "display_height_px": height,
             "fullscreen": bool(self._window._isFullScr),
+            "window_adopted": self._adopted,
             "frame_period_measured_s": round(rhythm.measured_s, 6),
             "frame_period_nominal_s": None if rhythm.nominal_s is None else round(rhythm.nominal_s, 6),
             "frame_period_trusted": rhythm.trusted,
@@ -237,6 +259,7 @@ class Window(Display):
         return image
 
     def _draw(self, page: Page) -> None:
+        self._loan.take()
         seen: Counter[Look] = Counter()
         for item in page.items:
             if isinstance(item, Text):
@@ -310,45 +333,7 @@ def _open_window(psychopy: SimpleNamespace, *, fullscreen: bool, size: tuple[int
         )
 
 
-def _open_keyboard(psychopy: SimpleNamespace) -> Any:
-    cure = "; on macOS allow the terminal 'Input Monitoring' in the privacy settings"
-    with failing_as("keyboard: PsychoPy could not open one", cure):
-        keyboard = psychopy.keyboard.Keyboard(backend="ptb", bufferSize=2 * N_WAITING_PRESSES)
-        keyboard.start()
-        keyboard.clearEvents()
-    if keyboard.getBackend() != "ptb":
-        raise DeviceFailed(
-            f"keyboard: found PsychoPy's back end {keyboard.getBackend()!r}, which loses answers, expected "
-            "'ptb'; install psychtoolbox and, on Debian, apt-get install libportaudio2"
-        )
-    return keyboard
-
-
 def _add_font(psychopy: SimpleNamespace) -> None:
     assets = Path(psychopy.visual.__file__).parents[1] / "assets" / "fonts"
     with (assets / "NotoSans-Regular.ttf").open("rb") as face:
         psychopy.pyglet.font.add_file(face)
-
-
-N_REMEMBERED = 256
-
-
-class FreshPresses:
-    """Lets through each (name, time) pair once.
-
-    PsychoPy tells of a press that is held when it begins and again, with the old time, when it ends; of a
-    tap it tells only when it has ended. Asked for both, it tells of everything, some of it twice.
-
-    >>> fresh = FreshPresses()
-    >>> fresh.of([("y", 1.5)]), fresh.of([("y", 1.5), ("n", 2.0)])
-    ([('y', 1.5)], [('n', 2.0)])
-    """
-
-    def __init__(self) -> None:
-        self._seen: deque[tuple[str, float]] = deque(maxlen=N_REMEMBERED)
-
-    def of(self, reported: Iterable[tuple[str, float]]) -> list[tuple[str, float]]:
-        """The presses that were not reported before, in the order of their times."""
-        fresh = sorted(set(reported) - set(self._seen), key=lambda press: press[1])
-        self._seen.extend(fresh)
-        return fresh

@@ -3,9 +3,9 @@
 import pytest
 from hypothesis import given, strategies as st
 
+from tactometry.rigs.keyboard import FreshPresses
 from tactometry.rigs.pages import layout
 from tactometry.rigs.pages.page import Box, Click, Disc, KeyDown, Page
-from tactometry.rigs.window import FreshPresses
 from tactometry.session.answer_rules import value_at
 
 ASPECTS = [4 / 3, 16 / 10, 16 / 9, 21 / 9]

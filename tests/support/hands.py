@@ -41,5 +41,13 @@ class Hands:
         place = self._display.screen().root.query_pointer()
         return place.root_x, place.root_y
 
+    def sees(self):
+        """The pixels of the screen, as height x width x (red, green, blue)."""
+        import numpy as np
+
+        width, height = SCREEN_PX
+        image = self._display.screen().root.get_image(0, 0, width, height, self._X.ZPixmap, 0xFFFFFFFF)
+        return np.frombuffer(image.data, np.uint8).reshape(height, width, 4)[..., 2::-1]
+
     def close(self):
         self._display.close()

@@ -156,6 +156,9 @@ class Display:
         """What was pressed or closed since the last call, in order; each once."""
         return ()
 
+    def give_back(self) -> None:
+        """What was asked is answered: a screen that is somebody else's is theirs until the next page."""
+
     def facts(self) -> Facts:
         """What the head of the journal says of it."""
         return {}

@@ -1,0 +1,81 @@
+"""PsychoPy's keyboard, opened or that of a script, and each press of it once; PsychoPy is handed in by the window."""
+
+from collections import deque
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from types import SimpleNamespace
+from typing import Any
+
+from ..errors import DeviceFailed, ended_by_signal
+
+N_WAITING_PRESSES = 50_000
+"""More that nobody reads would crash the process: psychtoolbox 3.0.22 prints that its queue is full from a thread
+without Python's lock (found at PsychoPy's own 5 000)."""
+
+
+@contextmanager
+def failing_as(what: str, cure: str) -> Iterator[None]:
+    """Whatever PsychoPy raises in the body as one sentence, with its cause between `what` and `cure`.
+
+    Raises
+    ------
+    DeviceFailed
+        If the body fails, or ends the program without a signal.
+    """
+    try:
+        yield
+    except (Exception, SystemExit) as error:
+        if ended_by_signal(error) or isinstance(error, DeviceFailed):
+            raise
+        raise DeviceFailed(f"{what} ({type(error).__name__}: {error}){cure}") from error
+
+
+def open_keyboard(psychopy: SimpleNamespace) -> Any:
+    cure = "; on macOS allow the terminal 'Input Monitoring' in the privacy settings"
+    with failing_as("keyboard: PsychoPy could not open one", cure):
+        keyboard = psychopy.keyboard.Keyboard(backend="ptb", bufferSize=2 * N_WAITING_PRESSES).device
+        keyboard.start()
+        keyboard.clearEvents()
+    if keyboard.getBackend() != "ptb":
+        raise _lossy(keyboard, "install psychtoolbox and, on Debian, apt-get install libportaudio2")
+    return keyboard
+
+
+def keyboard_of_script(psychopy: SimpleNamespace) -> Any:
+    """The one keyboard of a process that is PsychoPy's: made anew, it would lose the clock that a script gave it."""
+    device = psychopy.keyboard.KeyboardDevice._instance
+    if device is None:
+        return open_keyboard(psychopy)
+    if device.getBackend() != "ptb":
+        raise _lossy(device, "make it with keyboard.Keyboard(backend='ptb'), in Builder: settings, Input, PsychToolbox")
+    device.start()
+    return device
+
+
+def _lossy(keyboard: Any, cure: str) -> DeviceFailed:
+    found = f"found PsychoPy's back end {keyboard.getBackend()!r}, which loses answers, expected 'ptb'"
+    return DeviceFailed(f"keyboard: {found}; {cure}")
+
+
+N_REMEMBERED = 256
+
+
+class FreshPresses:
+    """Lets through each (name, time) pair once.
+
+    PsychoPy tells of a press that is held when it begins and again, with the old time, when it ends; of a
+    tap it tells only when it has ended. Asked for both, it tells of everything, some of it twice.
+
+    >>> fresh = FreshPresses()
+    >>> fresh.of([("y", 1.5)]), fresh.of([("y", 1.5), ("n", 2.0)])
+    ([('y', 1.5)], [('n', 2.0)])
+    """
+
+    def __init__(self) -> None:
+        self._seen: deque[tuple[str, float]] = deque(maxlen=N_REMEMBERED)
+
+    def of(self, reported: Iterable[tuple[str, float]]) -> list[tuple[str, float]]:
+        """The presses that were not reported before, in the order of their times."""
+        fresh = sorted(set(reported) - set(self._seen), key=lambda press: press[1])
+        self._seen.extend(fresh)
+        return fresh

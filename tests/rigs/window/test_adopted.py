@@ -1,0 +1,200 @@
+"""The window of a PsychoPy script with our pages in it: never closed, and given back as it was."""
+
+import time
+
+import numpy as np
+import pytest
+from hands import SCREEN_PX
+from patience import LONGEST_WAIT_S
+
+from tactometry.errors import InvalidParameter
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.device_rig import Equipment
+from tactometry.rigs.pages.page import PAPER, Page
+from tactometry.rigs.texts import texts_in
+from tactometry.session.request import Choose, Wait
+
+KEPT = ("units", "colorSpace", "viewPos", "viewScale", "viewOri", "mouseVisible", "blendMode", "waitBlanking")
+LOOKS = {
+    "plain": {},
+    "of their own": {"units": "norm", "viewScale": (0.5, 0.8), "viewPos": (0.2, 0.1), "viewOri": 20.0},
+}
+
+
+@pytest.fixture(scope="module")
+def theirs(display):
+    """The window of a script, with a stimulus that it draws by itself."""
+    from tactometry.rigs.window import load_psychopy
+
+    psychopy = load_psychopy()
+    look = {"color": (0.5, -0.5, 0.0), "units": "pix", "monitor": psychopy.monitors.Monitor("theirs", width=50)}
+    window = psychopy.visual.Window(SCREEN_PX, **look, checkTiming=False, gammaErrorPolicy="ignore", autoLog=False)
+    yield window
+    window.close()
+
+
+@pytest.fixture(params=LOOKS)
+def scene(theirs, request):
+    """Their window with a look, and the stimulus that is drawn with it at every flip."""
+    from psychopy import visual
+
+    for name, value in ({"viewScale": None, "viewPos": None, "viewOri": 0.0} | LOOKS[request.param]).items():
+        setattr(theirs, name, value)
+    patch = visual.Rect(theirs, width=0.5, height=0.5, pos=(0.2, 0), fillColor="yellow", units="norm", autoLog=False)
+    patch.autoDraw = True
+    theirs.flip()
+    yield theirs
+    patch.autoDraw = False
+    theirs.flip()
+
+
+@pytest.fixture
+def window(scene):
+    from tactometry.rigs.window import Window
+
+    adopted = Window.adopt(scene)
+    yield adopted
+    adopted.close()
+
+
+def seen(window):
+    """What a flip of the script shows."""
+    for stimulus in window._toDraw:
+        stimulus.draw()
+    picture = np.asarray(window.getMovieFrame(buffer="back"))
+    window.movieFrames = []
+    window.flip()
+    return picture
+
+
+def state(window):
+    named = {name: getattr(window, name) for name in KEPT}
+    return named | {
+        "color": tuple(window.color),
+        "viewport": tuple(window.viewport),
+        "scissor": tuple(window.scissor),
+        "drawn": list(window._toDraw),
+        "stack": len(window.winHandle._event_stack),
+    }
+
+
+def test_a_window_is_given_back_as_it_was(scene, window):
+    before, looked = state(scene), seen(scene)
+    window.present(Page())
+    assert state(scene) != before
+    window.refresh(Page())
+    window.give_back()
+    assert state(scene) == before
+    assert np.array_equal(seen(scene), looked)
+    assert np.array_equal(seen(scene), looked)
+
+
+def test_our_page_has_its_own_ground_and_nothing_of_the_script_on_it(scene, window, hands):
+    window.present(Page())
+    window.refresh(Page())
+    rgb = [int(PAPER[n : n + 2], 16) for n in (1, 3, 5)]
+    assert np.abs(hands.sees()[..., :3].astype(int) - rgb).max() <= 1
+
+
+def test_a_page_fills_the_screen_whatever_part_of_it_the_script_draws_in(scene, window, hands):
+    part = (0, 0, 300, 200)
+    scene.viewport = scene.scissor = part
+    window.present(Page())
+    assert len(np.unique(hands.sees().reshape(-1, 3), axis=0)) == 1
+    window.give_back()
+    assert (tuple(scene.viewport), tuple(scene.scissor)) == (part, part)
+    scene.resetViewport()
+
+
+def test_it_is_not_closed_with_our_pages(scene, window):
+    window.present(Page())
+    window.close()
+    window.close()
+    assert not scene._closed
+    assert scene._toDraw
+    scene.flip()
+
+
+def test_what_waits_for_the_flip_of_the_script_waits_on(scene, window):
+    called, scene.recordFrameIntervals = [], True
+    scene.flip()
+    scene.flip()
+    n_intervals = len(scene.frameIntervals)
+    scene.callOnFlip(called.append, 1)
+    for _ in range(3):
+        window.refresh(Page())
+    window.give_back()
+    assert called == []
+    scene.flip()
+    assert called == [1]
+    assert len(scene.frameIntervals) == n_intervals  # the one over our page is none of theirs
+    scene.recordFrameIntervals = False
+
+
+def wait_for(found):
+    deadline_s = time.perf_counter() + LONGEST_WAIT_S
+    while time.perf_counter() < deadline_s:
+        if heard := found():
+            return heard
+    raise AssertionError("nothing was heard")
+
+
+def test_keys_are_heard_by_whose_page_is_up(scene, window, hands):
+    from psychopy import event
+    from psychopy.hardware.keyboard import Keyboard
+
+    keyboard = Keyboard(backend="ptb")
+    clock = keyboard.clock
+
+    def taps(key):
+        hands.tap(key)
+        time.sleep(0.1)  # until PsychoPy's thread has it, whoever's it is
+
+    taps("a")
+    window.present(Page())
+    taps("b")
+    assert [event.name for event in wait_for(window.events)] == ["b"]
+    taps("c")
+    window.give_back()
+    taps("d")
+    heard = []
+    wait_for(lambda: heard.extend(key.name for key in keyboard.getKeys()) or "d" in heard)
+    assert heard == ["a", "d"]
+    assert keyboard.clock is clock
+    assert {"b", "c"} & set(event.getKeys()) == set()
+
+
+def test_a_key_that_is_held_over_our_last_page_is_no_press_of_the_script(scene, window, hands, in_background):
+    from psychopy.hardware.keyboard import Keyboard
+
+    keyboard = Keyboard(backend="ptb")
+    window.present(Page())
+    in_background(hands.tap, "y", 0.5)
+    assert [event.name for event in wait_for(window.events)] == ["y"]
+    window.give_back()
+    time.sleep(0.6)
+    assert keyboard.getKeys(waitRelease=False) + keyboard.getKeys(waitRelease=True) == []
+
+
+def test_a_rig_gives_the_window_back_after_each_answer(scene, output, hands, in_background):
+    from tactometry.rigs.window import Window
+
+    before, looked = state(scene), seen(scene)
+    rig = Bench(Window.adopt(scene), Equipment(output, {}), texts_in("en", {}))
+    assert rig.facts()["window_adopted"] is True
+    assert state(scene) == before
+    rig.answer(Wait(0.05))
+    assert state(scene) == before
+    in_background(lambda: (time.sleep(0.5), hands.tap("y")))
+    assert rig.answer(Choose("felt", (0, 1), ("no", "yes"))).option == 1
+    assert state(scene) == before
+    rig.close()
+    assert state(scene) == before
+    assert np.array_equal(seen(scene), looked)
+
+
+def test_no_window_is_refused(display):
+    from tactometry.rigs.window import Window
+
+    with pytest.raises(InvalidParameter, match=r"Window\.adopt: found str, expected an open psychopy\.visual\.Window"):
+        Window.adopt("win")
