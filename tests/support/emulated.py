@@ -40,9 +40,15 @@ class Emulator:
         target = {"serial": self.pty, "udp": lambda: str(self.udp_port), "lsl": lambda: self.name}[self.kind]()
         command = [sys.executable, emulator.__file__, self.kind, target, "--profile", self.profile, *self.options]
         passed = [self.master] if self.kind == "serial" else []
-        self.process = subprocess.Popen(command, pass_fds=passed, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+        pipes = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+        self.process = subprocess.Popen(command, pass_fds=passed, **pipes)
         if self.kind != "serial":
             assert self.process.stdout.readline() == b"ready\n"
+
+    def steer(self, counts, speed_um_per_s=0.0, length_um=1.0, since_s=0.0):
+        """What the hand does that is at a sensor with `--steered`."""
+        self.process.stdin.write(f"{counts:.2f} {speed_um_per_s:.1f} {length_um:.1f} {since_s:.6f}\n".encode())
+        self.process.stdin.flush()
 
     def pty(self):
         import tty
@@ -58,6 +64,7 @@ class Emulator:
         self.process.kill()
         self.process.wait()
         self.process.stdout.close()
+        self.process.stdin.close()
         if self.master is not None:
             os.close(self.master)
             self.master = None

@@ -4,7 +4,10 @@ Its clock may run `--clock` times as fast as ours, from `--ahead` s on; with `--
 
 Channel 0 counts the samples; channel 1 is the time at which each was taken, in microseconds of the clock that all
 processes of a machine share, modulo 2**31; channel 2 is the force in counts: `--profile` is a list of seconds:counts
-that comes again and again, and a count of - is a gap in which nothing is sent.
+that comes again and again, and a count of - is a gap in which nothing is sent. With `--steered` a hand is at the
+sensor: a line `COUNTS SPEED LENGTH SINCE` of the input is the force that it goes to, as fast as a hand does, and the
+path on which it goes to and fro from a moment on (um/s, um, s; a speed of 0 is a hand at rest); channel 0 is then its
+place in um.
 
 The network sensor sends from a request to begin until one to end, as often as it is asked.
 """
@@ -29,15 +32,50 @@ LSL_CLOCKS = {}
 def samples(asked):
     """(n, stamp in s, values) when they are due; a late sample keeps the time at which it was due."""
     begin_s, n_due, n, profile = time.perf_counter(), 0, 0, asked.profile
+    hand = Hand() if asked.steered else None
     while True:
         due_s = begin_s + n_due / RATE_HZ
         time.sleep(max(0.0, due_s - time.perf_counter()))
         force = counts_at(profile, n_due / RATE_HZ)
         n_due += 1
-        if force is not None:
+        if hand is not None:
+            hand.move()
+            yield n, due_s, (round(hand.place_um), round(due_s * 1e6) % 2**31, round(hand.counts))
+            n += 1
+        elif force is not None:
             stamp_s = begin_s + asked.clock * (due_s - begin_s) + asked.ahead
             yield n, stamp_s, (n, round(due_s * 1e6) % 2**31, force)
             n += 1
+
+
+class Hand:
+    """A finger that is told how to press and which dot to follow, and does so within `TAU_S`."""
+
+    TAU_S, CATCH_UP_PER_S, FASTER = 0.03, 2.0, 0.25
+
+    def __init__(self):
+        self.counts = self.place_um = self._speed = 0.0
+        self._wanted, self._heard = (0.0, 0.0, 1.0, 0.0), b""
+        os.set_blocking(sys.stdin.fileno(), False)
+
+    def move(self):
+        """What becomes of it in a sample."""
+        with contextlib.suppress(BlockingIOError):
+            *lines, self._heard = (self._heard + os.read(sys.stdin.fileno(), 4096)).split(b"\n")
+            for line in lines:
+                self._wanted = tuple(float(number) for number in line.split())
+        part = 1 / (RATE_HZ * self.TAU_S)
+        self.counts += part * (self._wanted[0] - self.counts)
+        self._speed += part * (self._pursuit() - self._speed)
+        self.place_um += self._speed / RATE_HZ
+
+    def _pursuit(self):
+        """The speed with which it follows: that of the dot, a little faster or slower where it is beside it."""
+        _, speed, length, since_s = self._wanted
+        along = speed * (time.perf_counter() - since_s) % (2 * length)
+        place, way = (along, speed) if along < length else (2 * length - along, -speed)
+        catch_up = self.CATCH_UP_PER_S * (place - self.place_um)
+        return way + min(max(catch_up, -self.FASTER * speed), self.FASTER * speed)
 
 
 def counts_at(profile, time_s):
@@ -118,6 +156,7 @@ if __name__ == "__main__":
     parser.add_argument("--ahead", type=float, default=0.0)
     parser.add_argument("--twice", action="store_true")
     parser.add_argument("--source-id", default="")
+    parser.add_argument("--steered", action="store_true")
     asked = parser.parse_args()
     try:
         {"serial": run_serial, "udp": run_udp, "lsl": run_lsl}[asked.kind](asked)

@@ -31,7 +31,11 @@ class Hands:
     def touch(self, x, y):
         """A click of no duration at (x, y) in heights of the screen, from its middle."""
         width, height = SCREEN_PX
-        self._send(self._X.MotionNotify, x=round(width / 2 + x * height), y=round(height / 2 - y * height))
+        self.click(round(width / 2 + x * height), round(height / 2 - y * height))
+
+    def click(self, x_px, y_px):
+        """A click of no duration at a pixel."""
+        self._send(self._X.MotionNotify, x=x_px, y=y_px)
         self._send(self._X.ButtonPress, 1)
         self._send(self._X.ButtonRelease, 1)
 

@@ -1,15 +1,13 @@
 """Questionnaires and typed numbers in a real window, and every study there from start to end, by real key events."""
 
-import re
 import threading
 from dataclasses import replace
 
 import pytest
 from command_line import call
 from learnt_file import write_responses
-from places import ROOT
 from screens import entry_page, form_page
-from study_texts import changed
+from short_studies import shortened
 
 from tactometry.devices.outputs.output import with_ramps
 from tactometry.errors import InvalidParameter
@@ -141,38 +139,14 @@ def test_the_entry_page_is_drawn_for_a_look(screen, artefacts):
 # --- studies from start to end
 
 LEARNT = "time-reversal-threshold"
-OTHER_DISTANCES = re.findall(
-    r'^"0\.0(?!28).*\n', (ROOT / "experiments" / "time-reversal-localisation.toml").read_text("utf-8"), re.M
+BLINDLY = (
+    LEARNT,
+    "time-reversal-patterns",
+    "time-reversal-localisation",
+    "hybrid-button",
+    "electrovibration-threshold",
 )
-OTHER_PATTERNS = re.findall(
-    r"^P[12356] = .*\n", (ROOT / "experiments" / "time-reversal-patterns.toml").read_text("utf-8"), re.M
-)
-SHORT = {
-    "time-reversal-threshold": (
-        ("force_n = [0.5, 1.5, 3.0] ", "force_n = [0.5] "),
-        ("levels = [10.0, 14.0, 18.0, 22.0, 26.0, 30.0]\nrepeats = 20", "levels = [20.0, 28.0]\nrepeats = 1"),
-        ("n_correct = 4 ", "n_correct = 1 "),
-    ),
-    "time-reversal-patterns": (
-        ('["P0", "P1", "P2", "P3", "P4", "P5", "P6"]', '["P0", "P4"]'),
-        *((line, "") for line in OTHER_PATTERNS),
-        ('form = "attrakdiff" ', 'form = "attrakdiff-haptic" '),
-        ("n_touches = 3 ", "n_touches = 1 "),
-    ),
-    "time-reversal-localisation": (
-        ("[0.010, 0.013, 0.017, 0.022, 0.028, 0.036, 0.050]", "[0.028]"),
-        *((line, "") for line in OTHER_DISTANCES),
-        ("n_correct = 6 ", "n_correct = 1 "),
-        ("repeats = 30", "repeats = 3"),
-    ),
-    "hybrid-button": (("repeats = 2", "repeats = 1"), ("n_touches = 2", "n_touches = 1")),
-    "electrovibration-threshold": (
-        ("force_n = [0.5, 1.5, 3.0] ", "force_n = [1.5] "),
-        ("frequency_hz = [30, 60, 120, 180, 240, 320, 480]", "frequency_hz = [240]"),
-        ("n_trials = 40", "n_trials = 4"),
-    ),
-}
-FAST = (('hold_s = "500 ms"', 'hold_s = "50 ms"'), ('hold_s = "300 ms"', 'hold_s = "50 ms"'))
+"""Studies that keys alone lead through."""
 
 
 @pytest.fixture
@@ -199,14 +173,6 @@ def in_the_window(display, screen, capsys):
     return run
 
 
-def shortened(name):
-    text = (ROOT / "experiments" / f"{name}.toml").read_text("utf-8")
-    text = changed(text, dict(SHORT[name]))
-    for old, new in FAST:
-        text = text.replace(old, new)
-    return text
-
-
 def learnt(name, folder):
     """What a bench file says of the responses that were learnt on it."""
     if name != LEARNT:
@@ -228,7 +194,7 @@ def check_played(folder):
         assert answer.digest == with_ramps(bank[request.stimulus].at(request.level), RAMP_S).digest()
 
 
-@pytest.mark.parametrize("name", SHORT)
+@pytest.mark.parametrize("name", BLINDLY)
 def test_a_shortened_study_is_completed_in_the_window_and_replays(in_the_window, tmp_path, name):
     (tmp_path / "s.toml").write_text(shortened(name), "utf-8")
     (tmp_path / "bench.toml").write_text(f"[screen]\nfullscreen = false\n{learnt(name, tmp_path)}", "utf-8")

@@ -1,0 +1,62 @@
+"""Whole sessions of the built-in studies in the real window, in each language, by a finger that sees pixels alone."""
+
+import tomllib
+
+import numpy as np
+import pytest
+from command_line import call
+from emulated import available
+from short_studies import SHORT, shortened
+from tables import trial_rows
+from whole_sitting import asked_to_end, recorded_as, sitting
+
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.study.study_file import builtin
+from tactometry.rigs.texts import FOLDER, languages
+
+SOURCES = ("udp", "serial", "lsl")
+FIRST = ("tutorial", "en")
+
+
+def sessions():
+    """Each study in each language, with one of the sources of force; `make test` has one, `make check` each study."""
+    for n, name in enumerate(SHORT):
+        for k, language in enumerate(languages()):
+            once = k == n % len(languages())
+            marks = () if (name, language) == FIRST else (pytest.mark.slow if once else pytest.mark.soak,)
+            yield pytest.param(name, language, SOURCES[(n + k) % len(SOURCES)], marks=marks, id=f"{name}-{language}")
+
+
+def test_every_built_in_study_has_a_short_one():
+    assert sorted(SHORT) == sorted(builtin())
+
+
+@pytest.mark.parametrize(("name", "language", "source"), list(sessions()))
+def test_a_finger_that_sees_the_screen_takes_part_and_its_answers_are_recorded(
+    display, capsys, tmp_path, name, language, source
+):
+    if not available(source):
+        pytest.skip(f"no library for {source}")
+    study = shortened(name)
+    with sitting(tmp_path, study, language, display, source) as seat:
+        finger = seat.finger(np.random.default_rng())
+        status, _, errors = asked_to_end(seat.run(), finger)
+    assert (status, errors) == (0, ""), finger.kinds
+    rows = trial_rows(seat.data)
+    given = [float(row["response"]) for row in rows if row["response"]]
+    assert given == recorded_as(finger.said, study)
+    assert {row["valid"] for row in rows if row["response"]} == {"1"}
+    shows_its_keys(finger, language, study)
+    assert validate(seat.data).defects == ()
+    assert [session.complete for session in replay_data_set(seat.data)] == [True]
+    status, errors, _ = call(capsys, "analyse", seat.data, "--report", tmp_path / "report.html")
+    assert (status, errors) == (0, "")
+    assert (tmp_path / "report.html").stat().st_size > 0
+
+
+def shows_its_keys(finger, language, study):
+    """Choices show the first letters of their words, or digits where these are not distinct."""
+    words = tomllib.loads((FOLDER / f"messages_{language}.toml").read_text("utf-8"))["labels"]
+    letters = tuple(words[name][0].upper() for name in ("no", "yes")) if '"yes_no"' in study else ("1", "2", "3")
+    assert {said.keys for said in finger.said if said.kind == "question"} <= {letters}

@@ -1,0 +1,223 @@
+"""A participant who looks at the pixels of a display and acts by keys, pointer and a finger at a force sensor.
+
+It knows what a participant is told: press until the bar stays between the lines, follow the dot, lift the finger after
+a touch, answer what is asked. What it answers is drawn, and kept to be compared with what was recorded.
+"""
+
+import time
+from dataclasses import dataclass, field
+
+import numpy as np
+from seen import see
+
+LOOK_EVERY_S = 0.02
+PATIENCE_S = 20.0
+"""After which it acts again where a page has not changed: never, unless something was lost."""
+FIRST_COUNTS, MOST_COUNTS = 20.0, 900.0
+LET_GO_PX = 8
+STUCK_S = 3.0
+DOT_UM_PER_S, TRACK_UM = 50e3, 100e3
+"""How the dot goes in the built-in studies: at 50 mm/s along 0.1 m."""
+DIGITS = "0123456789"
+
+
+class Eye:
+    """Reads the pixels of a display, from a connection of its own."""
+
+    def __init__(self, name):
+        from Xlib import X, display
+
+        self._display = display.Display(name)
+        self._root, self._whole = self._display.screen().root, (X.ZPixmap, 0xFFFFFFFF)
+        size = self._root.get_geometry()
+        self.size_px = size.width, size.height
+
+    def picture(self):
+        """All of the screen, (height, width, 3)."""
+        width, height = self.size_px
+        image = self._root.get_image(0, 0, width, height, *self._whole)
+        return np.frombuffer(image.data, np.uint8).reshape(height, width, 4)[:, :, 2::-1]
+
+    def close(self):
+        self._display.close()
+
+
+@dataclass(frozen=True)
+class Said:
+    """An answer: `kind` of page, which of `n` places or choices from the left (or the number that was typed), and the
+    keys that the choices showed."""
+
+    kind: str
+    value: int
+    n: int = 0
+    keys: tuple[str, ...] = ()
+
+
+@dataclass
+class Pursuit:
+    """When the dot of a track was last at its left end, from where it was seen."""
+
+    since_s: float | None = None
+    _seen: list = field(default_factory=list)
+
+    def see(self, along, now_s):
+        """The dot is at this part (0 to 1) of its track."""
+        self._seen = [*self._seen[-1:], (along, now_s)]
+        if len(self._seen) == 2 and 0.05 < along < 0.95 and along != self._seen[0][0]:
+            rising = along > self._seen[0][0]
+            self.since_s = now_s - (along if rising else 2 - along) * TRACK_UM / DOT_UM_PER_S
+
+    def forget(self):
+        self.since_s, self._seen = None, []
+
+
+class Finger:
+    """One participant at one display.
+
+    Parameters
+    ----------
+    hands : Hands
+        Press keys and move the pointer.
+    eye : Eye
+    rng : numpy.random.Generator
+        Draws the answers, and whether they are given by key or pointer.
+    sensor : Emulator, optional
+        At which its finger is, with `--steered`.
+    """
+
+    def __init__(self, hands, eye, rng, sensor=None):
+        self._hands, self._eye, self._rng, self._sensor = hands, eye, rng, sensor
+        self.said = []
+        self.kinds = []
+        """The pages that it saw, in their order."""
+        self._before = self._acted_on = None
+        self._acted_s = 0.0
+        self._counts, self._played, self._letting_go, self._held_since_s = 0.0, False, False, None
+        self._pursuit, self._by_pointer = Pursuit(), False
+
+    def sit(self, process, until=lambda finger: False):
+        """Take part until the process ends, or something is seen."""
+        while process.poll() is None and not until(self):
+            self.look()
+            time.sleep(LOOK_EVERY_S)
+
+    def look(self):
+        """Look once, and act if that is due."""
+        now_s, picture = time.perf_counter(), self._eye.picture()
+        steady = self._before is not None and np.array_equal(picture, self._before)
+        self._before = picture
+        done = self._acted_on is not None and np.array_equal(picture, self._acted_on)
+        if steady and done and now_s < self._acted_s + PATIENCE_S:
+            return
+        seen = see(picture)
+        if seen.kind == "touch":
+            self._note("touch")
+            self._acted_on = None
+            self._touch(seen, now_s, picture)
+            return
+        self._lift()
+        if steady and seen.kind != "nothing" and self._act(seen):
+            self._acted_on, self._acted_s = picture, time.perf_counter()
+
+    def _note(self, kind):
+        if not self.kinds or self.kinds[-1] != kind or self._acted_on is not None:
+            self.kinds.append(kind)
+
+    # --- touches
+
+    def _steer(self, counts):
+        self._counts = min(max(counts, 0.0), MOST_COUNTS)
+        if self._sensor is None:
+            return
+        if self._pursuit.since_s is None:
+            self._sensor.steer(self._counts)
+        else:
+            self._sensor.steer(self._counts, DOT_UM_PER_S, TRACK_UM, self._pursuit.since_s)
+
+    def _lift(self):
+        self._played, self._letting_go, self._held_since_s = False, False, None
+        self._pursuit.forget()
+        if self._counts:
+            self._steer(0.0)
+
+    def _touch(self, seen, now_s, picture):
+        if seen.dot_px is not None:
+            length_px = seen.height_px * TRACK_UM / 0.3e6
+            self._pursuit.see((seen.dot_px - picture.shape[1] / 2) / length_px + 0.5, now_s)
+        if seen.bar is None:
+            return
+        self._letting_go |= self._played and seen.marker == "ready"
+        self._played = seen.marker == "playing"
+        if not seen.bar.held or self._played:
+            self._held_since_s = now_s
+        self._letting_go |= self._held_since_s is not None and now_s > self._held_since_s + STUCK_S
+        if self._letting_go:
+            self._letting_go = seen.bar.height > LET_GO_PX
+            self._held_since_s = None
+            self._steer(0.0)
+        elif seen.bar.height <= LET_GO_PX:
+            self._steer(max(FIRST_COUNTS, 1.2 * self._counts))
+        else:
+            wanted = min(max(seen.bar.wanted / seen.bar.height, 0.5), 2.0)
+            self._steer(self._counts * (1 + 0.3 * (wanted - 1)))
+
+    # --- pages
+
+    def _act(self, seen):
+        """Do what a page asks for: whether there was something to do."""
+        act = {"words": self._go_on, "question": self._choose, "form": self._fill, "number": self._enter}
+        return act.get(seen.kind, self._confirm)(seen)
+
+    def _go_on(self, seen):
+        if not seen.asks:
+            return False
+        self._note("words")
+        self._hands.tap("space")
+        return True
+
+    def _choose(self, seen):
+        self._note("question")
+        choice = int(self._rng.integers(len(seen.choices)))
+        self.said.append(Said("question", choice, len(seen.choices), seen.keys))
+        if self._rng.random() < 0.5:
+            self._click(seen.choices[choice])
+        else:
+            self._hands.tap(seen.keys[choice].lower())
+        return True
+
+    def _fill(self, seen):
+        """One more row; when each has a mark, what they say is kept and the page is left."""
+        open_rows = [k for k, mark in enumerate(seen.marked) if mark is None]
+        if len(open_rows) == len(seen.rows):
+            self._note("form")
+            self._by_pointer = len(seen.rows[0]) > 9 or self._rng.random() < 0.5
+        if not open_rows:
+            self.said += [Said("form", mark, len(row)) for mark, row in zip(seen.marked, seen.rows, strict=True)]
+            self._hands.tap("Return")
+            return True
+        row = seen.rows[open_rows[0]]
+        place = int(self._rng.integers(len(row)))
+        if self._by_pointer:
+            self._click(row[place])
+        else:
+            self._hands.tap(DIGITS[place + 1])
+        return True
+
+    def _enter(self, seen):
+        del seen
+        self._note("number")
+        number = int(self._rng.integers(1, 100))
+        self.said.append(Said("number", number))
+        for digit in str(number):
+            self._hands.tap(digit)
+        self._hands.tap("Return")
+        return True
+
+    def _confirm(self, seen):
+        del seen
+        self._note("adjust")
+        self._hands.tap("Return")
+        return True
+
+    def _click(self, body):
+        self._hands.click(*(round(place) for place in body.middle))

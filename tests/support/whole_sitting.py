@@ -1,0 +1,110 @@
+"""A sitting at the real window with a sensor: the process, and a participant who looks at the screen."""
+
+import os
+import tomllib
+from contextlib import contextmanager, suppress
+
+from emulated import Emulator
+from scripted_finger import Eye, Finger
+from window_sitting import tactometry
+
+from tactometry.questionnaire import load
+
+BENCH = """\
+[screen]
+fullscreen = false
+language = "{language}"
+[sensors.hand]
+rate_hz = 1000
+{sensor}
+[force]
+sensor = "hand"
+channel = 2
+newtons_per_count = 0.01
+[position]
+sensor = "hand"
+channels = [0]
+metres_per_count = 1e-6
+"""
+SENSORS = {
+    "udp": 'kind = "udp"\naddress = "127.0.0.1"\nport = {0.udp_port}',
+    "lsl": 'kind = "lsl"\nstream = "{0.name}"\nn_channels = 3',
+    "serial": 'kind = "serial"\nport = "{0.port}"\nn_channels = 3',
+}
+
+
+class Sitting:
+    """A participant and the bench; `run` begins a session.
+
+    Parameters
+    ----------
+    folder : Path
+        Of study, bench file and data set.
+    study, language : str
+        The text of the study file, and what its pages are written in.
+    hands, eye, sensor
+        Of the participant.
+    """
+
+    def __init__(self, folder, study, language, hands, eye, sensor):
+        self.folder, self.data = folder, folder / "data"
+        self._hands, self._eye, self._sensor = hands, eye, sensor
+        self.study = folder / "s.toml"
+        self.study.write_text(study, encoding="utf-8")
+        told = BENCH.format(language=language, sensor=SENSORS[sensor.kind].format(sensor))
+        (folder / "bench.toml").write_text(told, encoding="utf-8")
+
+    def run(self, *more):
+        """The process of a session."""
+        words = ("run", self.study, "--participant", "P01", "--seed", 3, "--bench", self.folder / "bench.toml")
+        return tactometry(*words, "--out", self.data, *more)
+
+    def finger(self, rng):
+        """Who takes part."""
+        return Finger(self._hands, self._eye, rng, self._sensor)
+
+
+@contextmanager
+def sitting(folder, study, language, hands, kind="udp"):
+    """A participant whose finger is at a sensor of a kind."""
+    eye, sensor = Eye(os.environ["DISPLAY"]), Emulator(kind, folder, options=("--steered",))
+    try:
+        yield Sitting(folder, study, language, hands, eye, sensor)
+    finally:
+        sensor.close()
+        eye.close()
+
+
+def asked_to_end(process, finger):
+    """Take part to the end: status, output and errors; a process that does not end is ended."""
+    try:
+        finger.sit(process)
+        return process.returncode, *process.communicate(timeout=30)
+    finally:
+        with suppress(ProcessLookupError):
+            process.kill()
+
+
+def forms_of(study):
+    """The questionnaires of a study by their names."""
+    table = tomllib.loads(study)
+    names = [table["task"].get("form"), *(each["form"] for each in table.get("inquiries", {}).values())]
+    return [load(name) for name in names if name]
+
+
+def recorded_as(said, study):
+    """What a data set should hold of what a finger said: a number for each answer, in their order."""
+    first = 0 if '"yes_no"' in study else 1
+    scales = {form.steps: form for form in forms_of(study)}
+
+    def number(answer):
+        match answer.kind:
+            case "form":
+                form = scales[answer.n]
+                return form.low + answer.value * (form.high - form.low) / (answer.n - 1)
+            case "question":
+                return answer.value + first
+            case _:
+                return answer.value
+
+    return [float(number(answer)) for answer in said]
