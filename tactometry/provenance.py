@@ -21,3 +21,8 @@ def versions() -> dict[str, str]:
 
 def sha256(content: bytes) -> str:
     return hashlib.sha256(content).hexdigest()
+
+
+def digest_of(content: bytes) -> str:
+    """The first 16 hexadecimal digits of the SHA-256: what a journal says of samples that are kept elsewhere."""
+    return sha256(content)[:16]

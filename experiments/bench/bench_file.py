@@ -21,6 +21,7 @@ from tactometry.devices.sensors.streamed import ForceCalibration, StreamedSensor
 from tactometry.rigs.texts import languages
 from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
+from tactometry.session.event import TRACE_KINDS, TraceKind
 
 from ..study.study_file import no_such
 
@@ -115,6 +116,19 @@ class Learnt:
 
 
 @dataclass(frozen=True)
+class TracesTable:
+    """Which samples of each touch are kept: of the sensors, and of an output that followed the finger."""
+
+    force: bool = True
+    position: bool = True
+    emitted: bool = True
+
+    @property
+    def kept(self) -> tuple[TraceKind, ...]:
+        return tuple(kind for kind in TRACE_KINDS if getattr(self, kind))
+
+
+@dataclass(frozen=True)
 class Devices:
     """The devices of a bench, none of them open."""
 
@@ -135,6 +149,7 @@ class BenchFile:
     force: ForcePart | None = None
     position: PositionPart | None = None
     time_reversal: Learnt | None = None
+    traces: TracesTable = field(default_factory=TracesTable)
 
     def __post_init__(self) -> None:
         for name in ("force", "position"):
@@ -317,4 +332,5 @@ _PARTS: Mapping[str, Callable[[Mapping[str, Any], str], Any]] = {
     "force": _force,
     "position": partial(build, PositionPart),
     "time_reversal": partial(build, Learnt),
+    "traces": partial(build, TracesTable),
 }

@@ -1,10 +1,10 @@
 """Where the finger was under a texture: the paths of a session, each under the digest that its rows have."""
 
-import hashlib
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from tactometry.files.durable import read_file
+from tactometry.provenance import digest_of
 from tactometry.trials.row_rules import Defect
 from tactometry.trials.trial import Trial
 
@@ -37,6 +37,6 @@ def positions_defects(journal: Path, trials: Iterable[Trial]) -> Iterator[Defect
     paths = paths_in(read_file(file, WHAT))
     for digest in wanted:
         lines = paths.get(digest)
-        if lines is None or hashlib.sha256(lines).hexdigest()[:16] != digest:
+        if lines is None or digest_of(lines) != digest:
             found = "no path" if lines is None else "another path than the one that was followed"
             yield Defect(name, None, f"found {found} under {digest}, expected it as it was kept; restore a copy")

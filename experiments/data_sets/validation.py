@@ -27,6 +27,7 @@ from ..study.experiment import Experiment, wire
 from ..study.study_file import parse
 from .positions import positions_defects
 from .session_files import OTHER_STUDY, derived_defects, has_rows, header_of, n_rows, name_defect, trials_defects
+from .traces import trace_defects
 
 CSV_NAME = re.compile(r"[a-z]+-[a-zA-Z0-9]+(_[a-z]+-[a-zA-Z0-9]+)*_data\.csv")
 
@@ -228,6 +229,7 @@ def _session(root: Path, journal: Path, experiment: Experiment | None, notes: li
         yield from trials_defects(root, journal, recording, experiment)
         yield from _events(journal, recording)
         yield from positions_defects(journal, recording.trials)
+        yield from trace_defects(root, recording)
 
 
 def _not_begun(root: Path, journal: Path, notes: list[str]) -> Iterator[Defect]:

@@ -50,6 +50,7 @@ def _equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog") ->
         bench.release,
         lambda: device_facts(bench, devices) | learnt,
         bench.screen.height_m,
+        bench.traces.kept,
     )
 
 

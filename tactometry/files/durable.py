@@ -7,7 +7,7 @@ import stat
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import Final
+from typing import BinaryIO, Final
 
 from ..errors import DeviceFailed, InvalidFile, attempt
 
@@ -37,14 +37,27 @@ def read_file(path: Path, what: str, largest: int = LARGEST_BYTES) -> bytes:
     InvalidFile
         If there is none, it may not be read, it is no file, or has more than `largest` bytes.
     """
+    with _opened(path, what) as file:
+        size = os.fstat(file.fileno()).st_size
+        if size > largest:
+            raise InvalidFile(f"{path}: found {size} bytes, expected {what} of at most {largest}")
+        return file.read()
+
+
+def read_bytes(path: Path, what: str, first_byte: int, n_bytes: int) -> bytes:
+    """Some of the bytes of a file, as many as there are; otherwise as `read_file`."""
+    with _opened(path, what) as file:
+        file.seek(first_byte)
+        return file.read(n_bytes)
+
+
+@contextmanager
+def _opened(path: Path, what: str) -> Iterator[BinaryIO]:
     try:
         file = os.open(path, os.O_RDONLY | _NOT_WAITING | _BINARY)
         _refuse_others(file, path, what)
         with os.fdopen(file, "rb") as opened:
-            size = os.fstat(file).st_size
-            if size > largest:
-                raise InvalidFile(f"{path}: found {size} bytes, expected {what} of at most {largest}")
-            return opened.read()
+            yield opened
     except OSError as failure:
         raise InvalidFile(f"{path}: cannot be read ({failure.strerror}), expected {what}") from None
 

@@ -16,9 +16,11 @@ from ..errors import InvalidFile, count_of
 from ..files.durable import drafts, open_private, read_file, replace_file, write_whole
 from ..provenance import sha256
 from ..safety.limits import Exposure
-from ..session.event import COLUMNS, Event, decode_event, events_tsv
+from ..session.answer import TracePart
+from ..session.event import COLUMNS, Event, TraceKind, decode_event, events_tsv
 from ..session.replay import Replay
 from ..session.request import Record, Request
+from ..signal import FloatArray
 from ..trials.cells import csv_bytes
 from ..trials.trial import Trial, tally
 from .agreement import is_beginning
@@ -27,6 +29,7 @@ from .description import NAME, SIMULATED, StudyDescription, describe, describe_c
 from .head import FORMAT, as_kept, columns_in, heads
 from .journal import Entry, abortion
 from .open_journal import Journal
+from .traces import TraceFiles
 
 POSITIONS_HEADER: Final = b"positions_digest\ttime_s\tposition_m\n"
 """Times from the place that the first sample of the stimulus followed."""
@@ -116,7 +119,7 @@ class OpenSession:
         if not goes_on:  # one that goes on is held against its own head
             refuse_mixing(root, rig)
         prepare(root, design)
-        self._root, self._session = root, session
+        self._root, self._session, self._traces = root, session, TraceFiles(root, session)
         self._file = self._events_file = -1
         self._repaired: list[str] = []
         self._writing = threading.Lock()
@@ -169,6 +172,10 @@ class OpenSession:
         finally:
             os.close(file)
 
+    def keep_trace(self, kind: TraceKind, table: FloatArray, rate_hz: float) -> TracePart:
+        """Keep samples of a touch: they are on the disk before the journal says for good that they are there."""
+        return self._traces.keep(kind, table, rate_hz)
+
     def _tell(self, event: Event) -> None:
         if self._events_file < 0:
             self._events_file = self._new_events(())
@@ -177,6 +184,8 @@ class OpenSession:
 
     def append(self, request: Request[Any], answer: object) -> None:
         request = as_kept(request, self.format)
+        if isinstance(request, Record):
+            self._traces.sync()
         with self._writing:
             self.journal.append(request, answer)  # the truth first: a crash from here on leaves a table to rebuild
             if isinstance(request, Record):
@@ -194,6 +203,7 @@ class OpenSession:
         self.journal.finish()
 
     def close(self) -> None:
+        self._traces.close()
         self.journal.close()
         for file in (self._file, self._events_file):
             if file >= 0:

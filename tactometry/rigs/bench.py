@@ -86,7 +86,7 @@ class Bench(DeviceRig):
         course = TouchCourse(request, self._setup, places, measured, release, dress)
         felt, gate_delay_s = course.carry_out(self._signal(request))
         self._trial_log.note_decision(gate_delay_s)
-        touched = self._in_session(felt)
+        touched = self._touched_in_session(felt)
         if touched.valid and self._supervisor.repeat:
             return replace(touched, valid=False, invalid_reason="experimenter")
         return touched

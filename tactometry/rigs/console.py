@@ -131,7 +131,7 @@ class Console(DeviceRig):
         self._present(f"{what}{lift}", request.interval)
         if not self._equipment.output.emits:
             return Touched(self._done().at_s, None, None)
-        return self._in_session(TouchCourse(request, self._setup, Trace()).carry_out(signal)[0])
+        return self._touched_in_session(TouchCourse(request, self._setup, Trace()).carry_out(signal)[0])
 
     def _choose(self, request: Choose) -> Chosen:
         labels = [self._texts.label(label) for label in request.labels]

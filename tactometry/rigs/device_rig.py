@@ -1,7 +1,7 @@
 """What the rigs with devices have in common: an output and sensors, a clock, and who looks after the session."""
 
 import time
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -13,7 +13,7 @@ from ..errors import DeviceFailed, ended_by_signal
 from ..followed import FingerPath
 from ..safety.limits import FORCE_PEAK_N, Limits
 from ..session.answer import Done, Played, Touched
-from ..session.event import EventLog
+from ..session.event import TRACE_KINDS, EventLog, TraceKind
 from ..session.request import A, Facts, Play, Press, Request, Slide
 from ..signal import Signal, Stimulus
 from ..trials.trial import Tally, Trial, tally
@@ -26,6 +26,7 @@ from .pages.page import Display
 from .pages.presenter import Presenter
 from .texts import Texts
 from .touch.gated_samples import Release
+from .touch.tracer import Tracer
 from .touch.watchdog import TouchSetup
 
 Felt = TypeVar("Felt", Played, Touched)
@@ -54,6 +55,8 @@ class Equipment:
         What the head of the journal says of the devices, once they are open, and their clocks at any time.
     display_height_m : float, optional
         Measured height of the visible picture, m, for the moving cue of a slide.
+    traces : collection of TraceKind
+        The samples of each touch that are kept, of those that there are.
     """
 
     output: Guarded
@@ -65,6 +68,13 @@ class Equipment:
     release: bool = True
     facts: Callable[[], Facts] = dict
     display_height_m: float | None = None
+    traces: Collection[TraceKind] = TRACE_KINDS
+
+    @property
+    def traced(self) -> dict[TraceKind, StreamedSensor]:
+        """The sensors whose samples are kept."""
+        sensors: dict[TraceKind, StreamedSensor | None] = {"force": self.sensor, "position": self.position}
+        return {kind: sensor for kind, sensor in sensors.items() if sensor is not None and kind in self.traces}
 
 
 class DeviceRig(LiveRig):
@@ -116,6 +126,8 @@ class DeviceRig(LiveRig):
             force_peak_n=FORCE_PEAK_N if limits is None else limits.force_peak_n,
             keep_path=_nowhere if log is None else log.keep_path,
         )
+        followed = self._emitter if "emitted" in equipment.traces else None
+        self._tracer = Tracer(equipment.traced, followed, log, self._session_s)
         self._tally = Tally()
         self.closed = False
         with self._closed_on_failure():
@@ -176,6 +188,7 @@ class DeviceRig(LiveRig):
             "output": self._equipment.output.name,
             "force_sensor": None if sensor is None else sensor.name,
             "position_sensor": None if position is None else position.name,
+            "traces": ", ".join(kind for kind in TRACE_KINDS if kind in self._equipment.traces) or None,
             **self._emitter.limit_facts(),
             **self._equipment.facts(),
         }
@@ -187,9 +200,10 @@ class DeviceRig(LiveRig):
     def answer(self, request: Request[A]) -> A:
         with self._closed_on_failure():
             self._finish_trial()
+            self._tracer.begin()
             answer = super().answer(request)
             self._screen.give_back()
-            return answer
+            return self._tracer.kept(answer)
 
     def _finish_trial(self) -> None:
         """What is due before anything else is asked."""
@@ -217,6 +231,11 @@ class DeviceRig(LiveRig):
     def _in_session(self, felt: Felt) -> Felt:
         """An answer whose onset was on `time.perf_counter`, with that in the session."""
         return replace(felt, onset_s=self._session_s(felt.onset_s))
+
+    def _touched_in_session(self, touched: Touched) -> Touched:
+        """As `_in_session`, and the stamp that opened the gate with it."""
+        gate_s = None if touched.gate_s is None else self._session_s(touched.gate_s)
+        return replace(self._in_session(touched), gate_s=gate_s)
 
 
 def _nowhere(digest: str, lines: bytes) -> None:

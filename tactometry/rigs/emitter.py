@@ -85,6 +85,11 @@ class Emitter:
         """What became of the signal that was emitted last, where it followed a finger."""
         return self._output.course() if isinstance(signal, FollowedSignal) else None
 
+    def followed(self, digest: str) -> Signal | None:
+        """What was emitted last, if it has this digest and followed a finger."""
+        course = self._output.course()
+        return course.signal if course is not None and course.signal.digest() == digest else None
+
     def for_interval(self, name: str, level: float | None, duration_s: float) -> Signal | None:
         """As `final`, for an interval of `duration_s`; None for a blank.
 

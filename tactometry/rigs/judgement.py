@@ -1,6 +1,6 @@
 """Why a touch does not count, by the force and the speed that were kept."""
 
-from typing import Final
+from typing import Any, Final
 
 from ..gates import VALID_PART, Compliance, SpeedCompliance
 from ..session.request import Press, Slide
@@ -34,7 +34,7 @@ def fault_of_speed(speed_m_per_s: float, target_m_per_s: float) -> Reason:
     return "too_slow" if speed_m_per_s < target_m_per_s else "too_fast"
 
 
-def compliance_fields(force: Compliance | None, speed: SpeedCompliance | None) -> dict[str, float | None]:
+def compliance_fields(force: Compliance | None, speed: SpeedCompliance | None) -> dict[str, Any]:
     """How force and speed were kept, as the fields of an answer; None where it was not measured.
 
     >>> compliance_fields(Compliance(1.0, 0.1, in_band=0.9), None)

@@ -13,13 +13,31 @@ class Done:
 
 
 @dataclass(frozen=True)
+class TracePart:
+    """Where samples of a touch are kept: `n_bytes` from `first_byte` of a `file` of the data set, and their digest.
+
+    `rate_hz` is that of samples whose first one is that of the onset; None where each row has a stamp of its own.
+    """
+
+    file: str
+    first_byte: int
+    n_bytes: int
+    digest: str
+    rate_hz: float | None = None
+
+
+@dataclass(frozen=True)
 class Played:
-    """What an output emitted: `level_delivered` in the stimulus's unit, `digest` of the samples, `n_gaps` in it."""
+    """What an output emitted: `level_delivered` in the stimulus's unit, `digest` of the samples, `n_gaps` in it.
+
+    `trace` says where samples of the sensors are kept, and what was emitted if it followed a finger.
+    """
 
     onset_s: float
     level_delivered: float | None
     digest: str
     n_gaps: int | None = None
+    trace: tuple[TracePart, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -30,7 +48,8 @@ class Touched:
     the speeds. `valid` is false if the touch broke its conditions or the experimenter asked for a repetition, for
     `invalid_reason`: the protocol then asks again. `n_gaps` counts the gaps of the output; None where it cannot tell.
     Of a stimulus that followed the finger `positions_digest` is that of the places, `positions_late` the part (0..1) of
-    the samples whose place came too late.
+    the samples whose place came too late. `gate_s` is the stamp of the sample that opened the gate, None without one;
+    `trace` as in `Played`.
     """
 
     onset_s: float
@@ -46,6 +65,8 @@ class Touched:
     n_gaps: int | None = None
     positions_digest: str | None = None
     positions_late: float | None = None
+    gate_s: float | None = None
+    trace: tuple[TracePart, ...] = ()
 
 
 class Answer:
@@ -111,3 +132,4 @@ class Adjusted(Answer):
     timestamp_utc: str | None = None
     valid: bool = True
     n_gaps: int | None = None
+    trace: tuple[TracePart, ...] = ()

@@ -1,5 +1,6 @@
 """Whether an answer is one that its request can have: one of the options, on the scale, within the bounds."""
 
+import re
 from collections.abc import Sequence
 from fractions import Fraction
 
@@ -7,6 +8,7 @@ from ..trials.cell_rules import LARGEST_ANSWER
 from .answer import Adjusted, Chosen, Filled, Rated
 from .request import Adjust, Choose, Enter, Fill, Rate
 
+_TRACE = re.compile(r"traces/[\w-]+\.tsv\.gz", re.ASCII)
 SLACK = 1e-9
 """Steps from within may miss a bound by a rounding, in parts of the bounds."""
 
@@ -17,6 +19,9 @@ def flaw(request: object, answer: object) -> str | None:
     >>> flaw(Choose("felt", (0, 1), ("no", "yes")), Chosen(2, 0.0, 1.0))
     'the option 2, expected one of 0, 1'
     """
+    for part in getattr(answer, "trace", ()):
+        if not _TRACE.fullmatch(part.file) or part.first_byte < 0 or part.n_bytes <= 0:
+            return f"a trace in {part.file!r}, expected a place in a file of the folder traces"
     match request, answer:
         case Choose(options=options), Chosen(option) if option not in options:
             return f"the option {option}, expected one of {', '.join(map(str, options))}"

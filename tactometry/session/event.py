@@ -9,11 +9,17 @@ import msgspec
 
 from ..errors import InvalidParameter
 from ..safety.limits import Exposure
+from ..signal import FloatArray
 from ..trials.columns import Column
+from .answer import TracePart
 from .request import Fact
 
 Kind = Literal["trial", "clock", "pause", "resume", "remark", "repeat", "stop", "abort", "stimulus"]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
+TraceKind = Literal["force", "position", "emitted"]
+"""Samples of a touch: of the sensors, a stamp (s of the session) and what they measured (N; m along each axis), and of
+the output (V on each channel) from the onset on, without stamps."""
+TRACE_KINDS: Final[tuple[TraceKind, ...]] = get_args(TraceKind)
 
 FACTS: Final = (
     Column("block", "Number of the block of the trial"),
@@ -103,6 +109,9 @@ class EventLog(Protocol):
 
     def keep_path(self, digest: str, lines: bytes) -> None:
         """Keep times (s) and places (m) of a finger, a line each, under their digest."""
+
+    def keep_trace(self, kind: TraceKind, table: FloatArray, rate_hz: float) -> TracePart:
+        """Keep samples (n_rows, n_columns) of a touch: where they are."""
 
 
 def _cell(value: Fact) -> str:

@@ -1,17 +1,18 @@
 """One touch of the finger while a stimulus plays, with and without a force sensor."""
 
-import hashlib
 import math
 import time
 from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ...devices.sensors.streamed import StreamedSensor
 from ...followed import HELD_S, Course, path_lines
 from ...gates import VALID_PART, ForceGate, SpeedGate
+from ...provenance import digest_of
 from ...safety.limits import FORCE_PEAK_N
 from ...session.answer import Touched
 from ...session.request import Press, Slide
@@ -147,7 +148,7 @@ class TouchCourse:
         return self._answer(signal, onset_s, reason, n_gaps)
 
     def _answer(
-        self, signal: Signal | None, onset_s: float, reason: Reason | None, n_gaps: int | None, **kept: float | None
+        self, signal: Signal | None, onset_s: float, reason: Reason | None, n_gaps: int | None, **kept: Any
     ) -> Touched:
         course = self.setup.emitter.course(signal)
         if course is not None and course.unknown > 1 - VALID_PART:
@@ -171,7 +172,7 @@ class TouchCourse:
         new = np.diff(times_s, prepend=-np.inf) > 0  # as the texture heard them: of those of one stamp the first
         along_m = positions_m[:, 0] if positions_m.ndim == 2 else positions_m
         lines = path_lines(times_s[new] - begin_s, along_m[new])
-        digest = hashlib.sha256(lines).hexdigest()[:16]
+        digest = digest_of(lines)
         self.setup.keep_path(digest, lines)
         return digest
 
@@ -202,7 +203,7 @@ class TouchCourse:
         self.setup.emitter.stop()
         self.setup.release.begin()
         decided_s, onset_s = begun
-        touched = self._judgement(signal, held, onset_s, cut_by)
+        touched = replace(self._judgement(signal, held, onset_s, cut_by), gate_s=held.let_through_s)
         mean = "no force" if touched.force_mean_n is None else f"{touched.force_mean_n:.2f} N"
         self.setup.say(f"played, {mean}")
         return touched, held.delay_s(decided_s)

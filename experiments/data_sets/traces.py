@@ -1,0 +1,217 @@
+"""What happened in a touch: force, place and what was emitted, read back; and whether the files still hold it."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final, NamedTuple
+
+from tactometry.arguments.require import expect
+from tactometry.errors import InvalidFile, count_of
+from tactometry.files.durable import read_file
+from tactometry.records.data_set import keys_of, sessions
+from tactometry.records.head import Head
+from tactometry.records.journal import Entry, Recording, read
+from tactometry.records.traces import kind_of, part_flaw, read_part, sidecar_of
+from tactometry.rigs.emitter import render
+from tactometry.session.answer import Adjusted, Played, Touched, TracePart
+from tactometry.session.request import Adjust, Play, Press, Record, Slide
+from tactometry.signal import FloatArray, Signal, Stimulus
+from tactometry.trials.row_rules import Defect
+from tactometry.trials.trial import Trial
+
+from ..bench.bench_file import load_bench
+from ..bench.stimuli import bank_on
+from ..study.experiment import wire
+from ..study.study_file import parse
+
+Felt = Played | Touched | Adjusted
+Asked = Play | Press | Slide | Adjust
+RAMP: Final = "ramp_s"
+"""How the head of a sitting says what ramps its signals had."""
+
+
+class Samples(NamedTuple):
+    """Stamps (n_samples,) in s of the session, and values: (n_samples,) N, or (n_samples, n_axes) m."""
+
+    times_s: FloatArray
+    values: FloatArray
+
+
+@dataclass(frozen=True)
+class TouchTrace:
+    """One touch of a trial, as it was asked for and as it went.
+
+    Parameters
+    ----------
+    trial : Trial
+        The (first) row of its trial.
+    request, answer
+        What was asked of the finger, and what came of it; times are seconds of the session.
+    force, position : Samples or None
+        From the moment at which it was asked for, a minute at most; None where they were not kept.
+    emitted : Signal or None
+        From the onset on; None where nothing was, or it can't be told any more.
+    """
+
+    trial: Trial
+    request: Asked
+    answer: Felt
+    force: Samples | None
+    position: Samples | None
+    emitted: Signal | None
+
+
+def read_traces(
+    path: Path,
+    trial: int,
+    *,
+    participant: str | None = None,
+    session: int | None = None,
+    bench: Path | None = None,
+) -> list[TouchTrace]:
+    """The touches of a trial of a data set, in their order, those of all attempts.
+
+    What was emitted is read where it followed the finger, and else computed from the study: it is what was played, or
+    None, as the journal knows its digest.
+
+    Parameters
+    ----------
+    path : Path
+        The folder of a data set, or a journal of one.
+    trial : int
+        Number of the trial in its session.
+    participant, session
+        Whose; may be left out where the data set has one alone.
+    bench : Path, optional
+        The bench file, where its learnt responses or its board made other signals of the study's stimuli.
+
+    Returns
+    -------
+    list of TouchTrace
+        Empty where nothing was felt in the trial.
+
+    Raises
+    ------
+    InvalidFile
+        If the journal or the traces are damaged, or no session or several are meant.
+    InvalidParameter
+        If the session has no such trial.
+
+    Examples
+    --------
+    >>> from tempfile import TemporaryDirectory
+    >>> from tactometry.experiments.sessions.recording import Who, record, simulated
+    >>> from tactometry.experiments.study.study_file import load
+    >>> study, study_toml = load("tutorial")
+    >>> experiment, who = wire(study, "tutorial"), Who("P01", seed=1)
+    >>> with TemporaryDirectory() as folder:
+    ...     recorded = record(experiment, study_toml, Path(folder), who, simulated(experiment, who))
+    ...     (touch,) = read_traces(Path(folder), 2)
+    >>> touch.trial.level, touch.emitted, touch.force  # a simulated finger has no samples
+    (34.0, Signal(1 channel x 10000 samples at 20000 Hz (0.5 s), peak 47.6655 V), None)
+    """
+    journal = _journal(path, participant, session)
+    recording, root = read(journal), journal.parent.parent
+    numbers = {row.trial for row in recording.trials}
+    told = f"from {min(numbers)} to {max(numbers)}" if numbers else "and there is none yet"
+    expect(trial in numbers, "trial", trial, f"one of {journal.stem}, {told}")
+    felt = [touch for touch in touches(recording) if touch.trial.trial == trial]
+    bank = _bank(root, bench) if any(touch.digest for touch in felt) else {}
+    return [_read(root, touch, bank) for touch in felt]
+
+
+class RecordedTouch(NamedTuple):
+    """A touch in a journal: the head of its sitting, what was asked and answered, and the first row of its trial."""
+
+    head: Head
+    request: Asked
+    answer: Felt
+    trial: Trial
+
+    @property
+    def digest(self) -> str | None:
+        """Of what was emitted, where that is one signal."""
+        return None if isinstance(self.answer, Adjusted) else self.answer.digest or None
+
+
+def touches(recording: Recording) -> Iterator[RecordedTouch]:
+    """All touches of a session that led to a row, in order."""
+    head, felt = recording.head, list[tuple[Asked, Felt]]()
+    for line in recording.lines:
+        match line:
+            case Head():
+                head = line
+            case Entry(Play() | Press() | Slide() | Adjust() as request, answer):
+                felt.append((request, answer))
+            case Entry(Record(trial), _) if head is not None:
+                yield from (RecordedTouch(head, request, answer, trial) for request, answer in felt)
+                felt = []
+
+
+def _journal(path: Path, participant: str | None, session: int | None) -> Path:
+    """The journal that is meant.
+
+    Raises
+    ------
+    InvalidFile
+        If none is, or several are.
+    """
+    if path.is_file():
+        return path
+    asked = {"participant": participant, "session": None if session is None else str(session)}
+    wanted = {key: value for key, value in asked.items() if value is not None}
+    meant = [journal for journal in sessions(path) if wanted.items() <= keys_of(journal.stem).items()]
+    if len(meant) != 1:
+        found = f"{count_of(len(meant), 'session')}{' of ' if wanted else ''}{', '.join(wanted.values())}"
+        raise InvalidFile(f"{path}: found {found}, expected one; say which, by participant and session")
+    return meant[0]
+
+
+def _bank(root: Path, bench: Path | None) -> Mapping[str, Stimulus]:
+    """The stimuli of the study that ran, as this bench plays them."""
+    path = root / "study.toml"
+    experiment = wire(parse(read_file(path, "the study that ran"), str(path)), str(path))
+    return experiment.bank if bench is None else bank_on(experiment, load_bench(bench))
+
+
+def _read(root: Path, touch: RecordedTouch, bank: Mapping[str, Stimulus]) -> TouchTrace:
+    parts = {kind: part for part in touch.answer.trace if (kind := kind_of(part)) is not None}
+    force, position = (_samples(root, parts.get(kind)) for kind in ("force", "position"))
+    stored = parts.get("emitted")
+    emitted = _computed(touch, bank) if stored is None else _stored(root, stored)
+    along = None if force is None else Samples(force.times_s, force.values[:, 0])
+    return TouchTrace(touch.trial, touch.request, touch.answer, along, position, emitted)
+
+
+def _samples(root: Path, part: TracePart | None) -> Samples | None:
+    if part is None:
+        return None
+    table = read_part(root, part)
+    return Samples(table[:, 0], table[:, 1:])
+
+
+def _stored(root: Path, part: TracePart) -> Signal:
+    return Signal(read_part(root, part).T, part.rate_hz or 1.0, "V")
+
+
+def _computed(touch: RecordedTouch, bank: Mapping[str, Stimulus]) -> Signal | None:
+    """What was emitted of a stimulus that follows no finger, if it is still known: by its digest."""
+    level = touch.request.level if isinstance(touch.request, Play | Press | Slide) else None
+    if touch.digest is None or level is None or touch.request.stimulus not in bank:
+        return None
+    ramp_s = touch.head.facts.get(RAMP)
+    signal = render(bank, touch.request.stimulus, level, None, ramp_s if isinstance(ramp_s, float) else 0.0)
+    return signal if signal.digest() == touch.digest else None
+
+
+def trace_defects(root: Path, recording: Recording) -> Iterator[Defect]:
+    """Whether the traces that the journal of a data set names are there, and are what was kept."""
+    parts = [part for line in recording.entries for part in getattr(line.answer, "trace", ())]
+    for part in parts:
+        flaw = part_flaw(root, part)
+        if flaw is not None:
+            yield Defect(part.file, None, flaw)
+    for name in dict.fromkeys(part.file for part in parts):
+        beside = sidecar_of(Path(name))
+        if not (root / beside).is_file():
+            yield Defect(beside.as_posix(), None, f"found no such file, expected the columns of {Path(name).name}")

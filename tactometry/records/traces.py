@@ -1,0 +1,238 @@
+"""Traces: what the sensors said while something was felt, and what was emitted where it followed the finger.
+
+A session has a file for each kind of samples, of rows of text in the way of BIDS: no header, a column for each name
+that the JSON file beside it explains. Each touch adds a member of gzip, so that what stands there is never written
+again, and the journal says with the answer where it is: file, place, length and digest. A member that no line of the
+journal names is of a touch whose trial was interrupted.
+"""
+
+import os
+import zlib
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from ..errors import InvalidFile
+from ..files.durable import (
+    LARGEST_BYTES,
+    make_folder,
+    open_private,
+    read_bytes,
+    read_file,
+    sync_folder,
+    write_first,
+    write_whole,
+)
+from ..provenance import digest_of
+from ..session.answer import TracePart
+from ..session.event import TraceKind
+from ..signal import FloatArray
+from ..trials.columns import Column
+from .data_set import Session
+from .description import pretty
+
+FOLDER: Final = "traces"
+MISSING: Final = "n/a"
+"""A sample that was lost, as BIDS writes it."""
+FILES: Final[Mapping[TraceKind, str]] = {
+    "force": "recording-force_physio",
+    "position": "tracksys-finger_motion",
+    "emitted": "recording-output_stim",
+}
+"""What the file of each kind is called behind the name of its session."""
+_FORMS: Final[Mapping[TraceKind, tuple[str, str]]] = {
+    "force": ("%.6f", "%.6g"),
+    "position": ("%.6f", "%.9f"),
+    "emitted": ("%.7g", "%.7g"),
+}
+"""How a number of the first column is written, and of the others: to the microsecond and the nanometre, and a voltage
+to what a card of 24 bits tells apart."""
+_LEVEL: Final = 4
+"""Of compression."""
+_GZIP: Final = zlib.MAX_WBITS + 16
+_AXES: Final = "xyz"
+
+
+def columns_of(kind: TraceKind, n_columns: int) -> tuple[Column, ...]:
+    """What the columns of a file of traces are.
+
+    >>> [column.name for column in columns_of("position", 3)]
+    ['time_s', 'x_m', 'y_m']
+    """
+    stamp = Column("time_s", "Stamp of the sample since the start of the session", "s")
+    if kind == "emitted":
+        return tuple(Column(f"channel_{n}", "What was emitted", "V") for n in range(1, n_columns + 1))
+    if kind == "force":
+        return stamp, Column("force_n", "Applied force", "N")
+    axes = (Column(f"{axis}_m", f"Place of the finger on axis {axis} of its sensor", "m") for axis in _AXES)
+    return stamp, *tuple(axes)[: n_columns - 1]
+
+
+def encode_rows(kind: TraceKind, table: FloatArray) -> bytes:
+    """Rows (n_rows, n_columns) as text; a lost sample is n/a.
+
+    >>> encode_rows("force", np.array([[0.001, 1.0], [0.002, np.nan]]))
+    b'0.001000\\t1\\n0.002000\\tn/a\\n'
+    """
+    first, rest = _FORMS[kind]
+    row = "\t".join([first, *[rest] * (table.shape[1] - 1)]) + "\n"
+    text = (row * len(table)) % tuple(table.ravel().tolist())
+    return (text if np.isfinite(table).all() else text.replace("nan", MISSING)).encode()
+
+
+def decode_rows(text: bytes) -> FloatArray:
+    """The rows (n_rows, n_columns) of a text; NaN where a sample was lost.
+
+    Raises
+    ------
+    ValueError
+        If it is no table of numbers.
+
+    >>> decode_rows(b"0.001000\\t1\\n0.002000\\tn/a\\n").tolist()
+    [[0.001, 1.0], [0.002, nan]]
+    """
+    lines = text.decode("ascii").replace(MISSING, "nan").splitlines()
+    return np.array([line.split("\t") for line in lines], dtype=np.float64, ndmin=2)
+
+
+def packed(text: bytes) -> bytes:
+    """A member of gzip, in which no time and no name stands: the same samples give the same bytes."""
+    packer = zlib.compressobj(_LEVEL, zlib.DEFLATED, _GZIP)
+    return packer.compress(text) + packer.flush()
+
+
+def whole_length(content: bytes) -> int:
+    """How much of it is left when a last member that was torn is cut off; what is damaged elsewhere stays.
+
+    >>> whole_length(packed(b"a") + packed(b"b")[:-1]) == len(packed(b"a"))
+    True
+    """
+    n_whole = 0
+    while n_whole < len(content):
+        unpacker = zlib.decompressobj(_GZIP)
+        try:
+            unpacker.decompress(content[n_whole:])
+        except zlib.error:  # no tear, which would end too early: parts behind it are found by their places
+            return len(content)
+        if not unpacker.eof:
+            break
+        n_whole = len(content) - len(unpacker.unused_data)
+    return n_whole
+
+
+def read_part(root: Path, part: TracePart) -> FloatArray:
+    """The rows (n_rows, n_columns) of a part in the data set at `root`.
+
+    Raises
+    ------
+    InvalidFile
+        If the file is not there, or does not hold what was kept.
+    """
+    held = _held(root, part)
+    flaw = _flaw(held, part)
+    if flaw is not None:
+        raise InvalidFile(f"{root / part.file}: {flaw}")
+    return decode_rows(zlib.decompressobj(_GZIP).decompress(held, LARGEST_BYTES))
+
+
+def part_flaw(root: Path, part: TracePart) -> str | None:
+    """What is wrong with a part, in words; None where nothing is.
+
+    Raises
+    ------
+    InvalidFile
+        If its file cannot be read.
+    """
+    return _flaw(_held(root, part), part)
+
+
+def _held(root: Path, part: TracePart) -> bytes:
+    return read_bytes(root / part.file, "traces", part.first_byte, part.n_bytes)
+
+
+def _flaw(held: bytes, part: TracePart) -> str | None:
+    if digest_of(held) == part.digest:
+        return None
+    found = "other samples than were kept" if len(held) == part.n_bytes else f"its end within the next {part.n_bytes}"
+    return f"found {found} from byte {part.first_byte} on, expected them whole; restore a copy"
+
+
+def kind_of(part: TracePart) -> TraceKind | None:
+    """Which samples a part holds; None of a kind that is not known here.
+
+    >>> kind_of(TracePart("traces/participant-P01_session-1_study-a_recording-force_physio.tsv.gz", 0, 20, ""))
+    'force'
+    """
+    return next((kind for kind, name in FILES.items() if part.file.endswith(f"_{name}.tsv.gz")), None)
+
+
+class TraceFiles:
+    """The files of traces of a session, to which is added; a member that a crash tore is cut off before.
+
+    Parameters
+    ----------
+    root : Path
+        Of the data set.
+    session : Session
+    """
+
+    def __init__(self, root: Path, session: Session) -> None:
+        self._root, self._session = root, session
+        self._files: dict[TraceKind, int] = {}
+        self._unsynced: set[TraceKind] = set()
+
+    def keep(self, kind: TraceKind, table: FloatArray, rate_hz: float) -> TracePart:
+        """Add rows (n_rows, n_columns).
+
+        Raises
+        ------
+        DeviceFailed
+            If the disk is full or fails; nothing was added.
+        """
+        path = trace_file(self._root, self._session, kind)
+        if kind not in self._files:
+            self._files[kind] = self._opened(kind, path, table.shape[1], rate_hz)
+        file, member = self._files[kind], packed(encode_rows(kind, table))
+        first_byte = os.lseek(file, 0, os.SEEK_END)
+        write_whole(file, member, path, durable=False)
+        self._unsynced.add(kind)
+        name = path.relative_to(self._root).as_posix()
+        return TracePart(name, first_byte, len(member), digest_of(member), rate_hz if kind == "emitted" else None)
+
+    def _opened(self, kind: TraceKind, path: Path, n_columns: int, rate_hz: float) -> int:
+        make_folder(path.parent)
+        write_first(sidecar_of(path), sidecar(columns_of(kind, n_columns), rate_hz))
+        file = open_private(path, os.O_RDWR)
+        content = read_file(path, "traces")
+        n_whole = whole_length(content)
+        if n_whole < len(content):
+            os.ftruncate(file, n_whole)
+        sync_folder(path.parent)
+        return file
+
+    def sync(self) -> None:
+        """Put what was added on the disk: before the journal says that it is there."""
+        while self._unsynced:
+            os.fsync(self._files[self._unsynced.pop()])
+
+    def close(self) -> None:
+        self.sync()
+        while self._files:
+            os.close(self._files.popitem()[1])
+
+
+def trace_file(root: Path, session: Session, kind: TraceKind) -> Path:
+    return root / FOLDER / f"{session.stem}_{FILES[kind]}.tsv.gz"
+
+
+def sidecar_of(path: Path) -> Path:
+    """The JSON file that explains a file of traces."""
+    return path.with_name(path.name.removesuffix(".tsv.gz") + ".json")
+
+
+def sidecar(columns: Iterable[Column], rate_hz: float) -> bytes:
+    """What it says: the rate of the first sitting, and each column as BIDS explains it."""
+    named = {column.name: {"Description": column.description, "Units": column.unit} for column in columns}
+    return pretty({"SamplingFrequency": rate_hz, "StartTime": 0, "Columns": list(named), **named})

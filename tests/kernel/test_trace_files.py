@@ -1,0 +1,126 @@
+"""Files of traces: whole members, found by their places, whatever a kill or a full disk leaves."""
+
+import gzip
+import resource
+import signal
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import numpy as np
+import pytest
+from hypothesis import given, settings, strategies as st
+
+from tactometry.errors import DeviceFailed, InvalidFile
+from tactometry.files.durable import make_folder
+from tactometry.records.data_set import Session
+from tactometry.records.traces import TraceFiles, decode_rows, encode_rows, packed, read_part, trace_file, whole_length
+
+SESSION = Session("P01", 1, "tutorial")
+
+
+@pytest.fixture
+def files(tmp_path):
+    made = TraceFiles(tmp_path, SESSION)
+    yield made
+    made.close()
+
+
+def touch(seed, n=200, rng_of=np.random.default_rng):
+    """Samples of a touch that hardly compress."""
+    return np.column_stack([np.arange(n) / 1000, rng_of(seed).uniform(0.0, 2.0, n)])
+
+
+finite = st.floats(-1e6, 1e6) | st.just(float("nan"))
+
+
+@given(st.lists(st.tuples(st.floats(0.0, 1e5), finite), min_size=1, max_size=30))
+def test_rows_are_read_back_to_their_last_digit(rows):
+    table = np.array(rows)
+    force, position = (decode_rows(encode_rows(kind, table)) for kind in ("force", "position"))
+    np.testing.assert_allclose(force[:, 0], table[:, 0], atol=5.1e-7)
+    np.testing.assert_allclose(force[:, 1], table[:, 1], rtol=5.1e-6)
+    np.testing.assert_allclose(position[:, 1], table[:, 1], rtol=1e-15, atol=5.1e-10)
+
+
+def test_parts_are_read_back_each_from_its_place(tmp_path, files):
+    tables = [touch(seed) for seed in range(3)]
+    parts = [files.keep("force", table, 1000.0) for table in tables]
+    for part, table in zip(parts, tables, strict=True):
+        np.testing.assert_allclose(read_part(tmp_path, part), table, atol=5.1e-6)
+    text = gzip.decompress(trace_file(tmp_path, SESSION, "force").read_bytes())
+    assert text.count(b"\n") == 600
+
+
+@settings(deadline=None)
+@given(st.floats(0.0, 1.0, exclude_max=True))
+def test_a_member_that_a_kill_tore_is_cut_off_and_nothing_else(part_written):
+    with TemporaryDirectory() as folder:
+        root = Path(folder)
+        before = TraceFiles(root, SESSION)
+        kept = before.keep("force", touch(1), 1000.0)
+        before.close()
+        path, member = trace_file(root, SESSION, "force"), packed(encode_rows("force", touch(2)))
+        with path.open("ab") as file:
+            file.write(member[: int(part_written * len(member))])
+        after = TraceFiles(root, SESSION)
+        added = after.keep("force", touch(3), 1000.0)
+        after.close()
+        assert added.first_byte == kept.n_bytes
+        assert path.stat().st_size == kept.n_bytes + added.n_bytes
+        np.testing.assert_allclose(read_part(root, kept), touch(1), atol=5.1e-6)
+
+
+def test_a_whole_member_that_no_journal_names_stays(tmp_path, files):
+    """The journal may be an older copy: what it does not know of is not lost."""
+    first, second = (files.keep("force", touch(seed), 1000.0) for seed in (1, 2))
+    files.close()
+    again = TraceFiles(tmp_path, SESSION)
+    third = again.keep("force", touch(3), 1000.0)
+    again.close()
+    assert third.first_byte == first.n_bytes + second.n_bytes
+
+
+def test_what_is_damaged_within_a_file_is_no_tear():
+    members = [bytearray(packed(encode_rows("force", touch(seed)))) for seed in range(3)]
+    members[1][40] ^= 1
+    content = b"".join(members)
+    assert whole_length(content) == len(content)
+
+
+def test_a_damaged_part_is_refused_in_one_sentence(tmp_path, files):
+    part = files.keep("force", touch(1), 1000.0)
+    path = trace_file(tmp_path, SESSION, "force")
+    path.write_bytes(bytes(part.n_bytes))
+    with pytest.raises(InvalidFile, match="found other samples than were kept from byte 0 on, expected them whole"):
+        read_part(tmp_path, part)
+    path.unlink()
+    with pytest.raises(InvalidFile, match=r"cannot be read \(No such file or directory\), expected traces"):
+        read_part(tmp_path, part)
+
+
+def test_a_disk_that_fills_takes_nothing_of_what_was_kept(tmp_path, files):
+    first = files.keep("force", touch(1), 1000.0)
+    limits, handler = resource.getrlimit(resource.RLIMIT_FSIZE), signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (first.n_bytes + 100, limits[1]))
+    try:
+        with pytest.raises(DeviceFailed, match="expected room on the disk; all trials before are safe: make room"):
+            files.keep("force", touch(2), 1000.0)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, limits)
+        signal.signal(signal.SIGXFSZ, handler)
+    assert trace_file(tmp_path, SESSION, "force").stat().st_size == first.n_bytes
+    second = files.keep("force", touch(2), 1000.0)
+    assert second.first_byte == first.n_bytes
+
+
+def test_the_same_samples_give_the_same_bytes_and_a_file_of_its_owner(tmp_path):
+    made = []
+    for name in ("a", "b"):
+        make_folder(tmp_path / name)
+        files = TraceFiles(tmp_path / name, SESSION)
+        files.keep("position", np.column_stack([touch(1), touch(2)[:, 1]]), 250.0)
+        files.close()
+        path = trace_file(tmp_path / name, SESSION, "position")
+        made.append(path.read_bytes())
+        assert path.stat().st_mode & 0o777 == 0o600
+    assert made[0] == made[1]

@@ -1,0 +1,229 @@
+"""Force and position of each touch, kept: by a real session at a console, whose sensor counts its samples."""
+
+import gzip
+import io
+import json
+import shutil
+import subprocess
+import sys
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from benches import FILE_BENCH, UDP_HAND
+from command_line import call
+from emulated import Emulator, wait_for
+from kept_events import Kept
+from study_texts import tutorial_in
+from tables import trial_rows
+
+from tactometry.experiments.data_sets.traces import read_traces
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.records.journal import checksum, encode
+from tactometry.rigs.touch.tracer import Tracer
+from tactometry.session.answer import Done, Touched
+
+SHORT = {
+    "frequency_hz = [60, 240]": "frequency_hz = [60]",
+    '"500 ms"': '"100 ms"',
+    '"300 ms"': '"20 ms"',
+    "catch_rate = 0.2": "catch_rate = 0.0",
+    "levels = [22, 28, 34, 40]": "levels = [34]",
+    "repeats = 4": "repeats = 2",
+}
+METRES_PER_COUNT = 5e-5
+MOVING = f"""
+[position]
+sensor = "hand"
+channels = [0]
+metres_per_count = {METRES_PER_COUNT}
+"""
+PROFILE = "0.2:30,1:100"
+"""Released, then held at 1 N, again and again; the emulated finger moves on by one count a sample."""
+
+
+def words(folder, device, bench="", out="d"):
+    """A session at a console, before a file for an output and a sensor by UDP, as arguments of `run`."""
+    text = FILE_BENCH.format(folder=folder / "played", duty=1.0, window_s=60)
+    path = folder / "bench.toml"
+    path.write_text(text + UDP_HAND.format(port=device.udp_port) + MOVING + bench, encoding="utf-8")
+    study = tutorial_in(folder, SHORT)
+    return study, "--participant", "P01", "--rig", "console", "--bench", path, "--out", folder / out
+
+
+def sit(folder, capsys, monkeypatch, **how):
+    """Such a session whose participant answers 1 each time: its status and errors."""
+    device = Emulator("udp", folder, profile=PROFILE)
+    monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 40))
+    try:
+        return call(capsys, "run", *words(folder, device, **how))[:2]
+    finally:
+        device.close()
+
+
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    """A data set with traces, which no test changes."""
+    folder = tmp_path_factory.mktemp("recorded")
+    with pytest.MonkeyPatch.context() as patch:
+        silent = SimpleNamespace(readouterr=lambda: SimpleNamespace(out="", err=""))
+        status, errors = sit(folder, silent, patch)
+    assert status == 0, errors
+    return folder / "d"
+
+
+@pytest.fixture
+def copied(recorded, tmp_path):
+    shutil.copytree(recorded, tmp_path / "d")
+    return tmp_path / "d"
+
+
+def test_the_samples_of_a_touch_are_those_that_the_sensor_sent(recorded):
+    for row in trial_rows(recorded):
+        (touch,) = read_traces(recorded, int(row["trial"]))
+        assert set(touch.force.values.tolist()) <= {0.3, 1.0}
+        counts = touch.position.values[:, 0] / METRES_PER_COUNT
+        np.testing.assert_allclose(np.diff(counts), 1.0, atol=1e-6)  # none is lost, none stands twice
+        for times_s, values in (touch.force, touch.position):
+            assert len(times_s) == len(values)
+            assert np.all(np.diff(times_s) >= 0)
+            assert times_s[0] < touch.answer.gate_s <= times_s[-1]
+
+
+def test_what_the_row_says_of_a_touch_follows_from_its_trace(recorded):
+    for row in trial_rows(recorded):
+        (touch,) = read_traces(recorded, int(row["trial"]))
+        begin_s, (times_s, forces_n) = float(row["onset_s"]), touch.force
+        during = (times_s >= begin_s) & (times_s <= begin_s + touch.request.duration_s)
+        assert forces_n[during].mean() == pytest.approx(float(row["force_mean_n"]), abs=1e-6)
+        # the gate opened on a sample, after the force had been held
+        held = (times_s <= touch.answer.gate_s) & (times_s >= touch.answer.gate_s - touch.request.hold_s)
+        assert np.min(np.abs(times_s - touch.answer.gate_s)) <= 1e-6
+        assert np.all(forces_n[held] == 1.0)
+
+
+def test_what_was_emitted_is_computed_from_the_study_and_known_by_its_digest(recorded, copied):
+    (touch,) = read_traces(recorded, 1)
+    assert touch.emitted.digest() == touch.answer.digest
+    study = copied / "study.toml"
+    study.write_text(study.read_text("utf-8").replace("frequency_hz = [60]", "frequency_hz = [61]"), "utf-8")
+    (other,) = read_traces(copied, 1)
+    assert other.emitted is None  # another signal than the one that was played is none
+    np.testing.assert_array_equal(other.force.values, touch.force.values)
+
+
+def test_the_files_of_traces_are_explained_beside_them_and_read_by_any_program(recorded):
+    import pandas as pd
+
+    stems = sorted(path.name.removesuffix(".tsv.gz") for path in (recorded / "traces").glob("*.tsv.gz"))
+    whose = "participant-P01_session-1_study-tutorial"
+    assert stems == [f"{whose}_recording-force_physio", f"{whose}_tracksys-finger_motion"]
+    for stem in stems:
+        explained = json.loads((recorded / "traces" / f"{stem}.json").read_text("utf-8"))
+        table = pd.read_csv(recorded / "traces" / f"{stem}.tsv.gz", sep="\t", header=None, names=explained["Columns"])
+        assert explained["SamplingFrequency"] == 1000
+        assert {explained[name]["Units"] for name in explained["Columns"]} <= {"s", "N", "m"}
+        assert len(table) >= 200
+        assert table["time_s"].is_monotonic_increasing
+
+
+def test_traces_are_kept_as_the_bench_file_says(tmp_path, capsys, monkeypatch):
+    status, errors = sit(tmp_path, capsys, monkeypatch, bench="[traces]\nposition = false\n")
+    assert status == 0, errors
+    (touch,) = read_traces(tmp_path / "d", 1)
+    assert (touch.position, len(touch.force.times_s) > 100) == (None, True)
+    (journal,) = (tmp_path / "d" / "journals").glob("*.jsonl")
+    assert json.loads(journal.read_text().splitlines()[0])["facts"]["traces"] == "force, emitted"
+    status, errors = sit(tmp_path, capsys, monkeypatch, bench="[traces]\nspeed = false\n", out="e")
+    assert (status, "bench.toml" in errors, "speed" in errors) == (2, True, True)
+
+
+def test_a_session_without_traces_has_no_folder_for_them(tmp_path, capsys, monkeypatch):
+    status, errors = sit(tmp_path, capsys, monkeypatch, bench="[traces]\nposition = false\nforce = false\n")
+    assert status == 0, errors
+    assert not (tmp_path / "d" / "traces").exists()
+    assert validate(tmp_path / "d").defects == ()
+
+
+def test_validate_names_a_trace_that_is_not_what_was_kept(copied):
+    assert validate(copied).defects == ()
+    force, position = sorted((copied / "traces").glob("*.tsv.gz"))
+    kept = force.read_bytes()
+    force.write_bytes(kept[:50] + bytes([kept[50] ^ 1]) + kept[51:])
+    (defect,) = validate(copied).defects
+    assert str(defect).startswith(f"traces/{force.name}: found other samples than were kept from byte 0 on")
+    force.write_bytes(kept[:-1])
+    (defect,) = validate(copied).defects
+    assert "found its end within the next" in str(defect)
+    force.unlink()
+    force.with_name(force.name.replace(".tsv.gz", ".json")).unlink()
+    words = [str(defect) for defect in validate(copied).defects]
+    assert any(f"traces/{force.name}: cannot be read" in said for said in words), words
+    assert not any(position.name in said for said in words)
+
+
+def test_a_data_set_with_traces_is_replayed_analysed_and_rebuilt(copied, capsys):
+    for words in (("replay",), ("analyse",), ("rebuild",), ("replay",)):
+        assert call(capsys, *words, copied)[0] == 0
+    assert validate(copied).defects == ()
+
+
+def test_a_journal_that_names_a_place_outside_of_the_traces_is_refused(copied, capsys):
+    (path,) = (copied / "journals").glob("*.jsonl")
+    first, *rest = path.read_bytes().splitlines(keepends=True)
+    forged = [first]
+    for line in rest:
+        table = json.loads(line)
+        del table["crc32"]
+        for part in (table.get("answer") or {}).get("trace", ()):
+            part["file"] = "traces/../study.toml"
+        forged.append(encode(table, checksum(forged[-1])))
+    path.write_bytes(b"".join(forged))
+    status, _, said = call(capsys, "validate", copied)
+    assert status == 1
+    assert "found a trace in 'traces/../study.toml', expected a place in a file of the folder traces" in said
+
+
+def named(root):
+    """Up to where the first trial of a data set names the forces."""
+    return sum(part.n_bytes for part in read_traces(root, 1)[0].answer.trace if "force" in part.file)
+
+
+def test_a_session_that_was_killed_keeps_the_traces_of_all_its_trials(tmp_path, capsys, monkeypatch):
+    device = Emulator("udp", tmp_path, profile=PROFILE)
+    command = [sys.executable, "-m", "tactometry", "run", *words(tmp_path, device)]
+    try:
+        process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+        process.stdin.write(b"1\n")
+        process.stdin.flush()
+        force = tmp_path / "d" / "traces" / "participant-P01_session-1_study-tutorial_recording-force_physio.tsv.gz"
+        wait_for(lambda: len(trial_rows(tmp_path / "d")) == 1 or process.poll() is not None)
+        n_bytes = named(tmp_path / "d")
+        wait_for(lambda: force.stat().st_size > n_bytes or process.poll() is not None)
+        assert process.poll() is None
+        process.kill()
+        process.communicate()
+        with force.open("ab") as file:
+            file.write(b"\x1f\x8b\x08\x00")  # a member that had only begun
+        monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 40))
+        status, errors, _ = call(capsys, "run", *words(tmp_path, device), "--resume")
+    finally:
+        device.close()
+    assert status == 0, errors
+    assert validate(tmp_path / "d").defects == ()
+    rows = trial_rows(tmp_path / "d")
+    assert all(len(read_traces(tmp_path / "d", int(row["trial"]))[0].force.times_s) > 100 for row in rows)
+    with gzip.open(force) as file:
+        assert file.read().count(b"\n") >= 100 * (len(rows) + 1)  # and the one that led to no trial
+
+
+def test_what_was_said_before_a_touch_does_not_belong_to_it():
+    log, blocks = Kept(), [(np.array([1.0]), np.array([5.0])), (np.array([2.0]), np.array([6.0]))]
+    source = SimpleNamespace(rate_hz=1000.0)
+    sensor = SimpleNamespace(read=lambda: blocks.pop(0), reader=SimpleNamespace(source=source))
+    tracer = Tracer({"force": sensor}, None, log, lambda at_s: at_s - 0.5)
+    tracer.begin()
+    assert tracer.kept(Done(1.0)) == Done(1.0)
+    kept = tracer.kept(Touched(2.0, None, None))
+    [(kind, table)] = log.traces
+    assert (kind, table.tolist(), len(kept.trace)) == ("force", [[1.5, 6.0]], 1)
