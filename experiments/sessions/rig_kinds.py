@@ -64,7 +64,7 @@ def bench(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "Rig
 
     del who
     screen = bench_file.screen
-    texts = texts_in(screen.language, experiment.study.texts)
+    texts = texts_in(screen.language, experiment.study.words_in(screen.language))
 
     def make(seed: int, log: "EventLog") -> Bench:
         del seed
@@ -88,7 +88,8 @@ def console(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "R
     from .recording import RigKind
 
     del who
-    texts = texts_in(bench_file.screen.language, experiment.study.texts)
+    language = bench_file.screen.language
+    texts = texts_in(language, experiment.study.words_in(language))
     if TASKS[experiment.table.kind].sets_level and not isinstance(bench_file.output.settings, NullSettings):
         raise InvalidParameter(
             "--rig: found console, where no level plays while it is set, expected bench for the adjustments of this "

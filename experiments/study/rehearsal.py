@@ -1,6 +1,6 @@
 """Every page that the sessions of a study can show, put together before the first of them begins."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from math import prod
 from pathlib import Path
@@ -27,22 +27,33 @@ def rehearse(experiment: Experiment) -> None:
         If a key of the task has no effect, or a text has the name of none or cannot be filled on a page that will show
         it.
     """
-    study = experiment.study
     _refuse_idle(experiment)
-    texts = replace(texts_in("en", study.texts), shipped={})  # with them to fall back on, no text would be refused
-    known = texts_in("en", {})
-    names = sorted({*known.messages, *known.labels})
-    for name in study.texts:
+    study = experiment.study
+    _rehearse_texts(experiment, "texts", study.texts, study.texts, "en")
+    for language, words in study.translations.items():
+        _rehearse_texts(experiment, f"translations.{language}", words, study.words_in(language), language)
+
+
+def _rehearse_texts(
+    experiment: Experiment, where: str, own: Mapping[str, str], words: Mapping[str, str], language: str
+) -> None:
+    """Whether each of the `own` words, from one place of the file, has a page, and all `words` can be filled there."""
+    with rewording(lambda said: f"{where}: {said}"):
+        texts = replace(texts_in(language, words), shipped={})  # with them to fall back on, no text would be refused
+    known = texts_in(language, {})
+    levels = {level for levels in experiment.study.factors.values() for level in levels if isinstance(level, str)}
+    names = sorted({*known.messages, *known.labels, *levels})
+    for name in own:
         expected = f"one of {', '.join(names)}{nearest(name, names)}"
-        expect(name in names, f"texts.{name}", "a text that no page shows", expected)
+        expect(name in names, f"{where}.{name}", "a text that no page shows", expected)
     shown = set()
-    for page in _pages(experiment) if study.texts else ():
+    for page in _pages(experiment) if own else ():
         shown.add(page.message)
-        _fill(texts, page)
-    for name in study.texts:
+        _fill(texts, page, where)
+    for name in own:
         if name in known.messages and name not in shown:
             is_page = name in WITHIN_BLOCKS or name.startswith("instructions_")
-            _fill(texts, Show(name) if is_page else name)
+            _fill(texts, Show(name) if is_page else name, where)
 
 
 def _refuse_idle(experiment: Experiment) -> None:
@@ -69,8 +80,8 @@ def _pages(experiment: Experiment) -> Iterator[Show]:
             yield from pages(experiment.parts(number, stream(0, "rehearsal"), n_session))
 
 
-def _fill(texts: Texts, shown: Show | str) -> None:
-    with rewording(lambda words: f"texts: {words}"):
+def _fill(texts: Texts, shown: Show | str, where: str) -> None:
+    with rewording(lambda words: f"{where}: {words}"):
         texts.page(shown) if isinstance(shown, Show) else texts.message(shown)
 
 
@@ -100,6 +111,8 @@ def flaw(experiment: Experiment, root: Path) -> str | None:
     except InvalidParameter as error:
         if not (root / "study.toml").exists():
             raise
-        shown = "; the shipped text is shown in its place" if str(error).startswith("texts: ") else ""
+        shown = (
+            "; the shipped text is shown in its place" if str(error).startswith(("texts: ", "translations.")) else ""
+        )
         return f"{error}{shown}"
     return None

@@ -84,8 +84,9 @@ class Study:
 
     `scene` is the physics between stimulus and skin, in place of the default formula that `sensation` states.
     `nested` gives the levels of a factor within a level of another; `variants` what a factor's level changes in the
-    tables of stimulus, touch, procedure, sensation and scene; `forms` are questionnaires of the study's own; `analysis`
-    is a plan of analysis (`tactometry.analysis.plan.AnalysisPlan`), stated before the data.
+    tables of stimulus, touch, procedure, sensation and scene; `forms` are questionnaires of the study's own; `texts`
+    are what participants read in place of the shipped words, and `translations` the same by language, above them;
+    `analysis` is a plan of analysis (`tactometry.analysis.plan.AnalysisPlan`), stated before the data.
     """
 
     name: str
@@ -110,6 +111,7 @@ class Study:
     observer: dict[str, Any] = field(default_factory=dict)
     finger: SimulatedFinger = field(default_factory=SimulatedFinger)
     texts: dict[str, str] = field(default_factory=dict)
+    translations: dict[str, dict[str, str]] = field(default_factory=dict)
     analysis: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -124,6 +126,10 @@ class Study:
         _check_plan(self)
         if self.analysis:
             _check_analysis(self)
+
+    def words_in(self, language: str) -> dict[str, str]:
+        """The texts of the study in a language of two letters: its translations above the rest."""
+        return self.texts | self.translations.get(language, {})
 
 
 def _check_analysis(study: Study) -> None:

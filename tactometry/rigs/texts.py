@@ -36,7 +36,7 @@ class Texts:
     messages : mapping of str to str
         Texts with ``{names}`` to be filled.
     labels : mapping of str to str
-        What a label of an answer is called in the participant's language.
+        What a label of an answer, or a level of a factor, is called in the participant's language.
     language : str
         Its two letters, for words that come in several languages.
     stop : str
@@ -86,18 +86,31 @@ class Texts:
             return _fill_in(name, self.shipped[name], values or {})
 
     def page(self, request: Show, left_s: int = 0) -> str:
-        """The text of a page that is shown, with the seconds that are left of it and what stops the session.
+        """The text of a page that is shown, with the seconds that are left of it and what stops the session; with
+        `x_mm` too of a length `x_m`.
 
         Raises
         ------
         InvalidParameter
             As `message`.
         """
-        return self.message(request.message, {**request.values, "left_s": left_s, "stop": self.label(self.stop)})
+        told = {name: self.label(value) if isinstance(value, str) else value for name, value in request.values.items()}
+        known = {**_lengths_mm(told), **told, "left_s": left_s, "stop": self.label(self.stop)}
+        return self.message(request.message, known)
 
     def label(self, word: str) -> str:
         """A label in the participant's language; an unknown one as it is."""
         return self.labels.get(word, word)
+
+
+def _lengths_mm(values: Mapping[str, str | int | float]) -> dict[str, float]:
+    """Lengths as people say them.
+
+    >>> _lengths_mm({"distance_m": 0.028, "block": 2})
+    {'distance_mm': 28.0}
+    """
+    lengths_m = {name: value for name, value in values.items() if name.endswith("_m") and not isinstance(value, str)}
+    return {f"{name.removesuffix('_m')}_mm": round(1e3 * length_m, 9) for name, length_m in lengths_m.items()}
 
 
 def _fill_in(name: str, text: str, values: Mapping[str, str | int | float]) -> str:
@@ -114,7 +127,7 @@ def _fill_in(name: str, text: str, values: Mapping[str, str | int | float]) -> s
 
 
 def texts_in(language: str, study: Mapping[str, str]) -> Texts:
-    """The shipped texts of a language, below the texts of a study, which may name messages and labels.
+    """The shipped texts of a language, below the texts of a study, which may name messages, labels and levels.
 
     Raises
     ------
@@ -130,5 +143,5 @@ def texts_in(language: str, study: Mapping[str, str]) -> Texts:
     """
     one_of("language", language, languages())
     shipped = tomllib.loads((FOLDER / f"{PREFIX}{language}{SUFFIX}").read_text("utf-8"))
-    labels = shipped["labels"] | {name: text for name, text in study.items() if name in shipped["labels"]}
+    labels = shipped["labels"] | {name: text for name, text in study.items() if name not in shipped["messages"]}
     return Texts({**shipped["messages"], **study}, labels, language, shipped["messages"])

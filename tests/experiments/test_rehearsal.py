@@ -6,6 +6,7 @@ import re
 import pytest
 from command_line import call
 from own_form import OWN_FORM
+from short_studies import shortened
 
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.experiment import wire
@@ -30,6 +31,18 @@ FLAWS = {
         "texts: message 'rest': found a place that cannot be filled",
     ),
     "no such text": ('[texts]\nende = "Bye"\n', "texts.ende: found a text that no page shows, expected one of"),
+    "no such text in a translation": (
+        '[translations.fr]\nende = "Fin"\n',
+        "translations.fr.ende: found a text that no page shows, expected one of",
+    ),
+    "unknown place in a translation": (
+        '[translations.fr]\nend = "{nope}"\n',
+        "translations.fr: message 'end': found a place that cannot be filled ('nope')",
+    ),
+    "language that is not there": (
+        '[translations.xx]\nend = "Fin"\n',
+        "translations.xx: language: found 'xx', expected",
+    ),
     "number in a questionnaire's part": (
         f'{BLOCK}[inquiries.end]\nform = "sus"\n',
         "texts: message 'block': found a place that cannot be filled (Unknown format code 'f'",
@@ -42,6 +55,7 @@ FLAWS = {
 SOUND = {
     "places of a part": BLOCK,
     "seconds that are left": '[texts]\nresting = "{left_s} s"\nend = "{left_s}"\nyes = "si"\nfelt = "Alors {{?}}"\n',
+    "a language beside": '[texts]\nend = "Bye"\n[translations.fr]\nend = "Fin"\n',
     "one part alone": '[texts]\ninstructions_rating = "Rate it"\n',
 }
 
@@ -145,3 +159,36 @@ def test_a_questionnaire_without_words_in_the_language_of_the_bench_is_refused_a
         assert status == 2
         assert re.search("questionnaire mine: found no words in 'fr', expected one of en; choose that language", said)
     assert call(capsys, *words, "--bench", bench, "--rig", "simulated")[0] == 0
+
+
+IN_FRENCH = {
+    "time-reversal-localisation": ("Où ?", "repères distants de 28 mm", "2 = majeur, 3 = index + majeur"),
+    "force-loss": ("Appuyez avec le contacteur souple de 5 mm en F, à 0.5 N.",),
+}
+IN_ENGLISH = {
+    "time-reversal-localisation": ("Where?", "marks that are 28 mm apart", "2 = middle, 3 = index + middle"),
+    "force-loss": ("Press the soft contactor of 5 mm at F with 0.5 N.",),
+}
+
+
+@pytest.mark.parametrize(("language", "told"), [("fr", IN_FRENCH), ("en", IN_ENGLISH)])
+@pytest.mark.parametrize("name", IN_FRENCH)
+def test_a_session_has_the_words_of_its_study_in_its_language(tmp_path, capsys, monkeypatch, name, language, told):
+    (tmp_path / "s.toml").write_text(shortened(name), "utf-8")
+    (tmp_path / "bench.toml").write_text(f'[screen]\nlanguage = "{language}"\n', "utf-8")
+    monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 60))
+    words = ["run", tmp_path / "s.toml", "--participant", "P01", "--rig", "console", "--bench", tmp_path / "bench.toml"]
+    status, said, out = call(capsys, *words, "--out", tmp_path / "d")
+    assert status == 0, said
+    assert all(each in out for each in told[name]), out
+
+
+TRANSLATED = {"fr"}
+
+
+def test_every_text_of_a_built_in_study_has_a_translation():
+    for path in builtin().values():
+        study = parse(path.read_bytes(), path.name)
+        for words in study.translations.values():
+            assert words.keys() >= study.texts.keys(), path.name
+        assert set(study.translations) == (TRANSLATED if study.texts else set()), path.name

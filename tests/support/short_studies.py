@@ -54,6 +54,7 @@ SHORT = {
     "force-loss": (
         ('contactor = ["finger", "soft 5 mm", "soft 10 mm", "rigid 5 mm", "rigid 10 mm"]', 'contactor = ["soft 5 mm"]'),
         *without("force-loss", r'^\[variants\.contactor\.(?!"soft 5 mm").*\n(?:[a-z].*\n)+'),
+        *without("force-loss", r'^(?:finger|"soft 10 mm"|"rigid (?:5|10) mm") = .*\n'),
         ('place = ["F", "P1"] ', 'place = ["F"] '),
         *without("force-loss", r"^\[variants\.place\.P1.*\n(?:[a-z].*\n)+"),
         ("force_n = [0.1, 0.5, 1.0, 2.0, 4.0]", "force_n = [0.5, 2.0]"),
