@@ -5,15 +5,11 @@ from its `ptb` back end only, its clock is the wall clock on Linux, taps are mis
 """
 
 import ctypes
-import functools
 import time
 import warnings
-from collections import Counter
 from collections.abc import Callable
 from contextlib import ExitStack
-from dataclasses import replace
 from importlib.metadata import version
-from pathlib import Path
 from types import SimpleNamespace
 from typing import Any, Self
 
@@ -22,20 +18,15 @@ import numpy as np
 from ..arguments.require import expect
 from ..errors import DeviceFailed
 from ..session.request import Facts
+from .drawing import Canvas
 from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
 from .keyboard import FreshPresses, failing_as, keyboard_of_script, open_keyboard
 from .loan import Loan
-from .pages.page import PAPER, Box, Click, Closed, Disc, Display, Input, KeyDown, Page, Text
+from .pages.page import PAPER, Click, Closed, Display, Input, KeyDown, Page
 
-FONT = "Noto Sans"
 N_MEASURED_FRAMES, N_MEASUREMENTS = 20, 3
-PIXELS_PER_LINE = 300
 VIEWING_DISTANCE_CM = 60.0
 UNSTATED_WIDTH_CM = 50.0
-Look = tuple[type[Box | Disc], str | None, str | None]
-"""Kind, fill and line of a shape."""
-Stands = tuple[tuple[float, float], tuple[float, float]]
-"""Where a shape is, and how large."""
 
 
 def _psychopy() -> SimpleNamespace:
@@ -144,9 +135,7 @@ class Window(Display):
             self._loan.give_back()
 
     def _prepare_drawing(self) -> None:
-        _add_font(self._psychopy)
-        self._shapes: dict[tuple[Look, int], tuple[Any, Stands]] = {}
-        self._text = functools.cache(self._new_text)
+        self._canvas = Canvas(self._psychopy, self._window)
         self._fresh = FreshPresses()
         self._pressed: list[Input] = []
         self._intervals_s: list[float] = []
@@ -260,47 +249,7 @@ class Window(Display):
 
     def _draw(self, page: Page) -> None:
         self._loan.take()
-        seen: Counter[Look] = Counter()
-        for item in page.items:
-            if isinstance(item, Text):
-                text = self._text(replace(item, x=0.0, y=0.0))  # of a text that moves its place alone is written
-                text.pos = (item.x, item.y)
-                text.draw()
-            else:
-                look = (type(item), item.fill, item.line)
-                self._shape(item, (look, seen[look])).draw()
-                seen[look] += 1
-
-    def _shape(self, item: Box | Disc, key: tuple[Look, int]) -> Any:
-        """The shape that last stood for an item of this look, and so many before it; what has not changed is not
-        written, as each attribute of a shape costs more than its drawing."""
-        size = (item.width, item.height) if isinstance(item, Box) else (item.radius, item.radius)
-        stands = ((item.x, item.y), size)
-        shape, stood = self._shapes.get(key) or (self._new_shape(item), None)
-        if stands != stood:
-            shape.pos, shape.size = stands
-            self._shapes[key] = shape, stands
-        return shape
-
-    def _new_shape(self, item: Box | Disc) -> Any:
-        width = max(2, round(self._window.size[1] / PIXELS_PER_LINE)) if item.line else 0
-        look = {"fillColor": item.fill, "lineColor": item.line, "lineWidth": width, "autoLog": False}
-        if isinstance(item, Box):
-            return self._psychopy.visual.Rect(self._window, width=1, height=1, **look)
-        return self._psychopy.visual.Circle(self._window, radius=1, edges=96, **look)
-
-    def _new_text(self, item: Text) -> Any:
-        return self._psychopy.visual.TextStim(
-            self._window,
-            text=item.words,
-            font=FONT,
-            height=item.height,
-            color=item.colour,
-            wrapWidth=item.wrap_width,
-            anchorHoriz=item.align,
-            alignText=item.align,
-            autoLog=False,
-        )
+        self._canvas.draw(page)
 
 
 def _mode_of(screen: Any) -> Any:
@@ -331,9 +280,3 @@ def _open_window(psychopy: SimpleNamespace, *, fullscreen: bool, size: tuple[int
             gammaErrorPolicy="ignore",
             autoLog=False,
         )
-
-
-def _add_font(psychopy: SimpleNamespace) -> None:
-    assets = Path(psychopy.visual.__file__).parents[1] / "assets" / "fonts"
-    with (assets / "NotoSans-Regular.ttf").open("rb") as face:
-        psychopy.pyglet.font.add_file(face)

@@ -79,8 +79,8 @@ def all_pages(language, aspect):
     )
 
 
-def form_page(name, language, aspect):
-    """The first page of a questionnaire, with one answer; that of the SUS as it is where gaps were pointed out."""
+def form_pages(name, language, aspect):
+    """The first page of a questionnaire with each of two answers; that of the SUS as where gaps were pointed out."""
     loaded = load(name)
     page = pages(loaded, loaded.items)[0]
     texts = texts_in(language, {})
@@ -91,8 +91,9 @@ def form_page(name, language, aspect):
         texts.message(form.hint_for(page.steps)),
         texts.message("hint_gaps"),
     )
-    marks = form.Marks((2, *(None,) * (len(page.questions) - 1)), row=1, warned=name == "sus")
-    return form.form_page(drawn, marks, aspect)
+    left = (None,) * (len(page.questions) - 1)
+    marked = [form.Marks((place, *left), row=min(1, len(left)), warned=name == "sus") for place in (2, 3)]
+    return [form.form_page(drawn, marks, aspect) for marks in marked]
 
 
 def entry_page(aspect):
@@ -103,7 +104,7 @@ def entry_page(aspect):
 def every_page(aspect):
     """Those of both languages, the questionnaires, the typed number and the bar, by name."""
     found = {f"{lang}_{name}": page for lang in languages() for name, page in all_pages(lang, aspect).items()}
-    found |= {f"form_{name}_{lang}": form_page(name, lang, aspect) for name, lang in FORMS}
+    found |= {f"form_{name}_{lang}": form_pages(name, lang, aspect)[0] for name, lang in FORMS}
     bar = layout.bar_page(BAR_WORDS, texts_in("en", {}).message("hint_continue"), aspect, BAR_PART)
     return found | {"entry": entry_page(aspect), "bar": bar}
 

@@ -54,7 +54,7 @@ BARE = {
     "power_high": "the upper bound of that power",
     "width_in": "of a figure, in inches, which matplotlib takes",
 }
-DRAWN = ("tactometry/rigs/pages/layout.py", "tactometry/rigs/pages/page.py", "tactometry/rigs/window.py")
+DRAWN = tuple(f"tactometry/rigs/{name}.py" for name in ("pages/layout", "pages/page", "drawing", "window"))
 ON_SCREEN = frozenset(("width", "length", "radius", "position"))  # PsychoPy's unit: heights of the window
 
 

@@ -150,11 +150,11 @@ def track_page(page: Page, cue: float, length: float, finger: float | None = Non
     `cue` and `finger` are places from -1 to 1; a finger beyond the track stays at its end.
     """
     y = -0.36
-    track: list[Item] = [Box(0, y, length, 0.006, fill=EDGE), Disc(cue * length / 2, y, 0.022, fill=ACCENT)]
+    moving = [Disc(cue * length / 2, y, 0.022, fill=ACCENT)]
     if finger is not None:
         place = min(max(finger, -1.1), 1.1)  # just past an end, so that it is seen to be beyond
-        track.append(Disc(place * length / 2, y, 0.036, line=GOOD))
-    return Page((*page.items, *track), page.buttons)
+        moving.append(Disc(place * length / 2, y, 0.036, line=GOOD))
+    return Page((Box(0, y, length, 0.006, fill=EDGE), *page.items, *moving), page.buttons)
 
 
 def sweep(phase: float) -> float:

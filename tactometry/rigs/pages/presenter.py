@@ -69,18 +69,20 @@ class Presenter:
 
         What was pressed before the onset is no answer; after a pause the page comes again, with another onset.
         """
-        onset_s = self.screen.present(view(state))
+        page = view(state)
+        onset_s = self.screen.present(page)
         while True:
             each_frame(state)
             for event in self._events():
-                answer = view(state).answer(event) if event.at_s >= onset_s else None
+                answer = page.answer(event) if event.at_s >= onset_s else None
                 if answer is not None:
                     state, settled = after(state, answer)
                     if settled:
                         return state, onset_s, event.at_s
+                    page = view(state)
             if self.paused_until_s > onset_s:  # answers from before the pause, and its length, do not count
-                onset_s = self.screen.present(view(state))
-            self.screen.refresh(view(state))
+                onset_s = self.screen.present(page)
+            self.screen.refresh(page)
 
     def _events(self) -> tuple[Input, ...]:
         events = self.screen.events()

@@ -6,7 +6,7 @@ from dataclasses import replace
 import pytest
 from command_line import call
 from learnt_file import write_responses
-from screens import entry_page, form_page
+from screens import entry_page, form_pages
 from short_studies import shortened
 
 from tactometry.devices.outputs.output import with_ramps
@@ -127,7 +127,7 @@ def test_a_questionnaire_without_the_language_is_refused(bench, watched, output)
 
 @pytest.mark.parametrize(("name", "language"), [("attrakdiff", "fr"), ("sus", "en"), ("nasa-tlx", "en")])
 def test_pages_are_drawn_for_a_look(screen, artefacts, name, language):
-    image = screen.picture(form_page(name, language, screen.aspect))
+    image = screen.picture(form_pages(name, language, screen.aspect)[0])
     image.save(artefacts / f"form_{name}.png")
     assert len(set(image.convert("L").getdata())) > 20
 

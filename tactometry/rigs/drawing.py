@@ -1,0 +1,111 @@
+"""Draws a page with PsychoPy's shapes and texts, which it asks once each.
+
+Of PsychoPy 2026.2.5 each attribute of a shape costs more to write than the shape to draw, and each `draw` more in
+Python than in OpenGL. So each text and each look of a shape is recorded once, in a list of OpenGL.
+"""
+
+import functools
+import math
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+from .pages.page import Box, Disc, Page, Text
+
+FONT = "Noto Sans"
+PIXELS_PER_LINE = 300
+N_EDGES_BOX = 4
+FLAT_PX = 0.1
+"""So far may the polygon of a circle lie inside of it: a line of many short edges is what costs most in software."""
+Look = tuple[int, str | None, str | None]
+"""Edges, fill and line of a shape, wherever it stands."""
+
+
+def n_edges(radius: float) -> int:
+    """Edges of a polygon (its radius in pixels) whose middles lie `FLAT_PX` inside of its circle at most.
+
+    >>> n_edges(26.0), n_edges(160.0)
+    (36, 89)
+    """
+    return math.ceil(math.pi / math.acos(1 - min(FLAT_PX / radius, 0.1)))
+
+
+class Canvas:
+    """Draws pages into the back buffer of a PsychoPy window.
+
+    Parameters
+    ----------
+    psychopy : SimpleNamespace
+        `visual` and `pyglet`, as the window module has loaded them.
+    window : psychopy.visual.Window
+        With ``units="height"``.
+    """
+
+    def __init__(self, psychopy: SimpleNamespace, window: Any) -> None:
+        self._visual, self._gl, self._window = psychopy.visual, psychopy.pyglet.gl, window
+        _add_font(psychopy)
+        self._list = functools.cache(self._recorded)
+        self._stimuli: list[Any] = []
+        """What was recorded: the letters of a text whose font nobody holds any more are forgotten by OpenGL."""
+
+    def draw(self, page: Page) -> None:
+        """Draw the items of a page in their order."""
+        gl, (width, height) = self._gl, self._window.size
+        for item in page.items:
+            if isinstance(item, Text):  # PsychoPy draws it at its own place, whatever the matrix says
+                gl.glCallList(self._list(item))
+                continue
+            look, size = self._look(item)
+            drawing = self._list(look)
+            gl.glPushMatrix()
+            # in half widths and heights of the window, as PsychoPy leaves the matrix
+            gl.glTranslatef(2 * item.x * height / width, 2 * item.y, 0)
+            gl.glScalef(*size, 1)
+            gl.glCallList(drawing)
+            gl.glPopMatrix()
+
+    def _look(self, item: Box | Disc) -> tuple[Look, tuple[float, float]]:
+        """What is drawn for an item, and how many times as large as it was recorded."""
+        if isinstance(item, Box):
+            return (N_EDGES_BOX, item.fill, item.line), (item.width, item.height)
+        return (n_edges(item.radius * self._window.size[1]), item.fill, item.line), (item.radius, item.radius)
+
+    def _recorded(self, look: Text | Look) -> int:
+        """The list that draws a text, or a shape in the middle of the window."""
+        stimulus = self._text(look) if isinstance(look, Text) else self._shape(*look)
+        self._stimuli.append(stimulus)
+        drawing = int(self._gl.glGenLists(1))
+        self._gl.glNewList(drawing, self._gl.GL_COMPILE)
+        try:
+            stimulus.draw()
+        finally:
+            self._gl.glEndList()
+        return drawing
+
+    def _shape(self, edges: int, fill: str | None, line: str | None) -> Any:
+        """A box or a circle of size 1; its line is as wide at any size."""
+        width = max(2, round(self._window.size[1] / PIXELS_PER_LINE)) if line else 0
+        look = {"fillColor": fill, "lineColor": line, "lineWidth": width, "autoLog": False}
+        if edges == N_EDGES_BOX:
+            return self._visual.Rect(self._window, width=1, height=1, **look)
+        return self._visual.Circle(self._window, radius=1, edges=edges, **look)
+
+    def _text(self, item: Text) -> Any:
+        return self._visual.TextStim(
+            self._window,
+            text=item.words,
+            font=FONT,
+            pos=(item.x, item.y),
+            height=item.height,
+            color=item.colour,
+            wrapWidth=item.wrap_width,
+            anchorHoriz=item.align,
+            alignText=item.align,
+            autoLog=False,
+        )
+
+
+def _add_font(psychopy: SimpleNamespace) -> None:
+    assets = Path(psychopy.visual.__file__).parents[1] / "assets" / "fonts"
+    with (assets / "NotoSans-Regular.ttf").open("rb") as face:
+        psychopy.pyglet.font.add_file(face)
