@@ -21,8 +21,8 @@ def rig_kind(name: str, experiment: "Experiment", who: "Who", bench_file: "Bench
     return kind
 
 
-def _equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog") -> "Equipment":
-    """None of the devices is open; the output counts on from what reached the participant before."""
+def equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog | None" = None) -> "Equipment":
+    """None of the devices is open; the output counts on from what reached the participant before, as the log says."""
     from datetime import date
 
     from tactometry.devices.outputs.output import check_format
@@ -38,7 +38,7 @@ def _equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog") ->
     for strongest in experiment.strongest(bank):
         check_format(strongest.signal, devices.output.driver)
     check_followed(experiment, bench, devices)
-    if devices.output.limits is not None:
+    if devices.output.limits is not None and log is not None:
         devices.output.count_on(log.exposure(devices.output.limits.duty_window_s))
     return Equipment(
         devices.output,
@@ -68,12 +68,12 @@ def bench(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "Rig
 
     def make(seed: int, log: "EventLog") -> Bench:
         del seed
-        equipment = _equipment(experiment, bench_file, log)
+        devices = equipment(experiment, bench_file, log)
         terminal = ExperimenterTerminal(sys.stdin, sys.stderr)
         window = Window(fullscreen=screen.fullscreen, size=(screen.width_px, screen.height_px))
         if window.caution is not None:
             terminal.tell(window.caution)
-        return Bench(window, equipment, texts, log=log, terminal=terminal)
+        return Bench(window, devices, texts, log=log, terminal=terminal)
 
     return RigKind("bench", make)
 
@@ -98,7 +98,7 @@ def console(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "R
 
     def make(seed: int, log: "EventLog") -> Console:
         del seed
-        return Console(_equipment(experiment, bench_file, log), texts, log=log)
+        return Console(equipment(experiment, bench_file, log), texts, log=log)
 
     return RigKind("console", make)
 

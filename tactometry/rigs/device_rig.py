@@ -25,6 +25,7 @@ from .pages import layout
 from .pages.page import Display
 from .pages.presenter import Presenter
 from .texts import Texts
+from .touch.beside import Beside
 from .touch.gated_samples import Release
 from .touch.tracer import Tracer
 from .touch.watchdog import TouchSetup
@@ -204,6 +205,17 @@ class DeviceRig(LiveRig):
             answer = super().answer(request)
             self._screen.give_back()
             return self._tracer.kept(answer)
+
+    def begin(self, request: Play) -> Beside:
+        """Play while somebody else draws.
+
+        Raises
+        ------
+        DeviceFailed, InvalidParameter, LimitExceeded
+            If it cannot be played; the rig is closed then.
+        """
+        with self._closed_on_failure():
+            return Beside(self._setup, request, self._signal(request), self._screen.give_back)
 
     def _finish_trial(self) -> None:
         """What is due before anything else is asked."""

@@ -1,0 +1,180 @@
+"""Touches, stimuli, questions and procedures of a study in the window of a PsychoPy script."""
+
+import os
+import sys
+from pathlib import Path
+from typing import Any, Self, TypeVar
+
+import numpy as np
+
+from tactometry.arguments.require import expect
+from tactometry.protocols.procedures.procedure import Procedure
+from tactometry.protocols.tasks.rating import fill_in
+from tactometry.protocols.tasks.task import Presentation, TrialOutcome
+from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
+from tactometry.rigs.touch.beside import Beside
+from tactometry.session.answer import Played, Touched
+from tactometry.session.request import Play, Press, Slide
+from tactometry.session.run import Course
+from tactometry.trials.cells import cell as cell_text
+
+from ..bench.bench_file import load_bench
+from ..sessions.rig_kinds import equipment
+from ..study.cells import WiredCell
+from ..study.experiment import wire
+from ..study.session_plan import key_of
+from ..study.study_file import load
+from ..study.task_table import form_of
+from .loop import Loop
+
+T = TypeVar("T")
+SHOWN_CELLS = 3
+
+
+class TellingTerminal(ExperimenterTerminal):
+    """Tells why a session pauses; of its trials the script tells itself, and takes no orders."""
+
+    def add(self, words: str) -> None:
+        del words
+
+
+class Guest:
+    """A study and a bench in the window of a script.
+
+    The window is the script's, and as it was, after each call. The output is guarded by the limits of study and bench,
+    as in a session; how much a participant has had before is not known here: the limits of duty count from now.
+
+    Parameters
+    ----------
+    window : psychopy.visual.Window
+    study : str or Path
+        The name of a built-in study, or a file.
+    bench : str or Path, optional
+        A bench file; without one nothing is played and no force is measured.
+    seed : int, optional
+        For what is drawn: intervals, orders of levels.
+
+    Raises
+    ------
+    InvalidFile, InvalidParameter
+        If study or bench are not sound.
+    DeviceFailed
+        If a device does not open.
+    """
+
+    def __init__(
+        self, window: Any, study: str | Path, bench: str | Path | None = None, *, seed: int | None = None
+    ) -> None:
+        from tactometry.rigs.bench import Bench
+        from tactometry.rigs.texts import texts_in
+        from tactometry.rigs.window import Window
+
+        numbers, _ = load(os.fspath(study))
+        self.experiment = wire(numbers, os.fspath(study))
+        file = load_bench(None if bench is None else Path(bench))
+        texts = texts_in(file.screen.language, numbers.texts)
+        self._language, self._rng = file.screen.language, np.random.default_rng(seed)
+        devices = equipment(self.experiment, file)
+        terminal = TellingTerminal(None, sys.stderr)
+        self._rig = Bench(Window.adopt(window), devices, texts, terminal=terminal)
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Put the output to zero and close the devices; the window stays. May be called more than once."""
+        self._rig.close()
+
+    def touch(self, level: float | None, **factors: float | str) -> Touched:
+        """One touch under the study's conditions (`level` None: a blank), on pages of ours; `factors` name the cell.
+
+        Raises
+        ------
+        InvalidParameter
+            If the study has no such cell.
+        Stopped
+            If Escape is pressed.
+        """
+        return self._rig.answer(self._touch_request(level, factors))
+
+    def trial(self, level: float | None, **factors: float | str) -> TrialOutcome:
+        """One trial of the study's task: touches and the question; without an answer where a touch was not valid.
+
+        Raises
+        ------
+        InvalidParameter, Stopped
+            As `touch`.
+        """
+        condition = self._cell(factors).condition
+        shown = Presentation(condition.stimulus, level, condition.touch, condition.alternatives)
+        return self._carry_out(self.experiment.task.trial(shown, self._rng))
+
+    def begin(self, level: float | None, **factors: float | str) -> Beside:
+        """Begin to play with no condition on the finger, while the script draws: `look` each frame, `end` in the end.
+
+        Raises
+        ------
+        InvalidParameter
+            If the study has no such cell.
+        """
+        return self._rig.begin(self._play_request(level, factors))
+
+    def play(self, level: float | None, **factors: float | str) -> Played:
+        """As `begin`, to its end, on a page of ours."""
+        return self._rig.answer(self._play_request(level, factors))
+
+    def questionnaire(self, name: str) -> dict[str, float | None]:
+        """The answers to a questionnaire of the study or a shipped one, by item; None where one is left open.
+
+        Raises
+        ------
+        InvalidParameter
+            If there is none of that name, or it has no words in the language of the bench.
+        """
+        form = form_of(self.experiment.study, name, "questionnaire")
+        known = f"one of {', '.join(form.languages)}; choose that language on the bench, or add the words"
+        expect(self._language in form.languages, f"questionnaire {name}", f"no words in {self._language!r}", known)
+        replies = self._carry_out(fill_in(form, self._rng, shuffled=False))
+        return {reply.item or "": reply.response for reply in replies}
+
+    def procedure(self, **factors: float | str) -> Procedure:
+        """The study's procedure at its beginning: a value, whose `after(answer, delivered)` is the next one."""
+        [procedure] = self._cell(factors).procedure.for_tracks([""], self._rng)
+        return procedure
+
+    def loop(self, name: str, **factors: float | str) -> Loop:
+        """The study's procedure as a loop of PsychoPy's kind, by whose `name` a script's data know it."""
+        return Loop(name, self.procedure(**factors), self.experiment.table.options.n_attempts)
+
+    def _carry_out(self, course: Course[T]) -> T:
+        """As a session does, with no record: that is the script's."""
+        answer: Any = None
+        while True:
+            try:
+                request = course.send(answer)
+            except StopIteration as end:
+                value: T = end.value
+                return value
+            answer = self._rig.answer(request)
+
+    def _touch_request(self, level: float | None, factors: dict[str, float | str]) -> Press | Slide:
+        condition = self._cell(factors).condition
+        request = condition.touch.request(condition.stimulus, level, None)
+        assert not isinstance(request, Play)  # that of no study
+        return request
+
+    def _play_request(self, level: float | None, factors: dict[str, float | str]) -> Play:
+        gated = self._touch_request(level, factors)
+        return Play(gated.stimulus, level, gated.duration_s)
+
+    def _cell(self, factors: dict[str, float | str]) -> WiredCell:
+        cells = self.experiment.cells
+        key = key_of(factors) if factors or len(cells) > 1 else next(iter(cells))
+        named = [", ".join(f"{name} = {cell_text(level)}" for name, level in of_cell) for of_cell in [key, *cells]]
+        more = "" if len(cells) <= SHOWN_CELLS else f", ... ({len(cells)} cells)"
+        expected = f"those of a cell: {'; '.join(named[1 : SHOWN_CELLS + 1])}{more}"
+        expect(key in cells, "factors", named[0] or "none", expected)
+        return cells[key]

@@ -1,0 +1,74 @@
+"""A procedure as a loop of PsychoPy's kind, with what its experiment handler is told."""
+
+import warnings
+
+import pytest
+
+from tactometry.experiments.guest.loop import Loop
+from tactometry.protocols import ConstantStimuli, Staircase
+from tactometry.protocols.tasks.task import Reply, TrialOutcome
+from tactometry.session.answer import Chosen, Touched
+
+
+def begun():
+    """A loop, and PsychoPy's handler, which knows it."""
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        data = pytest.importorskip("psychopy.data", reason="no psychopy: extra window")
+    loop = Loop("s", Staircase(20.0, (4.0,), 0.0, 40.0, n_reversals=2, n_trials=4).begin())
+    handler = data.ExperimentHandler(savePickle=False, saveWideText=False)
+    handler.addLoop(loop)
+    return loop, handler
+
+
+def answered(level, option, *, valid=True):
+    touch = Touched(0.0, level, "ab", force_mean_n=1.0, valid=valid, invalid_reason=None if valid else "timeout")
+    if not valid:
+        return TrialOutcome((touch,), touch)
+    choice = Chosen(option, 1.0, 0.5)
+    return TrialOutcome((touch,), touch, (Reply(choice, option, True),), success=bool(option))
+
+
+def test_levels_are_those_of_the_procedure_and_its_end_is_told():
+    loop, handler = begun()
+    seen = []
+    for level in loop:
+        seen.append(level)
+        loop.addResponse(1)
+    assert seen == loop.intensities == [20.0, 16.0, 12.0, 8.0]
+    assert (loop.ending, loop.level, loop.data) == ("trials", None, [1, 1, 1, 1])
+    assert handler.loopsUnfinished == []
+
+
+def test_the_level_that_was_delivered_counts():
+    loop, _ = begun()
+    next(loop)
+    loop.hear(answered(19.0, 1))
+    assert loop.procedure == begun()[0].procedure.after(1, 19.0)
+
+
+def test_an_invalid_touch_leaves_its_level_due_and_stands_in_its_row():
+    loop, handler = begun()
+    level = next(loop)
+    loop.hear(answered(level, 0, valid=False))
+    assert handler.thisEntry == {
+        "s.level_delivered": 20.0,
+        "s.force_mean_n": 1.0,
+        "s.valid": 0,
+        "s.invalid_reason": "timeout",
+    }
+    assert next(loop) == level
+    loop.hear(answered(level, 0))
+    assert (handler.thisEntry["s.valid"], handler.thisEntry["s.response"], handler.thisEntry["s.latency_s"]) == (
+        1,
+        0,
+        0.5,
+    )
+    assert next(loop) == 24.0
+
+
+@pytest.mark.parametrize("n_attempts", [1, 5])
+def test_so_many_levels_without_an_answer_end_it(n_attempts):
+    loop = Loop("s", ConstantStimuli([3.0], 9).begin(), n_attempts)
+    assert len(list(loop)) == n_attempts
+    assert loop.ending == "aborted"

@@ -1,0 +1,128 @@
+"""A PsychoPy script with our touches in it: the one of the docs, run in a real window by hands, with a real force."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from benches import UDP_HAND
+from emulated import Emulator
+from pages_of_docs import blocks
+from tables import rows_of
+from window_sitting import sit
+
+from tactometry.analysis.reading.column_map import read_column_map
+from tactometry.analysis.reading.trials import read_trials, used_rows
+from tactometry.errors import InvalidParameter
+from tactometry.experiments.guest.guest import Guest
+from tactometry.questionnaire import load
+
+BENCH = """
+[screen]
+fullscreen = false
+[output]
+kind = "file"
+folder = "played"
+[output.load]
+kind = "electrode"
+capacitance_f = "1 nF"
+[output.gain]
+volts_per_unit = 100.0
+amplifier_gain = 1.0
+[limits]
+voltage_peak_v = 80.0
+duration_s = 30.0
+current_peak_a = "1 mA"
+duty = 0.8
+session_s = "1 h"
+"""
+OURS = 10
+"""Lines that a script gains, as the page says."""
+
+
+@pytest.fixture(scope="module")
+def sitting(display, tmp_path_factory):
+    """The script of the docs, and the bench with a hand that presses 1 N."""
+    folder = tmp_path_factory.mktemp("script")
+    [script], [study, columns] = blocks("psychopy.md", "python"), blocks("psychopy.md", "toml")
+    hand = Emulator("udp", folder, profile="1:100")
+    written = {
+        "script.py": script,
+        "touch.toml": study,
+        "columns.toml": columns,
+        "bench.toml": BENCH + UDP_HAND.format(port=hand.udp_port) + "release = false\n",
+    }
+    for name, text in written.items():
+        (folder / name).write_text(text, encoding="utf-8")
+    process = subprocess.Popen(
+        [sys.executable, "script.py"],
+        cwd=folder,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ,
+    )
+    try:
+        status, output, errors = sit(process, display, ["y", "4", "Return"] * 1000)
+    finally:
+        hand.close()
+    return folder, status, output, errors
+
+
+def test_a_script_of_psychopys_gains_a_touch_a_stimulus_a_procedure_and_a_questionnaire(sitting):
+    folder, status, output, errors = sitting
+    assert status == 0, errors
+    assert output.splitlines()[-1] == "threshold None censored_below"  # everything was felt
+    rows = rows_of(folder / "P01.csv")
+    assert [row["quest.response"] for row in rows[:6]] == ["1"] * 6
+    assert {row["quest.valid"] for row in rows[:6]} == {"1"}
+    assert {row["quest.force_mean_n"] for row in rows[:6]} == {"1.0"}
+    assert [row["quest.intensity"] for row in rows[:6]] == [row["quest.level_delivered"] for row in rows[:6]]
+    assert set(rows[6]) >= {item.id for item in load("attrakdiff").items}
+    assert len(list((folder / "played").glob("*.npz"))) == 7
+
+
+def test_what_the_page_calls_ten_lines_are_ten():
+    [script] = blocks("psychopy.md", "python")
+    numbered = [line for line in script.splitlines() if "  # " in line]
+    assert [int(line.split("  # ")[1].split(":")[0]) for line in numbered] == list(range(1, OURS + 1))
+
+
+def test_its_data_are_read_with_the_map_of_the_page(sitting):
+    folder, *_ = sitting
+    trials = read_trials(folder / "P01.csv", within=[], column_map=read_column_map(folder / "columns.toml"))
+    used = used_rows(trials)
+    assert len(used) == 6
+    assert set(used["participant"]) == {"P01"}
+    assert set(used["level_unit"]) == {"dB re 1 V peak"}
+
+
+@pytest.fixture
+def guest(screen):
+    """In a window of this process, where nothing is played."""
+    with Guest(screen._window, "tutorial") as made:
+        yield made
+
+
+def test_a_cell_that_a_study_does_not_have_is_named(guest):
+    for factors, found in ({}, "none"), ({"frequency_hz": 61}, "frequency_hz = 61"):
+        with pytest.raises(
+            InvalidParameter, match=f"factors: found {found}, expected those of a cell: frequency_hz = 60; "
+        ):
+            guest.procedure(**factors)
+
+
+def test_a_stimulus_that_plays_beside_ends_with_its_time(guest):
+    beside, n_looks = guest.begin(34.0, frequency_hz=60), 0
+    while beside.look():
+        n_looks += 1
+    assert n_looks > 1
+    assert not beside.cut
+    assert beside.end().level_delivered is None  # nothing plays there
+
+
+def test_a_questionnaire_that_is_none_is_refused(guest):
+    with pytest.raises(
+        InvalidParameter, match="questionnaire: found 'attrackdiff', expected one of .*; did you mean 'attrakdiff'"
+    ):
+        guest.questionnaire("attrackdiff")
