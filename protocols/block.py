@@ -2,17 +2,20 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
 from tactometry.arguments.require import excerpt, expect, of_kind, some
 from tactometry.errors import count_of
 from tactometry.session.answer import Touched
-from tactometry.session.request import Record, Show
+from tactometry.session.intervention import Intervention
+from tactometry.session.request import Intervene, Record, Show
 from tactometry.session.run import Course
 from tactometry.trials.trial import Trial
 
 from .block_state import BlockOptions, BlockState, PartCourse, Slot, Track, catch_schedule, turns
+from .interventions import BETWEEN, heard, not_asked_again
 from .tasks.task import Presentation, Reply, Task, TrialOutcome
 
 FEEDBACK_S = 0.7
@@ -79,7 +82,7 @@ class Block:
 
 def run_block(block: Block, number: int, first_trial: int, rng: np.random.Generator) -> PartCourse:
     """Present until every track has finished; gives how the tracks stand then, and the number of the next trial."""
-    state = BlockState(block.options, block.tracks, first_trial)
+    state = begun = BlockState(block.options, block.tracks, first_trial)
     catches = [catch_schedule(block.catch_rate, rng) for _ in block.tracks]
     turn = turns(block.options.interleaving, rng)
     while open_ := state.open():
@@ -91,19 +94,67 @@ def run_block(block: Block, number: int, first_trial: int, rng: np.random.Genera
         outcome = yield from block.task.trial(_presentation(state.tracks[index], slot), rng)
         # A row names what its presentation aborts: the state moves on before the row is recorded.
         before, state = state, state.after(slot, outcome)
-        yield from _record_rows(block, number, slot, outcome, before, state)
-        if outcome.valid and state.open():  # no rest after the last trial
-            yield from _rest(block.options, state.n_valid)
+        wanted = yield from _record_rows(block, number, slot, outcome, before, state)
+        if outcome.valid and state.open() and _is_rest_due(block.options, state.n_valid):  # none after the last trial
+            wanted += yield from _rest(block.options)
+        state = yield from _intervene(begun, number, state, wanted)
     return state.tracks, state.next_trial
 
 
-def _rest(options: BlockOptions, n_valid: int) -> Course[None]:
-    """A rest, if one is due after so many valid trials."""
-    if options.rest_after is None or n_valid % options.rest_after:
-        return
-    if options.rest_s is not None:
-        yield Show("resting", duration_s=options.rest_s)
-    yield Show("rest")
+def _is_rest_due(options: BlockOptions, n_valid: int) -> bool:
+    """Whether so many valid trials end in a rest."""
+    return options.rest_after is not None and not n_valid % options.rest_after
+
+
+def _rest(options: BlockOptions) -> Course[tuple[Intervention, ...]]:
+    """A rest, and what the experimenter wanted in it."""
+    pages = [] if options.rest_s is None else [Show("resting", duration_s=options.rest_s)]
+    return (yield from heard([*pages, Show("rest")]))
+
+
+def _intervene(
+    begun: BlockState, number: int, state: BlockState, wanted: tuple[Intervention, ...]
+) -> Course[BlockState]:
+    """The state after all that the experimenter wants, also in a rest that was wanted."""
+    while wanted:
+        intervention, *later = wanted
+        changed = _changed(begun, number, state, intervention)
+        yield changed.request
+        resting = intervention.wanted == "rest" and bool(state.open())
+        said = (yield from _rest(state.options)) if resting else ()
+        state, wanted = changed.state, (*later, *said)
+    return state
+
+
+class _Changed(NamedTuple):
+    """What comes of an intervention."""
+
+    state: BlockState
+    request: Intervene
+
+
+def _changed(begun: BlockState, number: int, state: BlockState, intervention: Intervention) -> _Changed:
+    match intervention.wanted:
+        case "skip" | "end":
+            how = "skipped" if intervention.wanted == "skip" else "left, and the session ends"
+            said = f"block {number} is {how}" if state.open() else f"block {number} had come to its end"
+            return _Changed(state.skip(), Intervene(intervention, said))
+        case "rest":
+            said = "a rest" if state.open() else BETWEEN
+            return _Changed(state, Intervene(intervention, said))
+    of_block, trial, attempt = intervention.trial or (0, 0, 0)
+    if of_block != number or any(track.skipped for track in state.tracks):
+        return _Changed(state, not_asked_again(intervention))
+    found = state.without(trial, attempt, begun)
+    if found is None:
+        return _Changed(state, Intervene(intervention, f"trial {trial} does not count anyway"))
+    again, (slot, *others) = found
+    retracted = tuple((number, each.trial, each.attempt) for each in (slot, *others))
+    behind = "".join(f", nor does trial {other.trial}, whose level followed from it" for other in others)
+    comes_again = "it is asked again" if slot.track in again.open() else "its track is over, and it is not asked again"
+    return _Changed(
+        again, Intervene(intervention, f"trial {slot.trial} does not count{behind}: {comes_again}", retracted)
+    )
 
 
 def _presentation(track: Track, slot: Slot) -> Presentation:
@@ -113,15 +164,17 @@ def _presentation(track: Track, slot: Slot) -> Presentation:
 
 def _record_rows(
     block: Block, number: int, slot: Slot, outcome: TrialOutcome, before: BlockState, after: BlockState
-) -> Course[None]:
-    """The rows of a presentation, the last with what it aborts, and what is said of the answer."""
+) -> Course[tuple[Intervention, ...]]:
+    """The rows of a presentation, the last with what it aborts, and what is said of the answer: what the experimenter
+    wanted meanwhile."""
     track = before.tracks[slot.track]
     *replies, last = outcome.replies or (Reply(),)
-    for reply in replies:
-        yield Record(trial_row(block, number, slot, track, outcome, reply))
-    yield Record(trial_row(block, number, slot, track, outcome, last), _abortion(number, before, after))
+    rows = [Record(trial_row(block, number, slot, track, outcome, reply)) for reply in replies]
+    last_row = Record(trial_row(block, number, slot, track, outcome, last), _abortion(number, before, after))
+    pages: list[Record | Show] = [*rows, last_row]
     if block.options.feedback and outcome.correct is not None:
-        yield Show("right" if outcome.correct else "wrong", duration_s=FEEDBACK_S)
+        pages.append(Show("right" if outcome.correct else "wrong", duration_s=FEEDBACK_S))
+    return (yield from heard(pages))
 
 
 def _abortion(number: int, before: BlockState, after: BlockState) -> str | None:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import reduce
 from typing import Literal, get_args
 
 import numpy as np
@@ -34,7 +35,7 @@ class Condition:
 class Track:
     """A procedure on a condition, at the beginning of a block or at its end; `name` tells interleaved ones apart.
 
-    One whose block the session had no time for is not `begun`.
+    One whose block the session had no time for is not `begun`; what the experimenter left is `skipped`.
     """
 
     condition: Condition
@@ -42,11 +43,19 @@ class Track:
     name: str | None = None
     aborted: bool = False
     begun: bool = True
+    skipped: bool = False
+
+    @property
+    def over(self) -> bool:
+        """Whether it ends before its procedure does."""
+        return self.aborted or self.skipped
 
     @property
     def ending(self) -> str | None:
         if not self.begun:
             return "not begun"
+        if self.skipped:
+            return "skipped"
         return "aborted" if self.aborted else self.procedure.ending
 
 
@@ -113,7 +122,10 @@ class Slot:
 @dataclass(frozen=True)
 class BlockState:
     """How a block stands: its tracks, the presentations that must come again, and what ends it; `late`: its time is
-    over."""
+    over.
+
+    `log` has all presentations with their outcomes, None of one that was taken back: the state follows from it.
+    """
 
     options: BlockOptions
     tracks: tuple[Track, ...]
@@ -123,10 +135,11 @@ class BlockState:
     begun_s: float | None = None
     n_valid: int = 0
     late: bool = False
+    log: tuple[tuple[Slot, TrialOutcome | None], ...] = ()
 
     def open(self) -> list[int]:
         """The tracks that have something left to present."""
-        return [n for n, track in enumerate(self.tracks) if not track.aborted and self._has_more(n, track)]
+        return [n for n, track in enumerate(self.tracks) if not track.over and self._has_more(n, track)]
 
     def _has_more(self, index: int, track: Track) -> bool:
         owed = isinstance(track.procedure, FixedOrder) and any(slot.track == index for slot in self.again)
@@ -138,15 +151,18 @@ class BlockState:
         owed = (slot for slot in self.again if slot.track == index)
         return next(owed, None) if isinstance(procedure, FixedOrder) == procedure.finished else None
 
-    def after(self, slot: Slot, outcome: TrialOutcome) -> "BlockState":
-        """The state after a presentation."""
+    def after(self, slot: Slot, outcome: TrialOutcome | None) -> "BlockState":
+        """The state after a presentation; without an outcome it was taken back, and comes again."""
         state = replace(
             self,
             again=tuple(other for other in self.again if other.trial != slot.trial),
-            begun_s=outcome.onset_s if self.begun_s is None else self.begun_s,
             next_trial=max(self.next_trial, slot.trial + 1),
+            log=(*self.log, (slot, outcome)),
         )
-        state = state._count(slot, outcome) if outcome.valid else state._put_back(slot)
+        if outcome is None:
+            return state._put_back(slot)
+        state = replace(state, begun_s=outcome.onset_s if self.begun_s is None else self.begun_s)
+        state = state._count(slot, outcome) if outcome.valid else state._lose(slot)
         return state._with_time(outcome.onset_s)
 
     def _with_time(self, now_s: float) -> "BlockState":
@@ -156,6 +172,41 @@ class BlockState:
             return self
         tracks = (track if track.procedure.finished else replace(track, aborted=True) for track in self.tracks)
         return replace(self, tracks=tuple(tracks), late=True)
+
+    def skip(self) -> "BlockState":
+        """What is unfinished is left."""
+        still_open = self.open()
+        tracks = (replace(track, skipped=n in still_open) for n, track in enumerate(self.tracks))
+        return replace(self, tracks=tuple(tracks))
+
+    def without(self, trial: int, attempt: int, begun: "BlockState") -> tuple["BlockState", tuple[Slot, ...]] | None:
+        """The state as if a presentation had not been answered, and those that count no more; None if it counts not.
+
+        In an adaptive track the levels behind it followed from its answer: they are taken back with it, and it comes
+        again at its own level. `begun` is how the block stood before its first trial.
+        """
+        counting = [n for n, (_, outcome) in enumerate(self.log) if outcome is not None and outcome.valid]
+        place = next((n for n in counting if (self.log[n][0].trial, self.log[n][0].attempt) == (trial, attempt)), None)
+        if place is None:
+            return None
+        answered = self.log[place][0]
+        followed = {n for n in range(place + 1, len(self.log)) if self._follows(self.log[n][0], answered)}
+        entries = (
+            (slot, None if n == place else outcome) for n, (slot, outcome) in enumerate(self.log) if n not in followed
+        )
+        state = reduce(lambda state, entry: state.after(*entry), entries, begun)
+        taken_back = (self.log[n][0] for n in counting if n == place or n in followed)
+        return replace(state, next_trial=self.next_trial), tuple(taken_back)
+
+    def _follows(self, slot: Slot, answered: Slot) -> bool:
+        """Whether the level of a presentation followed from the answer to an earlier one: in an adaptive track, and in
+        one that learns from it."""
+        if slot.level is None or answered.level is None:  # a catch trial needs no answer before it, and tells nothing
+            return False
+        procedure, learner = (self.tracks[each.track].procedure for each in (answered, slot))
+        if slot.track == answered.track:
+            return not isinstance(procedure, FixedOrder)
+        return learner.learning_from(procedure) is not learner
 
     def _count(self, slot: Slot, outcome: TrialOutcome) -> "BlockState":
         """A catch trial tells its track nothing, and counts all the same."""
@@ -175,19 +226,23 @@ class BlockState:
         pairs = zip(self.tracks, procedures, strict=True)
         return tuple(replace(track, procedure=procedure) for track, procedure in pairs)
 
-    def _put_back(self, slot: Slot) -> "BlockState":
+    def _lose(self, slot: Slot) -> "BlockState":
+        """A presentation that is not valid comes again, or is the last of its track."""
         n_in_a_row = self.n_invalid_in_a_row.get(slot.track, 0) + 1
+        state = replace(self, n_invalid_in_a_row={**self.n_invalid_in_a_row, slot.track: n_in_a_row})
+        if max(n_in_a_row, slot.attempt) < self.options.n_attempts:
+            return state._put_back(slot)
+        aborted = replace(self.tracks[slot.track], aborted=True)
+        return replace(state._owe(slot), tracks=_with(self.tracks, slot.track, aborted))
+
+    def _put_back(self, slot: Slot) -> "BlockState":
         track = self.tracks[slot.track]
-        if max(n_in_a_row, slot.attempt) >= self.options.n_attempts:
-            track = replace(track, aborted=True)
-        elif isinstance(track.procedure, FixedOrder) and slot.attempt == 1 and slot.level is not None:
+        if isinstance(track.procedure, FixedOrder) and slot.attempt == 1 and slot.level is not None:
             track = replace(track, procedure=track.procedure.skip())
-        return replace(
-            self,
-            tracks=_with(self.tracks, slot.track, track),
-            again=(*self.again, replace(slot, attempt=slot.attempt + 1)),
-            n_invalid_in_a_row={**self.n_invalid_in_a_row, slot.track: n_in_a_row},
-        )
+        return replace(self._owe(slot), tracks=_with(self.tracks, slot.track, track))
+
+    def _owe(self, slot: Slot) -> "BlockState":
+        return replace(self, again=(*self.again, replace(slot, attempt=slot.attempt + 1)))
 
 
 def _answer_in_order(procedure: FixedOrder, slot: Slot, outcome: TrialOutcome) -> FixedOrder:

@@ -9,12 +9,14 @@ import numpy as np
 from tactometry.arguments.require import of_kind
 from tactometry.questionnaire import Questionnaire
 from tactometry.session.answer import Done
+from tactometry.session.intervention import Intervention
 from tactometry.session.request import Record, Show
 from tactometry.session.run import Course
 from tactometry.trials.tasks import FORM_TASK
 from tactometry.trials.trial import Trial
 
 from .block_state import PartCourse, Track
+from .interventions import between_blocks, heard, hearing
 from .tasks.rating import fill_in
 from .tasks.task import Reply
 
@@ -64,8 +66,9 @@ class Inquiry:
         of_kind("Inquiry", Questionnaire, form=self.form)
 
     def course(self, number: int, first_trial: int, rng: np.random.Generator) -> PartCourse:
-        for reply in (yield from fill_in(self.form, rng, shuffled=self.shuffled)):
-            yield Record(self._row(number, first_trial, reply))
+        replies = yield from fill_in(self.form, rng, shuffled=self.shuffled)
+        wanted = yield from heard(Record(self._row(number, first_trial, reply)) for reply in replies)
+        yield from between_blocks(wanted)
         return (), first_trial + 1
 
     def _row(self, number: int, trial: int, reply: Reply) -> Trial:
@@ -112,18 +115,38 @@ def session(
 
     No part begins later than `longest_s` after the start.
     """
-    begun: Done = yield Show("welcome", {"n_blocks": len(parts)})
-    for page in _instructions(parts):  # noqa: UP028 - an iterator alone takes no answers
-        yield page
+    wanted: list[Intervention] = []
+    begun_s = yield from _begin(parts, wanted)
     tracks: list[Track] = []
     trial = 1
     for number, part in enumerate(parts, 1):
+        if _ends(wanted):
+            tracks += [replace(track, begun=False) for track in part.tracks]
+            continue
         shown: Done = yield _page(parts, number, part)
+        wanted += shown.interventions
+        is_skipped = yield from between_blocks(shown.interventions, f"block {number}")
         # Between parts only: a part that has begun comes to its end, or to that of its own time.
-        if longest_s is not None and shown.at_s - begun.at_s > longest_s:
+        if longest_s is not None and shown.at_s - begun_s > longest_s:
             tracks += [replace(track, begun=False) for part in parts[number - 1 :] for track in part.tracks]
             break
-        ended, trial = yield from part.course(number, trial, rng)
+        if is_skipped:
+            tracks += [replace(track, skipped=True) for track in part.tracks]
+            continue
+        ended, trial = yield from hearing(part.course(number, trial, rng), wanted)
         tracks += ended
-    yield Show("end")
+    yield from between_blocks((yield from heard([Show("end")])))
     return tuple(tracks)
+
+
+def _begin(parts: Sequence[Part], wanted: list[Intervention]) -> Course[float]:
+    """The first pages: when they were shown, s."""
+    begun: Done = yield Show("welcome", {"n_blocks": len(parts)})
+    wanted += begun.interventions
+    wanted += yield from heard(_instructions(parts))
+    yield from between_blocks(wanted)
+    return begun.at_s
+
+
+def _ends(wanted: Sequence[Intervention]) -> bool:
+    return any(intervention.wanted == "end" for intervention in wanted)

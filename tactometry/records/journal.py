@@ -21,9 +21,10 @@ from ..errors import DeviceFailed, InvalidFile
 from ..files.durable import read_file
 from ..session.answer import Done
 from ..session.answer_rules import flaw
-from ..session.event import Event, decode_event
-from ..session.replay import Replay
-from ..session.request import REQUESTS, Fact, Record, Request
+from ..session.event import Event, decode_event, intervention_of, trial_facts
+from ..session.intervention import Intervention, left
+from ..session.replay import Replay, rows
+from ..session.request import REQUESTS, Fact, Intervene, Record, Request
 from ..trials.trial import Trial
 from .head import FORMAT, Head, as_kept, head_of
 
@@ -85,9 +86,9 @@ class Recording:
 
     @property
     def event_rows(self) -> tuple[Event, ...]:
-        """What the table of events holds: the events, and what was aborted with a trial, in their order."""
-        rows = (line if isinstance(line, Event) else abortion(line) for line in self.lines)
-        return tuple(event for event in rows if event is not None)
+        """What the table of events holds: the events, and what follows from requests, in their order."""
+        events = (line if isinstance(line, Event) else consequence(line) for line in self.lines)
+        return tuple(event for event in events if event is not None)
 
     def replay(self, where: str) -> Replay:
         """The rig that answers as recorded; `where` names the journal."""
@@ -97,15 +98,31 @@ class Recording:
 
     @property
     def trials(self) -> tuple[Trial, ...]:
+        """The rows as they count: a trial that was taken back later is not valid."""
+        return rows(entry.request for entry in self.entries)
+
+    @property
+    def rows_at_first(self) -> tuple[Trial, ...]:
+        """The rows as they were recorded."""
         return tuple(entry.request.trial for entry in self.entries if isinstance(entry.request, Record))
 
+    @property
+    def wanted(self) -> tuple[Intervention, ...]:
+        """What the experimenter wanted, and the session never came to."""
+        asked = (intervention_of(event) for event in self.events)
+        answers = (entry.answer for entry in self.entries if isinstance(entry.answer, Done))
+        carried = (each for answer in answers for each in answer.interventions)
+        return left((each for each in asked if each is not None), carried)
 
-def abortion(line: Line) -> Event | None:
-    """What is told of a row with which something ends unfinished; None of any other line."""
+
+def consequence(line: Line) -> Event | None:
+    """What is told of a row with which something ends unfinished, and of an intervention; None of any other line."""
     match line:
         case Entry(Record(trial, aborted), Done(at_s)) if aborted is not None:
             facts: dict[str, Fact] = {"block": trial.block, "trial": trial.trial, "attempt": trial.attempt}
             return Event("abort", at_s, trial.timestamp_utc, {**facts, "text": aborted})
+        case Entry(Intervene(intervention, said), Done(at_s)):
+            return Event("intervention", at_s, None, {**trial_facts(intervention), "text": said})
     return None
 
 

@@ -4,7 +4,7 @@ import os
 from collections.abc import Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import msgspec
 import portalocker
@@ -13,9 +13,12 @@ from ..errors import InvalidFile, SessionInUse
 from ..files.durable import draft, open_private, put_in_place, read_file, sync_folder, write_whole
 from ..session.event import Event
 from ..session.replay import Replay
-from ..session.request import Record, Request
+from ..session.request import Intervene, Record, Request
 from .head import Head
 from .journal import Entry, Line, Recording, checksum, decode_journal, encode, encode_entry, encode_line
+
+LASTING: Final = (Record, Intervene)
+"""Requests whose answer an interruption does not take back: a journal is cut behind the last of them."""
 
 
 class Journal:
@@ -99,7 +102,7 @@ class Journal:
 
     def append(self, request: Request[Any], answer: object) -> None:
         self._write(
-            encode_entry(request, answer, self._before), durable=self._syncs_trials and isinstance(request, Record)
+            encode_entry(request, answer, self._before), durable=self._syncs_trials and isinstance(request, LASTING)
         )
 
     def note(self, event: Event) -> None:
@@ -124,7 +127,7 @@ class Journal:
 
 def _until_last_trial(lines: Sequence[Line]) -> tuple[Line, ...]:
     """Up to the last trial, with what follows it before anything else is asked."""
-    asked = [(n, isinstance(line.request, Record)) for n, line in enumerate(lines) if isinstance(line, Entry)]
+    asked = [(n, isinstance(line.request, LASTING)) for n, line in enumerate(lines) if isinstance(line, Entry)]
     last = max((n for n, is_trial in asked if is_trial), default=-1)
     return tuple(lines[: next((n for n, _ in asked if n > last), len(lines))])
 

@@ -18,8 +18,9 @@ from ..provenance import sha256
 from ..safety.limits import Exposure
 from ..session.answer import TracePart
 from ..session.event import COLUMNS, Event, TraceKind, decode_event, events_tsv
+from ..session.intervention import Intervention
 from ..session.replay import Replay
-from ..session.request import Record, Request
+from ..session.request import Intervene, Record, Request
 from ..signal import FloatArray
 from ..trials.cells import csv_bytes
 from ..trials.trial import Trial, tally
@@ -27,7 +28,7 @@ from .agreement import is_beginning
 from .data_set import Session, keys_of, participants, prepare, row, sessions, trials_csv
 from .description import NAME, SIMULATED, StudyDescription, describe, describe_columns, read_description, says_simulated
 from .head import FORMAT, as_kept, columns_in, heads
-from .journal import Entry, abortion
+from .journal import Entry, consequence, read
 from .open_journal import Journal
 from .traces import TraceFiles
 
@@ -147,6 +148,11 @@ class OpenSession:
     def replay(self) -> Replay:
         return self.journal.replay
 
+    @property
+    def wanted(self) -> tuple[Intervention, ...]:
+        """What the experimenter wanted in an earlier sitting, which did not come to it."""
+        return self.journal.recording.wanted
+
     def exposure(self, window_s: float) -> Exposure:
         """What reached this participant before, in this session and in others of the data set."""
         journal, code = self.journal.path, self._session.participant
@@ -189,15 +195,24 @@ class OpenSession:
         with self._writing:
             self.journal.append(request, answer)  # the truth first: a crash from here on leaves a table to rebuild
             if isinstance(request, Record):
-                self._append_row(request.trial, abortion(Entry(request, answer)))
+                self._append_row(request.trial)
+            elif isinstance(request, Intervene) and request.retracted:
+                self._write_rows(read(self.journal.path).trials)
+            if (event := consequence(Entry(request, answer))) is not None:
+                self._tell(event)
 
-    def _append_row(self, trial: Trial, aborted: Event | None) -> None:
+    def _write_rows(self, trials: Sequence[Trial]) -> None:
+        """The trials file anew, where rows that stand in it count no more."""
+        before, content = self._file, trials_csv(trials, self._session, self._rig, self._columns)
+        self._file = replace_file(self.trials, content)
+        os.close(before)
+        self.tally = tally(trials)
+
+    def _append_row(self, trial: Trial) -> None:
         self.recorded_s = time.perf_counter()
         line = csv_bytes([row(trial, self._session, self._rig, self._columns)])
         write_whole(self._file, line, self.trials, durable=False)
         self.tally = self.tally.after(trial)
-        if aborted is not None:
-            self._tell(aborted)
 
     def finish(self) -> None:
         self.journal.finish()
@@ -219,8 +234,9 @@ class OpenSession:
     def _rebuild(self) -> None:
         self.trials, recording = self._session.trials(self._root), self.journal.recording
         content = trials_csv(recording.trials, self._session, self._rig, self._columns)
+        at_first = trials_csv(recording.rows_at_first, self._session, self._rig, self._columns)
         for path in (self.trials, *drafts(self.trials.parent, self.trials.name)):
-            self._keep_surplus(path, content)
+            self._keep_surplus(path, content, at_first)
         self._keep_surplus(self._session.events(self._root), events_tsv(recording.event_rows, self._events_columns))
         describe_columns(self._session.sidecar(self._root), self._columns)
         self._file = replace_file(self.trials, content)
@@ -238,12 +254,13 @@ class OpenSession:
                 f"{self.journal.interruptions.name}, and it is asked again"
             )
 
-    def _keep_surplus(self, path: Path, content: bytes) -> None:
-        """Keep the rows of a derived file that its new content lacks: the journal may be an older copy."""
+    def _keep_surplus(self, path: Path, content: bytes, at_first: bytes = b"") -> None:
+        """Keep the rows of a derived file that its new content lacks, and lacked `at_first`: the journal may be an
+        older copy."""
         existing = read_file(path, "a file of a data set") if path.exists() else b""
         if is_beginning(existing, content):
             return
-        known = set(content.split(b"\n"))
+        known = {*content.split(b"\n"), *at_first.split(b"\n")}
         header, *rows = existing.split(b"\n")
         lost = [line.decode("utf-8", "backslashreplace") for line in rows if line not in known]
         if lost:

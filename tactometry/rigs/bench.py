@@ -190,13 +190,13 @@ class Bench(DeviceRig):
         if request.duration_s is None:
             page = self._message(request, self._texts.message("hint_continue"))
             self._presenter.converse(None, lambda state: page, lambda state, answer: (state, True))
-            return self._done()
+            return self._done_between()
         n_seconds = math.ceil(request.duration_s)
         for left_s in range(n_seconds, 0, -1):
             page = self._message(request, "", left_s)
             shown_s = request.duration_s - n_seconds + 1 if left_s == n_seconds else 1.0
             self._presenter.hold(self._presenter.screen.present(page) + shown_s, page)
-        return self._done()
+        return self._done_between()
 
     def _message(self, request: Show, hint: str, left_s: int = 0) -> Page:
         """A text with its progress; a page that ends by itself may say how many seconds are left."""
@@ -206,7 +206,8 @@ class Bench(DeviceRig):
         return layout.message_page(words, hint, self._screen.aspect, progress)
 
     def _record(self, request: Record) -> Done:
-        trial, self._supervisor.under_way, self._supervisor.repeat = request.trial, False, False
+        trial = request.trial
+        self._supervisor.end_trial(trial)
         before, self._tally = self._tally, self._tally.after(trial)
         if self._tally.n_trials > before.n_trials:  # not each item of a questionnaire
             response = "no answer, " if trial.response is None else f"{trial.response}, "
@@ -215,7 +216,7 @@ class Bench(DeviceRig):
         if request.aborted:
             self._terminal.tell(f"! {request.aborted}")
         self._trial_log.begin_trial(trial)
-        return self._done()
+        return self._done_between()
 
 
 def _value(place: int | None, n_positions: int, scale: Rate | Fill) -> float | None:

@@ -174,15 +174,16 @@ class Console(DeviceRig):
 
     def _show(self, request: Show) -> Done:
         self._terminal.tell(self._texts.page(request, math.ceil(request.duration_s or 0)).strip())
-        return self._done()
+        return self._done_between()
 
     def _record(self, request: Record) -> Done:
+        self._supervisor.end_trial(request.trial)
         before, self._tally = self._tally, self._tally.after(request.trial)
         if self._tally.n_invalid > before.n_invalid:
             self._terminal.tell(f"[trial {self._tally.n_trials}] {outcome(request.trial, self._tally.n_trials)}")
         if request.aborted:
             self._terminal.tell(f"! {request.aborted}")
-        return self._done()
+        return self._done_between()
 
 
 def _option(line: str, options: Sequence[int], labels: Sequence[str]) -> int:

@@ -14,7 +14,7 @@ from ..followed import FingerPath
 from ..safety.limits import FORCE_PEAK_N, Limits
 from ..session.answer import Done, Played, Touched
 from ..session.event import TRACE_KINDS, EventLog, TraceKind
-from ..session.request import A, Facts, Play, Press, Request, Slide
+from ..session.request import A, Facts, Intervene, Play, Press, Request, Slide
 from ..signal import Signal, Stimulus
 from ..trials.trial import Tally, Trial, tally
 from .emitter import Emitter
@@ -196,6 +196,7 @@ class DeviceRig(LiveRig):
 
     def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None:
         self._tally = tally(trials)
+        self._supervisor.goes_on_with(trials)
         self._supervisor.zero_s = time.perf_counter() - elapsed_s
 
     def answer(self, request: Request[A]) -> A:
@@ -233,6 +234,14 @@ class DeviceRig(LiveRig):
 
     def _done(self) -> Done:
         return Done(self._session_s(time.perf_counter()))
+
+    def _done_between(self) -> Done:
+        """The answer where a course may change: with what the experimenter wanted meanwhile."""
+        return replace(self._done(), interventions=self._supervisor.take_interventions())
+
+    def _intervene(self, request: Intervene) -> Done:
+        self._supervisor.carry_out(request)
+        return self._done()
 
     def _signal(self, request: Play | Press | Slide) -> Signal | None:
         """The final samples of what is asked for, within all limits; None for a blank."""

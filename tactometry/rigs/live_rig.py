@@ -4,7 +4,22 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
-from ..session.request import A, Adjust, Choose, Enter, Fill, Play, Press, Rate, Record, Request, Show, Slide, Wait
+from ..session.request import (
+    A,
+    Adjust,
+    Choose,
+    Enter,
+    Fill,
+    Intervene,
+    Play,
+    Press,
+    Rate,
+    Record,
+    Request,
+    Show,
+    Slide,
+    Wait,
+)
 
 
 class LiveRig(ABC):
@@ -49,3 +64,7 @@ class LiveRig(ABC):
 
     @abstractmethod
     def _record(self, request: Record) -> Done: ...
+
+    def _intervene(self, request: Intervene) -> Done:
+        """What came of an intervention: a rig in whose answers there is none is not asked."""
+        raise NotImplementedError(f"{type(self).__name__}: found {request}, and its answers hold no intervention")

@@ -3,13 +3,16 @@
 from dataclasses import dataclass
 
 from ..trials.trial import Reason
+from .intervention import Intervention
 
 
 @dataclass(frozen=True)
 class Done:
-    """The answer of a request that has nothing to report but its time (s since the session's start)."""
+    """The answer of a request that has nothing to report but its time (s since the session's start), and what the
+    experimenter wanted meanwhile."""
 
     at_s: float
+    interventions: tuple[Intervention, ...] = ()
 
 
 @dataclass(frozen=True)

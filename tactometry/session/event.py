@@ -12,9 +12,12 @@ from ..safety.limits import Exposure
 from ..signal import FloatArray
 from ..trials.columns import Column
 from .answer import TracePart
+from .intervention import WANTED, Intervention
 from .request import Fact
 
-Kind = Literal["trial", "clock", "pause", "resume", "remark", "repeat", "stop", "abort", "stimulus"]
+Kind = Literal[
+    "trial", "clock", "pause", "resume", "remark", "repeat", "stop", "abort", "stimulus", "order", "intervention"
+]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
 TraceKind = Literal["force", "position", "emitted"]
 """Samples of a touch: of the sensors, a stamp (s of the session) and what they measured (N; m along each axis), and of
@@ -95,12 +98,41 @@ class Event:
         return [_cell(known.get(column.name)) for column in columns]
 
 
+def trial_facts(intervention: Intervention) -> dict[str, Fact]:
+    """The trial that does not count, as the facts of an event; none of another intervention."""
+    return dict(zip(("block", "trial", "attempt"), intervention.trial or (), strict=False))
+
+
+def order_facts(intervention: Intervention) -> dict[str, Fact]:
+    """What the experimenter wants, as the facts of an event of kind ``order``."""
+    return {**trial_facts(intervention), "text": intervention.wanted}
+
+
+def intervention_of(event: Event) -> Intervention | None:
+    """What an event of kind ``order`` wants; None of any other event.
+
+    >>> intervention_of(Event("order", 1.0, facts=order_facts(Intervention("invalidate", (1, 7, 1)))))
+    Intervention(wanted='invalidate', trial=(1, 7, 1))
+    """
+    if event.kind != "order" or event.facts.get("text") not in WANTED:
+        return None
+    key = tuple(event.facts.get(name) for name in ("block", "trial", "attempt"))
+    try:
+        return msgspec.convert({"wanted": event.facts["text"], "trial": None if None in key else key}, Intervention)
+    except msgspec.ValidationError:
+        return None
+
+
 class EventLog(Protocol):
     """Where a rig puts events, from any thread, and learns when the last trial was on the disk (s on
     `time.perf_counter`)."""
 
     @property
     def recorded_s(self) -> float | None: ...
+
+    @property
+    def wanted(self) -> tuple[Intervention, ...]:
+        """What the experimenter wanted in an earlier sitting, which did not come to it."""
 
     def exposure(self, window_s: float) -> Exposure:
         """What reached this participant before: in the last `window_s`, and how long this session has lasted."""

@@ -1,14 +1,21 @@
 """A recording that answers, if it is asked what was asked then."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import fields, is_dataclass
 from typing import Any
 
 from ..errors import Diverged
-from ..trials.trial import Trial
-from .request import A, Record, Request
+from ..trials.trial import Trial, without
+from .request import A, Intervene, Record, Request
 
 OF_RECORDING = "use the study, the seed and the version of the recording"
+
+
+def rows(requests: Iterable[Request[Any]]) -> tuple[Trial, ...]:
+    """The rows that requests recorded, as they count after all of them."""
+    asked = tuple(requests)
+    retracted = {key for request in asked if isinstance(request, Intervene) for key in request.retracted}
+    return without((request.trial for request in asked if isinstance(request, Record)), retracted)
 
 
 class Replay:
@@ -39,7 +46,7 @@ class Replay:
     @property
     def trials(self) -> list[Trial]:
         """The recorded rows."""
-        return [request.trial for request, _ in self._entries if isinstance(request, Record)]
+        return list(rows(request for request, _ in self._entries))
 
     @property
     def elapsed_s(self) -> float:

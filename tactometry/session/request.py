@@ -7,8 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, ClassVar, Generic, Protocol, TypeVar, get_args
 
-from ..trials.trial import Trial
+from ..trials.trial import Key, Trial
 from .answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
+from .intervention import Intervention
 
 A = TypeVar("A")
 Fact = str | int | float | bool | None
@@ -208,6 +209,17 @@ class Record(Request[Done]):
     aborted: str | None = None
 
 
+@dataclass(frozen=True)
+class Intervene(Request[Done]):
+    """What the experimenter wanted is done: `said` says what comes of it, and the rows of `retracted` trials, which
+    are recorded already, count no more."""
+
+    intervention: Intervention
+    said: str
+    retracted: tuple[Key, ...] = ()
+
+
 REQUESTS: Mapping[str, type[Request[Any]]] = {
-    kind.__name__: kind for kind in (Play, Press, Slide, Choose, Rate, Enter, Fill, Adjust, Wait, Show, Record)
+    kind.__name__: kind
+    for kind in (Play, Press, Slide, Choose, Rate, Enter, Fill, Adjust, Wait, Show, Record, Intervene)
 }

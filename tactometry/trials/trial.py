@@ -1,6 +1,6 @@
 """One row of the trials table."""
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import reduce
 from typing import Final, Literal, get_args
@@ -9,6 +9,8 @@ from ..errors import count_of
 from .tasks import FORM_TASK
 
 Value = str | int | float | bool | None
+Key = tuple[int, int, int]
+"""What all rows of one trial share: block, trial and attempt."""
 Reason = Literal[
     "too_light",
     "too_heavy",
@@ -83,8 +85,7 @@ class Trial:
     extra: Mapping[str, Value] = field(default_factory=dict)
 
     @property
-    def key(self) -> tuple[int, int, int]:
-        """What all rows of one trial share: block, trial and attempt."""
+    def key(self) -> Key:
         return self.block, self.trial, self.attempt
 
     @property
@@ -95,6 +96,19 @@ class Trial:
         True
         """
         return self.task == FORM_TASK and self.level is None
+
+
+def without(trials: Iterable[Trial], retracted: Collection[Key]) -> tuple[Trial, ...]:
+    """Rows, of which those of the `retracted` trials do not count: the experimenter took them back.
+
+    >>> without([Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", 1, correct=True)], {(1, 1, 1)})[0].invalid_reason
+    'experimenter'
+    """
+    return tuple(_retract(trial) if trial.valid and trial.key in retracted else trial for trial in trials)
+
+
+def _retract(trial: Trial) -> Trial:
+    return replace(trial, valid=False, correct=None, invalid_reason="experimenter")
 
 
 def validity(trial: Trial) -> str:
@@ -134,7 +148,7 @@ class Tally:
     n_trials: int = 0
     n_invalid: int = 0
     n_answers: int = 0
-    last: tuple[int, int, int] | None = None
+    last: Key | None = None
 
     def after(self, trial: Trial) -> "Tally":
         """With another row."""

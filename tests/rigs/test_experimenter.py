@@ -19,7 +19,22 @@ from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.experimenter.terminal import ExperimenterTerminal, order_of
 from tactometry.rigs.texts import texts_in
-from tactometry.session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Rate, Record, Wait
+from tactometry.session.event import intervention_of
+from tactometry.session.intervention import Intervention
+from tactometry.session.request import (
+    Adjust,
+    Choose,
+    Enter,
+    Fill,
+    Intervene,
+    Play,
+    Press,
+    Question,
+    Rate,
+    Record,
+    Show,
+    Wait,
+)
 from tactometry.stimuli.electrovibration import Sine
 from tactometry.trials.trial import Trial
 
@@ -201,6 +216,49 @@ def test_a_trial_that_is_to_be_repeated_is_not_valid_and_the_next_one_is(
     terminal.shows("trial 2: tone 5")
 
 
+def test_what_is_wanted_of_the_course_goes_with_the_next_row(bench_with, terminal, kept):
+    bench = bench_with()
+    assert bench.answer(ROW).interventions == ()
+    terminal.types("i")
+    terminal.types("k\nb\nend\ne")
+    waits_until(bench, lambda: terminal.sees("noted before"))
+    wanted = bench.answer(Record(replace(ROW.trial, trial=8))).interventions
+    assert wanted == (Intervention("invalidate", (2, 7, 1)), *map(Intervention, ("skip", "rest", "end")))
+    orders = [event for event in kept.events if event.kind == "order"]
+    assert tuple(map(intervention_of, orders)) == wanted
+    assert bench.answer(Record(replace(ROW.trial, trial=9))).interventions == ()
+    terminal.shows("trial 7: noted; it is done when this trial, or this page, has come to its end")
+
+
+def test_it_goes_with_a_page_too(bench_with, terminal, participant, watched):
+    bench = bench_with()
+    terminal.types("skip")
+    waits_until(bench, lambda: terminal.sees("noted; it is done"))
+    watched.shown.queue.clear()
+    participant.answers("space")
+    assert bench.answer(Show("rest")).interventions == (Intervention("skip"),)
+
+
+def test_what_came_of_it_is_told_and_a_trial_is_taken_back_once(bench_with, terminal, kept):
+    bench = bench_with()
+    terminal.types("i")
+    waits_until(bench, lambda: terminal.sees("no trial is recorded yet that could be invalidated"))
+    [wanted] = [bench.answer(ROW), terminal.types("i"), bench.answer(Wait(0.3)), bench.answer(ROW)][-1].interventions
+    assert bench.answer(Intervene(wanted, "trial 7 does not count: it is asked again", (ROW.trial.key,))).at_s > 0
+    terminal.shows("trial 7 does not count: it is asked again")
+    terminal.types("i")
+    waits_until(bench, lambda: terminal.sees("trial 7 does not count already"))
+    assert [event.kind for event in kept.events if event.kind == "order"] == ["order"]
+
+
+def test_what_an_earlier_sitting_did_not_come_to_is_still_wanted(bench_with, terminal, kept):
+    kept.wanted = (Intervention("invalidate", (2, 7, 1)), Intervention("rest"))
+    bench = bench_with()
+    bench.resume([ROW.trial], 60.0)
+    assert terminal.sees("still wanted from the last sitting: rest")
+    assert bench.answer(Record(replace(ROW.trial, trial=8))).interventions == kept.wanted
+
+
 ITEM = Question("item", {"en": ("", "low", "high")})
 
 
@@ -274,7 +332,7 @@ def test_a_trial_of_many_rows_is_noted_once_and_a_questionnaire_on_its_own_never
     assert trials[1]["n_frames"] <= 6  # those of its own wait, not of the questionnaire
     bench.answer(PRESS)
     terminal.shows("trial 3: tone 5")
-    assert terminal._seen.count(b"valid") == 2
+    assert terminal._seen.count(b"valid (") == 2
 
 
 def test_there_is_nothing_to_repeat_between_trials(bench_with, terminal, kept):

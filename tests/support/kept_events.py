@@ -7,6 +7,7 @@ class Kept:
     """Events in a list."""
 
     recorded_s = None
+    wanted = ()
 
     def __init__(self):
         self.events, self.traces = [], []

@@ -1,20 +1,23 @@
 """Who looks after a session: stops it, pauses it, and writes down how it went: orders, trials, clocks."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from datetime import UTC, datetime, timedelta
+from typing import Final
 
 from ...errors import Stopped
-from ...session.event import Event, EventLog, Kind
-from ...session.request import Fact
-from ...trials.trial import Trial
+from ...session.event import Event, EventLog, Kind, order_facts
+from ...session.intervention import Intervention
+from ...session.request import Fact, Intervene
+from ...trials.trial import Trial, without
 from ..frame_timing import timing_of
 from ..pages.page import Display, Input, Page
 from ..pages.presenter import reason_to_end
 from .terminal import HELP, ExperimenterTerminal, Order
 
 EXPERIMENTER = "the experimenter"
+WHEN: Final = "noted; it is done when this trial, or this page, has come to its end"
 SAFE = "what was recorded is safe: go on with --resume"
 CLOCK = "_clock_offset_s"
 """How a device's facts say by how much our clock is ahead of its own."""
@@ -44,6 +47,8 @@ class Supervisor:
         When the session began, on `time.perf_counter`.
     under_way, repeat : bool
         Whether a trial is under way, and whether that is to be repeated.
+    last : Trial or None
+        The trial that was recorded last.
     """
 
     screen: Display
@@ -54,9 +59,11 @@ class Supervisor:
     zero_s: float = field(default_factory=time.perf_counter)
     under_way: bool = False
     repeat: bool = False
+    last: Trial | None = None
 
     def __post_init__(self) -> None:
         self._wanted, self._n_pauses = False, 0
+        self._interventions: tuple[Intervention, ...] = ()
 
     def note(self, kind: Kind, **facts: Fact) -> None:
         """Keep an event, with the time of now."""
@@ -124,6 +131,10 @@ class Supervisor:
                 self._repeat()
             case "help":
                 self.terminal.tell(HELP)
+            case "invalidate":
+                self._invalidate()
+            case "skip" | "rest" | "end":
+                self._intervene(Intervention(order.wish), WHEN)
 
     def _repeat(self) -> None:
         if not self.under_way:
@@ -132,6 +143,48 @@ class Supervisor:
         self.repeat = True
         self.note("repeat", text=EXPERIMENTER)
         self.terminal.tell("this trial will be asked again")
+
+    def _invalidate(self) -> None:
+        if self.last is None:
+            self.terminal.tell("no trial is recorded yet that could be invalidated")
+        elif not self.last.valid:
+            self.terminal.tell(f"trial {self.last.trial} does not count already")
+        else:
+            self._intervene(Intervention("invalidate", self.last.key), f"trial {self.last.trial}: {WHEN}")
+
+    def _intervene(self, intervention: Intervention, words: str) -> None:
+        if intervention in self._interventions:
+            self.terminal.tell(f"noted before: {WHEN}")
+            return
+        self._interventions += (intervention,)
+        self.note("order", **order_facts(intervention))
+        self.terminal.tell(words)
+
+    def goes_on_with(self, trials: Sequence[Trial]) -> None:
+        """What an earlier sitting left: its last trial, and what was wanted and did not come to pass."""
+        self._recorded(trials)
+        self._interventions = () if self.log is None else self.log.wanted
+        for intervention in self._interventions:
+            self.terminal.tell(f"still wanted from the last sitting: {intervention.wanted}")
+
+    def _recorded(self, trials: Iterable[Trial]) -> None:
+        self.last = next((trial for trial in reversed(tuple(trials)) if not trial.is_form), self.last)
+
+    def end_trial(self, trial: Trial) -> None:
+        """A row is recorded."""
+        self.under_way = self.repeat = False
+        self._recorded([trial])
+
+    def take_interventions(self) -> tuple[Intervention, ...]:
+        """What was wanted since it was taken last; it is in the hands of the course from now on."""
+        taken, self._interventions = self._interventions, ()
+        return taken
+
+    def carry_out(self, request: Intervene) -> None:
+        """Tell what comes of what was wanted."""
+        if self.last is not None:
+            (self.last,) = without([self.last], request.retracted)
+        self.terminal.tell(request.said)
 
 
 class TrialLog:

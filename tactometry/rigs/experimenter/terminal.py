@@ -7,18 +7,35 @@ from dataclasses import dataclass
 from typing import Final, Literal, TextIO
 
 from ...errors import InvalidParameter, nearest
+from ...session.intervention import Wanted
 
-Wish = Literal["pause", "go", "repeat", "note", "stop", "help"]
+Wish = Literal["pause", "go", "repeat", "note", "stop", "help"] | Wanted
 WORDS: Final[dict[str, Wish]] = {
     "p": "pause",
     "g": "go",
     "r": "repeat",
+    "i": "invalidate",
+    "k": "skip",
+    "b": "rest",
+    "e": "end",
     "n": "note",
     "s": "stop",
     "?": "help",
-    **{word: word for word in ("pause", "go", "repeat", "note", "stop", "help")},
+    "pause": "pause",
+    "go": "go",
+    "repeat": "repeat",
+    "invalidate": "invalidate",
+    "skip": "skip",
+    "rest": "rest",
+    "end": "end",
+    "note": "note",
+    "stop": "stop",
+    "help": "help",
 }
-HELP: Final = "p pause   g go on   r repeat this trial   n TEXT remark   s stop   (then return)"
+HELP: Final = (
+    "p pause   g go on   r repeat this trial   i invalidate the one before   k skip this block   b rest   "
+    "e end in good order   n TEXT remark   s stop   (then return)"
+)
 
 
 @dataclass(frozen=True)

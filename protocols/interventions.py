@@ -1,0 +1,60 @@
+"""What the experimenter wants between two trials: where a course hears of it, and what comes of it between blocks."""
+
+from collections.abc import Iterable
+from typing import Any, Final, TypeVar
+
+from tactometry.session.answer import Done
+from tactometry.session.intervention import Intervention
+from tactometry.session.request import Intervene, Record, Request, Show
+from tactometry.session.run import Course
+
+T = TypeVar("T")
+BETWEEN: Final = "the page that comes next waits for the participant: that is a rest"
+
+
+def heard(requests: Iterable[Record | Show]) -> Course[tuple[Intervention, ...]]:
+    """Ask for all of them: what the experimenter wanted meanwhile."""
+    wanted: list[Intervention] = []
+    for request in requests:
+        done: Done = yield request
+        wanted += done.interventions
+    return tuple(wanted)
+
+
+def hearing(course: Course[T], wanted: list[Intervention]) -> Course[T]:
+    """A course as it is; what the experimenter wants in it is added to `wanted`."""
+    answer: Any = None
+    try:
+        while True:
+            request: Request[Any] = course.send(answer)
+            answer = yield request
+            if isinstance(answer, Done):
+                wanted += answer.interventions
+    except StopIteration as stop:
+        value: T = stop.value
+        return value
+
+
+def not_asked_again(intervention: Intervention) -> Intervene:
+    """That a trial of a block that is over does not count."""
+    trials = () if intervention.trial is None else (intervention.trial,)
+    number = "".join(f" {trial}" for _, trial, _ in trials)
+    return Intervene(intervention, f"trial{number} does not count, and is not asked again: its block is over", trials)
+
+
+def between_blocks(wanted: Iterable[Intervention], ahead: str = "") -> Course[bool]:
+    """What comes of it where no trial is asked: whether what is `ahead` (empty: nothing) is skipped."""
+    skipped = False
+    for intervention in wanted:
+        match intervention.wanted:
+            case "invalidate":
+                yield not_asked_again(intervention)
+            case "rest":
+                yield Intervene(intervention, BETWEEN)
+            case "skip":
+                yield Intervene(intervention, f"{ahead} is skipped" if ahead else "there is no block to skip here")
+                skipped = bool(ahead)
+            case "end":
+                yield Intervene(intervention, "the session ends")
+                skipped = bool(ahead)
+    return skipped

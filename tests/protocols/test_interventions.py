@@ -1,0 +1,202 @@
+"""What the experimenter wants between two trials: the course does it, and a rule stands as if a slip had never been."""
+
+from collections import Counter
+from dataclasses import replace
+
+import catalogue
+import numpy as np
+import pytest
+from examples import examples
+from hypothesis import given, strategies as st
+from memory import Memory
+from wanting import Wanting
+
+from tactometry.observers.finger import SimulatedFinger
+from tactometry.protocols import Block, Inquiry, after_answer, session
+from tactometry.protocols.block import run_block
+from tactometry.protocols.block_state import BlockOptions
+from tactometry.protocols.procedures.procedure import FixedOrder
+from tactometry.questionnaire import load as load_form
+from tactometry.session.replay import Replay, rows
+from tactometry.session.request import Intervene, Record, Show
+from tactometry.session.run import replay, run
+
+
+def steady():
+    """A participant whose touches are all valid."""
+    return replace(catalogue.simulated(1), finger=SimulatedFinger(force_cv=0.0, waver_cv=0.0))
+
+
+def lived(make, at):
+    """What a course gives, its rows as they count, what was said, and the pages."""
+    memory, rig = Memory(), Wanting(steady(), at)
+    ended = run(make(), rig, memory)
+    replay(make(), Replay(memory.entries))  # as it was recorded
+    requests = [request for request, _ in memory.entries]
+    pages = [request.message for request in requests if isinstance(request, Show)]
+    return ended, rows(requests), rig.said, pages
+
+
+def block_of(procedure, task="yes_no"):
+    return lambda: run_block(catalogue.block(task, procedure), 1, 1, np.random.default_rng(1))
+
+
+def answered(block, trials):
+    """The procedures of a block's tracks after the answers that count."""
+    procedures = [track.procedure for track in block.tracks]
+    names = [track.name for track in block.tracks]
+    for trial in trials:
+        if trial.valid and not trial.catch:
+            procedures = after_answer(procedures, names.index(trial.track), trial.response, trial.level_delivered)
+    return procedures
+
+
+ADAPTIVE = [name for name, rule in catalogue.PROCEDURES.items() if not isinstance(rule, FixedOrder)]
+FIXED = [name for name in catalogue.PROCEDURES if name not in ADAPTIVE]
+
+
+@pytest.mark.parametrize("name", ADAPTIVE)
+@pytest.mark.parametrize("n_back", [1, 2])
+def test_an_adaptive_rule_stands_as_if_a_slip_and_what_followed_from_it_had_never_been(name, n_back):
+    (tracks, next_trial), trials, _, _ = lived(block_of(name), {6: f"back {n_back}"})
+    [procedure] = answered(catalogue.block("yes_no", name), trials)
+    assert (tracks[0].procedure.level, tracks[0].ending) == (procedure.level, procedure.ending)
+    assert tracks[0].procedure.estimate == procedure.estimate
+    slip = trials[6 - n_back]
+    assert (slip.valid, slip.correct, slip.invalid_reason) == (False, None, "experimenter")
+    again = next(trial for trial in trials if (trial.trial, trial.attempt) == (slip.trial, 2))
+    assert (again.level, again.valid) == (slip.level, True)
+    assert next_trial == 1 + max(trial.trial for trial in trials)
+
+
+@pytest.mark.parametrize("name", FIXED)
+def test_a_level_of_a_fixed_order_comes_again_and_the_rest_counts(name):
+    (tracks, _), trials, _, _ = lived(block_of(name), {6: "back 3"})
+    assert [trial.trial for trial in trials if not trial.valid] == [trials[3].trial]
+    felt = [trial.level for trial in trials if trial.valid and not trial.catch]
+    assert sorted(felt) == sorted(tracks[0].procedure.order)
+    assert tracks[0].ending != "aborted"
+
+
+def test_the_last_trial_of_a_block_reopens_it():
+    _, before, _, _ = lived(block_of("constant_stimuli"), {})
+    _, trials, said, _ = lived(block_of("constant_stimuli"), {len(before): "back"})
+    assert len(trials) == len(before) + 1
+    assert (trials[-1].trial, trials[-1].attempt, trials[-1].valid) == (before[-1].trial, 2, True)
+    assert said == [f"trial {before[-1].trial} does not count: it is asked again"]
+
+
+def test_what_followed_from_a_slip_is_told_with_it():
+    _, trials, said, _ = lived(block_of("staircase_1_up_1_down", "forced_choice"), {2: "back 2"})
+    assert said == ["trial 1 does not count, nor does trial 2, whose level followed from it: it is asked again"]
+    assert [trial.valid for trial in trials[:3]] == [False, False, True]
+
+
+def interleaved():
+    return session([catalogue.interleaved("random")], np.random.default_rng(1))
+
+
+@given(at=st.dictionaries(st.integers(3, 40), st.sampled_from(["back", "back 2", "back, back 2", "rest"]), max_size=4))
+@examples(20, deadline=None)
+def test_of_interleaved_tracks_each_stands_as_its_answers_say(at):
+    tracks, trials, said, _ = lived(interleaved, at)
+    block = catalogue.interleaved("random")
+    expected = answered(block, [trial for trial in trials if trial.track != "constant_stimuli"])
+    for track, procedure in list(zip(tracks, expected, strict=True))[1:]:
+        assert (track.procedure.level, track.procedure.ending) == (procedure.level, procedure.ending)
+    felt = [trial.level for trial in trials if trial.track == "constant_stimuli" and trial.valid and not trial.catch]
+    assert sorted(felt) == sorted(block.tracks[0].procedure.begin().order)
+    assert set(Counter((trial.trial, trial.attempt) for trial in trials).values()) == {1}
+    assert len(said) == sum(len(words.split(", ")) for words in at.values())
+
+
+def three():
+    parts = [catalogue.block("yes_no", name) for name in ("constant_stimuli", "quest", "staircase_1_up_1_down")]
+    return session([parts[0], Inquiry(load_form("sus")), *parts[1:]], np.random.default_rng(1))
+
+
+def blocks(trials):
+    return Counter(trial.block for trial in trials)
+
+
+def test_a_block_that_is_skipped_is_left_and_the_next_begins():
+    tracks, trials, said, _ = lived(three, {4: "skip"})
+    assert [track.ending for track in tracks][:1] == ["skipped"]
+    assert "skipped" not in [track.ending for track in tracks][1:]
+    assert blocks(trials)[1] == 4
+    assert set(blocks(trials)) == {1, 2, 3, 4}
+    assert said == ["block 1 is skipped"]
+
+
+def test_a_block_that_is_skipped_at_its_page_does_not_begin():
+    tracks, trials, said, pages = lived(three, {"block": "skip"})
+    assert (tracks[0].ending, 1 in blocks(trials)) == ("skipped", False)
+    assert said == ["block 1 is skipped"]
+    assert pages[-1] == "end"
+
+
+def test_the_end_leaves_what_is_under_way_and_begins_nothing_more():
+    tracks, trials, said, pages = lived(three, {4: "end"})
+    assert [track.ending for track in tracks] == ["skipped", "not begun", "not begun"]
+    assert (blocks(trials), pages.count("block"), pages[-1]) == ({1: 4}, 1, "end")
+    assert said == ["block 1 is left, and the session ends"]
+
+
+def test_the_end_at_a_page_or_in_a_questionnaire_begins_nothing_more():
+    for when, n_trials in (("welcome", 0), ("block", 0)):
+        tracks, trials, said, _ = lived(three, {when: "end"})
+        assert {track.ending for track in tracks} <= {"not begun", "skipped"}
+        assert (len(trials), said) == (n_trials, ["the session ends"])
+    n_block = len([trial for trial in lived(three, {})[1] if trial.block == 1])
+    _, trials, said, _ = lived(three, {n_block + 3: "end"})
+    assert (set(blocks(trials)), blocks(trials)[2], said) == ({1, 2}, 10, ["the session ends"])
+
+
+def test_a_rest_comes_behind_the_trial_as_the_study_has_its_rests():
+    def resting():
+        block = catalogue.block("yes_no", "constant_stimuli")
+        return run_block(replace(block, options=BlockOptions(rest_s=30.0)), 1, 1, np.random.default_rng(1))
+
+    _, trials, said, pages = lived(resting, {3: "rest", "rest": "back"})
+    assert pages == ["resting", "rest"]
+    assert said == ["a rest", f"trial {trials[2].trial} does not count: it is asked again"]
+
+
+def test_behind_the_last_trial_of_a_block_the_next_page_is_the_rest():
+    n = len(lived(block_of("constant_stimuli"), {})[1])
+    assert lived(block_of("constant_stimuli"), {n: "rest"})[2:] == (
+        ["the page that comes next waits for the participant: that is a rest"],
+        [],
+    )
+
+
+@pytest.mark.parametrize("at", [{"end": "back"}, {"practice": "back"}])
+def test_a_trial_of_a_block_that_is_over_does_not_count_and_is_not_asked_again(at):
+    def two():
+        first, second = (catalogue.block("yes_no", name) for name in ("constant_stimuli", "constant_stimuli_shuffled"))
+        return session([first, Block(second.tracks, second.task, practice=True)], np.random.default_rng(1))
+
+    _, before, _, _ = lived(two, {})
+    _, trials, [said], _ = lived(two, at)
+    [slip] = [trial for trial in trials if not trial.valid]
+    assert len(trials) == len(before)
+    assert said == f"trial {slip.trial} does not count, and is not asked again: its block is over"
+
+
+def test_a_trial_before_the_skip_is_taken_back_without_opening_the_block():
+    tracks, trials, said, _ = lived(three, {4: "skip, back"})
+    assert (tracks[0].ending, blocks(trials)[1], trials[3].valid) == ("skipped", 4, False)
+    assert said[1] == f"trial {trials[3].trial} does not count, and is not asked again: its block is over"
+
+
+def test_what_does_not_count_anyway_is_told():
+    _, trials, said, _ = lived(block_of("constant_stimuli"), {3: "back, back"})
+    assert said[1] == f"trial {trials[2].trial} does not count anyway"
+    assert [trial.valid for trial in trials].count(False) == 1
+
+
+def test_a_record_and_what_is_wanted_are_asked_in_this_order():
+    memory = Memory()
+    run(block_of("constant_stimuli")(), Wanting(steady(), {2: "back"}), memory)
+    kinds = [type(request) for request, _ in memory.entries]
+    assert kinds[kinds.index(Intervene) - 1] is Record
