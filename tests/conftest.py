@@ -210,6 +210,9 @@ class LoggedDriver:
     def n_gaps(self, longest_wait_s=0.0):
         return None
 
+    def course(self):
+        return None
+
     def open(self):
         self._log.append("output.open")
 

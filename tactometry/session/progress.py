@@ -4,15 +4,15 @@
 matter of a journal: a plan of the parts (`PartAhead`) says how many trials there are at most, and how long they take.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from statistics import median
 from typing import Any, Final
 
-from ..trials.trial import Reason, Tally, Trial
+from ..trials.trial import Key, Reason, Tally, Trial, without
 from .answer import Adjusted, Done, Played, Touched
 from .event import Event
-from .request import Fact, Press, Record, Request, Show, Slide
+from .request import Fact, Intervene, Press, Record, Request, Show, Slide
 
 TURNING: Final = frozenset(("staircase", "weighted_staircase"))
 """Procedures whose levels turn round at reversals."""
@@ -70,6 +70,10 @@ class TrackProgress:
         n_in_a_row = 0 if trial.valid else self.n_invalid_in_a_row + 1
         return TrackProgress((*self.presented, trial), n_in_a_row, self.aborted or aborted)
 
+    def without(self, retracted: Collection[Key]) -> "TrackProgress":
+        """Where trials were taken back, which do not count towards its end."""
+        return replace(self, presented=without(self.presented, retracted))
+
     @property
     def answered(self) -> tuple[Trial, ...]:
         """Those that the rule learnt of: valid, and no catch trial."""
@@ -93,7 +97,7 @@ class TrackProgress:
     def n_lost(self) -> int:
         """What counts towards its end: presentations that were not valid, in a row or of one trial."""
         last = self.presented[-1] if self.presented else None
-        return 0 if last is None or last.valid else max(self.n_invalid_in_a_row, last.attempt)
+        return max(self.n_invalid_in_a_row, last.attempt) if last is not None and self.n_invalid_in_a_row else 0
 
     def warning(self, n_attempts: int | None) -> str | None:
         """What is to be said before it is aborted.
@@ -149,6 +153,8 @@ class Progress:
         Who or what has paused it.
     stopped, aborted : tuple of str
         Why it was stopped, and what ended unfinished.
+    interventions : tuple of str
+        What came of what the experimenter wanted.
     """
 
     tally: Tally = field(default_factory=Tally)
@@ -172,12 +178,15 @@ class Progress:
     paused: str | None = None
     stopped: tuple[str, ...] = ()
     aborted: tuple[str, ...] = ()
+    interventions: tuple[str, ...] = ()
 
     def after(self, request: Request[Any], answer: object) -> "Progress":
         """With another request and its answer."""
         match request, answer:
             case Record(trial, aborted), Done(at_s):
                 return self._recorded(trial, aborted, at_s)
+            case Intervene(), Done():
+                return self._changed(request)
             case Show(message, values), Done(at_s):
                 return self._shown(message, values, at_s)
             case ((Press() | Slide()), Touched()):
@@ -215,6 +224,21 @@ class Progress:
         )
         is_new = state.tally.n_trials > self.tally.n_trials
         return state if trial.is_form else state._presented(trial, aborted, at_s, is_new=is_new)
+
+    def _changed(self, request: Intervene) -> "Progress":
+        """What the experimenter wanted: trials that were taken back count in nothing."""
+        presented = [trial for track in self.tracks.values() for trial in track.presented]
+        lost = [trial for trial in presented if trial.valid and trial.key in request.retracted]
+        caught = [trial for trial in lost if trial.catch]
+        return replace(
+            self,
+            tally=replace(self.tally, n_invalid=self.tally.n_invalid + len(lost)),
+            tracks={key: track.without(request.retracted) for key, track in self.tracks.items()},
+            last=None if self.last is None else without([self.last], request.retracted)[0],
+            n_catch=self.n_catch - len(caught),
+            n_false_alarms=self.n_false_alarms - sum(trial.response == 1 for trial in caught),
+            interventions=(*self.interventions, request.said),
+        )
 
     def _presented(self, trial: Trial, aborted: str | None, at_s: float, *, is_new: bool) -> "Progress":
         key = (trial.block, trial.track)

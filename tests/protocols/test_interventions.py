@@ -2,6 +2,7 @@
 
 from collections import Counter
 from dataclasses import replace
+from functools import reduce
 
 import catalogue
 import numpy as np
@@ -17,9 +18,13 @@ from tactometry.protocols.block import run_block
 from tactometry.protocols.block_state import BlockOptions
 from tactometry.protocols.procedures.procedure import FixedOrder
 from tactometry.questionnaire import load as load_form
+from tactometry.session.answer import Done
+from tactometry.session.intervention import Intervention
+from tactometry.session.progress import PartAhead, Progress
 from tactometry.session.replay import Replay, rows
 from tactometry.session.request import Intervene, Record, Show
 from tactometry.session.run import replay, run
+from tactometry.trials.trial import Trial, tally
 
 
 def steady():
@@ -193,6 +198,27 @@ def test_what_does_not_count_anyway_is_told():
     _, trials, said, _ = lived(block_of("constant_stimuli"), {3: "back, back"})
     assert said[1] == f"trial {trials[2].trial} does not count anyway"
     assert [trial.valid for trial in trials].count(False) == 1
+
+
+@pytest.mark.parametrize("name", ["constant_stimuli", "staircase_1_up_1_down"])
+def test_where_the_session_stands_knows_what_was_taken_back(name):
+    memory = Memory()
+    run(block_of(name)(), Wanting(catalogue.simulated(1), {3: "back", 6: "back 2", 7: "rest", 9: "back"}), memory)
+    progress = reduce(lambda progress, entry: progress.after(*entry), memory.entries, Progress())
+    trials = rows(request for request, _ in memory.entries)
+    caught = [trial.response for trial in trials if trial.valid and trial.catch]
+    assert progress.tally == tally(trials)
+    assert (progress.n_catch, progress.n_false_alarms) == (len(caught), sum(caught))
+    assert progress.track.presented == trials
+    assert len(progress.interventions) == 4
+
+
+def test_a_trial_that_was_taken_back_warns_of_nothing():
+    trial = Trial(1, 1, {}, "staircase", 10.0, "dB", "yes_no", 1)
+    back = Intervene(Intervention("invalidate", trial.key), "", (trial.key,))
+    progress = Progress().after(Record(trial), Done(1.0)).after(back, Done(2.0))
+    assert progress.last.valid is False
+    assert progress.warning([PartAhead(n_attempts=2)]) is None
 
 
 def test_a_record_and_what_is_wanted_are_asked_in_this_order():
