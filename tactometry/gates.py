@@ -329,11 +329,22 @@ def motions(
     window_s: float = WINDOW_S,
 ) -> list[SpeedCompliance]:
     """`motion` of each of several touches with the same stamps: (n_touches, n_samples) places, unchecked."""
-    first, last = _windows(times_s, window_s)
-    speeds = np.abs(positions_m[:, last] - positions_m[:, first]) / (times_s[last] - times_s[first])
+    speeds = speeds_m_per_s(times_s, positions_m, window_s)
     means_m_per_s = np.abs(np.diff(positions_m)).sum(axis=1) / (times_s[-1] - times_s[0])
     in_band = np.abs(speeds - target_m_per_s) <= tolerance * target_m_per_s * (1 + 1e-12)
     return list(map(SpeedCompliance, means_m_per_s.tolist(), in_band.mean(axis=1).tolist()))
+
+
+def speeds_m_per_s(
+    times_s: NDArray[np.float64], positions_m: NDArray[np.float64], window_s: float = WINDOW_S
+) -> NDArray[np.float64]:
+    """The speed at each sample, m/s, as `motion` takes it: places (..., n_samples) along the path, unchecked.
+
+    >>> speeds_m_per_s(np.array([0.0, 0.1, 0.2]), np.array([0.0, 0.01, 0.02]), window_s=0.2).round(9).tolist()
+    [0.1, 0.1, 0.1]
+    """
+    first, last = _windows(times_s, window_s)
+    return np.asarray(np.abs(positions_m[..., last] - positions_m[..., first]) / (times_s[last] - times_s[first]))
 
 
 def _windows(times_s: NDArray[np.float64], window_s: float) -> tuple[NDArray[np.intp], NDArray[np.intp]]:

@@ -60,6 +60,11 @@ class TouchTrace:
     position: Samples | None
     emitted: Signal | None
 
+    @property
+    def played(self) -> bool:
+        """Whether the touch came to its stimulus, or to the blank in place of one."""
+        return not isinstance(self.answer, Touched) or self.answer.invalid_reason != "timeout"
+
 
 def read_traces(
     path: Path,

@@ -23,6 +23,7 @@ COMMANDS = {
     "power": ("tactometry.cli.power:command", "How often a study would find an effect: power by simulation."),
     "replay": ("tactometry.cli.data_sets:replay", "Feed recorded answers back; name the first divergence."),
     "validate": ("tactometry.cli.data_sets:validate", "Is this a sound data set? Every defect, with file and row."),
+    "show": ("tactometry.cli.show:command", "What happened in one trial: force, position, what was emitted."),
     "rebuild": ("tactometry.cli.data_sets:rebuild", "Trials and events files, written anew from the journals."),
     "analyse": ("tactometry.cli.analyse:command", "Thresholds with intervals, ANOVA, tables and a report."),
     "calibrate": ("tactometry.cli.calibrate:command", "Output gain, force sensor, display, impulse responses."),

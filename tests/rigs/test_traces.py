@@ -11,12 +11,13 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from benches import FILE_BENCH, UDP_HAND
-from command_line import call
+from command_line import call, output
 from emulated import Emulator, wait_for
 from kept_events import Kept
 from study_texts import tutorial_in
 from tables import trial_rows
 
+from tactometry.experiments.data_sets.figures import speed_of
 from tactometry.experiments.data_sets.traces import read_traces
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.records.journal import checksum, encode
@@ -227,3 +228,46 @@ def test_what_was_said_before_a_touch_does_not_belong_to_it():
     kept = tracer.kept(Touched(2.0, None, None))
     [(kind, table)] = log.traces
     assert (kind, table.tolist(), len(kept.trace)) == ("force", [[1.5, 6.0]], 1)
+
+
+def test_show_tells_and_draws_what_happened_in_a_trial(recorded, tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (row, *_) = trial_rows(recorded)
+    said = output(capsys, "show", recorded, "--trial", 1)
+    assert f"onset_s             {row['onset_s']}" in said
+    assert "amplitude_modulated, frequency_hz=60: 34 dB re 1 V" in said
+    assert (tmp_path / "trial-1.png").read_bytes().startswith(b"\x89PNG")
+    told = json.loads(output(capsys, "show", recorded, "--trial", 1, "--figure", "t.svg", "--json"))
+    drawn = (tmp_path / "t.svg").read_text("utf-8")
+    for words in ("Force (N)", "Place (mm)", "Speed (mm/s)", "Emitted (V)", "Time from the onset (s)"):
+        assert words in drawn
+    for words in ("force to hold", "gate opens", "onset", "stimulus", "emitted (envelope)"):
+        assert words in drawn
+    (touch,) = told["touches"]
+    assert touch["n_samples_force"] == len(read_traces(recorded, 1)[0].force.times_s)
+    assert touch["gate_s"] <= touch["onset_s"]
+    assert told["figure"] == "t.svg"
+
+
+def test_show_says_which_trial_and_whose_it_wants(recorded, capsys, tmp_path):
+    status, errors, _ = call(capsys, "show", recorded, "--trial", 99)
+    assert status == 2
+    assert "trial: found 99, expected one of participant-P01_session-1_study-tutorial, from 1 to 2" in errors
+    status, errors, _ = call(capsys, "show", recorded, "--trial", 1, "--participant", "P02")
+    assert (status, "found 0 sessions of P02, expected one; say which" in errors) == (2, True)
+    assert call(capsys, "show", recorded, "--trial", 1, "--figure", tmp_path / "t.doc")[0] == 2
+
+
+def test_of_simulated_trials_and_blanks_show_draws_what_is_known(tmp_path, capsys, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    output(capsys, "simulate", "tutorial", "--participants", 1, "--seed", 1, "--out", "d")
+    blank = next(row for row in trial_rows(tmp_path / "d") if row["catch"] == "1")
+    assert "blank" in output(capsys, "show", "d", "--trial", blank["trial"])
+    assert (tmp_path / f"trial-{blank['trial']}.png").stat().st_size > 1000
+
+
+def test_the_speed_of_a_figure_is_that_of_the_gate(recorded):
+    (touch,) = read_traces(recorded, 1)
+    times_s, speeds = speed_of(touch.position)
+    assert np.all(np.diff(times_s) > 0)
+    np.testing.assert_allclose(speeds, 1000 * METRES_PER_COUNT, rtol=0.2)  # a busy sender is late at times

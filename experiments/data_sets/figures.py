@@ -1,0 +1,193 @@
+"""What happened in a touch, drawn: force with its band, place and speed of the finger, and what was emitted."""
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Final, NamedTuple
+
+import numpy as np
+
+from tactometry.analysis.figures.style import Drawing, drawing_of, new_figure
+from tactometry.gates import speeds_m_per_s
+from tactometry.palette import BLUE, GOLD, GREEN, ORANGE, PINK
+from tactometry.session.answer import Touched
+from tactometry.session.request import Adjust, Press, Slide
+from tactometry.signal import FloatArray, Signal
+from tactometry.trials.trial import REASON_WORDS
+
+from .traces import Samples, TouchTrace
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+BEFORE_S: Final = 1.0
+"""So much is drawn before the hold that opened the gate."""
+MARGIN_S: Final = 0.02
+N_BINS: Final = 500
+"""Of an envelope, at most."""
+ROOM: Final = 1.1
+COLUMN_IN, ROW_IN = 4.6, 1.5
+
+
+class DrawnQuantity(NamedTuple):
+    """A row of the figure: `draw` draws it of a touch, where it is `known` of one."""
+
+    label: str
+    known: Callable[[TouchTrace], bool]
+    draw: Callable[["Axes", TouchTrace], None]
+    from_zero: bool = True
+
+    def fill(self, row: Sequence["Axes"], touches: Sequence[TouchTrace]) -> None:
+        for axes, touch in zip(row, touches, strict=True):
+            self.draw(axes, touch)
+            _mark(axes, touch)
+        row[0].set_ylabel(self.label)
+        highest = max(axes.dataLim.y1 for axes in row)
+        if self.from_zero and highest > 0:  # of all columns, which share it, with room above
+            row[0].set_ylim(min(0.0, *(axes.dataLim.y0 for axes in row)), ROOM * highest)
+
+
+def touch_figure(touches: Sequence[TouchTrace]) -> Drawing:
+    """A column for each touch, a row for each quantity that is known of one of them; times are from the onset."""
+    rows = [row for row in _ROWS if any(map(row.known, touches))] or [_NOTHING]
+    with new_figure(COLUMN_IN * len(touches) + 2.0, ROW_IN * len(rows) + 0.9) as figure:
+        grid = figure.subplots(len(rows), len(touches), squeeze=False, sharex="col", sharey="row")
+        for axes_of_row, row in zip(grid, rows, strict=True):
+            row.fill(axes_of_row, touches)
+        for touch, column in zip(touches, grid.T, strict=True):
+            column[0].set_title(heading(touch))
+            column[0].set_xlim(*_span_s(touch))
+            column[-1].set_xlabel("Time from the onset (s)")
+        named = [pair for axes in grid.flat for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
+        lines = {text: line for line, text in named}  # each name once
+        figure.legend(lines.values(), lines.keys(), loc="outside right upper")
+        return drawing_of(figure)
+
+
+def heading(touch: TouchTrace) -> str:
+    """What a touch is called among those of its trial, and whether it counted, in two lines at most."""
+    answer, trial = touch.answer, touch.trial
+    reason = answer.invalid_reason if isinstance(answer, Touched) else None
+    interval = None if isinstance(touch.request, Adjust) else touch.request.interval
+    named = {"attempt": trial.attempt if trial.attempt > 1 else None, "interval": interval}
+    words = [_asked(touch), *(f"{name} {number}" for name, number in named.items() if number is not None)]
+    return "\n".join([", ".join(words), *([f"not valid: {REASON_WORDS[reason]}"] if reason else [])])
+
+
+def _asked(touch: TouchTrace) -> str:
+    """The stimulus with its level, or a blank."""
+    request, unit = touch.request, touch.trial.level_unit
+    if isinstance(request, Adjust):
+        return f"{request.stimulus}, to be set"
+    return f"{request.stimulus}: blank" if request.level is None else f"{request.stimulus}: {request.level:g} {unit}"
+
+
+def envelope(signal: Signal, n_bins: int = N_BINS) -> tuple[FloatArray, FloatArray]:
+    """Times (s) and the largest absolute value of any channel in each of `n_bins` parts of a signal.
+
+    >>> envelope(Signal(np.array([[0.0, -2.0, 1.0, 0.5]]), 4.0, "V"), n_bins=2)[1].tolist()
+    [2.0, 1.0]
+    """
+    strongest = np.abs(signal.samples).max(axis=0)
+    edges = np.unique(np.linspace(0, strongest.size, n_bins + 1).astype(int)[:-1])
+    return edges / signal.rate_hz, np.maximum.reduceat(strongest, edges)
+
+
+def _span_s(touch: TouchTrace) -> tuple[float, float]:
+    """What is drawn, from the onset: all that there is, but no long wait before the hold."""
+    onset_s, request, gate_s = touch.answer.onset_s, touch.request, _gate_s(touch)
+    stamps_s = [samples.times_s - onset_s for samples in (touch.force, touch.position) if samples is not None]
+    first_s = min((float(times_s[0]) for times_s in stamps_s), default=0.0)
+    last_s = max((float(times_s[-1]) for times_s in stamps_s), default=0.0)
+    if gate_s is not None and isinstance(request, Press | Slide):
+        first_s = max(first_s, gate_s - request.hold_s - BEFORE_S)
+    return min(first_s, 0.0) - MARGIN_S, max(last_s, _lasts_s(touch)) + MARGIN_S
+
+
+def _gate_s(touch: TouchTrace) -> float | None:
+    """When the gate opened, from the onset."""
+    gate_s = touch.answer.gate_s if isinstance(touch.answer, Touched) else None
+    return None if gate_s is None else gate_s - touch.answer.onset_s
+
+
+def _lasts_s(touch: TouchTrace) -> float:
+    """How long the stimulus was to last; 0 where nothing was to begin at a known time."""
+    request = touch.request
+    return 0.0 if isinstance(request, Adjust) or not touch.played else request.duration_s
+
+
+def _mark(axes: "Axes", touch: TouchTrace) -> None:
+    """The stimulus, its onset and the gate."""
+    if touch.played:
+        axes.axvspan(0.0, _lasts_s(touch), color=GOLD, alpha=0.15, linewidth=0, label="stimulus", zorder=0)
+        axes.axvline(0.0, color=ORANGE, linewidth=0.9, label="onset")
+    gate_s = _gate_s(touch)
+    if gate_s is not None:
+        # a mark above the axes: the onset follows within milliseconds, and one line would hide the other
+        at_top = axes.get_xaxis_transform()
+        axes.plot(gate_s, 1.02, "v", color=GREEN, transform=at_top, clip_on=False, linestyle="", label="gate opens")
+
+
+def _since_onset(touch: TouchTrace, samples: Samples) -> FloatArray:
+    return samples.times_s - touch.answer.onset_s
+
+
+def _draw_force(axes: "Axes", touch: TouchTrace) -> None:
+    request = touch.request
+    if isinstance(request, Press | Slide):
+        half_n = request.tolerance * request.target_n
+        low_n, high_n = request.target_n - half_n, request.target_n + half_n
+        axes.axhspan(low_n, high_n, color=BLUE, alpha=0.12, linewidth=0, label="force to hold")
+    if touch.force is not None:
+        axes.plot(_since_onset(touch, touch.force), touch.force.values, color=BLUE, linewidth=1.0, label="force")
+
+
+def _draw_place(axes: "Axes", touch: TouchTrace) -> None:
+    if touch.position is None:
+        return
+    for name, along, style in zip("xyz", touch.position.values.T, ("-", "--", ":"), strict=False):
+        times_s = _since_onset(touch, touch.position)
+        axes.plot(times_s, 1e3 * along, style, color=PINK, linewidth=1.0, label=f"place along {name}")
+
+
+def _draw_speed(axes: "Axes", touch: TouchTrace) -> None:
+    request = touch.request
+    if isinstance(request, Slide) and request.speed_tolerance is not None:
+        half, target = 1e3 * request.speed_tolerance * request.speed_m_per_s, 1e3 * request.speed_m_per_s
+        axes.axhspan(target - half, target + half, color=GREEN, alpha=0.12, linewidth=0, label="speed to keep")
+    if touch.position is not None:
+        times_s, speeds = speed_of(touch.position)
+        axes.plot(times_s - touch.answer.onset_s, 1e3 * speeds, color=GREEN, linewidth=1.0, label="speed along x")
+
+
+def speed_of(position: Samples) -> tuple[FloatArray, FloatArray]:
+    """Stamps, and the speed along the first axis, m/s; none of less than two places.
+
+    >>> speed_of(Samples(np.array([0.0, 0.1]), np.array([[0.0], [0.01]])))[1].round(9).tolist()
+    [0.1, 0.1]
+    """
+    known = np.isfinite(position.values[:, 0]) & (np.diff(position.times_s, prepend=-np.inf) > 0)
+    times_s, along_m = position.times_s[known], position.values[known, 0]
+    return (times_s, speeds_m_per_s(times_s, along_m)) if times_s.size > 1 else (times_s[:0], along_m[:0])
+
+
+def _draw_emitted(axes: "Axes", touch: TouchTrace) -> None:
+    if touch.emitted is not None and touch.emitted.samples.size:
+        times_s, peaks = envelope(touch.emitted)
+        axes.fill_between(times_s, peaks, step="post", color=ORANGE, alpha=0.6, linewidth=0, label="emitted (envelope)")
+
+
+def _draw_nothing(axes: "Axes", touch: TouchTrace) -> None:
+    del touch
+    axes.text(0.5, 0.5, "no sensor, and nothing was emitted", ha="center", transform=axes.transAxes)
+
+
+def _moves(touch: TouchTrace) -> bool:
+    return touch.position is not None
+
+
+_ROWS: Final = (
+    DrawnQuantity("Force (N)", lambda touch: touch.force is not None, _draw_force),
+    DrawnQuantity("Place (mm)", _moves, _draw_place, from_zero=False),
+    DrawnQuantity("Speed (mm/s)", _moves, _draw_speed),
+    DrawnQuantity("Emitted (V)", lambda touch: touch.emitted is not None, _draw_emitted),
+)
+_NOTHING: Final = DrawnQuantity("", lambda touch: True, _draw_nothing)

@@ -1,0 +1,78 @@
+"""`tactometry show`: what happened in one trial."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from .output import bench_option, data_argument, figure_option, say, subcommand, writing
+
+if TYPE_CHECKING:
+    from tactometry.analysis.figures.style import Drawing
+    from tactometry.experiments.data_sets.traces import TouchTrace
+
+
+@subcommand("show data --trial 17 --participant P01")
+@data_argument
+@click.option("--trial", type=click.IntRange(min=1), required=True, help="Its number in the session.")
+@click.option("--participant", metavar="ID", help="Whose, where the data set has several.")
+@click.option("--session", type=click.IntRange(min=1), help="Which, where the participant has several.")
+@bench_option
+@figure_option("The PNG, PDF or SVG to write; else trial-17.png here.")
+def command(
+    path: Path, trial: int, participant: str | None, session: int | None, bench_path: Path | None, figure: Path | None
+) -> None:
+    """Force, place and speed of the finger and what was emitted in each touch of a trial of the data set PATH.
+
+    With the bench file, also the signals of responses that it learnt or of its board are known.
+    """
+    from tactometry.experiments.data_sets.figures import heading, touch_figure
+    from tactometry.experiments.data_sets.traces import read_traces
+
+    touches = read_traces(path, trial, participant=participant, session=session, bench=bench_path)
+    drawn = (figure or Path(f"trial-{trial}.png")) if touches else None
+    if drawn is not None:
+        with writing(drawn):
+            _write(touch_figure(touches), drawn)
+    records = [{"touch": heading(touch), **_record(touch)} for touch in touches]
+    told = f"figure: {drawn}" if drawn else f"trial {trial}: nothing was felt in it"
+    lines = ["\n".join(_text(record)) for record in records]
+    say("\n".join([*lines, told]), {"trial": trial, "touches": records, "figure": drawn and str(drawn)})
+
+
+def _write(drawing: "Drawing", path: Path) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    match path.suffix:
+        case ".svg":
+            path.write_text(drawing.svg, encoding="utf-8")
+        case ".png":
+            path.write_bytes(drawing.png())
+        case _:
+            drawing.figure.savefig(path, metadata={"CreationDate": None})
+
+
+def _record(touch: "TouchTrace") -> dict[str, Any]:
+    """What is told of a touch, by name."""
+    answer, emitted = touch.answer, touch.emitted
+    names = ("gate_s", "valid", "invalid_reason", "force_mean_n", "force_in_band", "speed_mean_m_per_s", "n_gaps")
+    known = {name: value for name in names if (value := getattr(answer, name, None)) is not None}
+    samples = {"force": touch.force, "position": touch.position}
+    return {
+        "block": touch.trial.block,
+        "attempt": touch.trial.attempt,
+        "onset_s": answer.onset_s,
+        **known,
+        **{f"n_samples_{name}": len(kept.times_s) for name, kept in samples.items() if kept is not None},
+        "emitted": None if emitted is None else repr(emitted),
+        "files": [f"{part.file}, byte {part.first_byte} to {part.first_byte + part.n_bytes}" for part in answer.trace],
+    }
+
+
+def _text(record: dict[str, Any]) -> Iterator[str]:
+    """A line for each thing that is known."""
+    yield " - ".join(record["touch"].splitlines())
+    for name, value in record.items():
+        if name not in ("touch", "files") and value is not None:
+            yield f"  {name:<20}{value}"
+    yield from (f"  {file}" for file in record["files"])
