@@ -13,7 +13,7 @@ from typing import TypeVar
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.answer_rules import value_at
 from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
-from ..trials.trial import outcome
+from ..trials.trial import Reason, outcome
 from .device_rig import DeviceRig
 from .experimenter.supervisor import CLOCK, TrialLog
 from .pages import entry, form, layout
@@ -39,6 +39,7 @@ class Bench(DeviceRig):
     def _open(self) -> None:
         super()._open()
         self._trial_log = TrialLog(self._supervisor, self._screen, self._clocks)
+        self._lost: Reason | None = None
         # drawn now, so that the first page of a trial costs no frame when it is due
         for interval in (None, 1, 2):
             self._screen.prepare(layout.marker_page(interval, playing=True))
@@ -83,7 +84,8 @@ class Bench(DeviceRig):
         self._terminal.add(f"trial {self._tally.n_trials + 1}: {request.stimulus} {level}")
         measured = self._texts.message(words if self._setup.sensor is None else f"{words}_force")
         release = self._texts.message("release")
-        course = TouchCourse(request, self._setup, places, measured, release, dress)
+        why = "" if self._lost is None else self._texts.message(f"lost_{self._lost}")
+        course = TouchCourse(request, self._setup, places, measured, release, dress, why)
         felt, gate_delay_s = course.carry_out(self._signal(request))
         self._trial_log.note_decision(gate_delay_s)
         touched = self._touched_in_session(felt)
@@ -187,6 +189,7 @@ class Bench(DeviceRig):
 
     def _show(self, request: Show) -> Done:
         self._terminal.tell(f"page: {request.message}")
+        self._lost = None  # after a page it is no more the touch before
         if request.duration_s is None:
             page = self._message(request, self._texts.message("hint_continue"))
             self._presenter.converse(None, lambda state: page, lambda state, answer: (state, True))
@@ -208,6 +211,7 @@ class Bench(DeviceRig):
     def _record(self, request: Record) -> Done:
         trial = request.trial
         self._supervisor.end_trial(trial)
+        self._lost = trial.invalid_reason
         before, self._tally = self._tally, self._tally.after(trial)
         if self._tally.n_trials > before.n_trials:  # not each item of a questionnaire
             response = "no answer, " if trial.response is None else f"{trial.response}, "

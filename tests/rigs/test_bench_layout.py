@@ -23,6 +23,7 @@ def pages(aspect):
         layout.adjust_page("set", "hint", aspect),
         layout.bar_page("Heading\n\nbody", "hint", aspect, 0.5),
         layout.track_page(layout.force_page(layout.marker_page(1, playing=True), 9.0, 1.0, 0.9), 1.0, 1 / 3),
+        layout.track_page(layout.force_page(layout.marker_page(1, playing=True), 9.0, 1.0, 0.9), 1.0, 0.7, 2.0),
     ]
 
 
@@ -92,7 +93,7 @@ def test_the_key_that_is_shown_is_unmistakable(options, labels, shown):
 def test_the_band_is_told_by_colour_and_by_shape(force_n, held):
     marker = layout.marker_page(1, playing=False)
     items = layout.force_page(marker, force_n, 1.0, 0.2).items[len(marker.items) :]
-    assert any(isinstance(item, Disc) for item in items) is held
+    assert any(isinstance(item, Box) and item.width == item.height for item in items) is held
     assert any(isinstance(item, Box) and item.fill == layout.GOOD for item in items) is held
 
 
@@ -130,3 +131,16 @@ def test_each_press_is_let_through_once_and_in_order(presses, data):
 
 def test_an_empty_page_answers_nothing():
     assert Page().answer(KeyDown("y", 0.0)) is None
+
+
+@pytest.mark.parametrize("length", [0.2, 1 / 3, 0.5, 0.51, 0.9])
+def test_the_track_lies_clear_of_the_bar_and_of_the_circle(length):
+    marker = layout.marker_page(1, playing=True)
+    bar = layout.force_page(marker, 1.0, 1.0, 0.2).items[len(marker.items) :]
+    track = [item for item in layout.track_page(marker, 1.0, length, 2.0).items if item not in marker.items]
+    assert len(track) == 3
+    for one in (*bar, *marker.items[:1]):
+        for other in track:
+            apart = [abs(getattr(one, axis) - getattr(other, axis)) for axis in "xy"]
+            reach = [a + b for a, b in zip(extent(one), extent(other), strict=True)]
+            assert any(gap > both for gap, both in zip(apart, reach, strict=True)), (one, other)

@@ -6,6 +6,7 @@ import pytest
 
 from tactometry.errors import InvalidParameter
 from tactometry.rigs.texts import languages, texts_in
+from tactometry.trials.trial import REASONS
 
 
 def places(text):
@@ -21,9 +22,17 @@ def test_every_language_has_the_same_messages_with_the_same_places(language):
     }
 
 
+@pytest.mark.parametrize("language", languages())
+def test_every_reason_for_which_a_touch_does_not_count_is_told(language):
+    told = [texts_in(language, {}).message(f"lost_{reason}") for reason in REASONS]
+    assert len(set(told)) == len(REASONS)
+    assert not set(told) & {f"lost_{reason}" for reason in REASONS}
+
+
 def test_a_language_is_a_translation():
     english, french = texts_in("en", {}), texts_in("fr", {})
-    assert not [name for name in english.messages if english.messages[name] == french.messages[name]]
+    alike = [name for name in english.messages if english.messages[name] == french.messages[name]]
+    assert alike == ["right"], "of all words 'Correct' alone is the same"
 
 
 @pytest.mark.parametrize("language", languages())

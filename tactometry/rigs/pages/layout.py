@@ -12,6 +12,7 @@ BODY, HEADING, HINT = 0.042, 0.056, 0.032
 N_POSITIONS_CONTINUOUS = 101
 MARGIN = 0.9
 """Part of the screen's width that may be filled."""
+LONGEST_BESIDE_BAR = 0.5
 WIDEST = 1.5
 """No line of words is longer, on however wide a screen."""
 
@@ -115,12 +116,14 @@ def _first_letter(label: str) -> str:
     return plain if "a" <= plain <= "z" else ""
 
 
-def marker_page(interval: int | None, *, playing: bool, words: str = "") -> Page:
-    """A ring with the number of the interval, filled while a stimulus may be felt."""
+def marker_page(interval: int | None, *, playing: bool, words: str = "", why: str = "") -> Page:
+    """A ring with the number of the interval, filled while a stimulus may be felt; above it what to do, and `why` the
+    touch before did not count."""
     fill, ink = (ACCENT, PAPER) if playing else (None, INK)
     number = [Text(str(interval), 0, 0, 0.16, ink)] if interval is not None else []
-    above = [Text(words, 0, 0.36, HEADING, wrap_width=1.3)] if words else []
-    return Page((*above, Disc(0, 0, 0.15, fill=fill, line=ACCENT), *number))
+    above = [Text(words, 0, 0.4, HEADING, wrap_width=1.3)] if words else []
+    below = [Text(why, 0, 0.31, BODY, wrap_width=1.3)] if why else []
+    return Page((*above, *below, Disc(0, 0, 0.15, fill=fill, line=ACCENT), *number))
 
 
 def waiting_page() -> Page:
@@ -129,7 +132,7 @@ def waiting_page() -> Page:
 
 
 def force_page(page: Page, force_n: float | None, target_n: float, tolerance: float) -> Page:
-    """`page` with a bar that rises with the force; in the band it changes colour and gets a dot beside it."""
+    """`page` with a bar that rises with the force; in the band it changes colour and gets a square beside it."""
     held = force_n is not None and abs(force_n - target_n) <= tolerance * target_n
     x, bottom, full = 0.4, -0.3, 0.56
     scale = full / (2 * target_n)  # the target is at half of the bar's height
@@ -140,16 +143,17 @@ def force_page(page: Page, force_n: float | None, target_n: float, tolerance: fl
         Box(x, bottom + height / 2, 0.1, height, fill=GOOD if held else INK),
         *(Box(x, middle + side * half, 0.18, 0.006, fill=ACCENT) for side in (-1, 1)),
     )
-    dot = [Disc(x + 0.16, middle, 0.03, fill=GOOD)] if held else []
-    return Page((*page.items, *bar, *dot), page.buttons)
+    square = [Box(x + 0.16, middle, 0.05, 0.05, fill=GOOD)] if held else []
+    return Page((*page.items, *bar, *square), page.buttons)
 
 
 def track_page(page: Page, cue: float, length: float, finger: float | None = None) -> Page:
     """`page` with a track of `length` (screen heights) on which a dot moves, to be followed by a ring: the finger.
 
-    `cue` and `finger` are places from -1 to 1; a finger beyond the track stays at its end.
+    `cue` and `finger` are places from -1 to 1; a finger beyond the track stays at its end. A short track lies beside
+    the bar of the force, a long one below it.
     """
-    y = -0.36
+    y = -0.23 if length <= LONGEST_BESIDE_BAR else -0.36
     moving = [Disc(cue * length / 2, y, 0.022, fill=ACCENT)]
     if finger is not None:
         place = min(max(finger, -1.1), 1.1)  # just past an end, so that it is seen to be beyond

@@ -106,7 +106,8 @@ class Held:
 
 @dataclass(frozen=True)
 class TouchCourse:
-    """A request to press or slide, with what carries it out; `places` is where its position is heard.
+    """A request to press or slide, with what carries it out; `places` is where its position is heard, `why` says why
+    the touch before did not count.
 
     What cuts a stimulus short is a pause that the experimenter wants, or what the sensors say.
     """
@@ -117,6 +118,7 @@ class TouchCourse:
     words: str = ""
     release_words: str = ""
     dress: Dress = as_it_is
+    why: str = ""
 
     def carry_out(self, signal: Signal | None) -> tuple[Touched, float | None]:
         """What came of the touch (its onset on `time.perf_counter`), and how late the gate's decision was, s.
@@ -134,7 +136,8 @@ class TouchCourse:
     def _play_ungated(self, signal: Signal | None) -> Touched:
         """Trust the finger: show when to be ready for `hold_s`, then play."""
         ready, playing = (
-            layout.marker_page(self.request.interval, playing=on, words=self.words) for on in (False, True)
+            layout.marker_page(self.request.interval, playing=on, words=self.words, why="" if on else self.why)
+            for on in (False, True)
         )
         begin_s = self._present(ready)
         self.setup.presenter.hold(begin_s + self.request.hold_s, ready, self.dress)
@@ -262,7 +265,8 @@ class TouchCourse:
     def _bar(self, held: Held, *, playing: bool) -> Page:
         request = self.request
         words = self.words if playing or held.released else self.release_words
-        marker = layout.marker_page(request.interval, playing=playing, words=words)
+        why = "" if playing else self.why
+        marker = layout.marker_page(request.interval, playing=playing, words=words, why=why)
         return layout.force_page(marker, held.applied_force.force_n, request.target_n, request.tolerance)
 
     def _judgement(self, signal: Signal | None, held: Held, onset_s: float, cut_by: Reason | None) -> Touched:

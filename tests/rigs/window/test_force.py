@@ -21,11 +21,12 @@ from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.pages.page import Text
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
-from tactometry.session.request import Adjust, Play, Press, Record, Slide, Wait
+from tactometry.session.request import Adjust, Play, Press, Record, Show, Slide, Wait
 from tactometry.stimuli.electrovibration import Sine
 from tactometry.trials.trial import Trial
 
 TONE = Sine(frequency_hz=60.0, duration_s=0.3, ramp_s=0.02, level_unit="V")
+TRIAL = Trial(1, 1, {}, "staircase", 5.0, "V", "yes_no", None)
 PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.2, timeout_s=5.0)
 
 
@@ -358,3 +359,21 @@ def test_a_level_that_is_set_stops_with_the_sensor_and_begins_anew(bench_with, l
     assert bench.answer(Adjust("tone", start=5.0, step=5.0, low=0.0, high=20.0)).level == 5.0
     assert bench._supervisor._n_pauses == 1
     assert log[-1] == "output.stop"
+
+
+def test_after_a_touch_that_does_not_count_the_next_says_why_until_it_plays(bench_with, watched):
+    """And no more after a page, or after one that counts."""
+    told = "Too light: press a little more, until the bar stays between the lines"
+    bench = bench_with(lambda time_s: 1.0)
+
+    def of_next(*before, **row):
+        for request in (Record(replace(TRIAL, **row)), *before):
+            bench.answer(request)
+        watched.pages.clear()
+        bench.answer(PRESS)
+        return [told in words_of(page) for page in watched.pages]
+
+    lost = {"valid": False, "invalid_reason": "too_light"}
+    assert of_next(**lost) == [True, False]
+    assert of_next() == [False, False]
+    assert of_next(Show("resting", duration_s=0.1), **lost) == [False, False]

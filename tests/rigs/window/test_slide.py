@@ -117,7 +117,7 @@ def test_the_page_shows_the_finger_beside_the_moving_dot(slid, watched):
     """Both go out and back at the same speed, while a force that never comes is waited for."""
     waiting = replace(SLIDE, target_n=5.0, timeout_s=4.0)
     slid(lambda time_s: triangle(0.05 * max(0.0, time_s - 0.08), PATH_M), waiting)
-    tracks = [[item for item in page.items if getattr(item, "y", 0) == -0.36] for page in watched.drawn]
+    tracks = [[item for item in page.items if getattr(item, "y", 0) == -0.23] for page in watched.drawn]
     dots, rings = zip(*[(track[1].x, track[2].x) for track in tracks if len(track) == 3], strict=True)
     half = 0.5 * PATH_M / ASSUMED_DISPLAY_HEIGHT_M
     assert len(rings) > 10
