@@ -63,7 +63,7 @@ def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
 
     A row says by its `rig` who answered, else the journal of its session; where neither does, it was people.
     """
-    known = _heads(trials.path)
+    known = heads_of(trials.path)
     mask = _is_simulated(trials.rows, known)
     first_heads = [sittings[0] for sittings in known.values()]  # a session goes on with the rig and seed it began with
     seeds = tuple(sorted({head.seed for head in first_heads if head.rig == SIMULATED}))
@@ -79,7 +79,7 @@ def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
     return kept, Origin(warnings=(f"{left_out}; analyse them apart", *warnings))
 
 
-def _heads(path: Path) -> dict[SessionKey, tuple[Head, ...]]:
+def heads_of(path: Path) -> dict[SessionKey, tuple[Head, ...]]:
     """The heads of all sittings, by session; a journal that is damaged is none."""
     by_session: dict[SessionKey, tuple[Head, ...]] = {}
     for journal in sorted((path / "journals").glob("participant-*.jsonl")) if path.is_dir() else ():

@@ -11,6 +11,7 @@ NAMES = (
     "localisation",
     "measured",
     "quality",
+    "course",
     "curves",
 )
 KINDS: tuple[ResultKind, ...] = tuple(resolve(f"{__package__}.sections.{name}:KIND") for name in NAMES)

@@ -1,7 +1,7 @@
 """Bench files: the screen, the output, the sensors and the limits of one bench, strictly read."""
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field
 from datetime import date
 from functools import partial
 from pathlib import Path
@@ -22,6 +22,7 @@ from tactometry.rigs.texts import languages
 from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
 from tactometry.session.event import TRACE_KINDS, TraceKind
+from tactometry.session.request import Fact, Facts
 
 from ..study.study_file import no_such
 
@@ -235,10 +236,10 @@ class BenchFile:
         return streamed_position(reader, table.channels, table.metres_per_count, table.zero_counts)
 
 
-def device_facts(bench: BenchFile, devices: Devices) -> dict[str, str | int | float | bool | None]:
+def device_facts(bench: BenchFile, devices: Devices) -> Facts:
     """What a journal says of the devices: calibrations with date and author, load, counts, delays and drifts."""
     gain, load = bench.output.gain, bench.output.load
-    facts: dict[str, str | int | float | bool | None] = {
+    facts: Facts = {
         "output_volts_per_unit": None if gain is None else gain.load_volts_per_unit,
         "output_gain_measured": None if gain is None else _provenance(gain),
         "output_system_volume": None if gain is None else gain.system_volume,
@@ -253,7 +254,28 @@ def device_facts(bench: BenchFile, devices: Devices) -> dict[str, str | int | fl
     for sensor, reader in devices.readers.items():
         facts[f"{sensor}_delay_s"] = bench.sensors[sensor].delay_s
         facts |= {f"{sensor}_{name}": value for name, value in reader.facts().items()}
-    return facts
+    return facts | _stated(bench)
+
+
+def _stated(bench: BenchFile) -> Facts:
+    """What the file states of screen, sensors and their calibrations, each key on its own, so that a sitting with
+    another value can say which."""
+    parts = {"screen": bench.screen, "force": bench.force, "position": bench.position, **bench.sensors}
+    return {
+        f"bench_{part}_{key}": value
+        for part, table in parts.items()
+        if table is not None
+        for key, value in _scalars(asdict(table))
+    }
+
+
+def _scalars(table: Mapping[str, Any]) -> Iterator[tuple[str, Fact]]:
+    """The keys of a table and of those within it, with values that a journal holds."""
+    for key, value in table.items():
+        if isinstance(value, Mapping):
+            yield from ((f"{key}_{inner}", fact) for inner, fact in _scalars(value))
+        elif value is not None and value != ():
+            yield key, value if isinstance(value, bool | int | float | str) else str(value)
 
 
 def _provenance(measured: Measured) -> str | None:

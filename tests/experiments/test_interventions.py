@@ -10,6 +10,8 @@ from tables import event_rows, trial_rows
 from tutorial_session import EXPERIMENT, TOML, WHO, journal_of
 from wanting import Wanting
 
+from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.report.page import render
 from tactometry.experiments.data_sets.replaying import rebuild_data_set, replay_data_set
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.sessions.recording import RigKind, Who, record, simulated
@@ -108,6 +110,12 @@ def test_the_analysis_counts_what_was_taken_back_as_not_valid(wanted):
     from tactometry.analysis.reading.trials import read_trials, used_rows
 
     assert len(used_rows(read_trials(wanted[0]))) == sum(row["valid"] == "1" for row in trial_rows(wanted[0]))
+
+
+def test_the_report_tells_what_the_experimenter_did(wanted):
+    page = render(analyse(wanted[0]))
+    assert page.index("<h3>What happened in them</h3>") > page.index("<h2>How the sessions went</h2>")
+    assert all(f">{said}</td>" in page for said in SAID)
 
 
 def told(root):

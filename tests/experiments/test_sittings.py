@@ -10,7 +10,11 @@ from places import RECORDED
 from sound_sitting import SOUND, sit
 from tutorial_session import EXPERIMENT, STUDY, TOML, WHO, journal_of
 
+from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.report.page import render
+from tactometry.analysis.report.summary import summary
 from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.bench.bench_file import _stated, parse_bench
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.sessions.recording import Who, record, simulated
@@ -84,6 +88,42 @@ def test_counts_and_clocks_differ_always_and_are_not_told(whole, name, before, a
     head = read(journal_of(whole)).head
     found = differences(replace(head, facts={name: before}), replace(head, facts={name: after}))
     assert bool(found) == is_told
+
+
+def test_the_report_has_the_sittings_and_what_changed_between_them(tmp_path):
+    sit(tmp_path, SOUND, stops_at=4)
+    sit(tmp_path, {**SOUND, "output_volts_per_unit": 400.0}, stops_at=3, resume=True)
+    sit(tmp_path, {**SOUND, "output_volts_per_unit": 400.0}, resume=True)
+    page = render(analyse(tmp_path))
+    assert "<h2>How the sessions went</h2>" in page
+    assert ">output_volts_per_unit was 200.0, is 400.0</td>" in page
+    rows = summary(analyse(tmp_path))["sittings"]
+    assert [(row["sitting"], row["changes"]) for row in rows] == [
+        (1, "as it began"),
+        (2, "output_volts_per_unit was 200.0, is 400.0"),
+        (3, "nothing"),
+    ]
+
+
+def test_a_session_in_one_sitting_of_which_nothing_is_told_has_no_such_section(whole):
+    assert "How the sessions went" not in render(analyse(whole))
+
+
+def test_another_key_of_the_bench_file_is_told(whole):
+    def facts(counts, **of_screen):
+        tables = {
+            "screen": of_screen,
+            "sensors": {"hand": {"kind": "lsl", "stream": "hand", "rate_hz": 1000, "n_channels": 1}},
+            "force": {"sensor": "hand", "newtons_per_count": counts},
+        }
+        return {name: value for name, value in _stated(parse_bench(tables)).items() if name.startswith("bench_")}
+
+    head = read(journal_of(whole)).head
+    found = differences(replace(head, facts=facts(0.01)), replace(head, facts=facts(0.02, language="fr")))
+    assert found == [
+        "bench_screen_language was en, is fr",
+        "bench_force_calibration_newtons_per_count was 0.01, is 0.02",
+    ]
 
 
 def test_another_version_is_told(whole):
