@@ -8,6 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 from benches import gain_table
+from places import ROOT
 from scene_cases import LEVEL, SLIDING, VOLT, default, effect, panel, screen, small_screen
 
 from tactometry.config.strict import build
@@ -45,6 +46,7 @@ from tactometry.protocols import (
 )
 from tactometry.protocols.block import run_block
 from tactometry.protocols.tasks.task import Alternative
+from tactometry.provenance import sha256
 from tactometry.questionnaire import load as load_form
 from tactometry.rigs.console import Console
 from tactometry.rigs.device_rig import Equipment
@@ -69,6 +71,7 @@ from tactometry.stimuli.electrovibration import (
 )
 from tactometry.stimuli.electrovibration.textures.played_texture import straight_path_m
 from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
+from tactometry.stimuli.electrovibration.waveforms.wav_file import WavFile
 from tactometry.stimuli.hybrid import Hybrid
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
@@ -79,6 +82,8 @@ from tactometry.stimuli.time_reversal.stimulus.placed_foci import Place, PlacedF
 from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 
 LIMITS = Limits(voltage_peak_v=200.0)
+BUZZ = ROOT / "tests" / "recorded" / "buzz.wav"
+"""A voltage of 100 Hz with its third harmonic, 16 bits."""
 
 STIMULI = {
     **{kind: resolve(waveform.target)(**waveform.example, duration_s=0.2) for kind, waveform in WAVEFORMS.items()},
@@ -96,6 +101,9 @@ STIMULI = {
         Velvet(), straight_path_m(-0.1, 0.2, 20e3), sensor=SensorModel(latency_s=0.01), ramp_s=0.05
     ),
     "texture": FollowedTexture(Grating(1e-3, "sinusoidal"), duration_s=0.2),
+    "wav": WavFile(
+        str(BUZZ), rate_hz=8e3, duration_s=0.2, sha256=sha256(BUZZ.read_bytes()), level_unit="dB re 1 V", ramp_s=0.01
+    ),
     "with_offset": WithOffset(Sine(frequency_hz=60.0, duration_s=0.2), ratio=0.5),
     "time_reversal": TimeReversalStimulus(
         Responses(1e-9 * np.array([[[0.0, 3.0, -2.0, 1.0, 0.5]]]), 1e6), voltage_max_v=1e9, level_unit="dB re 1 um"

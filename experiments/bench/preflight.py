@@ -20,7 +20,7 @@ from tactometry.signal import Signal
 
 from ..study.experiment import Experiment, wire
 from ..study.felt_and_lost import felt_and_lost
-from ..study.study_file import load
+from ..study.study_file import folder_of, load
 from .bench_file import BenchFile, Devices
 from .calibration import tone
 from .finding import Finding, duration, findings_of
@@ -38,7 +38,9 @@ TONE_PART = 0.1
 TONE_S, TONE_RAMP_S = 0.5, 0.1
 
 
-def check(study: str | None, bench: BenchFile, folder: Path, *, hands_off: bool) -> list[Finding]:
+def check(
+    study: str | None, bench: BenchFile, folder: Path, *, hands_off: bool, allow_code: bool = False
+) -> list[Finding]:
     """Everything in turn; what fails is a finding, and the rest is looked at all the same.
 
     Parameters
@@ -50,8 +52,10 @@ def check(study: str | None, bench: BenchFile, folder: Path, *, hands_off: bool)
         Where data would be written.
     hands_off : bool
         Whether somebody said that nobody touches the surface: a connected output plays nothing without it.
+    allow_code : bool
+        Whether code of one's own that the study names may run.
     """
-    findings, experiment = _study(study) if study is not None else ([], None)
+    findings, experiment = _study(study, allow_code=allow_code) if study is not None else ([], None)
     limits = experiment.study.limits if experiment is not None else bench.limits
     findings += findings_of("computer", computer())
     findings += findings_of("disk", disk(existing(folder)))
@@ -60,9 +64,9 @@ def check(study: str | None, bench: BenchFile, folder: Path, *, hands_off: bool)
     return findings
 
 
-def _study(study: str) -> tuple[list[Finding], Experiment | None]:
+def _study(study: str, *, allow_code: bool) -> tuple[list[Finding], Experiment | None]:
     try:
-        experiment = wire(load(study)[0], study)
+        experiment = wire(load(study)[0], study, folder_of(study) if allow_code else None, simulated=False)
     except TactometryError as error:
         return [Finding("study", study, str(error), "a study that can run", fine=False)], None
     n = len(experiment.bank)

@@ -72,7 +72,7 @@ def _recordings(path: Path) -> tuple[Path, list[Path], Experiment, bytes]:
         raise InvalidFile(f"{path}: found no journal, expected a data set with journals/*.jsonl, or a journal")
     study = root / "study.toml"
     content = read_file(study, "the study that ran")
-    return root, journals, wire(parse(content, str(study)), str(study)), content
+    return root, journals, wire(parse(content, str(study)), str(study), plays=False), content
 
 
 def _replay(root: Path, journal: Path, experiment: Experiment, study_toml: bytes) -> Replayed:

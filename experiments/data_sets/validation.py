@@ -128,7 +128,7 @@ def _study(root: Path, unsound: list[Defect]) -> Experiment | None:
     """The study that ran, or a defect more."""
     content = _read(root / "study.toml", "study.toml", unsound, "the study that ran")
     try:
-        return None if content is None else wire(parse(content, "study.toml"), "study.toml")
+        return None if content is None else wire(parse(content, "study.toml"), "study.toml", plays=False)
     except TactometryError as error:
         unsound.append(Defect("study.toml", None, str(error).removeprefix("study.toml").lstrip(":, ")))
         return None

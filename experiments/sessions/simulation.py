@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tactometry.arguments.require import expect
 from tactometry.errors import rewording
-from tactometry.observers.own import state_of
+from tactometry.own_code import state_of
 from tactometry.records.head import LARGEST_SEED
 
 from ..study.experiment import Experiment, wire
@@ -60,11 +60,11 @@ class Simulation:
         Raises
         ------
         InvalidParameter
-            If its people are a class of one's own that is not allowed.
+            If its people, or what they feel by, are a class of one's own that is not allowed.
         """
         experiment = self.experiment()
         with rewording(lambda words: f"{self.where}, {words}"):
-            experiment.people.check_allowed()
+            experiment.check_allowed()
         return experiment
 
     def record(self, who: Who) -> Recorded:

@@ -2,12 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 from tactometry.arguments.require import expect
 from tactometry.config.strict import as_table, build, build_kind, kind_of
 from tactometry.errors import InvalidParameter, nearest, rewording
 from tactometry.loading import resolve
+from tactometry.own_code import is_own
 from tactometry.protocols.block_state import Condition
 from tactometry.protocols.tasks.touch import Pressing, Sliding, Touch
 from tactometry.rigs.simulated import Sensation
@@ -17,6 +19,7 @@ from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.trials.cells import cell as cell_text
 
 from .felt_scene import felt
+from .own_parts import OwnStimulus, sensation_class, stimulus_class as own_stimulus_class
 from .procedure_table import ReadyProcedure, rule_of, without
 from .study_file import VARIED, Study
 
@@ -28,9 +31,9 @@ class StimulusKind:
     """Target strings of a stimulus and of the model of what is felt of it, and the fields that both share.
 
     `stands` says that it is at one place, which a finger that slides would leave; `follows`, that only one that slides
-    feels it. `parts` names the kinds that a table within may have, by its key. `surface` is the kind of surface that a
-    scene may have under it; empty where none may. `scene` is the module of `tactometry.stimuli.scenes.defaults` that
-    makes its default one, that of the surface unless it is named.
+    feels it; `reads`, that it reads a file, if it is to be played. `parts` names the kinds that a table within may
+    have, by its key. `surface` is the kind of surface that a scene may have under it; empty where none may. `scene` is
+    the module of `tactometry.stimuli.scenes.defaults` that makes its default one, that of the surface unless named.
     """
 
     stimulus: str
@@ -38,6 +41,7 @@ class StimulusKind:
     shared: tuple[str, ...] = ()
     stands: bool = False
     follows: bool = False
+    reads: bool = False
     parts: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     surface: str = "electrovibration"
     scene: str = ""
@@ -51,8 +55,11 @@ FOCUSING = StimulusKind(
     stands=True,
     surface="time_reversal",
 )
+OWN = StimulusKind("", ELECTROVIBRATION)
+"""A class of one's own, ``module:Class``."""
 STIMULI: Mapping[str, StimulusKind] = {
     **{kind: StimulusKind(waveform.target, ELECTROVIBRATION) for kind, waveform in WAVEFORMS.items()},
+    "wav": StimulusKind("tactometry.stimuli.electrovibration.waveforms.wav_file:WavFile", ELECTROVIBRATION, reads=True),
     "texture": StimulusKind(
         "tactometry.stimuli.electrovibration.textures.followed_texture:FollowedTexture",
         ELECTROVIBRATION,
@@ -122,10 +129,11 @@ def tables(study: Study, factors: Factors) -> dict[str, dict[str, Any]]:
 
 
 class Wiring:
-    """Wires the cells of a study; what several cells share is built once."""
+    """Wires the cells of a study; what several cells share is built once. Code of one's own is taken from a folder, or
+    is not allowed; without `plays` neither it nor files are asked for."""
 
-    def __init__(self, study: Study) -> None:
-        self.study = study
+    def __init__(self, study: Study, code_from: Path | None = None, *, plays: bool = True) -> None:
+        self.study, self._code_from, self._plays = study, code_from, plays
         self._sensations: dict[str, Sensation] = {}
         self._procedures: dict[str, ReadyProcedure] = {}
 
@@ -138,8 +146,8 @@ class Wiring:
             If a table holds what its kind does not know, or a factor changes nothing.
         """
         of = tables(self.study, factors)
-        kind: StimulusKind = kind_of(of["stimulus"], "stimulus", STIMULI)
-        stimulus_class, touch_class = resolve(kind.stimulus), kind_of(of["touch"], "touch", TOUCHES)
+        touch_class = kind_of(of["touch"], "touch", TOUCHES)
+        kind, stimulus_class = self._kind(of["stimulus"], factors, touch_class)
         expect(
             not (kind.stands and touch_class is Sliding),
             "touch.kind",
@@ -149,7 +157,7 @@ class Wiring:
         resting = "'slide': a finger that rests feels no texture"
         expect(not kind.follows or touch_class is Sliding, "touch.kind", "'press' with a texture", resting)
         self._check_effect(factors, of, stimulus_class, touch_class)
-        stimulus = _stimulus(kind, _keys(of["stimulus"], factors, stimulus_class), stimulus_class)
+        stimulus = self._stimulus(kind, of["stimulus"], factors, stimulus_class)
         # A touch lasts as long as what is felt: no file states it twice.
         touch: Touch = build(
             touch_class, _keys(of["touch"], factors, touch_class), "touch", duration_s=stimulus.duration_s
@@ -166,6 +174,27 @@ class Wiring:
         )
         sensation = self._felt(kind, of, stimulus, touch)
         return WiredCell(condition, stimulus, self.procedure(of["procedure"]), sensation, kind.surface)
+
+    def _kind(self, table: Mapping[str, Any], factors: Factors, touch_class: type) -> tuple[StimulusKind, Any]:
+        """What is known of a kind of stimulus, and its class."""
+        if not is_own(table.get("kind")):
+            kind: StimulusKind = kind_of(table, "stimulus", STIMULI)
+            return kind, resolve(kind.stimulus)
+        of_touch = touch_class.__dataclass_fields__  # type: ignore[attr-defined]
+        of_stimulus = [name for name in factors if name not in of_touch and name not in self.study.variants]
+        return OWN, own_stimulus_class(table, of_stimulus, of_touch, self._code_from, plays=self._plays)
+
+    def _stimulus(self, kind: StimulusKind, stated: Mapping[str, Any], factors: Factors, stimulus_class: Any) -> Any:
+        """A stimulus, its parts first."""
+        table = _keys(stated, factors, stimulus_class)
+        parts = {
+            key: build_kind(as_table(table.get(key, {}), f"stimulus.{key}"), f"stimulus.{key}", kinds)
+            for key, kinds in kind.parts.items()
+        }
+        given = parts | ({"read": self._plays} if kind.reads else {})
+        rest = {key: value for key, value in table.items() if key not in parts}
+        stimulus = build(stimulus_class, rest, "stimulus", **given)
+        return OwnStimulus(stimulus, stated["kind"]) if kind is OWN else stimulus
 
     def _name(self, kind: str, factors: Factors, stimulus_class: Any) -> str:
         """Of a stimulus, by all factors that change it: journals hold it, and cells of one name share a stimulus."""
@@ -185,6 +214,9 @@ class Wiring:
     def _felt(self, kind: StimulusKind, of: Mapping[str, Mapping[str, Any]], stimulus: Any, touch: Touch) -> Sensation:
         """What is felt: through the scene that the study states, else through that of the stimulus, whose effects
         `[sensation]` holds numbers of."""
+        if is_own(of["sensation"].get("kind")):
+            expect(not of["scene"], "scene", "a table beside a [sensation] of one's own", "one of the two; remove one")
+            return self._own_sensation(of["sensation"])
         if not of["scene"]:
             return self._by_default(kind, of["sensation"], stimulus)
         from .scene_table import felt_scene
@@ -193,6 +225,13 @@ class Wiring:
         expect(not of["sensation"], "sensation", "a table beside [scene]", one)
         scene = felt_scene(of["scene"], kind.surface, stimulus, touch)
         return self._sensations.setdefault(repr(scene), scene)
+
+    def _own_sensation(self, table: Mapping[str, Any]) -> Sensation:
+        key = repr(table)
+        if key not in self._sensations:
+            kind = sensation_class(table, self._code_from)
+            self._sensations[key] = build(kind, without(table, "kind"), "sensation")
+        return self._sensations[key]
 
     def _by_default(self, kind: StimulusKind, table: Mapping[str, Any], stimulus: Any) -> Sensation:
         shared = {name: getattr(stimulus, name) for name in kind.shared}
@@ -228,17 +267,6 @@ def _default_scene(kind: StimulusKind, model: Any, duration_s: float) -> Sensati
 def _keys(table: Mapping[str, Any], factors: Factors, kind: type) -> dict[str, Any]:
     """The keys of a table, with the factors that are fields of what it is read by."""
     return {**without(table, "kind"), **_fields(factors, kind)}
-
-
-def _stimulus(kind: StimulusKind, table: Mapping[str, Any], stimulus_class: Any) -> Any:
-    """A stimulus, its parts first."""
-    parts = {
-        name: build_kind(as_table(table.get(name, {}), f"stimulus.{name}"), f"stimulus.{name}", kinds)
-        for name, kinds in kind.parts.items()
-    }
-    return build(
-        stimulus_class, {name: value for name, value in table.items() if name not in parts}, "stimulus", **parts
-    )
 
 
 def _fields(factors: Factors, kind: Any) -> dict[str, float | str]:

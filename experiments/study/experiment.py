@@ -21,6 +21,7 @@ from tactometry.observers.changes.change import Answer, Shift
 from tactometry.observers.decisions import Observer
 from tactometry.observers.kinds import Population, population_of
 from tactometry.observers.people import Feeling, SimulatedPerson
+from tactometry.own_code import not_allowed
 from tactometry.protocols.block_state import Condition, Track
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
 from tactometry.protocols.session import session
@@ -38,6 +39,7 @@ from tactometry.trials.tasks import TASKS
 from .cells import WiredCell, Wiring
 from .felt_scene import FeltScene
 from .felt_words import scene_in_words
+from .own_parts import Unseen
 from .procedure_table import practice_of
 from .session_plan import Key, SessionPlan, all_cells, crossing_of, key_of, places_of, stream
 from .study_file import Study
@@ -139,6 +141,19 @@ class Experiment(SessionPlan):
         firsts = {words: name for name, words in reversed(scenes.items())}
         alike = len(firsts) == 1 and len(scenes) == len(by_stimulus)
         return " | ".join(words if alike else f"{name}: {words}" for words, name in reversed(firsts.items()))
+
+    def check_allowed(self) -> None:
+        """Refuse to simulate by code of one's own that is not allowed.
+
+        Raises
+        ------
+        InvalidParameter
+            If the observer, or a model of what is felt, is such.
+        """
+        self.people.check_allowed()
+        for cell in self.cells.values():
+            if isinstance(cell.sensation, Unseen):
+                raise not_allowed(cell.sensation.where, cell.sensation.target, "a model of what is felt")
 
     def simulated_participant(self, participant: str, seed: int) -> Observer:
         return self.simulated_person(participant, seed).observer
@@ -243,9 +258,18 @@ def _factor_column(name: str) -> Column:
     return Column(name, "Factor of the study", "" if suffix is None else units(suffix)[0])
 
 
-def wire(study: Study, where: str, code_from: Path | None = None) -> Experiment:
-    """Build every table of a study, and hold its strongest stimuli against the limits. The code of an observer of one's
-    own is imported from the folder `code_from`, or not at all.
+def wire(
+    study: Study, where: str, code_from: Path | None = None, *, simulated: bool = True, plays: bool = True
+) -> Experiment:
+    """Build every table of a study, and hold its strongest stimuli against the limits. Code of one's own is imported
+    from the folder `code_from`, or not at all.
+
+    Parameters
+    ----------
+    simulated : bool
+        Whether participants may be: without it the code of an observer is not imported.
+    plays : bool
+        Whether a stimulus may be: without it data are read, and neither files nor code of one's own are asked for.
 
     Raises
     ------
@@ -253,23 +277,24 @@ def wire(study: Study, where: str, code_from: Path | None = None) -> Experiment:
         If a table holds what its kind does not know, or a level would pass a limit; `where` opens the sentence.
     """
     with rewording(lambda words: f"{where}, {words}"):
-        experiment = _build(study, code_from)
+        experiment = _build(study, code_from, simulated=simulated, plays=plays)
         _check_forces(experiment)
         _check_places(experiment)
         for strongest in experiment.strongest():
-            _check_signal(study.limits, strongest)
+            if getattr(strongest.stimulus, "read", True):
+                _check_signal(study.limits, strongest)
         for cell in experiment.cells.values():
             experiment.table.task_kind.check_levels(experiment.task, *cell.procedure.rule.bounds)
         return experiment
 
 
-def _build(study: Study, code_from: Path | None) -> Experiment:
+def _build(study: Study, code_from: Path | None, *, simulated: bool, plays: bool) -> Experiment:
     table = task_of(study)
-    cells = dict(_cells(study, _tracks_per_cell(study, table)))
+    cells = dict(_cells(Wiring(study, code_from, plays=plays), _tracks_per_cell(study, table)))
     crossing_of(study, table.over, study.factors)  # refuses an order that the design cannot have
     forms = {name: form_of(study, of.form, f"inquiries.{name}.form") for name, of in study.inquiries.items()}
     questionnaires_of(study.forms)  # those that nothing asks must be sound too
-    people = population_of(study.observer, "observer", code_from)
+    people = population_of(study.observer, "observer", code_from if simulated else None)
     experiment = Experiment(study, table, cells, practice_of(study.practice), forms, people)
     people.check(_levels_of(cells), "observer")
     if people.raters is not None:
@@ -295,10 +320,10 @@ def _levels_of(cells: Mapping[Key, WiredCell]) -> dict[str, list[float | str]]:
     return levels
 
 
-def _cells(study: Study, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:
+def _cells(wiring: Wiring, n_tracks: float) -> Iterator[tuple[Key, WiredCell]]:
     """The cells of the design, wired, each of which is asked in so many tracks, until they are too much for anybody."""
-    wiring, n_trials = Wiring(study), 0.0
-    for factors in all_cells(study):
+    n_trials = 0.0
+    for factors in all_cells(wiring.study):
         cell = wiring.cell(factors)
         n_trials += n_tracks * cell.procedure.rule.n_trials_at_most
         at_most("procedure: trials of all cells", n_trials, MOST_TRIALS)

@@ -49,6 +49,7 @@ _BOTH = {
     "focus": _FOCUS,
     "friction": {"frequency_hz": 120.0, "carrier_hz": 1e3, "duration_s": 0.5, "rate_hz": 10e3},
 }
+_WAV = {"path": "buzz.wav", "rate_hz": 48e3, "duration_s": 0.5}
 _OBSERVERS: Final[Mapping[str, Mapping[str, object]]] = {"psychometric": {"threshold": 26.0}}
 OF_SETUP: Final = ("focus", "measured_focus", "foci", "hybrid")
 """A kind for each model of what is felt of a screen."""
@@ -130,11 +131,11 @@ def _stimuli() -> Iterator[tuple[str, KeyTable]]:
     """Kinds that one class reads stand together."""
     examples = {kind: wave.example for kind, wave in WAVEFORMS.items()}
     examples |= {"focus": _FOCUS, "foci": {**_FOCUS, "places": _PLACES, "place": "index"}}
-    examples |= {"hybrid": _BOTH, "texture": {}}
+    examples |= {"hybrid": _BOTH, "texture": {}, "wav": _WAV}
     for target in dict.fromkeys(kind.stimulus for kind in STIMULI.values()):
         kinds = [name for name, kind in STIMULI.items() if kind.stimulus == target]
         names = ", ".join(f'"{kind}"' for kind in kinds)
-        made = {"texture": Grating(2e-3)} if kinds == ["texture"] else {}
+        made = {"texture": Grating(2e-3)} if kinds == ["texture"] else {"read": False} if kinds == ["wav"] else {}
         parts = STIMULI[kinds[0]].parts
         yield f"`[stimulus]`, `kind = {names}`", KeyTable(resolve(target), examples[kinds[0]], made, kinds=parts)
     for kind, texture in TEXTURES.items():

@@ -11,7 +11,7 @@ from tactometry.experiments.bench.bench_file import load_bench
 from tactometry.experiments.bench.finding import Finding, exit_status
 from tactometry.experiments.bench.preflight import check
 
-from .output import bench_option, hands_are_off, hands_off_option, path_option, say, subcommand
+from .output import allow_code_option, bench_option, hands_are_off, hands_off_option, path_option, say, subcommand
 
 LONGEST_CELL = 50
 """A sentence that is longer stands below the table, whose cells fold on a narrow terminal."""
@@ -23,7 +23,8 @@ MARKS = {True: "ok", False: "NOT FINE", None: ""}
 @bench_option
 @path_option("--out", default=Path(), help="Where data would be written; default here.")
 @hands_off_option
-def command(study: str | None, bench_path: Path | None, out: Path, *, hands_off: bool) -> int:
+@allow_code_option
+def command(study: str | None, bench_path: Path | None, out: Path, *, hands_off: bool, allow_code: bool) -> int:
     """Try what a session of STUDY needs: computer, disk, display, sensors, and the output with a test tone.
 
     The tone stays at a tenth of the voltage limit. An output that leads to an amplifier plays it only after somebody
@@ -32,7 +33,7 @@ def command(study: str | None, bench_path: Path | None, out: Path, *, hands_off:
     """
     bench = load_bench(bench_path)
     sure = hands_off or (bench.output.settings.connected and hands_are_off())
-    findings = check(study, bench, out, hands_off=sure)
+    findings = check(study, bench, out, hands_off=sure, allow_code=allow_code)
     status = exit_status(findings)
     say(_table(findings), {"fine": status == 0, "findings": [asdict(finding) for finding in findings]})
     return status

@@ -48,6 +48,9 @@ bench_option: Callable[[F], F] = path_option("--bench", "bench_path", help="Benc
 hands_off_option: Callable[[F], F] = click.option(
     "--hands-off", is_flag=True, help="No hand is on the surface: an output that leads to an amplifier may play."
 )
+allow_code_option: Callable[[F], F] = click.option(
+    "--allow-code", is_flag=True, help="Run the code that STUDY names as module:Class, from a file beside it."
+)
 data_argument: Callable[[F], F] = click.argument("path", type=click.Path(path_type=Path))
 
 

@@ -18,7 +18,7 @@ from tactometry.experiments.study.study_file import folder_of, load
 from tactometry.experiments.workers import check_workers, workers
 
 from ..arguments.require import expect
-from .output import path_option, say, subcommand
+from .output import allow_code_option, path_option, say, subcommand
 
 
 @subcommand('power tutorial --effect "frequency_hz: 6 dB" --participants 6..12 --seed 1 --out power')
@@ -42,7 +42,7 @@ from .output import path_option, say, subcommand
 @click.option("--resume", is_flag=True, help="Go on where an interrupted analysis stopped (with --out).")
 @click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
-@click.option("--allow-code", is_flag=True, help="Run the observer that STUDY names, from a file beside it.")
+@allow_code_option
 def command(
     *, study: str, effect: str, participants: str, trials: str | None, out: Path | None, **options: Any
 ) -> None:

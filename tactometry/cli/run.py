@@ -20,7 +20,7 @@ from ..errors import InvalidParameter, count_of
 from ..records.data_set import Session
 from ..trials.cells import cell
 from ..trials.columns import RIGS
-from .output import bench_option, path_option, say, subcommand
+from .output import allow_code_option, bench_option, path_option, say, subcommand
 
 
 @subcommand("run tutorial --participant P01 --rig console --out pilot")
@@ -33,7 +33,7 @@ from .output import bench_option, path_option, say, subcommand
 @bench_option
 @path_option("--out", help="The data set; default: STUDY's name and -data, or -simulated.")
 @click.option("--resume", is_flag=True, help="Go on where an interrupted session stopped.")
-@click.option("--allow-code", is_flag=True, help="With --rig simulated: run the observer that STUDY names, beside it.")
+@allow_code_option
 @click.option("--dry-run", is_flag=True, help="Print the plan and its duration; run nothing.")
 def command(
     *,
@@ -54,7 +54,7 @@ def command(
     Exit status 1 if a block, or a track of it, did not come to its end.
     """
     numbers, content = load(study)
-    experiment = wire(numbers, study, folder_of(study) if allow_code and rig == "simulated" else None)
+    experiment = wire(numbers, study, folder_of(study) if allow_code else None, simulated=rig == "simulated")
     who = Who(Session(participant, n_session, numbers.name).participant, n_session, number, seed)
     bench = load_bench(bench_path)
     if rig != "simulated":
@@ -65,7 +65,7 @@ def command(
         _print_plan(experiment, who)
         return 0
     if rig == "simulated":
-        experiment.people.check_allowed()
+        experiment.check_allowed()
     root = out or Path(f"{numbers.name}-{'simulated' if rig == 'simulated' else 'data'}")
     kind = rig_kind(rig, experiment, who, bench)
     recorded = record(experiment, content, root, who, kind, resume=resume, tell=_tell)

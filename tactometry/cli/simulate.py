@@ -11,7 +11,7 @@ from tactometry.experiments.study.study_file import folder_of, load, parse
 from tactometry.experiments.workers import check_workers
 
 from ..errors import count_of
-from .output import path_option, progress, say, subcommand
+from .output import allow_code_option, path_option, progress, say, subcommand
 
 STUDY = "electrovibration-threshold"
 N_PARTICIPANTS = 10
@@ -25,7 +25,7 @@ N_PARTICIPANTS = 10
 @click.option("--resume", is_flag=True, help="Go on where an interrupted simulation stopped.")
 @click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
-@click.option("--allow-code", is_flag=True, help="Run the observer that STUDY names, from a file beside it.")
+@allow_code_option
 @click.option("--explain", is_flag=True, help="Tell too which effects are felt, and which were left out.")
 def simulate(
     study: str,
@@ -54,7 +54,7 @@ def simulate(
     result = {"data_set": str(out), "participants": n_participants, "trials": n_trials, "seed": seed}
     aborted = f", {count_of(n_aborted, 'procedure')} aborted" if n_aborted else ""
     text = f"{out}: {count_of(n_participants, 'simulated participant')}, {count_of(n_trials, 'trial')}{aborted}"
-    told = felt_and_lost(wire(parse(content, study), study)) if explain else None
+    told = felt_and_lost(wire(parse(content, study), study, code_from)) if explain else None
     lines, record = (told.lines, told.record) if told else ([], {})
     say("\n".join([text, *lines]), {**result, "aborted": n_aborted, **record})
 

@@ -2,29 +2,14 @@
 
 import functools
 import math
-import sys
-import traceback
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from contextlib import suppress
-from dataclasses import dataclass
-from pathlib import Path
 from types import NoneType
 from typing import Any, Final
 
 import numpy as np
 
-from ..errors import InvalidParameter, TactometryError, reason
-
-WAY: Final = "mend it; what was recorded is safe, --resume goes on from there"
-
-
-@dataclass(frozen=True)
-class Expected:
-    """What a method answers, in words, whether a value (of these arguments) is that, and the plain form of it."""
-
-    words: str
-    fits: Callable[[Any, tuple[Any, ...]], bool]
-    plain: Callable[[Any], Any]
+from ..own_code import MARK, Expected, guarded
 
 
 def _is_number(value: Any, low: float, high: float = math.inf) -> bool:
@@ -63,60 +48,13 @@ ANSWERS: Final = {
 PEOPLE: Final = ("participant", "person", "shifted")
 """What makes an observer from one."""
 OTHERS: Final = ("stated", "check", "__post_init__")
-MARK: Final = "_is_guarded"
 
 
 @functools.cache
-def guarded(kind: type) -> type:
-    """A class as it stands, each of whose calls ends with a plain answer or one sentence.
-
-    Raises
-    ------
-    InvalidParameter
-        By its calls: with file and line, what was raised or answered, and what was expected.
-    """
+def guarded_observer(kind: type) -> type:
+    """A class as it stands, each of whose calls ends with a plain answer or one sentence (`own_code.guarded`)."""
     observer = Expected("an observer (observers/decisions.py)", _is_observer, _of_guarded_class)
-    expected = {**ANSWERS, **dict.fromkeys(PEOPLE, observer), **dict.fromkeys(OTHERS)}
-    made = type(kind.__name__, (kind,), {"__module__": kind.__module__, "__slots__": (), MARK: True})
-    for name, answer in expected.items():
-        if callable(getattr(kind, name, None)):
-            setattr(made, name, _call(made, name, answer))
-    return made
-
-
-def _call(made: type, name: str, expected: Expected | None) -> Callable[..., Any]:
-    kind: Any = made.__base__
-    folder = Path(sys.modules[kind.__module__].__file__ or "").parent
-
-    @functools.wraps(getattr(kind, name))
-    def call(self: object, *asked: Any, **named: Any) -> Any:
-        try:
-            value = getattr(super(made, self), name)(*asked, **named)
-        except TactometryError:
-            raise
-        except Exception as error:  # whatever foreign code may raise
-            where = place_of(error, folder) or kind.__name__
-            found = f"{type(error).__name__} ({reason(error)}) in {name}"
-            raise InvalidParameter(f"{where}: found {found}, expected an answer; {WAY}") from None
-        if expected is None:
-            return value
-        if not expected.fits(value, (*asked, *named.values())):
-            where, found = _line_of(getattr(kind, name)), f"{value!r} as the answer of {name}"
-            raise InvalidParameter(f"{where}: found {found}, expected {expected.words}; {WAY}")
-        return expected.plain(value)
-
-    return call
-
-
-def place_of(error: BaseException, folder: Path) -> str:
-    """Which line of a file in a folder raised an error; nothing if none did."""
-    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename).parent == folder]
-    return f"{frames[-1].filename}, line {frames[-1].lineno}" if frames else ""
-
-
-def _line_of(method: Any) -> str:
-    code = getattr(method, "__code__", None)
-    return f"{code.co_filename}, line {code.co_firstlineno}" if code else str(method)
+    return guarded(kind, {**ANSWERS, **dict.fromkeys(PEOPLE, observer), **dict.fromkeys(OTHERS)})
 
 
 def _of_guarded_class(observer: Any) -> Any:
@@ -124,5 +62,5 @@ def _of_guarded_class(observer: Any) -> Any:
     kind: Any = type(observer)
     if not kind.__module__.startswith("tactometry.") and not hasattr(kind, MARK):
         with suppress(TypeError):  # classes that are written in C are what they are
-            object.__setattr__(observer, "__class__", guarded(kind))
+            object.__setattr__(observer, "__class__", guarded_observer(kind))
     return observer

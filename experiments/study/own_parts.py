@@ -1,0 +1,155 @@
+"""A stimulus, and a model of what is felt, of one's own: classes in a file beside the study."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, make_dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from tactometry.arguments.require import expect
+from tactometry.contact import Contact
+from tactometry.own_code import WAY, Expected, class_beside, guarded, not_allowed
+from tactometry.signal import Signal
+
+STATED: Final = ("duration_s", "level_unit")
+"""What a study states of such a stimulus, so that its data are read without the code."""
+
+
+def _is_level(value: object) -> bool:
+    return isinstance(value, int | float | np.integer | np.floating) and bool(value < np.inf)
+
+
+CALLS: Final = {
+    "at": Expected("a Signal (tactometry.signal)", lambda value, _: isinstance(value, Signal), lambda value: value),
+    "sensation_db": Expected("a number in dB, or -inf for nothing", lambda value, _: _is_level(value), float),
+    "__post_init__": None,
+}
+"""What they are asked, and what they answer."""
+
+
+@dataclass(frozen=True)
+class OwnStimulus:
+    """A stimulus of one's own, each of whose signals is held against what the study states of it.
+
+    Parameters
+    ----------
+    made : Any
+        A value of the class.
+    target : str
+        ``module:Class``.
+    """
+
+    made: Any
+    target: str
+
+    @property
+    def duration_s(self) -> float:
+        return float(self.made.duration_s)
+
+    @property
+    def read(self) -> bool:
+        """Whether its code may run."""
+        return not isinstance(self.made, Unseen)
+
+    @property
+    def level_unit(self) -> str:
+        return str(self.made.level_unit)
+
+    def at(self, level: float) -> Signal:
+        """The signal of a level, in V and as long as stated.
+
+        Raises
+        ------
+        InvalidParameter
+            If it is another, or the code fails.
+        """
+        signal: Signal = self.made.at(level)
+        where = f"{self.target}.at({level:g})"
+        expect(signal.unit == "V", where, f"a signal in {signal.unit!r}", f"one in 'V', at the load; {WAY}")
+        as_long = abs(signal.duration_s - self.duration_s) < 1.5 / signal.rate_hz
+        stated = f"{self.duration_s:g} s, its duration_s; {WAY}"
+        expect(as_long, where, f"a signal of {signal.duration_s:g} s", stated)
+        return signal
+
+
+class Unseen:
+    """In place of a class whose code is not to run: its data are read, but nothing is played and nothing is felt."""
+
+    target: str
+    where: str
+
+    def at(self, level: float) -> Signal:
+        """Nothing.
+
+        Raises
+        ------
+        InvalidParameter
+            Always, as `sensation_db`.
+        """
+        del level
+        raise not_allowed(self.where, self.target, "a stimulus")
+
+    def sensation_db(self, signal: Signal, contact: Contact) -> float:
+        del signal, contact
+        raise not_allowed(self.where, self.target, "a model of what is felt")
+
+
+def stimulus_class(
+    table: Mapping[str, Any],
+    factors: Collection[str],
+    of_touch: Collection[str],
+    code_from: Path | None,
+    *,
+    plays: bool,
+) -> Any:
+    """The class of a table `[stimulus]`; where nothing is to be played, one that holds the table alone.
+
+    Parameters
+    ----------
+    factors : collection of str
+        Those that no variant and no key of the touch stands for: keys of the stimulus.
+    of_touch : collection of str
+        The keys of the touch.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no such class, it lacks what is needed, or its code is not allowed and would be played.
+    """
+    target, where = table["kind"], "stimulus.kind"
+    for name in STATED:
+        found = f"no such key beside {target!r}"
+        expect(name in table or name in factors, f"stimulus.{name}", found, "it: data are read without the code")
+    if not plays:
+        return _unseen(target, where, [*table, *factors])
+    if code_from is None:
+        raise not_allowed(where, target, "a stimulus")
+    kind = class_beside(target, code_from, where)
+    fields = getattr(kind, "__dataclass_fields__", {})
+    lacking = [*(name for name in STATED if name not in fields), *([] if hasattr(kind, "at") else ["at(level)"])]
+    expect(not lacking, where, f"{target!r}, which lacks {', '.join(lacking)}", "a stimulus that has them")
+    both = [name for name in of_touch if name in fields and name not in STATED]
+    expect(not both, where, f"{target!r} with the field {', '.join(both)}, a key of the touch", "another name for it")
+    return guarded(kind, CALLS)
+
+
+def sensation_class(table: Mapping[str, Any], code_from: Path | None) -> Any:
+    """The class of a table `[sensation]`, or one that holds the table alone, where its code is not allowed.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no such class, or it cannot be asked what is felt.
+    """
+    target, where = table["kind"], "sensation.kind"
+    if code_from is None:
+        return _unseen(target, where, [*table])
+    kind = class_beside(target, code_from, where)
+    expect(hasattr(kind, "sensation_db"), where, f"{target!r}, which lacks sensation_db(signal, contact)", "it")
+    return guarded(kind, CALLS)
+
+
+def _unseen(target: str, where: str, keys: Collection[str]) -> Any:
+    fields = [(key, Any) for key in dict.fromkeys(keys) if key != "kind"]
+    return make_dataclass("Unseen", fields, bases=(Unseen,), frozen=True, namespace={"target": target, "where": where})

@@ -1,0 +1,164 @@
+"""A voltage from a WAV file."""
+
+import io
+import struct
+import warnings
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Final, Literal, get_args
+
+import numpy as np
+
+from tactometry.arguments import require
+from tactometry.errors import InvalidParameter, count_of
+from tactometry.files.durable import read_file
+from tactometry.provenance import sha256
+from tactometry.signal import Signal
+
+from ...arrays import FloatArray
+from .waveform import check_timing, peak_voltage_v, ramped
+
+FileLevelUnit = Literal["dB re 1 V", "V", "dB re file"]
+LARGEST_WAV: Final = 2**28
+CLIPPED_RUN: Final = 3
+"""So many neighbouring samples at full scale were cut off (unverified default)."""
+_FULL_SCALE: Final = {"u1": 128.0, "i2": 2.0**15, "i4": 2.0**31}
+_LARGEST: Final = {"u1": 127 / 128, "i2": 1 - 2.0**-15, "i4": 1 - 2.0**-23, "f4": 1.0, "f8": 1.0}
+"""The largest sample of each form, as a part of full scale; 24 bits are read as the upper ones of 32."""
+
+
+@dataclass(frozen=True)
+class WavFile:
+    """The samples of a WAV file of one channel, scaled to a level.
+
+    Parameters
+    ----------
+    path : str
+        The file: whole numbers of 8 to 32 bits, or floating point; it is looked for from where the program runs.
+    sha256 : str
+        Its digest, which says that it is still the same; a refusal tells that of the file.
+    rate_hz, duration_s : float
+        Those of the file, which a reader of the data need not have.
+    level_unit : {"dB re 1 V", "V", "dB re file"}
+        What `at` takes: the peak of the largest sample, decibel re 1 V or volt, or decibel re what is in the file.
+    volts_per_unit : float, optional
+        What a sample of 1 stands for, V at the load, where the level is re the file: 1 for a file in volts.
+    ramp_s : float
+        Raised-cosine ramp on and off; none by default.
+    read : bool
+        Whether the file is read now; without it nothing can be played.
+
+    Raises
+    ------
+    InvalidFile
+        If the file cannot be read.
+    InvalidParameter
+        If a value is outside of its domain, or the file has another digest, rate or length, several channels, no
+        samples but 0, one that is not finite, or samples that were cut off at full scale.
+    """
+
+    path: str
+    rate_hz: float
+    duration_s: float
+    sha256: str = ""
+    level_unit: FileLevelUnit = "dB re 1 V"
+    volts_per_unit: float | None = None
+    ramp_s: float = 0.0
+    read: bool = True
+
+    def __post_init__(self) -> None:
+        require.one_of("WavFile.level_unit", self.level_unit, get_args(FileLevelUnit))
+        check_timing("WavFile", self.duration_s, self.ramp_s, self.rate_hz)
+        is_scaled = self.volts_per_unit is not None
+        needed = "a number beside level_unit = 'dB re file', and there alone"
+        found = "none" if self.volts_per_unit is None else f"{self.volts_per_unit:g} V"
+        require.expect(is_scaled == (self.level_unit == "dB re file"), "WavFile.volts_per_unit", found, needed)
+        if self.volts_per_unit is not None:
+            require.positive("WavFile", volts_per_unit=self.volts_per_unit)
+        if self.read:
+            _ = self._samples
+
+    def at(self, level: float) -> Signal:
+        """(1, n_samples) volt.
+
+        Raises
+        ------
+        InvalidParameter
+            If the level is none, or the file was not read.
+        """
+        samples = ramped(self._factor_v(level) * self._samples, self.ramp_s, self.rate_hz)
+        return Signal(samples[None, :], self.rate_hz, "V")
+
+    def _factor_v(self, level: float) -> float:
+        """Volts for a sample of 1."""
+        if self.level_unit == "dB re file":
+            return (self.volts_per_unit or 0.0) * peak_voltage_v(level)
+        return peak_voltage_v(level, self.level_unit) / float(np.abs(self._samples).max())
+
+    @cached_property
+    def _samples(self) -> FloatArray:
+        """(n_samples,) parts of full scale."""
+        content = read_file(Path(self.path), "a WAV file", LARGEST_WAV)
+        digest = sha256(content)
+        is_this = f"{digest!r}, which is that of {self.path}; write it, if this is the file that is meant"
+        require.expect(self.sha256 == digest, "WavFile.sha256", repr(self.sha256), is_this)
+        try:
+            rate_hz, samples = samples_of(content)
+        except ValueError as damage:
+            raise InvalidParameter(f"WavFile.path: {self.path}: found {damage}") from None
+        resample = f"{self.rate_hz:g} Hz, as stated; state that of the file, or resample it to that of the output"
+        require.expect(rate_hz == self.rate_hz, "WavFile.rate_hz", f"a file at {rate_hz:g} Hz", resample)
+        length_s = len(samples) / rate_hz
+        is_as_long = abs(length_s - self.duration_s) < 1 / rate_hz
+        require.expect(is_as_long, "WavFile.duration_s", f"{self.duration_s:g} s", f"{length_s:g} s, that of the file")
+        return samples
+
+
+def samples_of(content: bytes) -> tuple[float, FloatArray]:
+    """The rate (Hz) of the bytes of a WAV file, and its samples (n_samples,) as parts of full scale.
+
+    Raises
+    ------
+    ValueError
+        If it is no WAV file of one channel with finite samples that are not all 0 nor cut off at full scale; the words
+        say what was found, and what was expected.
+    """
+    from scipy.io import wavfile  # slow to load
+
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("error", wavfile.WavFileWarning)
+            warnings.filterwarnings("ignore", "Chunk", wavfile.WavFileWarning)  # of titles and the like
+            rate_hz, values = wavfile.read(io.BytesIO(content))
+    except (ValueError, EOFError, struct.error, wavfile.WavFileWarning) as damage:
+        raise ValueError(f"no whole WAV file ({damage}), expected one") from None
+    if values.ndim > 1:
+        raise ValueError(f"{count_of(values.shape[1], 'channel')}, expected one; keep the one that is meant")
+    form = values.dtype.str[1:]
+    if form not in _LARGEST:
+        raise ValueError(f"samples of form {form}, expected whole numbers of 8 to 32 bits, or floating point")
+    samples = np.asarray(values, np.float64)
+    if form in _FULL_SCALE:
+        samples = samples / _FULL_SCALE[form] - (1.0 if form == "u1" else 0.0)
+    _refuse_unsound(samples, _LARGEST[form], floating=form[0] == "f")
+    return float(rate_hz), samples
+
+
+def _refuse_unsound(samples: FloatArray, largest: float, *, floating: bool) -> None:
+    if samples.size < 2:
+        raise ValueError(f"{count_of(samples.size, 'sample')}, expected at least two")
+    if not np.isfinite(samples).all():
+        place = int(np.argmin(np.isfinite(samples)))
+        raise ValueError(f"{samples[place]} as sample {place}, expected finite numbers alone")
+    peak = float(np.abs(samples).max())
+    if peak == 0:
+        raise ValueError("silence alone, expected a sample that is not 0")
+    at_end = np.abs(samples) == largest if floating else np.abs(samples) >= largest
+    run = np.convolve(at_end, np.ones(CLIPPED_RUN), "valid") == CLIPPED_RUN
+    if run.any():
+        place = int(np.argmax(run))
+        raise ValueError(
+            f"{CLIPPED_RUN} neighbouring samples at full scale, from {place} on, expected none: it is clipped; write "
+            "it with a smaller peak"
+        )

@@ -1,0 +1,160 @@
+"""Code of one's own: a class in a file beside a study, imported where a person allowed it, whose calls are guarded.
+
+What its code raises, or answers that is no answer, is told in one sentence with file and line.
+"""
+
+import functools
+import sys
+import traceback
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass, is_dataclass
+from importlib.util import module_from_spec, spec_from_file_location
+from pathlib import Path
+from types import ModuleType
+from typing import Any, Final
+
+from .arguments.require import expect
+from .errors import InvalidParameter, TactometryError, reason
+from .provenance import sha256
+
+WAY: Final = "mend it; what was recorded is safe, --resume goes on from there"
+MARK: Final = "_is_guarded"
+
+
+@dataclass(frozen=True)
+class Expected:
+    """What a method answers, in words, whether a value (of these arguments) is that, and the plain form of it."""
+
+    words: str
+    fits: Callable[[Any, tuple[Any, ...]], bool]
+    plain: Callable[[Any], Any]
+
+
+def is_own(kind: object) -> bool:
+    """Whether a kind names a class of one's own.
+
+    >>> is_own("mine:Careful"), is_own("sine")
+    (True, False)
+    """
+    return isinstance(kind, str) and ":" in kind
+
+
+def not_allowed(where: str, target: str, what: str) -> InvalidParameter:
+    """The refusal of code that nobody allowed to run."""
+    return InvalidParameter(
+        f"{where}: found {target!r}, {what} whose code would run, expected --allow-code on the command line, if you "
+        "trust it"
+    )
+
+
+def class_beside(target: str, folder: Path, where: str) -> type:
+    """The dataclass that ``module:Class`` names, from the file of the module in `folder`.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no such file, its import fails, or it holds no such dataclass; `where` opens the sentence.
+    """
+    module, _, name = target.partition(":")
+    file = folder.joinpath(*module.split(".")).with_suffix(".py")
+    parts = [*module.split("."), name]
+    expect(all(map(str.isidentifier, parts)), where, repr(target), "module:Class, such as 'mine:Careful'")
+    expect(file.is_file(), where, f"{target!r}, but no file {file.name} in {folder}", "it beside the study file")
+    kind = getattr(_module(file, where), name, None)
+    if not (isinstance(kind, type) and is_dataclass(kind)):
+        raise InvalidParameter(
+            f"{where}: found no dataclass {name!r} in {file.name}, expected one whose fields are the keys of the table"
+        )
+    return kind
+
+
+def state_of(folder: Path) -> str:
+    """Of the code in a folder: another one if any file of it is."""
+    return sha256(b"".join(str(file).encode() + file.read_bytes() for file in sorted(folder.glob("*.py"))))
+
+
+def _module(file: Path, where: str) -> ModuleType:
+    """The module of a file, under a name that no other file or state of its folder has."""
+    name = f"tactometry_own_{state_of(file.parent)[:12]}_{file.stem}"
+    if name in sys.modules:
+        return sys.modules[name]
+    spec = spec_from_file_location(name, file)
+    assert spec is not None  # a file that ends in .py has a loader
+    assert spec.loader is not None
+    made = module_from_spec(spec)
+    sys.modules[name] = made
+    try:
+        with _beside(file.parent):
+            spec.loader.exec_module(made)
+    except Exception as error:  # whatever foreign code may raise
+        del sys.modules[name]
+        place, words = place_of(error, file.parent) or file.name, f"{type(error).__name__}: {reason(error)}"
+        raise InvalidParameter(
+            f"{where}: the import of {file.name} failed at {place} ({words}), expected a module that runs"
+        ) from None
+    return made
+
+
+@contextmanager
+def _beside(folder: Path) -> Iterator[None]:
+    """What stands in a folder can be imported, by who does it here alone: another state of it is imported anew."""
+    known = set(sys.modules)
+    sys.path.append(str(folder))
+    try:
+        yield
+    finally:
+        sys.path.remove(str(folder))
+        for name in sys.modules.keys() - known:
+            if (file := getattr(sys.modules[name], "__file__", None)) and Path(file).parent == folder:
+                del sys.modules[name]
+
+
+def guarded(kind: type, expected: Mapping[str, Expected | None]) -> type:
+    """A class as it stands, each of whose calls that are named ends with a plain answer or one sentence.
+
+    Raises
+    ------
+    InvalidParameter
+        By its calls: with file and line, what was raised or answered, and what was expected.
+    """
+    made = type(kind.__name__, (kind,), {"__module__": kind.__module__, "__slots__": (), MARK: True})
+    for name, answer in expected.items():
+        if callable(getattr(kind, name, None)):
+            setattr(made, name, _call(made, name, answer))
+    return made
+
+
+def _call(made: type, name: str, expected: Expected | None) -> Callable[..., Any]:
+    kind: Any = made.__base__
+    folder = Path(sys.modules[kind.__module__].__file__ or "").parent
+
+    @functools.wraps(getattr(kind, name))
+    def call(self: object, *asked: Any, **named: Any) -> Any:
+        try:
+            value = getattr(super(made, self), name)(*asked, **named)
+        except TactometryError:
+            raise
+        except Exception as error:  # whatever foreign code may raise
+            where = place_of(error, folder) or kind.__name__
+            found = f"{type(error).__name__} ({reason(error)}) in {name}"
+            raise InvalidParameter(f"{where}: found {found}, expected an answer; {WAY}") from None
+        if expected is None:
+            return value
+        if not expected.fits(value, (*asked, *named.values())):
+            where, found = _line_of(getattr(kind, name)), f"{value!r} as the answer of {name}"
+            raise InvalidParameter(f"{where}: found {found}, expected {expected.words}; {WAY}")
+        return expected.plain(value)
+
+    return call
+
+
+def place_of(error: BaseException, folder: Path) -> str:
+    """Which line of a file in a folder raised an error; nothing if none did."""
+    frames = [frame for frame in traceback.extract_tb(error.__traceback__) if Path(frame.filename).parent == folder]
+    return f"{frames[-1].filename}, line {frames[-1].lineno}" if frames else ""
+
+
+def _line_of(method: Any) -> str:
+    code = getattr(method, "__code__", None)
+    return f"{code.co_filename}, line {code.co_firstlineno}" if code else str(method)
