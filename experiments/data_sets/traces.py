@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Final, NamedTuple
 
 from tactometry.arguments.require import expect
-from tactometry.errors import InvalidFile, count_of
+from tactometry.errors import InvalidFile, TactometryError, count_of
 from tactometry.files.durable import read_file
 from tactometry.records.data_set import keys_of, sessions
 from tactometry.records.head import Head
@@ -175,8 +175,13 @@ def _journal(path: Path, participant: str | None, session: int | None) -> Path:
 def _bank(root: Path, bench: Path | None) -> Mapping[str, Stimulus]:
     """The stimuli of the study that ran, as this bench plays them."""
     path = root / "study.toml"
-    experiment = wire(parse(read_file(path, "the study that ran"), str(path)), str(path))
-    return experiment.bank if bench is None else bank_on(experiment, load_bench(bench))
+    study = parse(read_file(path, "the study that ran"), str(path))
+    try:
+        experiment = wire(study, str(path))
+    except TactometryError:  # its files or its code are not at hand: of these nothing is computed
+        experiment = wire(study, str(path), plays=False)
+    bank = experiment.bank if bench is None else bank_on(experiment, load_bench(bench))
+    return {name: stimulus for name, stimulus in bank.items() if getattr(stimulus, "read", True)}
 
 
 def _read(root: Path, touch: RecordedTouch, bank: Mapping[str, Stimulus]) -> TouchTrace:

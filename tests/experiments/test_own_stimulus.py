@@ -231,9 +231,13 @@ def test_a_file_is_played_and_its_data_are_read_without_it(filed, tmp_path, caps
     wanted = as_int16(TONE) / as_int16(TONE).max() * 10 ** (level / 20)
     assert (played.rate_hz, played.samples.shape) == (RATE_HZ, (1, N_SAMPLES))
     assert played.samples[0] == pytest.approx(wanted, rel=1e-12, abs=1e-12)
+    shown = ("show", tmp_path / "d", "--trial", "1", "--figure", tmp_path / "shown.svg")
+    with_it = output(capsys, *shown)
     (tmp_path / "buzz.wav").unlink()
     for command in ("validate", "replay"):
         assert call(capsys, command, tmp_path / "d")[0] == 0
+    assert "emitted" in with_it
+    assert output(capsys, *shown) != with_it  # computed anew from the file alone
     study = (tmp_path / "d" / "study.toml").read_text()
     assert f'sha256 = "{digest(wav(as_int16(TONE)))}"' in study  # whose own digest is in the head of the journal
 
