@@ -74,6 +74,8 @@ class Questionnaire:
         The words at the ends of every item, as presented, by language; empty where each item has its own poles.
     reference : str
         Where it was published; translations and choices that nobody verified are named there.
+    stem : mapping of str to str
+        What opens every page of it, by language: what the answers are about.
 
     Raises
     ------
@@ -96,6 +98,7 @@ class Questionnaire:
     dimensions: dict[str, Dimension]
     reference: str
     ends: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    stem: dict[str, str] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         _check_scale(self)

@@ -248,7 +248,7 @@ def output(log):
 
 class Participant:
     """Acts in the background once a page is shown: taps a key (str), touches a place (x, y), pauses (seconds), waits
-    until something is seen (Event)."""
+    until something is seen (Event), does what is called."""
 
     def __init__(self, watched, hands, in_background):
         self._watched, self._hands, self._in_background = watched, hands, in_background
@@ -269,6 +269,8 @@ class Participant:
                     self._hands.touch(x, y)
                 case threading.Event():
                     assert act.wait(LONGEST_WAIT_S), "what the participant waits for was not seen"
+                case _ if callable(act):
+                    act()
                 case _:
                     time.sleep(act)
 

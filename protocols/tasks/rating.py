@@ -1,7 +1,7 @@
 """Questionnaires as protocols: after a stimulus, or on their own."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,7 +25,11 @@ def pages(form: Questionnaire, items: Sequence[Item]) -> list[Fill]:
     n_each = -(-len(items) // n_pages)
     by_page = [items[start : start + n_each] for start in range(0, len(items), n_each)]
     questions = [tuple(_question(form, item) for item in of_page) for of_page in by_page]
-    return [Fill(form.name, of_page, form.low, form.high, form.steps) for of_page in questions]
+    scale = form.low, form.high, form.steps
+    return [
+        Fill(form.name, of_page, *scale, stem=form.stem, page=number, n_pages=n_pages)
+        for number, of_page in enumerate(questions, 1)
+    ]
 
 
 def _question(form: Questionnaire, item: Item) -> Question:
@@ -34,14 +38,22 @@ def _question(form: Questionnaire, item: Item) -> Question:
 
 
 def fill_in(form: Questionnaire, rng: np.random.Generator, *, shuffled: bool) -> Course[tuple[Reply, ...]]:
-    """Page after page: a reply for each item, in the order of its presentation."""
+    """Page after page, and back where it is wished: a reply for each item in the order of its presentation, as its page
+    was left last."""
     order = rng.permutation(len(form.items)) if shuffled else range(len(form.items))
-    replies: list[Reply] = []
-    for page in pages(form, [form.items[int(n)] for n in order]):
-        filled: Filled = yield page
-        pairs = zip(page.questions, filled.values, strict=True)
-        replies += [Reply(filled, value, item=question.item) for question, value in pairs]
-    return tuple(replies)
+    asked = pages(form, [form.items[int(n)] for n in order])
+    filled: dict[int, Filled] = {}
+    at = 0
+    while at < len(asked):
+        given = filled[at].values if at in filled else ()
+        filled[at] = yield replace(asked[at], given=given)
+        at = max(at - 1, 0) if filled[at].back else at + 1
+    return tuple(reply for number, page in enumerate(asked) for reply in _replies(page, filled[number]))
+
+
+def _replies(page: Fill, filled: Filled) -> list[Reply]:
+    pairs = zip(page.questions, filled.values, strict=True)
+    return [Reply(filled, value, item=question.item) for question, value in pairs]
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from functools import partial
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, Final, NamedTuple, TypeVar
 
@@ -19,7 +20,7 @@ import msgspec
 
 from ..errors import DeviceFailed, InvalidFile
 from ..files.durable import read_file
-from ..session.answer import Done
+from ..session.answer import Done, Marked
 from ..session.answer_rules import flaw
 from ..session.event import Event, decode_event, intervention_of, trial_facts
 from ..session.intervention import Intervention, left
@@ -33,6 +34,7 @@ _KEYS: Final = {
     "request": {"request", "asked", "answer"},
     "event": {"event", "at_s", "timestamp_utc", "facts"},
     "sitting": {"sitting"},
+    "marked": {"marked"},
     "end": {"end"},
 }
 _MAY: Final[Mapping[str, set[str]]] = {"event": {"duration_s"}}
@@ -46,7 +48,7 @@ class Entry(NamedTuple):
     answer: Any
 
 
-Line = Head | Entry | Event
+Line = Head | Entry | Event | Marked
 
 
 @dataclass(frozen=True)
@@ -94,7 +96,14 @@ class Recording:
         """The rig that answers as recorded; `where` names the journal."""
         lasted_s = max((event.at_s for event in self.events), default=0.0)
         numbers = [number for number, line in enumerate(self.lines, 1) if isinstance(line, Entry)]
-        return Replay(self.entries, where, numbers, partial(as_kept, journal_format=self.format), lasted_s)
+        kept = partial(as_kept, journal_format=self.format)
+        return Replay(self.entries, where, numbers, kept, lasted_s, self.marked)
+
+    @property
+    def marked(self) -> Marked | None:
+        """What stands on the page of a questionnaire that is under way."""
+        behind = takewhile(lambda line: not isinstance(line, Entry), reversed(self.lines))
+        return next((line for line in behind if isinstance(line, Marked)), None)
 
     @property
     def trials(self) -> tuple[Trial, ...]:
@@ -153,10 +162,12 @@ def encode_entry(request: Request[Any], answer: object, before: int = 0) -> byte
     return line
 
 
-def encode_line(line: Event | Head, before: int = 0) -> bytes:
-    """One line of an event, or of the head of a later sitting."""
+def encode_line(line: Event | Head | Marked, before: int = 0) -> bytes:
+    """One line of an event, of marks on a page, or of the head of a later sitting."""
     if isinstance(line, Head):
         return encode({"sitting": asdict(line)}, before)
+    if isinstance(line, Marked):
+        return encode({"marked": asdict(line)}, before)
     what: dict[str, object] = {"event": line.kind, "at_s": line.at_s, "timestamp_utc": line.timestamp_utc}
     lasting = {} if line.duration_s is None else {"duration_s": line.duration_s}
     return encode({**what, **lasting, "facts": line.facts}, before)
@@ -263,6 +274,8 @@ def _decode_line(table: dict[str, Any], head: Head | None) -> Line | None:
             return head_of(table["sitting"], head)
         case "event":
             return decode_event(table)
+        case "marked":
+            return _strictly(table["marked"], Marked)
         case "request":
             return decode_entry(table)
     return None

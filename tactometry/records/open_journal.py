@@ -11,9 +11,10 @@ import portalocker
 
 from ..errors import InvalidFile, SessionInUse
 from ..files.durable import draft, open_private, put_in_place, read_file, sync_folder, write_whole
+from ..session.answer import Marked
 from ..session.event import Event
 from ..session.replay import Replay
-from ..session.request import Intervene, Record, Request
+from ..session.request import Fill, Intervene, Record, Request
 from .head import Head
 from .journal import Entry, Line, Recording, checksum, decode_journal, encode, encode_entry, encode_line
 
@@ -24,12 +25,14 @@ LASTING: Final = (Record, Intervene)
 class Journal:
     """A journal that is open for writing, and locked: a second process is refused.
 
-    With `resume`, the journal is cut back to its last recorded trial and `replay` gives what it holds. What was cut
-    (the torn line, and the requests of the trial that was under way) is returned by `cut`, and kept in the file
-    `interruptions` beside it. Events stay.
+    With `resume`, the journal is cut back to its last recorded trial, or to a page of a questionnaire that was filled
+    in since, and `replay` gives what it holds. What was cut (the torn line, and the requests of the trial that was
+    under way) is returned by `cut`, and kept in the file `interruptions` beside it. Events stay, and marks of the page
+    that was under way.
 
-    Not `syncs_trials`: head and end alone are put on the disk at once, and what lies between is the system's to write,
-    so that a process that is killed loses nothing, and one whose computer stops may lose its last trials.
+    Not `syncs_trials`: a simulated participant, who is asked anew from the last trial on. Head and end alone are put on
+    the disk at once, and what lies between is the system's to write, so that a process that is killed loses nothing,
+    and one whose computer stops may lose its last trials.
     """
 
     def __init__(self, path: Path, *, resume: bool, syncs_trials: bool = True) -> None:
@@ -51,7 +54,8 @@ class Journal:
     def _repair(self) -> tuple[Recording, bytes]:
         content = read_file(self.path, "a journal")
         recording = decode_journal(content, self.path)
-        lines = recording.lines if recording.complete else _until_last_trial(recording.lines)
+        kept_kinds = (*LASTING, Fill) if self._syncs_trials else LASTING
+        lines = recording.lines if recording.complete else _until_last(kept_kinds, recording.lines)
         kept_lines = content.split(b"\n")[: len(lines) + recording.complete]
         n_bytes = sum(len(line) + 1 for line in kept_lines)
         self._before = checksum(content[: n_bytes - 1].rpartition(b"\n")[2]) if n_bytes else 0
@@ -74,7 +78,7 @@ class Journal:
         finally:
             os.close(file)
 
-    def _exchange(self, kept: bytes, behind: Sequence[Event | Head]) -> None:
+    def _exchange(self, kept: bytes, behind: Sequence[Event | Head | Marked]) -> None:
         """Put what is kept, and lines of what stood behind it, in the place of the journal; it stays locked."""
         lines = []
         for line in behind:
@@ -113,6 +117,10 @@ class Journal:
         if not self.recording.complete:
             self._write(encode({"end": "complete"}, self._before), durable=True)
 
+    def keep_marks(self, marked: Marked) -> None:
+        """Keep marks of a page that is under way; not at once on the disk, as each comes within a frame."""
+        self._write(encode_line(marked, self._before), durable=False)
+
     def close(self) -> None:
         if self._file >= 0:
             if self._unsynced:
@@ -125,11 +133,15 @@ class Journal:
         self._before, self._unsynced = checksum(line), not durable
 
 
-def _until_last_trial(lines: Sequence[Line]) -> tuple[Line, ...]:
-    """Up to the last trial, with what follows it before anything else is asked."""
-    asked = [(n, isinstance(line.request, LASTING)) for n, line in enumerate(lines) if isinstance(line, Entry)]
-    last = max((n for n, is_trial in asked if is_trial), default=-1)
-    return tuple(lines[: next((n for n, _ in asked if n > last), len(lines))])
+def _until_last(kinds: tuple[type[Request[Any]], ...], lines: Sequence[Line]) -> tuple[Line, ...]:
+    """Up to the last request of these kinds, or the last marks, with what follows before anything else is asked."""
+    asked = [n for n, line in enumerate(lines) if isinstance(line, Entry)]
+    last = max((n for n, line in enumerate(lines) if _is_kept(kinds, line)), default=-1)
+    return tuple(lines[: next((n for n in asked if n > last), len(lines))])
+
+
+def _is_kept(kinds: tuple[type[Request[Any]], ...], line: Line) -> bool:
+    return isinstance(line, Marked) or (isinstance(line, Entry) and isinstance(line.request, kinds))
 
 
 def _open_locked(path: Path) -> int:

@@ -16,7 +16,7 @@ from ..errors import InvalidFile, count_of
 from ..files.durable import drafts, open_private, read_file, replace_file, write_whole
 from ..provenance import sha256
 from ..safety.limits import Exposure
-from ..session.answer import TracePart
+from ..session.answer import Marked, TracePart
 from ..session.event import COLUMNS, Event, TraceKind, decode_event, events_tsv
 from ..session.intervention import Intervention
 from ..session.replay import Replay
@@ -181,6 +181,11 @@ class OpenSession:
     def keep_trace(self, kind: TraceKind, table: FloatArray, rate_hz: float) -> TracePart:
         """Keep samples of a touch: they are on the disk before the journal says for good that they are there."""
         return self._traces.keep(kind, table, rate_hz)
+
+    def keep_marks(self, marked: Marked) -> None:
+        """Keep what stands on a page of a questionnaire, in the journal alone."""
+        with self._writing:
+            self.journal.keep_marks(marked)
 
     def _tell(self, event: Event) -> None:
         if self._events_file < 0:

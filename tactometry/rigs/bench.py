@@ -14,6 +14,7 @@ from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touc
 from ..session.answer_rules import value_at
 from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
 from ..trials.trial import Reason, outcome
+from . import filling
 from .device_rig import DeviceRig
 from .experimenter.supervisor import CLOCK, TrialLog
 from .pages import entry, form, layout
@@ -126,7 +127,8 @@ class Bench(DeviceRig):
         mark, timing = self._ask(
             unmarked, lambda mark: layout.scale_page(scale, mark, self._screen.aspect), scale.after
         )
-        return Rated(_value(mark, scale.n_positions, request), *timing)
+        value = None if mark is None else value_at(mark, scale.n_positions, request.low, request.high)
+        return Rated(value, *timing)
 
     def _enter(self, request: Enter) -> Rated:
         words, hint = self._texts.message(request.question), self._texts.message("hint_enter")
@@ -140,22 +142,14 @@ class Bench(DeviceRig):
         return Rated(entry.value_of(typed, low, high), *timing)
 
     def _fill(self, request: Fill) -> Filled:
-        page = self._form(request)
-        marks, timing = self._ask(
-            form.Marks((None,) * len(page.rows)),
+        page = filling.form_of(request, self._texts)
+        marks, onset_s, end_s = self._presenter.converse(
+            filling.marks_of(request),
             lambda marks: form.form_page(page, marks, self._screen.aspect),
             functools.partial(form.after, page),
+            filling.Keeping(request, self._keep_marks, self._session_s),
         )
-        return Filled(tuple(_value(place, page.n_positions, request) for place in marks.places), *timing)
-
-    def _form(self, request: Fill) -> form.Form:
-        return form.Form(
-            rows=tuple(self._texts.question(question) for question in request.questions),
-            n_positions=layout.N_POSITIONS_CONTINUOUS if request.steps is None else request.steps,
-            rings=request.steps is not None,
-            hint=self._texts.message(form.hint_for(request.steps)),
-            gaps=self._texts.message("hint_gaps"),
-        )
+        return Filled(filling.values_of(marks, request), *self._timing(onset_s, end_s), back=marks.back)
 
     def _scale(self, request: Rate) -> layout.Scale:
         return layout.Scale(
@@ -221,7 +215,3 @@ class Bench(DeviceRig):
             self._terminal.tell(f"! {request.aborted}")
         self._trial_log.begin_trial(trial)
         return self._done_between()
-
-
-def _value(place: int | None, n_positions: int, scale: Rate | Fill) -> float | None:
-    return None if place is None else value_at(place, n_positions, scale.low, scale.high)

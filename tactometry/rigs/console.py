@@ -3,13 +3,13 @@
 import math
 import sys
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Final, TextIO, TypeVar
 
 from ..arguments.require import expect
 from ..errors import Stopped
-from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
+from ..session.answer import Adjusted, Chosen, Done, Filled, Marked, Played, Rated, Touched
 from ..session.event import EventLog
 from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Question, Rate, Record, Show, Slide, Wait
 from ..trials.trial import outcome
@@ -28,6 +28,8 @@ N_TRIES = 20
 """Lines that are no answer before a session is stopped: nobody types there."""
 ESCAPE: Final = "\x1b"
 STOPPING: Final = "Ctrl-C stops (or, at a question, Ctrl-D; or Escape and return); what was recorded is safe"
+WAYS: Final[Mapping[str, tuple[int, float | None]]] = {"-": (1, None), "<": (-1, None)}
+"""What leaves a question open, and what goes back to the one before."""
 SILENT_OUTPUT: Final = (
     "This terminal plays nothing: stimuli are checked and left out, and the rows hold no delivered level. It is for "
     "trying a study out; with --bench, stimuli play through the output of the bench file."
@@ -152,15 +154,27 @@ class Console(DeviceRig):
 
     def _fill(self, request: Fill) -> Filled:
         onset_s = time.perf_counter()
-        values = tuple(self._fill_one(request, question) for question in request.questions)
-        return Filled(values, *self._times(onset_s, time.perf_counter()))
+        if request.stem:
+            self._terminal.tell(self._texts.in_language(request.stem))
+        values = list(request.given or [None] * len(request.questions))
+        at = values.index(None) if None in values else len(values) - 1
+        lowest = 0 if request.page == 1 else -1
+        while 0 <= at < len(values):
+            step, value = self._fill_one(request, request.questions[at])
+            if step > 0:
+                values[at] = value
+                self._keep_marks(Marked(request.form, tuple(values), self._done().at_s))
+            at = max(at + step, lowest)
+        return Filled(tuple(values), *self._times(onset_s, time.perf_counter()), back=at < 0)
 
-    def _fill_one(self, request: Fill, question: Question) -> float | None:
+    def _fill_one(self, request: Fill, question: Question) -> tuple[int, float | None]:
+        """By how many questions it goes on, and the answer."""
         statement, left, right = self._texts.question(question)
         step = (request.high - request.low) / (request.steps - 1) if request.steps else 1.0
         by = "" if step == 1 else f", in steps of {step:g}"
-        prompt = f"{statement} ({request.low:g} = {left}, {request.high:g} = {right}{by}; - leaves it open):".lstrip()
-        return self._ask(prompt, lambda line: None if line == "-" else _on_scale(line, request))[0]
+        ends = f"{request.low:g} = {left}, {request.high:g} = {right}{by}"
+        prompt = f"{statement} ({ends}; - leaves it open, < goes back):".lstrip()
+        return self._ask(prompt, lambda line: WAYS.get(line) or (1, _on_scale(line, request)))[0]
 
     def _adjust(self, request: Adjust) -> Adjusted:
         adjustment = "an adjustment, whose level plays while it is set"

@@ -12,7 +12,7 @@ from ..devices.sensors.streamed import StreamedSensor
 from ..errors import DeviceFailed, ended_by_signal
 from ..followed import FingerPath
 from ..safety.limits import FORCE_PEAK_N, Limits
-from ..session.answer import Done, Played, Touched
+from ..session.answer import Done, Marked, Played, Touched
 from ..session.event import TRACE_KINDS, EventLog, TraceKind
 from ..session.request import A, Facts, Intervene, Play, Press, Request, Slide
 from ..signal import Signal, Stimulus
@@ -129,6 +129,7 @@ class DeviceRig(LiveRig):
         )
         followed = self._emitter if "emitted" in equipment.traces else None
         self._tracer = Tracer(equipment.traced, followed, log, self._session_s)
+        self._keep_marks = _unkept if log is None else log.keep_marks
         self._tally = Tally()
         self.closed = False
         with self._closed_on_failure():
@@ -261,3 +262,7 @@ class DeviceRig(LiveRig):
 
 def _nowhere(digest: str, lines: bytes) -> None:
     """Where no log is kept, no path is."""
+
+
+def _unkept(marked: Marked) -> None:
+    """Where no log is kept, no marks are."""

@@ -1,7 +1,7 @@
 """PsychoPy's keyboard, opened or that of a script, and each press of it once; PsychoPy is handed in by the window."""
 
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from types import SimpleNamespace
 from typing import Any
@@ -79,3 +79,32 @@ class FreshPresses:
         fresh = sorted(set(reported) - set(self._seen), key=lambda press: press[1])
         self._seen.extend(fresh)
         return fresh
+
+
+REPEATING = ("left", "right", "up", "down")
+REPEAT_AFTER_S, REPEAT_EVERY_S = 0.4, 0.03
+"""A key that is held down repeats after so long, and then so often, as those of a desktop do."""
+
+
+class HeldKeys:
+    """Repeats the arrow that went down last, while it is held; `state_of` tells whether a key is down.
+
+    >>> held = HeldKeys(lambda name: True)
+    >>> held.repeats([("left", 1.0)], now_s=1.1), held.repeats([], now_s=1.5)
+    ([], ['left'])
+    """
+
+    def __init__(self, state_of: Callable[[str], bool]) -> None:
+        self._state_of, self._name, self._next_s = state_of, "", 0.0
+
+    def repeats(self, fresh: Iterable[tuple[str, float]], now_s: float) -> list[str]:
+        """What it repeats now, after what was freshly pressed."""
+        for name, down_s in fresh:
+            self._name, self._next_s = name, down_s + REPEAT_AFTER_S
+        if self._name not in REPEATING or now_s < self._next_s:
+            return []
+        if not self._state_of(self._name):
+            self._name = ""
+            return []
+        self._next_s = now_s + REPEAT_EVERY_S
+        return [self._name]

@@ -98,6 +98,10 @@ class Texts:
         known = {**_lengths_mm(told), **told, "left_s": left_s, "stop": self.label(self.stop)}
         return self.message(request.message, known)
 
+    def in_language(self, words: Mapping[str, str]) -> str:
+        """What stands in a table by language in this one; in English, or not at all, where it has none."""
+        return words.get(self.language, words.get("en", ""))
+
     def label(self, word: str) -> str:
         """A label in the participant's language; an unknown one as it is."""
         return self.labels.get(word, word)

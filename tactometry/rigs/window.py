@@ -20,7 +20,7 @@ from ..errors import DeviceFailed
 from ..session.request import Facts
 from .drawing import Canvas
 from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
-from .keyboard import FreshPresses, failing_as, keyboard_of_script, open_keyboard
+from .keyboard import FreshPresses, HeldKeys, failing_as, keyboard_of_script, open_keyboard
 from .loan import Loan
 from .pages.page import PAPER, Click, Closed, Display, Input, KeyDown, Page
 
@@ -122,7 +122,11 @@ class Window(Display):
             self._opened.callback(window.close)
         try:
             self._keyboard = (keyboard_of_script if adopted else open_keyboard)(self._psychopy)
-            heard: dict[str, Callable[..., Any]] = {"on_mouse_press": self._on_mouse_press, "on_close": self._on_close}
+            heard: dict[str, Callable[..., Any]] = {
+                "on_mouse_press": self._on_mouse_press,
+                "on_mouse_drag": self._on_mouse_drag,
+                "on_close": self._on_close,
+            }
             self._loan = Loan(self._psychopy, window, self._keyboard, heard)
             self._opened.callback(self._loan.give_back if adopted else self._keyboard.stop)
             self._prepare_drawing()
@@ -136,8 +140,9 @@ class Window(Display):
 
     def _prepare_drawing(self) -> None:
         self._canvas = Canvas(self._psychopy, self._window)
-        self._fresh = FreshPresses()
+        self._fresh, self._held = FreshPresses(), HeldKeys(self._keyboard.getState)
         self._pressed: list[Input] = []
+        self._begun_y = 0.0
         self._intervals_s: list[float] = []
         self._flipped_s = time.perf_counter()
         self._pacer = Pacer(self._rhythm())
@@ -154,10 +159,19 @@ class Window(Display):
         self.give_back()
         return rhythm
 
-    def _on_mouse_press(self, x: float, y: float, button: int, modifiers: int) -> None:
-        del button, modifiers
+    def _on_mouse_press(self, x: float, y: float, *how: int) -> None:
+        del how
+        x, self._begun_y = self._in_heights(x, y)
+        self._pressed.append(Click(x, self._begun_y, at_s=time.perf_counter()))
+
+    def _on_mouse_drag(self, x: float, y: float, *how: float) -> None:
+        del how
+        x, _ = self._in_heights(x, y)
+        self._pressed.append(Click(x, self._begun_y, at_s=time.perf_counter(), dragged=True))
+
+    def _in_heights(self, x: float, y: float) -> tuple[float, float]:
         width, height = self._window.winHandle.get_size()
-        self._pressed.append(Click((x - width / 2) / height, (y - height / 2) / height, at_s=time.perf_counter()))
+        return (x - width / 2) / height, (y - height / 2) / height
 
     def _on_close(self) -> bool:
         self._pressed.append(Closed(at_s=time.perf_counter()))
@@ -200,7 +214,9 @@ class Window(Display):
         reported = [(key.name, key.tDown) for released in (False, True) for key in ask(waitRelease=released)]
         now_s = time.perf_counter()
         ahead_s = self.clock_offset_s()
-        return [KeyDown(name, min(down_s + ahead_s, now_s)) for name, down_s in self._fresh.of(reported)]
+        fresh = [(name, min(down_s + ahead_s, now_s)) for name, down_s in self._fresh.of(reported)]
+        again = self._held.repeats(fresh, now_s)
+        return [*(KeyDown(*press) for press in fresh), *(KeyDown(name, now_s, repeated=True) for name in again)]
 
     def facts(self) -> Facts:
         width, height = (int(pixels) for pixels in self._window.size)

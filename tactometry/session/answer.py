@@ -116,13 +116,26 @@ class Rated(Answer):
 
 @dataclass(frozen=True)
 class Filled(Answer):
-    """The answers of a page of a questionnaire, in the order of its questions; None where one was left open."""
+    """The answers of a page of a questionnaire, in the order of its questions; None where one was left open.
+
+    `back`: it was left for the page before, and comes again.
+    """
 
     values: tuple[float | None, ...]
     onset_s: float
     latency_s: float
     timestamp_utc: str | None = None
     valid: bool = True
+    back: bool = False
+
+
+@dataclass(frozen=True)
+class Marked:
+    """What stood at `at_s` on a page of the questionnaire `form` that nobody has left yet."""
+
+    form: str
+    values: tuple[float | None, ...]
+    at_s: float
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from ..errors import InvalidParameter
 from ..safety.limits import Exposure
 from ..signal import FloatArray
 from ..trials.columns import Column
-from .answer import TracePart
+from .answer import Marked, TracePart
 from .intervention import WANTED, Intervention
 from .request import Fact
 
@@ -144,6 +144,9 @@ class EventLog(Protocol):
 
     def keep_trace(self, kind: TraceKind, table: FloatArray, rate_hz: float) -> TracePart:
         """Keep samples (n_rows, n_columns) of a touch: where they are."""
+
+    def keep_marks(self, marked: Marked) -> None:
+        """Keep what stands on a page of a questionnaire, for a session that is interrupted there."""
 
 
 def _cell(value: Fact) -> str:

@@ -1,12 +1,14 @@
 """A recording that answers, if it is asked what was asked then."""
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import fields, is_dataclass
+from dataclasses import fields, is_dataclass, replace
+from itertools import takewhile
 from typing import Any
 
 from ..errors import Diverged
 from ..trials.trial import Trial, without
-from .request import A, Intervene, Record, Request
+from .answer import Answer, Done, Marked
+from .request import A, Fill, Intervene, Record, Request, Show
 
 OF_RECORDING = "use the study, the seed and the version of the recording"
 
@@ -22,7 +24,11 @@ class Replay:
     """What answers from `entries`, pairs of (request, answer) in their order.
 
     `where` names the recording in errors, `lines` the lines of its entries, where they are not 1, 2, 3, ..., and
-    `as_kept` is what the recording keeps of a request. The session lasted `lasted_s` at least, s.
+    `as_kept` is what the recording keeps of a request. The session lasted `lasted_s` at least, s; `marked` is what
+    stood on a page of a questionnaire when it was interrupted.
+
+    A page that is only shown is no answer to anything: one that the recording holds and the protocol does not show, or
+    the other way round, is passed over, so that a later version may say more, or in another place.
     """
 
     def __init__(
@@ -32,12 +38,13 @@ class Replay:
         lines: Sequence[int] = (),
         as_kept: Callable[[Request[Any]], Request[Any]] = lambda request: request,
         lasted_s: float = 0.0,
+        marked: Marked | None = None,
     ) -> None:
         self._entries = entries
-        self._as_kept, self._lasted_s = as_kept, lasted_s
+        self._as_kept, self._lasted_s, self._marked = as_kept, lasted_s, marked
         self._where = where
         self._lines = lines or range(1, len(entries) + 1)
-        self._next = 0
+        self._next, self._at_s = 0, 0.0
 
     @property
     def n_left(self) -> int:
@@ -50,9 +57,17 @@ class Replay:
 
     @property
     def elapsed_s(self) -> float:
-        """When the session stopped: the time of the last recorded trial, or of what happened after it."""
-        times_s = [answer.at_s for request, answer in self._entries if isinstance(request, Record)]
-        return float(max([self._lasted_s, *times_s[-1:]]))
+        """When the session stopped: the time of the last answer, or of what happened after it."""
+        marked_s = [] if self._marked is None else [self._marked.at_s]
+        return float(max([self._lasted_s, *marked_s, *(_ended_s(answer) for _, answer in self._entries[-1:])]))
+
+    def taken_up(self, request: Request[Any]) -> Request[Any]:
+        """The first request of a sitting that goes on: a page of a questionnaire with the marks that it had."""
+        marked = self._marked
+        if marked is None or not isinstance(request, Fill) or request.form != marked.form:
+            return request
+        is_page = len(marked.values) == len(request.questions)
+        return replace(request, given=marked.values) if is_page else request
 
     def refuse_rest(self) -> None:
         """Raise if the recording holds more than was asked."""
@@ -75,13 +90,35 @@ class Replay:
         if not self.n_left:
             ended = f"the recording has ended, the protocol asks for {_name(request)}"
             raise self._divergence(f"{ended}; the session is not complete: go on with --resume")
-        recorded, answer = self._entries[self._next]
         asked = self._as_kept(request)  # an older journal kept less of a request
+        n_passed = self._pages_before(asked)
+        if n_passed is None:
+            return Done(self._at_s)  # type: ignore[return-value]
+        self._next += n_passed
+        recorded, answer = self._entries[self._next]
         if asked != recorded:
             raise self._divergence(f"{difference(recorded, asked)}; {OF_RECORDING}")
         self._next += 1
+        self._at_s = _ended_s(answer)
         recorded_answer: A = answer  # the entries are pairs: this answer is of the recorded request's type
         return recorded_answer
+
+    def _pages_before(self, asked: Request[Any]) -> int | None:
+        """How many recorded pages are passed over to what is asked; None for a page that the recording lacks there."""
+        left = (self._entries[n][0] for n in range(self._next, len(self._entries)))
+        pages = list(takewhile(_is_page, left))
+        if isinstance(asked, Show):
+            return pages.index(asked) if asked in pages else None
+        return min(len(pages), self.n_left - 1)
+
+
+def _is_page(request: Request[Any]) -> bool:
+    return isinstance(request, Show)
+
+
+def _ended_s(answer: Any) -> float:
+    """When an answer was given."""
+    return float(answer.onset_s + answer.latency_s if isinstance(answer, Answer) else getattr(answer, "at_s", 0.0))
 
 
 def _name(request: object) -> str:
@@ -94,7 +131,7 @@ def difference(recorded: object, asked: object, path: str = "") -> str:
         name = path or "request"
         shown = (_name(recorded), _name(asked)) if is_dataclass(recorded) else (repr(recorded), repr(asked))
         return f"{name}: the recording holds {shown[0]}, the protocol asks for {shown[1]}"
-    for item in fields(recorded):
+    for item in (item for item in fields(recorded) if item.compare):
         then, now = getattr(recorded, item.name), getattr(asked, item.name)
         if then != now:
             return difference(then, now, f"{path or _name(recorded)}.{item.name}")

@@ -151,8 +151,10 @@ class Question:
 class Fill(Request[Filled]):
     """Ask for all questions of a page, each from `low` (left) to `high` in `steps` (None: continuous).
 
-    No question has an answer beforehand; each can be changed until the page is left; a page with open questions is
-    left at the second wish only.
+    No question has an answer beforehand but those `given` on the page before it was left to go back, or before the
+    session was interrupted; each can be changed until the page is left. The page is number `page` of `n_pages`, all
+    under one `stem`, by language. How it is shown is no part of what is asked: two requests that differ in these alone
+    are equal.
     """
 
     form: str
@@ -160,6 +162,10 @@ class Fill(Request[Filled]):
     low: float
     high: float
     steps: int | None
+    stem: Mapping[str, str] = field(default_factory=dict, compare=False)
+    page: int = field(default=1, compare=False)
+    n_pages: int = field(default=1, compare=False)
+    given: tuple[float | None, ...] = field(default=(), compare=False)
 
 
 @dataclass(frozen=True)

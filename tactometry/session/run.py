@@ -51,6 +51,7 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
             request = _advance(course, recorded.answer(request))
         if recorded.elapsed_s:
             rig.resume(recorded.trials, recorded.elapsed_s)
+        request = recorded.taken_up(request)
         while True:
             answer = rig.answer(request)
             journal.append(request, answer)  # kept before the course goes on: nothing follows from what a replay lacks

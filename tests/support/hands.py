@@ -30,8 +30,19 @@ class Hands:
 
     def touch(self, x, y):
         """A click of no duration at (x, y) in heights of the screen, from its middle."""
+        self.drag((x, y))
+
+    def drag(self, *places):
+        """A press at the first place, that is let go at the last."""
+        for n, place in enumerate(places):
+            self._move(*place)
+            if n == 0:
+                self._send(self._X.ButtonPress, 1)
+        self._send(self._X.ButtonRelease, 1)
+
+    def _move(self, x, y):
         width, height = SCREEN_PX
-        self.click(round(width / 2 + x * height), round(height / 2 - y * height))
+        self.point(round(width / 2 + x * height), round(height / 2 - y * height))
 
     def click(self, x_px, y_px):
         """A click of no duration at a pixel."""

@@ -10,7 +10,7 @@ class Kept:
     wanted = ()
 
     def __init__(self):
-        self.events, self.traces = [], []
+        self.events, self.traces, self.marked = [], [], []
 
     def note(self, event):
         self.events.append(event)
@@ -22,6 +22,9 @@ class Kept:
         """In memory."""
         self.traces.append((kind, table))
         return TracePart(kind, 0, 0, "", rate_hz)
+
+    def keep_marks(self, marked):
+        self.marked.append(marked)
 
     @property
     def told(self):

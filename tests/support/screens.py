@@ -6,6 +6,7 @@ from pathlib import Path
 from tactometry.experiments.bench.calibration import BAR_PART, BAR_WORDS
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load
+from tactometry.rigs import filling
 from tactometry.rigs.pages import entry, form, layout
 from tactometry.rigs.texts import languages, texts_in
 
@@ -80,17 +81,10 @@ def all_pages(language, aspect):
 
 
 def form_pages(name, language, aspect):
-    """The first page of a questionnaire with each of two answers; that of the SUS as where gaps were pointed out."""
+    """The last page of a questionnaire with each of two answers; that of the SUS as where gaps were pointed out."""
     loaded = load(name)
-    page = pages(loaded, loaded.items)[0]
-    texts = texts_in(language, {})
-    drawn = form.Form(
-        tuple(texts.question(question) for question in page.questions),
-        layout.N_POSITIONS_CONTINUOUS if page.steps is None else page.steps,
-        page.steps is not None,
-        texts.message(form.hint_for(page.steps)),
-        texts.message("hint_gaps"),
-    )
+    page = pages(loaded, loaded.items)[-1]
+    drawn = filling.form_of(page, texts_in(language, {}))
     left = (None,) * (len(page.questions) - 1)
     marked = [form.Marks((place, *left), row=min(1, len(left)), warned=name == "sus") for place in (2, 3)]
     return [form.form_page(drawn, marks, aspect) for marks in marked]

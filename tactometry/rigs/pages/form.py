@@ -4,38 +4,65 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from . import layout
-from .page import ACCENT, EDGE, GOOD, INK, QUIET, Answer, Box, Button, Item, Page, Text
+from .page import ACCENT, EDGE, GOOD, INK, QUIET, Answer, Box, Button, Item, Page, Slider, Text
 
-WORDS = 0.03
-TOP, BOTTOM = 0.42, -0.24
-SCALE_LENGTH = 0.52
+WORDS, WORDS_OF_WIDTH = 0.034, 0.02
+"""The height of letters, and how high they are at most in widths of the screen: the longest statement of the SUS is one
+line."""
+TOP, BOTTOM = 0.37, -0.27
+"""Where the rows are."""
+STEM_Y = 0.435
 MOST_DIGITS = 9
-"""Of a row with more rings no ring has a digit of its own."""
-NEXT, BEFORE = "next row", "row before"
-CONFIRM_BUTTON = Button(layout.CONFIRM, layout.CONTINUE_KEYS, 0, -0.32, 0.26, 0.09)
+"""Of a row with more rings no ring has a digit of its own, and its scale takes the width of the page."""
+NARROW = 0.62
+"""The longest scale that has its words at its sides."""
+NEXT, BEFORE, BACK, OPEN = "next row", "row before", "page before", "leave open"
+FOOT_Y = -0.34
+CONFIRM_BUTTON = Button(layout.CONFIRM, layout.CONTINUE_KEYS, 0, FOOT_Y, 0.26, 0.08)
+BACK_BUTTON = Button(BACK, ("backspace", "pageup"), -0.42, FOOT_Y, 0.34, 0.08)
+OPEN_BUTTON = Button(OPEN, ("0", "num_0"), 0.42, FOOT_Y, 0.34, 0.08)
+
+
+@dataclass(frozen=True)
+class FormWords:
+    """What a page says beside its questions.
+
+    `stem` opens all of them; `count` says which page it is of how many; `hint` what may be pressed, `gaps` what may be
+    done with open questions; `back` and `leave_open` stand in boxes. `back` is empty on a first page.
+    """
+
+    hint: str
+    gaps: str
+    stem: str = ""
+    count: str = ""
+    back: str = ""
+    leave_open: str = ""
 
 
 @dataclass(frozen=True)
 class Form:
-    """What a page asks: `rows` of (statement, left word, right word), each with `n_positions` places.
-
-    `gaps` is what the page says when it should be left with open questions.
-    """
+    """What a page asks: `rows` of (statement, left word, right word), each with `n_positions` places."""
 
     rows: tuple[tuple[str, str, str], ...]
     n_positions: int
     rings: bool
-    hint: str
-    gaps: str
+    words: FormWords
+
+    @property
+    def wide(self) -> bool:
+        """Whether a scale takes the width of the page, with its words below its ends."""
+        return not self.rings or self.n_positions > MOST_DIGITS
 
 
 @dataclass(frozen=True)
 class Marks:
-    """The marks of a form up to now, the row that the keys go to, and whether the gaps were pointed out."""
+    """The marks of a form up to now, the row that the keys go to, whether the gaps were pointed out, and whether the
+    page before is wanted."""
 
     places: tuple[int | None, ...]
     row: int = 0
     warned: bool = False
+    back: bool = False
 
     @property
     def complete(self) -> bool:
@@ -47,108 +74,159 @@ class Marks:
         return replace(self, places=places, row=row, warned=False)
 
 
+def begun(places: tuple[int | None, ...]) -> Marks:
+    """What stands on a page when it comes: the keys go to the first open row.
+
+    >>> begun((3, None, None)).row, begun((3, 2, 1)).row
+    (1, 0)
+    """
+    return Marks(places, row=places.index(None) if None in places else 0)
+
+
 def hint_for(steps: int | None) -> str:
     """The message that tells how a row of so many rings is answered, of a line without.
 
     >>> hint_for(7), hint_for(21), hint_for(None)
-    ('hint_fill', 'hint_fill_arrows', 'hint_fill_arrows')
+    ('hint_fill', 'hint_fill_arrows', 'hint_fill_line')
     """
-    return "hint_fill" if steps is not None and steps <= MOST_DIGITS else "hint_fill_arrows"
+    if steps is None:
+        return "hint_fill_line"
+    return "hint_fill" if steps <= MOST_DIGITS else "hint_fill_arrows"
 
 
 def after(form: Form, marks: Marks, answer: Answer) -> tuple[Marks, bool]:
-    """The marks that follow an answer, and whether the page is left: with gaps only at the second wish.
+    """The marks that follow an answer, and whether the page is left. Return leaves it when it is complete; questions
+    are left open by a box of their own, which a first wish to leave shows.
 
-    >>> form = Form((("", "a", "b"), ("", "c", "d")), n_positions=7, rings=True, hint="", gaps="")
+    >>> form = Form((("", "a", "b"), ("", "c", "d")), n_positions=7, rings=True, words=FormWords("", ""))
     >>> after(form, Marks((3, None)), layout.CONFIRM)
-    (Marks(places=(3, None), row=1, warned=True), False)
-    >>> after(form, Marks((3, None), warned=True), layout.CONFIRM)[1], after(form, Marks((3, 0)), layout.CONFIRM)[1]
-    (True, True)
+    (Marks(places=(3, None), row=1, warned=True, back=False), False)
+    >>> [after(form, Marks((3, None), warned=True), answer)[1] for answer in (layout.CONFIRM, OPEN)]
+    [False, True]
     """
     if isinstance(answer, tuple):
         return marks.set(*answer), False
     if isinstance(answer, int):
         answered = marks.set(marks.row, answer)
         return replace(answered, row=min(answered.row + 1, len(form.rows) - 1)), False
-    if answer == layout.CONFIRM:
-        return _leave(marks)
+    if answer in (layout.CONFIRM, OPEN, BACK):
+        return _leave(marks, answer)
     if answer in (NEXT, BEFORE):
         row = marks.row + (1 if answer == NEXT else -1)
         return replace(marks, row=min(max(row, 0), len(form.rows) - 1)), False
     return marks.set(marks.row, layout.shift(marks.places[marks.row], answer, form.n_positions)), False
 
 
-def _leave(marks: Marks) -> tuple[Marks, bool]:
-    if marks.complete or marks.warned:
+def _leave(marks: Marks, how: Answer) -> tuple[Marks, bool]:
+    if how == BACK:
+        return replace(marks, back=True), True
+    if how == OPEN or marks.complete:
         return marks, True
     return replace(marks, row=marks.places.index(None), warned=True), False
 
 
 def form_page(form: Form, marks: Marks, aspect: float) -> Page:
-    """The rows with their marks, and a box to leave the page."""
+    """The rows with their marks, and boxes to leave the page."""
     pitch = (TOP - BOTTOM) / len(form.rows)
-    centres = [TOP - (k + 0.5) * pitch for k in range(len(form.rows))]
-    items: list[Item] = []
-    buttons: list[Button] = []
-    for k, (row, y) in enumerate(zip(form.rows, centres, strict=True)):
+    items: list[Item] = [*_head(form.words, aspect)]
+    sliders: list[Slider] = []
+    for k, row in enumerate(form.rows):
+        y = TOP - (k + 0.5) * pitch
         if k == marks.row:
             items.append(Box(0, y, layout.MARGIN * aspect, 0.94 * pitch, line=ACCENT))
         items += _row(form, row, marks.places[k], y, pitch, aspect)
-        buttons += _places(form, k, y, pitch)
-    words = form.gaps if marks.warned else form.hint
-    return Page((*items, *_foot(words, marks, aspect)), (*buttons, *_keys(form)))
+        sliders.append(_slider(form, k, y, pitch, aspect))
+    return Page((*items, *_foot(form.words, marks, aspect)), (*sliders, *_keys(form, marks)))
+
+
+def _head(words: FormWords, aspect: float) -> list[Item]:
+    width = layout.MARGIN * aspect
+    stem = Text(words.stem, -width / 2, STEM_Y, layout.BODY, wrap_width=width - 0.24, align="left")
+    count = Text(words.count, width / 2, STEM_Y, layout.HINT, QUIET, 0.24, "right")
+    return [text for text in (stem, count) if text.words]
+
+
+def scale_extent(form: Form, aspect: float) -> float:
+    """How long its scales are, in heights of the screen."""
+    width = layout.MARGIN * aspect
+    return width - 0.1 if form.wide else min(NARROW, 0.4 * width)
+
+
+def scale_y(form: Form, row: int, y: float, pitch: float) -> float:
+    """The height of a scale in the row around `y`: below a statement, above digits or words."""
+    return y - 0.08 * pitch if form.rows[row][0] else y + 0.13 * pitch
 
 
 def _row(
     form: Form, row: tuple[str, str, str], place: int | None, y: float, pitch: float, aspect: float
 ) -> Sequence[Item]:
     statement, left, right = row
-    side = (layout.MARGIN * aspect - SCALE_LENGTH) / 2 - 0.04
-    middle = y - 0.2 * pitch if statement else y
-    edge = SCALE_LENGTH / 2 + 0.02
-    words: list[Item] = [Text(statement, 0, y + 0.25 * pitch, WORDS, wrap_width=0.95 * layout.MARGIN * aspect)]
+    width, length = layout.MARGIN * aspect, scale_extent(form, aspect)
+    letters = _letters(aspect)
+    above: list[Item] = [Text(statement, 0, y + 0.3 * pitch, letters, wrap_width=0.98 * width)] if statement else []
+    middle = scale_y(form, form.rows.index(row), y, pitch)
+    if form.wide:
+        ends_y, edge, side = middle - 0.05, length / 2, 0.45 * length
+    else:
+        ends_y, edge, side = middle, length / 2 + 0.02, (width - length) / 2 - 0.03
     return [
-        *(words if statement else []),
-        Text(left, -edge, middle, WORDS, wrap_width=side, align="right"),
-        Text(right, edge, middle, WORDS, wrap_width=side, align="left"),
-        *_scale(form, place, middle),
+        *above,
+        Text(left, -edge, ends_y, letters, wrap_width=side, align="left" if form.wide else "right"),
+        Text(right, edge, ends_y, letters, wrap_width=side, align="right" if form.wide else "left"),
+        *_scale(form, place, middle, length),
     ]
 
 
-def _xs(n_positions: int) -> list[float]:
-    return [((k + 0.5) / n_positions - 0.5) * SCALE_LENGTH for k in range(n_positions)]
+def _letters(aspect: float) -> float:
+    return min(WORDS, WORDS_OF_WIDTH * aspect)
 
 
-def _scale(form: Form, place: int | None, y: float) -> list[Item]:
-    xs = _xs(form.n_positions)
+def _scale(form: Form, place: int | None, y: float, length: float) -> list[Item]:
+    xs = [((k + 0.5) / form.n_positions - 0.5) * length for k in range(form.n_positions)]
     if form.rings:
-        return layout.rings(xs, y, min(0.024, 0.4 * SCALE_LENGTH / form.n_positions), place)
-    line = Box(0, y, xs[-1] - xs[0], 0.004, fill=EDGE)
-    ends = [Box(side * SCALE_LENGTH / 2, y, 0.005, 0.05, fill=INK) for side in (-1, 1)]
+        return [*layout.rings(xs, y, min(0.02, 0.4 * length / form.n_positions), place), *_digits(xs, y)]
+    line = Box(0, y, length, 0.004, fill=EDGE)
+    ends = [Box(side * length / 2, y, 0.005, 0.05, fill=INK) for side in (-1, 1)]
     mark = [] if place is None else [Box(xs[place], y, 0.012, 0.06, fill=GOOD)]
     return [line, *ends, *mark]
 
 
-def _places(form: Form, row: int, y: float, pitch: float) -> list[Button]:
-    middle = y - 0.2 * pitch if form.rows[row][0] else y
-    width, height = SCALE_LENGTH / form.n_positions, min(0.09, 0.6 * pitch)
-    return [Button((row, k), (), x, middle, width, height) for k, x in enumerate(_xs(form.n_positions))]
+def _digits(xs: Sequence[float], y: float) -> list[Item]:
+    """The digit below each ring, where each has one."""
+    if len(xs) > MOST_DIGITS:
+        return []
+    return [Text(str(k), x, y - 0.034, 0.022, QUIET) for k, x in enumerate(xs, 1)]
 
 
-def _foot(words: str, marks: Marks, aspect: float) -> list[Item]:
+def _slider(form: Form, row: int, y: float, pitch: float, aspect: float) -> Slider:
+    middle, height = scale_y(form, row, y, pitch), min(0.1, 0.7 * pitch)
+    return Slider(row, form.n_positions, 0.0, middle, scale_extent(form, aspect), height)
+
+
+def _foot(words: FormWords, marks: Marks, aspect: float) -> list[Item]:
     colour = GOOD if marks.warned else QUIET
+    back = _box(BACK_BUTTON, words.back) if words.back else []
+    leave_open = _box(OPEN_BUTTON, words.leave_open) if marks.warned else []
     return [
-        *layout.confirm_box(CONFIRM_BUTTON, ready=marks.complete or marks.warned),
-        Text(words, 0, -0.43, layout.HINT, colour, layout.MARGIN * aspect),
+        *layout.confirm_box(CONFIRM_BUTTON, ready=marks.complete),
+        *back,
+        *leave_open,
+        Text(words.gaps if marks.warned else words.hint, 0, -0.44, layout.HINT, colour, layout.MARGIN * aspect),
     ]
 
 
-def _keys(form: Form) -> tuple[Button, ...]:
+def _box(button: Button, words: str) -> list[Item]:
+    return [button.outline(INK), Text(words, button.x, button.y, WORDS, wrap_width=button.width)]
+
+
+def _keys(form: Form, marks: Marks) -> tuple[Button, ...]:
     digits = range(form.n_positions) if form.rings and form.n_positions <= MOST_DIGITS else ()
     return (
         *(Button(k, layout.digit_keys(k)) for k in digits),
         *layout.ARROWS,
-        Button(BEFORE, ("up",)),
-        Button(NEXT, ("down", "tab")),
+        Button(BEFORE, ("up",), repeats=True),
+        Button(NEXT, ("down", "tab"), repeats=True),
         CONFIRM_BUTTON,
+        *([BACK_BUTTON] if form.words.back else []),
+        *([OPEN_BUTTON] if marks.warned else []),
     )

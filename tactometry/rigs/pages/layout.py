@@ -18,15 +18,28 @@ WIDEST = 1.5
 
 CONTINUE_KEYS = ("space", "return", "num_enter")
 LEFT, RIGHT, UP, DOWN, CONFIRM = "left", "right", "up", "down", "confirm"
-ARROWS = (Button(LEFT, ("left",)), Button(RIGHT, ("right",)))
+FIRST, LAST = "first place", "last place"
+ARROWS = (
+    Button(LEFT, ("left",), repeats=True),
+    Button(RIGHT, ("right",), repeats=True),
+    Button(FIRST, ("home",)),
+    Button(LAST, ("end",)),
+)
 CONFIRM_BUTTON = Button(CONFIRM, CONTINUE_KEYS, 0, -0.27, 0.26, 0.1)
 
 
 def shift(place: int | None, answer: Answer, n_places: int) -> int:
-    """The place that follows an arrow, within the scale; the first arrow marks the middle, whichever it is."""
+    """The place that follows an arrow, Home or End, within the scale.
+
+    An arrow enters a scale without a mark from the end that it comes from, so that the page itself proposes no place.
+
+    >>> shift(None, RIGHT, 7), shift(None, LEFT, 7), shift(3, LEFT, 7), shift(3, LAST, 7)
+    (0, 6, 2, 6)
+    """
     if place is None:
-        return n_places // 2
-    return min(max(place + (answer == RIGHT) - (answer == LEFT), 0), n_places - 1)
+        place = n_places if answer == LEFT else -1
+    places = {LEFT: place - 1, RIGHT: place + 1, FIRST: 0, LAST: n_places - 1}
+    return min(max(places[str(answer)], 0), n_places - 1)
 
 
 def heading(words: str, y: float, aspect: float) -> Text:
@@ -186,7 +199,7 @@ class Scale:
 
         >>> scale = Scale("", "ugly", "attractive", "", n_positions=7, rings=True)
         >>> scale.after(None, LEFT), scale.after(6, RIGHT), scale.after(2, CONFIRM)
-        ((3, False), (6, False), (2, True))
+        ((6, False), (6, False), (2, True))
         """
         if isinstance(answer, int):
             return answer, False

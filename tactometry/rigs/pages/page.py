@@ -63,19 +63,24 @@ Item = Text | Box | Disc
 
 @dataclass(frozen=True)
 class KeyDown:
-    """A key that went down at `at_s` on `time.perf_counter`."""
+    """A key that went down at `at_s` on `time.perf_counter`; `repeated`: that has been held down since."""
 
     name: str
     at_s: float
+    repeated: bool = False
 
 
 @dataclass(frozen=True)
 class Click:
-    """A press of the mouse button, or of a finger on a touch screen, at (x, y)."""
+    """A press of the mouse button, or of a finger on a touch screen, at (x, y).
+
+    While it is held and moves it is `dragged`: y stays where it began, so that it answers one row alone.
+    """
 
     x: float
     y: float
     at_s: float
+    dragged: bool = False
 
 
 @dataclass(frozen=True)
@@ -90,7 +95,10 @@ Input = KeyDown | Click | Closed
 
 @dataclass(frozen=True)
 class Button:
-    """What answers `answer`: one of the `keys`, or a click into the rectangle around (x, y)."""
+    """What answers `answer`: one of the `keys`, or a click into the rectangle around (x, y).
+
+    A key that is held down answers again and again if it `repeats`.
+    """
 
     answer: Answer
     keys: tuple[str, ...] = ()
@@ -98,6 +106,7 @@ class Button:
     y: float = 0.0
     width: float = 0.0
     height: float = 0.0
+    repeats: bool = False
 
     def outline(self, line: str) -> Box:
         """Its rectangle, to be drawn."""
@@ -110,10 +119,41 @@ class Button:
         True
         """
         if isinstance(event, KeyDown):
-            return event.name in self.keys
-        if isinstance(event, Closed):
+            return event.name in self.keys and (self.repeats or not event.repeated)
+        if isinstance(event, Closed) or event.dragged:
             return False
         return abs(event.x - self.x) < self.width / 2 and abs(event.y - self.y) < self.height / 2
+
+    def answer_to(self, event: Input) -> Answer | None:
+        """Its answer, if the event presses it."""
+        return self.answer if self.takes(event) else None
+
+
+@dataclass(frozen=True)
+class Slider:
+    """`n_places` side by side in the rectangle around (x, y): a click answers the `row` with the place that it hits, a
+    drag that began there with the one above or below it, beyond an end with the last.
+
+    >>> slider = Slider(2, 4, x=0.0, y=0.0, width=1.0, height=0.2)
+    >>> slider.answer_to(Click(0.3, 0.0, at_s=0.0)), slider.answer_to(Click(0.8, 0.0, at_s=0.0, dragged=True))
+    ((2, 3), (2, 3))
+    """
+
+    row: int
+    n_places: int
+    x: float
+    y: float
+    width: float
+    height: float
+
+    def answer_to(self, event: Input) -> Answer | None:
+        """The row and the place that an event answers."""
+        if not isinstance(event, Click) or abs(event.y - self.y) >= self.height / 2:
+            return None
+        part = (event.x - self.x) / self.width + 0.5
+        if not event.dragged and not 0 <= part < 1:
+            return None
+        return self.row, min(max(int(part * self.n_places), 0), self.n_places - 1)
 
 
 @dataclass(frozen=True)
@@ -121,11 +161,12 @@ class Page:
     """Items, drawn in their order, and buttons; the pointer is shown where there is something to click."""
 
     items: tuple[Item, ...] = ()
-    buttons: tuple[Button, ...] = ()
+    buttons: tuple[Button | Slider, ...] = ()
 
     def answer(self, event: Input) -> Answer | None:
         """What the first button that takes `event` answers; None for an event that answers nothing."""
-        return next((button.answer for button in self.buttons if button.takes(event)), None)
+        answers = (button.answer_to(event) for button in self.buttons)
+        return next((answer for answer in answers if answer is not None), None)
 
 
 class Display:

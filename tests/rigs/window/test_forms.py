@@ -20,6 +20,7 @@ from tactometry.experiments.study.study_file import load as load_study
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load
 from tactometry.records.journal import read
+from tactometry.rigs import filling
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment
 from tactometry.rigs.pages import form
@@ -28,13 +29,23 @@ from tactometry.session.request import Enter, Press, Show
 
 HAPTIC = load("attrakdiff-haptic")
 (PAGE,) = pages(HAPTIC, HAPTIC.items)
-ROW = (form.TOP - form.BOTTOM) / len(PAGE.questions)
-OK = (0.0, -0.32)
+(VAS,) = pages(load("pleasantness-vas"), load("pleasantness-vas").items)
+FIRST, SECOND = pages(load("attrakdiff-mini"), load("attrakdiff-mini").items)
+TO_THE_END = ("Down", "End")
+OK = (0.0, form.FOOT_Y)
+ASPECT = 1.6
 
 
-def place(row, k, n=7):
-    """Where ring `k` of a row lies."""
-    return ((k + 0.5) / n - 0.5) * form.SCALE_LENGTH, form.TOP - (row + 0.5) * ROW
+def drawn(request=PAGE):
+    return filling.form_of(request, texts_in("en", {}))
+
+
+def place(row, k, request=PAGE):
+    """Where place `k` of a row lies."""
+    page = drawn(request)
+    pitch = (form.TOP - form.BOTTOM) / len(page.rows)
+    y = form.scale_y(page, row, form.TOP - (row + 0.5) * pitch, pitch)
+    return ((k + 0.5) / page.n_positions - 0.5) * form.scale_extent(page, ASPECT), y
 
 
 @pytest.fixture
@@ -58,13 +69,22 @@ def test_a_page_is_filled_by_touch_in_any_order_and_answers_can_be_changed(bench
     assert bench.answer(PAGE).values == (1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 1.0)
 
 
-def test_arrows_begin_in_the_middle_and_move_between_rows(bench, participant):
-    participant.answers(*"1111111", "Up", "Right", "Right", "Up", "Up", "Left", "Return")
-    values = bench.answer(PAGE).values
-    assert values == (1.0, 1.0, 1.0, 1.0, 1.0, 3.0, 1.0)
+def test_arrows_move_between_rows_and_home_and_end_along_them(bench, participant):
+    participant.answers(*"1111111", "Up", "Right", "Right", "Up", "End", "Up", "End", "Home", "Right", "Return")
+    assert bench.answer(PAGE).values == (1.0, 1.0, 1.0, 2.0, 7.0, 3.0, 1.0)
 
 
-def test_leaving_with_gaps_asks_once(bench, participant, watched):
+def test_an_arrow_enters_an_open_row_from_its_own_end_and_proposes_no_middle(bench, participant):
+    participant.answers("Right", "Down", "Left", "Down", *"11111", "Return")
+    assert bench.answer(PAGE).values == (1.0, 7.0, 1.0, 1.0, 1.0, 1.0, 1.0)
+
+
+def test_return_upon_return_does_not_leave_an_open_page(bench, participant):
+    participant.answers(*["Return"] * 4, *"2222222", "Return")
+    assert bench.answer(PAGE).values == (2.0,) * 7
+
+
+def test_leaving_with_gaps_takes_a_key_of_its_own(bench, participant, watched):
     hint, asked = texts_in("en", {}).message("hint_gaps"), threading.Event()
 
     def refresh(page):
@@ -73,25 +93,54 @@ def test_leaving_with_gaps_asks_once(bench, participant, watched):
         return watched._window.refresh(page)
 
     watched.refresh = refresh
-    participant.answers("4", "Return", asked, "Return")
+    participant.answers("4", "0", "Return", asked, "0")
     assert bench.answer(PAGE).values == (4.0, *(None,) * 6)
 
 
 def test_nothing_is_marked_before_an_answer(bench):
     blank = form.Marks((None,) * 7)
-    page = form.form_page(bench._form(PAGE), blank, 1.6)
+    page = form.form_page(drawn(), blank, ASPECT)
     assert not [item for item in page.items if getattr(item, "fill", None) == form.GOOD]
 
 
 def test_a_continuous_line_is_answered_where_it_is_touched(bench, participant):
-    vas = load("pleasantness-vas")
-    (page,) = pages(vas, vas.items)
-    pitch = (form.TOP - form.BOTTOM) / 2
-    y = form.TOP - 0.5 * pitch - 0.2 * pitch
-    participant.answers((0.25 * form.SCALE_LENGTH, y), (0.0, y - pitch), 0.05, OK)
-    high, middle = bench.answer(page).values
-    assert high == pytest.approx(75, abs=1)
-    assert middle == pytest.approx(50, abs=1)
+    participant.answers(place(0, 75, VAS), place(1, 50, VAS), 0.05, OK)
+    assert bench.answer(VAS).values == pytest.approx((75, 50), abs=1)
+
+
+def test_a_drag_along_a_line_ends_where_it_is_let_go_and_answers_its_own_row_alone(bench, participant, hands):
+    (x, _), (far, low) = place(0, 20, VAS), place(1, 90, VAS)
+    participant.answers(  # a click has the time at which it is heard of: the keys wait for it
+        lambda: hands.drag(place(0, 20, VAS), (0.5 * (x + far), low), (far, low)), 0.3, *TO_THE_END, "Return"
+    )
+    assert bench.answer(VAS).values == pytest.approx((90, 100), abs=1)
+
+
+def test_a_key_that_is_held_moves_on(bench, participant, hands):
+    participant.answers("Home", lambda: hands.tap("Right", hold_s=1.0), *TO_THE_END, "Return")
+    moved, _ = bench.answer(VAS).values
+    assert 5 <= moved <= 35
+
+
+def test_a_held_key_answers_a_choice_once(bench, participant, hands):
+    participant.answers(lambda: hands.tap("Return", hold_s=0.8), *"1111111", "Return")
+    assert bench.answer(PAGE).values == (1.0,) * 7
+
+
+def test_a_page_goes_back_to_the_one_before_with_its_marks(bench, participant):
+    participant.answers("3", "BackSpace")
+    left = bench.answer(SECOND)
+    assert (left.back, left.values[:2]) == (True, (3.0, None))
+    participant.answers("BackSpace", *"45555", "Return")
+    again = bench.answer(replace(FIRST, given=(1.0, 2.0, None, None, None)))
+    assert (again.back, again.values) == (False, (1.0, 2.0, 4.0, 5.0, 5.0))
+
+
+def test_a_page_says_what_it_is_about_and_which_it_is():
+    words = [
+        getattr(item, "words", "") for item in form.form_page(drawn(SECOND), form.Marks((None,) * 5), ASPECT).items
+    ]
+    assert {"The surface that you felt was …", "Page 2 of 2", *"1234567"} <= set(words)
 
 
 @pytest.mark.parametrize(

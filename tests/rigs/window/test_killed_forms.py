@@ -1,0 +1,63 @@
+"""A session that is killed while a questionnaire stands on the screen goes on with that page and its marks."""
+
+import time
+from contextlib import contextmanager
+
+from patience import LONGEST_WAIT_S
+from study_texts import changed
+from tables import trial_rows
+from window_sitting import tactometry
+
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.experiments.study.study_file import load
+
+RATED = {
+    'duration_s = "500 ms"': 'duration_s = "100 ms"',
+    'hold_s = "300 ms"': 'hold_s = "20 ms"',
+    'kind = "yes_no"\ncatch_rate = 0.2': 'kind = "rating"\nform = "attrakdiff-mini"',
+    "frequency_hz = [60, 240]": "frequency_hz = [60]",
+    "levels = [22, 28, 34, 40] ": "levels = [40] ",
+    "repeats = 4": "repeats = 1",
+}
+
+
+def until(holds, act=lambda: None):
+    """Act, again and again, until something holds."""
+    deadline_s = time.perf_counter() + LONGEST_WAIT_S
+    while not holds():
+        assert time.perf_counter() < deadline_s
+        act()
+        time.sleep(0.05)
+
+
+@contextmanager
+def sitting(*arguments):
+    """The session in a process, killed where it is left."""
+    process = tactometry(*arguments)
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def test_a_kill_on_page_two_goes_on_there_with_what_was_marked(display, tmp_path):
+    (tmp_path / "s.toml").write_text(changed(load("tutorial")[1].decode(), RATED), "utf-8")
+    run = ("run", tmp_path / "s.toml", "--participant", "P01", "--rig", "bench", "--seed", "7", "--out", tmp_path / "d")
+
+    def kept(what):
+        return any(what in path.read_text("utf-8") for path in (tmp_path / "d").glob("journals/*.jsonl"))
+
+    with sitting(*run):
+        until(lambda: kept('"Slide"'), lambda: display.tap("space"))
+        until(lambda: kept('"values":[2.0,2.0,2.0,2.0,2.0]'), lambda: display.tap("2"))
+        until(lambda: kept('"Fill"'), lambda: display.tap("Return"))
+        until(lambda: kept('"values":[7.0,null,null,null,null]'), lambda: kept("[7") or display.tap("7"))
+    with sitting(*run, "--resume") as second:  # one of five stands there
+        until(lambda: kept('"values":[7.0,3.0,3.0,3.0,3.0]'), lambda: display.tap("3"))
+        until(lambda: second.poll() is not None, lambda: display.tap("Return"))
+    rows = [row for row in trial_rows(tmp_path / "d") if row["item"]]
+    assert [float(row["response"]) for row in rows] == [2] * 5 + [7, 3, 3, 3, 3]
+    assert validate(tmp_path / "d").defects == ()
+    assert [session.complete for session in replay_data_set(tmp_path / "d")] == [True]
