@@ -90,8 +90,8 @@ class HeldKeys:
     """Repeats the arrow that went down last, while it is held; `state_of` tells whether a key is down.
 
     >>> held = HeldKeys(lambda name: True)
-    >>> held.repeats([("left", 1.0)], now_s=1.1), held.repeats([], now_s=1.5)
-    ([], ['left'])
+    >>> held.repeats([("left", 1.0)], now_s=1.1), held.repeats([], now_s=1.435)
+    ([], ['left', 'left'])
     """
 
     def __init__(self, state_of: Callable[[str], bool]) -> None:
@@ -106,5 +106,6 @@ class HeldKeys:
         if not self._state_of(self._name):
             self._name = ""
             return []
-        self._next_s = now_s + REPEAT_EVERY_S
-        return [self._name]
+        n_due = 1 + int((now_s - self._next_s) / REPEAT_EVERY_S)  # as fast, however long a frame takes
+        self._next_s += n_due * REPEAT_EVERY_S
+        return [self._name] * n_due

@@ -119,7 +119,7 @@ def test_a_drag_along_a_line_ends_where_it_is_let_go_and_answers_its_own_row_alo
 def test_a_key_that_is_held_moves_on(bench, participant, hands):
     participant.answers("Home", lambda: hands.tap("Right", hold_s=1.0), *TO_THE_END, "Return")
     moved, _ = bench.answer(VAS).values
-    assert 5 <= moved <= 35
+    assert 5 <= moved < 100
 
 
 def test_a_held_key_answers_a_choice_once(bench, participant, hands):
