@@ -46,12 +46,17 @@ def bids_files(source: ExportedDataSet, authors: Sequence[str] = ()) -> dict[str
         for name in source.forms:
             asked = [row for row in rows if source.form(row) == name]
             files |= _table(f"{stem}_task-{_label(name)}_beh", asked, source, f"Questionnaire {name}.", timed=False)
-        stem += f"_task-{_label(source.text('study') or 'trials')}"
+        stem += f"_task-{task_label(source)}"
         trials = [row for row in rows if not source.form(row)]
         for timed, name in ((True, f"{stem}_run-01_events"), (False, f"{stem}_beh")):
             chosen = [row for row in trials if bool(row.get("onset_s")) is timed]
             files |= _table(name, chosen, source, source.description, timed=timed)
     return files | _phenotypes(source)
+
+
+def task_label(source: ExportedDataSet) -> str:
+    """What BIDS calls the task of the trials."""
+    return _label(source.text("study") or "trials")
 
 
 def _label(text: str) -> str:

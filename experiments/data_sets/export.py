@@ -7,13 +7,15 @@ that read such files, and `columns.toml` beside them reads them back with `--col
 
 import shlex
 from collections.abc import Callable, Mapping, Sequence
+from itertools import chain
 from pathlib import Path
 
 from tactometry.arguments.require import one_of
 from tactometry.files.safe_text import cell_text
 from tactometry.records.description import KEYWORD
 
-from .bids import bids_files
+from .bids import bids_files, task_label
+from .exported_traces import traces_as
 from .r_table import r_files
 from .source import ExportedDataSet, delimited_text, json_text, read_source, write_files
 
@@ -60,7 +62,7 @@ def _description(source: ExportedDataSet) -> Mapping[str, object]:
         "variableMeasured": [
             {"@type": "PropertyValue", "name": cell_text(column.name), "description": column.description}
             | ({"unitText": column.unit} if column.unit else {})
-            for column in source.columns
+            for column in (*source.columns, *source.of_traces)
         ],
     }
 
@@ -110,4 +112,5 @@ def export(path: Path, form: str, out: Path, authors: Sequence[str] = ()) -> lis
     """
     one_of("--to", form, ("bids", *FORMS))
     source = read_source(path)
-    return write_files(bids_files(source, authors) if form == "bids" else FORMS[form](source), out)
+    files = bids_files(source, authors) if form == "bids" else FORMS[form](source)
+    return write_files(chain(files.items(), traces_as(form, path, task_label(source))), out)

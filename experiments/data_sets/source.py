@@ -3,7 +3,7 @@
 import csv
 import io
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from pathlib import Path
@@ -16,10 +16,11 @@ from tactometry.analysis.reading.text_table import text_cells
 from tactometry.analysis.reading.trials import Trials, read_trials, trial_files, used_rows
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import InvalidFile, InvalidParameter, count_of
-from tactometry.files.durable import make_folder, write_atomically
+from tactometry.files.durable import files_in, make_folder, write_atomically
 from tactometry.files.safe_text import cell_text
 from tactometry.questionnaire import Questionnaire
 from tactometry.records.description import NAME
+from tactometry.records.traces import FOLDER
 from tactometry.trials.columns import ALWAYS, FIRST, OPTIONAL, Column
 from tactometry.trials.row_rules import RULES
 from tactometry.trials.tasks import FORM_TASK
@@ -34,7 +35,7 @@ class ExportedDataSet:
     """`rows` as text in order, `columns` in order with their meaning, and what the data set says of itself.
 
     `used` are the rows that enter an analysis, as it reads them; `forms` the questionnaires that were answered;
-    `origin` says whether people answered.
+    `origin` says whether people answered; `of_traces` are the columns of its traces.
     """
 
     rows: tuple[Row, ...]
@@ -45,6 +46,7 @@ class ExportedDataSet:
     used: pd.DataFrame = field(default_factory=pd.DataFrame)
     forms: Mapping[str, Questionnaire] = field(default_factory=dict)
     origin: Origin = field(default_factory=Origin)
+    of_traces: tuple[Column, ...] = ()
 
     def sessions(self) -> list[tuple[str, str, list[Row]]]:
         """Participant, session and rows of each session."""
@@ -113,7 +115,15 @@ def read_source(path: Path) -> ExportedDataSet:
         used=used_rows(trials),
         forms=_forms(trials),
         origin=origin,
+        of_traces=_trace_columns(path, names),
     )
+
+
+def _trace_columns(root: Path, names: Sequence[str]) -> tuple[Column, ...]:
+    """The columns of the files of traces of a data set, but for those that its rows have."""
+    explained = [json_table(file) for file in files_in(root / FOLDER, "*.json")]
+    units = {name: table.get(name) for table in explained for name in table.get("Columns", ()) if name not in names}
+    return tuple(Column(name, said["Description"], said["Units"]) for name, said in units.items() if said)
 
 
 def _rows(table: pd.DataFrame, names: Sequence[str]) -> list[Row]:
@@ -150,8 +160,8 @@ def _column(name: str, description: Mapping[str, object]) -> Column:
     return Column(name, f"Factor {name}", units(suffix)[0] if suffix else "")
 
 
-def write_files(files: Mapping[str, bytes], folder: Path) -> list[Path]:
-    """Write all files below a new or empty folder; their paths, sorted.
+def write_files(files: Iterable[tuple[str, bytes]], folder: Path) -> list[Path]:
+    """Write all files, by their paths, below a new or empty folder, each as it comes; where they are, sorted.
 
     Raises
     ------
@@ -162,10 +172,12 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> list[Path]:
     """
     if folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
         raise InvalidParameter(f"--out: found that {folder} holds something, expected a new or an empty folder")
-    for name, content in files.items():
+    written = []
+    for name, content in files:
         make_folder((folder / name).parent)
         write_atomically(folder / name, content)
-    return [folder / name for name in sorted(files)]
+        written.append(folder / name)
+    return sorted(written)
 
 
 def delimited_text(header: Sequence[str], rows: Sequence[Sequence[str]], separator: str) -> bytes:

@@ -122,8 +122,8 @@ def whole_length(content: bytes) -> int:
     return n_whole
 
 
-def read_part(root: Path, part: TracePart) -> FloatArray:
-    """The rows (n_rows, n_columns) of a part in the data set at `root`.
+def read_text(root: Path, part: TracePart) -> bytes:
+    """The rows of a part in the data set at `root`, as they stand.
 
     Raises
     ------
@@ -134,7 +134,12 @@ def read_part(root: Path, part: TracePart) -> FloatArray:
     flaw = _flaw(held, part)
     if flaw is not None:
         raise InvalidFile(f"{root / part.file}: {flaw}")
-    return decode_rows(zlib.decompressobj(_GZIP).decompress(held, LARGEST_BYTES))
+    return zlib.decompressobj(_GZIP).decompress(held, LARGEST_BYTES)
+
+
+def read_part(root: Path, part: TracePart) -> FloatArray:
+    """The rows (n_rows, n_columns) of a part; otherwise as `read_text`."""
+    return decode_rows(read_text(root, part))
 
 
 def part_flaw(root: Path, part: TracePart) -> str | None:

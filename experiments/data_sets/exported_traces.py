@@ -1,0 +1,200 @@
+"""Traces in the forms of other programs: those of BIDS (`physio`, `motion`), and tables with a head for Psych-DS.
+
+What was emitted under a finger has a rate at which no file of BIDS can hold the pauses between touches: it is copied as
+it is, with a table of where each touch is.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from tactometry import __version__
+from tactometry.errors import InvalidFile
+from tactometry.files.durable import read_file
+from tactometry.records.data_set import sessions
+from tactometry.records.journal import read
+from tactometry.records.traces import MISSING, decode_rows, kind_of, packed, read_text, sidecar_of
+from tactometry.session.answer import TracePart
+from tactometry.session.event import TraceKind
+from tactometry.signal import FloatArray
+
+from .session_files import json_table
+from .source import delimited_text, json_text
+from .traces import RecordedTouch, touches
+
+Files = Iterator[tuple[str, bytes]]
+NO_SAMPLE: Final = b"n/a\tn/a\n"
+NOT_STATED: Final = (
+    *("DeviceSerialNumber", "Manufacturer", "ManufacturersModelName", "Instructions", "SubjectArtefactDescription"),
+    *("InstitutionName", "InstitutionAddress", "InstitutionalDepartmentName"),
+)
+"""What BIDS recommends to say of a motion, and no journal knows."""
+ABSENT: Final = ("ACCEL", "ANGACCEL", "GYRO", "JNTANG", "MAGN", "MISC", "ORNT", "VEL")
+"""Kinds of channels that BIDS knows and a touch has not."""
+
+
+@dataclass(frozen=True)
+class TracedSession:
+    """The touches of a session with samples of one kind, each with where they are."""
+
+    root: Path
+    kind: TraceKind
+    participant: str
+    session: int
+    study: str
+    parts: tuple[tuple[RecordedTouch, TracePart], ...]
+
+    @property
+    def explained(self) -> Mapping[str, Any]:
+        """What the JSON file beside the samples says."""
+        return json_table(self.root / sidecar_of(Path(self.parts[0][1].file)))
+
+    @property
+    def rate_hz(self) -> float:
+        """The nominal rate of the sensor.
+
+        Raises
+        ------
+        InvalidFile
+            If the JSON file does not say it.
+        """
+        rate_hz = self.explained.get("SamplingFrequency")
+        if not isinstance(rate_hz, int | float) or rate_hz <= 0:
+            beside = self.root / sidecar_of(Path(self.parts[0][1].file))
+            raise InvalidFile(f"{beside}: found no SamplingFrequency above 0, expected that of its samples")
+        return float(rate_hz)
+
+    def texts(self) -> Iterator[tuple[RecordedTouch, bytes]]:
+        return ((touch, read_text(self.root, part)) for touch, part in self.parts)
+
+
+def traces_as(form: str, path: Path, task: str) -> Files:
+    """The traces of a data set in this form, file by file; none of a single trials file, and where a form has none."""
+    write = _FORMS.get(form)
+    if write is None or not path.is_dir():
+        return
+    for journal in sessions(path):
+        for traced in _traced(path, journal):
+            yield from write(traced, task)
+
+
+def _traced(root: Path, journal: Path) -> Iterator[TracedSession]:
+    recording = read(journal)
+    found: dict[TraceKind, list[tuple[RecordedTouch, TracePart]]] = {}
+    for touch in touches(recording):
+        for part in touch.answer.trace:
+            kind = kind_of(part)
+            if kind is not None:
+                found.setdefault(kind, []).append((touch, part))
+    for kind, parts in found.items():
+        head = parts[0][0].head
+        yield TracedSession(root, kind, head.participant, head.session, head.study, tuple(parts))
+
+
+def _psychds(traced: TracedSession, task: str) -> Files:
+    """A table with a head, and the trial of each sample."""
+    del task
+    if traced.kind == "emitted":
+        return
+    names = traced.explained.get("Columns", [])
+    lines = [",".join(["trial", "attempt", *names]).encode() + b"\n"]
+    for touch, text in traced.texts():
+        whose = f"{touch.trial.trial},{touch.trial.attempt},".encode()
+        rows = text.replace(b"\t", b",").replace(MISSING.encode(), b"").splitlines(keepends=True)
+        lines += [whose + row for row in rows]
+    study = traced.study.replace("-", "")
+    stem = f"subject-{traced.participant}_session-{traced.session}_study-{study}_description-{traced.kind}"
+    yield f"data/{stem}_data.csv", b"".join(lines)
+
+
+def _bids(traced: TracedSession, task: str) -> Files:
+    yield from _BIDS[traced.kind](traced, f"sub-{traced.participant}/ses-{traced.session}", task)
+
+
+def _physio(traced: TracedSession, folder: str, task: str) -> Files:
+    """The force at an even rate, as `physio` has no stamps: each place holds the sample nearest to it with its own
+    stamp, or n/a, between touches and where one was lost."""
+    texts = [text for _, text in traced.texts()]
+    times_s = np.concatenate([decode_rows(text)[:, 0] for text in texts])
+    begin_s = float(times_s[0])
+    places = np.rint((times_s - begin_s) * traced.rate_hz).astype(int)
+    lines = [NO_SAMPLE] * (int(places.max()) + 1)
+    for place, line in zip(places.tolist(), b"".join(texts).splitlines(keepends=True), strict=True):
+        lines[place] = line
+    stem = f"{folder}/beh/{_entities(folder)}_task-{task}_run-01_recording-force_physio"
+    columns = {name: traced.explained.get(name, {}) for name in traced.explained.get("Columns", [])}
+    timing = {"SamplingFrequency": traced.rate_hz, "StartTime": begin_s, "Columns": list(columns)}
+    told = {"TaskName": task, "PhysioType": "generic", **timing, **columns}
+    yield f"{stem}.tsv.gz", packed(b"".join(lines))
+    yield f"{stem}.json", json_text(told)
+
+
+def _motion(traced: TracedSession, folder: str, task: str) -> Files:
+    """Places with their stamps, which BIDS calls latencies."""
+    stem = f"{folder}/motion/{_entities(folder)}_task-{task}_tracksys-finger_run-01"
+    names: Sequence[str] = traced.explained.get("Columns", [])[1:]
+    axes = [name.removesuffix("_m") for name in names]
+    rows = [["time_s", MISSING, "LATENCY", MISSING, "s"]]
+    rows += [[name, axis, "POS", "finger", "m"] for name, axis in zip(names, axes, strict=True)]
+    header = ["name", "component", "type", "tracked_point", "units"]
+    texts = [text for _, text in traced.texts()]
+    yield f"{stem}_motion.tsv", b"".join(texts)
+    yield f"{stem}_channels.tsv", delimited_text(header, rows, "\t")
+    measured = effective_rate_hz([decode_rows(text)[:, 0] for text in texts])
+    rates = {"SamplingFrequency": traced.rate_hz} | ({"SamplingFrequencyEffective": measured} if measured else {})
+    yield f"{stem}_motion.json", json_text({**_motion_sidecar(task, len(axes)), **rates})
+
+
+def effective_rate_hz(stamps_s: Sequence[FloatArray]) -> float:
+    """Samples per second within touches; 0 where no two were apart.
+
+    >>> effective_rate_hz([np.array([0.0, 0.1, 0.2]), np.array([5.0, 5.1])])
+    10.0
+    """
+    spans_s = sum(float(times_s[-1] - times_s[0]) for times_s in stamps_s)
+    return round(sum(times_s.size - 1 for times_s in stamps_s) / spans_s, 6) if spans_s > 0 else 0.0
+
+
+def _motion_sidecar(task: str, n_axes: int) -> Mapping[str, object]:
+    return {
+        **dict.fromkeys(NOT_STATED, MISSING),
+        **dict.fromkeys((f"{kind}ChannelCount" for kind in ABSENT), 0),
+        "TaskName": task,
+        "TrackingSystemName": "finger",
+        "MotionChannelCount": n_axes + 1,
+        "POSChannelCount": n_axes,
+        "LATENCYChannelCount": 1,
+        "TrackedPointsCount": 1,
+        "MissingValues": MISSING,
+        "SoftwareVersions": f"Tactometry {__version__}",
+    }
+
+
+def _stim(traced: TracedSession, folder: str, task: str) -> Files:
+    """The file as it is, and where each touch is in it."""
+    del folder, task
+    file = Path(traced.parts[0][1].file)
+    header = ["onset", "first_byte", "n_bytes", "sampling_frequency"]
+    rows = [
+        [str(touch.answer.onset_s), str(part.first_byte), str(part.n_bytes), f"{part.rate_hz:.17g}"]
+        for touch, part in traced.parts
+    ]
+    for name in (file, sidecar_of(file)):
+        yield f"sourcedata/{name.as_posix()}", read_file(traced.root / name, "traces")
+    yield f"sourcedata/{file.as_posix().removesuffix('.tsv.gz')}_touches.tsv", delimited_text(header, rows, "\t")
+
+
+def _entities(folder: str) -> str:
+    """How the names of files in the folder of a session begin."""
+    return folder.replace("/", "_")
+
+
+_BIDS: Final[Mapping[TraceKind, Callable[[TracedSession, str, str], Files]]] = {
+    "force": _physio,
+    "position": _motion,
+    "emitted": _stim,
+}
+_FORMS: Final[Mapping[str, Callable[[TracedSession, str], Files]]] = {"bids": _bids, "psych-ds": _psychds}
