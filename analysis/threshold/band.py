@@ -21,12 +21,14 @@ N_DRAWS = 500
 
 @dataclass(frozen=True)
 class CurveBand:
-    """At each of the `levels` the median of the chance of an answer, and the ends of its central interval."""
+    """At each of the `levels` the median of the chance of an answer, and the ends of its central interval; and the
+    `threshold`: the lower end of its interval, its median, the upper end."""
 
     levels: Array
     low: Array
     median: Array
     high: Array
+    threshold: tuple[float, float, float]
 
 
 def curve_band(
@@ -69,8 +71,10 @@ def curve_band(
     if posterior.counts.n_levels[0] < 2:
         return None
     tails = [(1 - interval) / 2, 0.5, (1 + interval) / 2]
-    low, median, high = np.quantile(_chances(posterior, posterior_draws(posterior), places), tails, axis=0)
-    return CurveBand(places, low, median, high)
+    theta = posterior_draws(posterior)
+    low, median, high = np.quantile(_chances(posterior, theta, places), tails, axis=0)
+    thresholds = np.quantile(_thresholds(posterior, theta), tails).tolist()
+    return CurveBand(places, low, median, high, tuple(thresholds))
 
 
 def posterior_draws(posterior: LogPosterior, n_draws: int = N_DRAWS) -> Array:
@@ -98,3 +102,9 @@ def _chances(posterior: LogPosterior, theta: Array, levels: Array) -> Array:
     threshold, log_width, lapse, guess = (theta[:, [n]] for n in (THRESHOLD, LOG_WIDTH, LAPSE, GUESS))
     z = shape.z50 + (u - threshold) * shape.z_width * np.exp(-log_width)
     return np.asarray(guess + (1 - guess - lapse) * np.exp(shape.log_cdf(z)))
+
+
+def _thresholds(posterior: LogPosterior, theta: Array) -> Array:
+    """Those of the draws (n_draws,), in the unit of the levels."""
+    x = posterior.counts.centre[0] + posterior.counts.spread[0] * theta[:, THRESHOLD]
+    return np.exp(x) if posterior.shape.on_log_levels else np.asarray(x)

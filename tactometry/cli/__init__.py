@@ -19,6 +19,7 @@ COMMANDS = {
     "studies": ("tactometry.cli.studies:studies", "The built-in studies, a line each."),
     "new": ("tactometry.cli.studies:new", "A copy of a built-in study file to edit."),
     "run": ("tactometry.cli.run:command", "Run a session: bench, console or simulated participant."),
+    "watch": ("tactometry.cli.watch:command", "A page in the browser that follows a session while it runs."),
     "simulate": ("tactometry.cli.simulate:simulate", "Run a study with simulated participants."),
     "power": ("tactometry.cli.power:command", "How often a study would find an effect: power by simulation."),
     "replay": ("tactometry.cli.data_sets:replay", "Feed recorded answers back; name the first divergence."),

@@ -1,6 +1,7 @@
 """`tactometry run`."""
 
 import math
+from contextlib import nullcontext
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -21,6 +22,7 @@ from ..records.data_set import Session
 from ..trials.cells import cell
 from ..trials.columns import RIGS
 from .output import allow_code_option, bench_option, path_option, say, subcommand
+from .watch import watching
 
 
 @subcommand("run tutorial --participant P01 --rig console --out pilot")
@@ -34,6 +36,7 @@ from .output import allow_code_option, bench_option, path_option, say, subcomman
 @path_option("--out", help="The data set; default: STUDY's name and -data, or -simulated.")
 @click.option("--resume", is_flag=True, help="Go on where an interrupted session stopped.")
 @allow_code_option
+@click.option("--watch", is_flag=True, help="A page in the browser that follows the session; its address is told.")
 @click.option("--dry-run", is_flag=True, help="Print the plan and its duration; run nothing.")
 def command(
     *,
@@ -47,6 +50,7 @@ def command(
     out: Path | None,
     resume: bool,
     allow_code: bool,
+    watch: bool,
     dry_run: bool,
 ) -> int:
     """Run a session of STUDY (a built-in name or a path).
@@ -68,7 +72,10 @@ def command(
         experiment.check_allowed()
     root = out or Path(f"{numbers.name}-{'simulated' if rig == 'simulated' else 'data'}")
     kind = rig_kind(rig, experiment, who, bench)
-    recorded = record(experiment, content, root, who, kind, resume=resume, tell=_tell)
+    with watching(root, participant, n_session) if watch else nullcontext() as page:
+        if page is not None:
+            _tell(f"watch the session at {page}")
+        recorded = record(experiment, content, root, who, kind, resume=resume, tell=_tell)
     return _report(root, recorded)
 
 

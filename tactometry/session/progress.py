@@ -139,6 +139,8 @@ class Progress:
         When the last trials were recorded, s.
     n_catch, n_false_alarms : int
         Valid catch trials, and those of them that were answered with yes.
+    n_touches : int
+        How many were asked for, those that were not held in time with them.
     touches : tuple of AnsweredTouch
         The last of them.
     reasons : mapping of str to int
@@ -168,6 +170,7 @@ class Progress:
     trial_times_s: tuple[float, ...] = ()
     n_catch: int = 0
     n_false_alarms: int = 0
+    n_touches: int = 0
     touches: tuple[AnsweredTouch, ...] = ()
     reasons: Mapping[str, int] = field(default_factory=dict)
     n_frames: int = 0
@@ -265,6 +268,7 @@ class Progress:
         return replace(
             self,
             at_s=max(self.at_s, touch.answer.onset_s),
+            n_touches=self.n_touches + 1,
             touches=(*self.touches, touch)[-MOST_SHOWN:],
             reasons=reasons,
             n_gaps=self.n_gaps + (touch.answer.n_gaps or 0),

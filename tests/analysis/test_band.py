@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from tactometry.analysis.threshold.band import curve_band, posterior_draws
-from tactometry.analysis.threshold.fitting import fit, log_posterior
+from tactometry.analysis.threshold.band import curve_band
+from tactometry.analysis.threshold.fitting import fit
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import PsychometricFunction
 
@@ -23,14 +23,10 @@ def test_the_draws_have_the_threshold_of_the_fit(options, seed):
     truth = PsychometricFunction(options["shape"], 14.0, 12.0, options["guess_rate"] or 0.05, 0.02)
     k = answers(truth, 12, seed)
     found = fit(LEVELS, k, 12, **options)
-    theta = posterior_draws(log_posterior(LEVELS[None], k[None], 12, **options))
-    thresholds = 15.0 + 30.0 * theta[:, 0]
-    low, median, high = np.quantile(thresholds, [0.025, 0.5, 0.975])
+    band = curve_band(LEVELS, k, 12, [0.0], **options)
     # the draws stand on nodes: a step of the grid is at most a sixth of the interval
     step = (found.interval_high - found.interval_low) / 6
-    assert [low, median, high] == pytest.approx(
-        [found.interval_low, found.threshold_median, found.interval_high], abs=step
-    )
+    assert band.threshold == pytest.approx((found.interval_low, found.threshold_median, found.interval_high), abs=step)
 
 
 def test_many_answers_leave_a_narrow_band_around_the_truth():

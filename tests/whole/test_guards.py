@@ -21,7 +21,7 @@ CONTRACTS = {contract["name"]: contract for contract in PYPROJECT["tool"]["impor
 DRIVEN = ("sounddevice", "serial", "pylsl", "nidaqmx")
 WORDS = """
 numpy scipy pandas matplotlib numba llvmlite statsmodels pingouin sklearn seaborn pyarrow msgspec jinja2
-joblib dask distributed h5py psychopy psychtoolbox pyglet
+joblib dask distributed h5py psychopy psychtoolbox pyglet starlette uvicorn
 """
 HEAVY = frozenset((*WORDS.split(), *DRIVEN))
 IMPORTED_AS = {"pyserial": "serial", "imageio-ffmpeg": "imageio_ffmpeg", "pillow": "PIL"}
@@ -126,6 +126,7 @@ BAD = (
     ("experiments", "from tactometry.cli import main"),
     ("tactometry/rigs", "from psychopy import visual"),
     ("tactometry/rigs", "import sounddevice"),
+    ("experiments/watch", "import uvicorn"),
     ("analysis", "import matplotlib.pyplot"),
     ("stimuli", "import pingouin"),
     ("analysis", "import psignifit"),

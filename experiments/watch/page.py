@@ -1,0 +1,61 @@
+"""The page and its sections as HTML, from what is seen."""
+
+from functools import cache
+from typing import TYPE_CHECKING, Any, Final
+
+from . import view
+from .drawn import Drawn
+from .files import page_text
+from .sight import Sight
+
+if TYPE_CHECKING:
+    from jinja2 import Template
+
+SECTIONS: Final = ("title", "alerts", "where", "levels", "curve", "touch", "touches", "quality", "conditions")
+"""Parts of the page that change, by the names of their elements."""
+
+
+@cache
+def _template() -> "Template":
+    from jinja2 import Environment, StrictUndefined
+
+    environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
+    parts: Any = environment.from_string(page_text("parts.html")).module
+    environment.globals |= {"plot": parts.plot, "named": parts.named}
+    return environment.from_string(page_text("page.html"))
+
+
+def _values(sight: Sight, drawn: Drawn) -> dict[str, Any]:
+    progress = sight.progress
+    return {
+        "title": view.title(sight),
+        "state": sight.state,
+        "written_s": sight.written_s,
+        "alerts": view.alerts(sight),
+        "shares": view.shares(sight),
+        "where": list(view.where(sight)),
+        "level_plots": view.level_plots(progress),
+        "curve": drawn.curve,
+        "touch_plots": drawn.touch,
+        "reasons": view.reasons(progress),
+        "unit": "" if progress.last is None else progress.last.level_unit,
+        "touches": view.touch_rows(progress),
+        "quality": list(view.quality(progress)),
+        "devices": list(view.devices(sight)),
+        "conditions": view.condition_rows(progress),
+    }
+
+
+def page(sight: Sight, drawn: Drawn) -> str:
+    """The whole page."""
+    return _template().render(_values(sight, drawn))
+
+
+def sections(sight: Sight, drawn: Drawn) -> dict[str, str]:
+    """What stands in each section.
+
+    >>> sections(Sight(), Drawn())["levels"].split()
+    ['<h2>Levels</h2>', '<p>No', 'trial', 'yet.</p>']
+    """
+    template, values = _template(), _values(sight, drawn)
+    return {name: "".join(template.blocks[name](template.new_context(values))) for name in SECTIONS}

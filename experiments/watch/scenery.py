@@ -1,0 +1,72 @@
+"""What is drawn of what is seen, no more often than it is worth."""
+
+import time
+from collections.abc import Callable, Mapping
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from tactometry.session.progress import Progress
+
+from .drawn import Drawn
+from .sight import Sight
+from .watcher import Watcher
+
+if TYPE_CHECKING:  # the libraries of the analysis take seconds to load, and the address is to be told at once
+    from .curve import Answers
+
+CURVE_EVERY_S = 4.0
+"""A posterior takes 40 ms: 1 % of a core."""
+
+
+class Scenery:
+    """Looks through a watcher, and draws.
+
+    Parameters
+    ----------
+    watcher : Watcher
+    clock : callable
+        Seconds, which never go back.
+    """
+
+    def __init__(self, watcher: Watcher, clock: Callable[[], float] = time.monotonic) -> None:
+        self._watcher, self._clock = watcher, clock
+        self._sight, self._drawn = Sight(), Drawn()
+        self._curve_of: Progress | None = None
+        self._answers: Answers | None = None
+        self._due_s = -float("inf")
+        self._shown: tuple[Sight, Drawn, Mapping[str, str]] | None = None
+
+    def page(self) -> str:
+        """The page as it is now."""
+        from .page import page
+
+        self._look()
+        return page(self._sight, self._drawn)
+
+    def sections(self) -> Mapping[str, str]:
+        """What stands in each of its sections; drawn anew where anything is new."""
+        from .page import sections
+
+        self._look()
+        if self._shown is None or self._shown[0] is not self._sight or self._shown[1] is not self._drawn:
+            self._shown = self._sight, self._drawn, sections(self._sight, self._drawn)
+        return self._shown[2]
+
+    def _look(self) -> None:
+        self._sight = self._watcher.look()
+        now_s, progress = self._clock(), self._sight.progress
+        if progress is not self._curve_of and now_s >= self._due_s:
+            self._curve_of = progress
+            if self._draw_curve(progress):
+                self._due_s = now_s + CURVE_EVERY_S
+
+    def _draw_curve(self, progress: Progress) -> bool:
+        """Whether the curve is another one."""
+        from .curve import answers_of, band_of, curve_plot
+
+        answers = answers_of(progress)
+        if answers == self._answers:
+            return False
+        self._answers = answers
+        self._drawn = replace(self._drawn, curve=None if answers is None else curve_plot(answers, band_of(answers)))
+        return True

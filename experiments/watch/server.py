@@ -1,0 +1,195 @@
+"""The page's server: on the loopback alone, read-only, for whoever has its token.
+
+What it answers is decided before anything is looked at: a host that is not the loopback's (the name of a foreign page
+that was made to lead here), another page as the origin, or a wrong token get nothing.
+"""
+
+import asyncio
+import json
+import secrets
+import socket
+import threading
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, MutableMapping
+from contextlib import suppress
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, BinaryIO, Final
+
+from tactometry.errors import DeviceFailed, library_needed
+
+from .files import SERVED, page_text
+from .scenery import Scenery
+
+if TYPE_CHECKING:
+    from starlette.applications import Starlette
+    from starlette.requests import Request as HttpRequest
+    from starlette.responses import Response
+
+Message = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[Message]]
+Send = Callable[[Message], Awaitable[None]]
+App = Callable[[Message, Receive, Send], Awaitable[None]]
+
+LOOPBACK: Final = "127.0.0.1"
+HEADERS: Final = {
+    "Content-Security-Policy": (
+        "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src data:; base-uri 'none'; "
+        "form-action 'none'; frame-ancestors 'none'"
+    ),
+    "Cache-Control": "no-store",
+    "Referrer-Policy": "no-referrer",
+    "X-Content-Type-Options": "nosniff",
+    "Cross-Origin-Resource-Policy": "same-origin",
+}
+LOOK_EVERY_S = 0.5
+NO_LIBRARY: Final = "watch: found no library for its page ({error}); pip install 'tactometry[watch]'"
+
+
+def refusal(headers: Mapping[str, str], path: str, port: int, token: str) -> int | None:
+    """The status with which a request is refused, by its headers (names in small letters) and its path; None: it may
+    come in.
+
+    >>> refusal({"host": "127.0.0.1:8000"}, "/t/", 8000, "t"), refusal({"host": "127.0.0.1:8000"}, "/", 8000, "t")
+    (None, 404)
+    >>> refusal({"host": "evil.example:8000"}, "/t/", 8000, "t")
+    403
+    >>> refusal({"host": "127.0.0.1:8000", "origin": "http://evil.example"}, "/t/", 8000, "t")
+    403
+    """
+    hosts = f"{LOOPBACK}:{port}", f"localhost:{port}"
+    origins = None, *(f"http://{host}" for host in hosts)
+    sites = None, "same-origin", "none"
+    is_ours = (
+        headers.get("host") in hosts and headers.get("origin") in origins and headers.get("sec-fetch-site") in sites
+    )
+    if not is_ours:
+        return 403
+    given = path.split("/")[1] if "/" in path else ""
+    return None if secrets.compare_digest(given.encode(), token.encode()) else 404
+
+
+@dataclass(frozen=True)
+class Guard:
+    """Lets in what `refusal` does not refuse."""
+
+    app: App
+    port: int
+    token: str
+
+    async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
+        if scope["type"] == "http":
+            headers = {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
+            status = refusal(headers, scope["path"], self.port, self.token)
+            if status is not None:
+                await send({"type": "http.response.start", "status": status, "headers": []})
+                await send({"type": "http.response.body", "body": b""})
+                return
+        await self.app(scope, receive, send)
+
+
+async def news(scenery: Scenery) -> AsyncIterator[bytes]:
+    """The sections that change, each time they do, for one who listens.
+
+    Whatever fails here ends the connection, and the page says so.
+    """
+    shown: Mapping[str, str] = {}
+    while True:
+        sections = scenery.sections()
+        new = {name: html for name, html in sections.items() if shown.get(name) != html}
+        if new:
+            yield f"data: {json.dumps(new)}\n\n".encode()
+        shown = sections
+        await asyncio.sleep(LOOK_EVERY_S)
+
+
+def application(scenery: Scenery, port: int, token: str) -> "Starlette":
+    """What is served at a port, below the path of the token.
+
+    Raises
+    ------
+    DeviceFailed
+        If the library of the server is not installed.
+    """
+    with library_needed(NO_LIBRARY):
+        from starlette.applications import Starlette
+        from starlette.middleware import Middleware
+        from starlette.responses import HTMLResponse, Response, StreamingResponse
+        from starlette.routing import Mount, Route
+
+    async def page(request: "HttpRequest") -> "Response":
+        del request
+        return HTMLResponse(scenery.page(), headers=HEADERS)
+
+    async def file(request: "HttpRequest") -> "Response":
+        name = request.url.path.rpartition("/")[2]
+        return Response(page_text(name), media_type=SERVED[name], headers=HEADERS)
+
+    async def events(request: "HttpRequest") -> "Response":
+        del request
+        return StreamingResponse(news(scenery), media_type="text/event-stream", headers=HEADERS)
+
+    routes = [Route("/", page), Route("/events", events), *(Route(f"/{name}", file) for name in SERVED)]
+    guard = Middleware(Guard, port=port, token=token)
+    return Starlette(routes=[Mount(f"/{token}", routes=routes)], middleware=[guard])
+
+
+def serve(scenery: Scenery, port: int, tell: Callable[[str], None], until: BinaryIO | None = None) -> None:
+    """Serve the page until Ctrl-C, or until a stream ends; `tell` is told its address, which holds the token.
+
+    Parameters
+    ----------
+    scenery : Scenery
+    port : int
+        0: any that is free.
+    tell : callable
+    until : binary file, optional
+        Read to its end by a thread.
+
+    Raises
+    ------
+    DeviceFailed
+        If the port is taken, or the library of the server is not installed.
+    """
+    with library_needed(NO_LIBRARY):
+        import uvicorn
+
+    with _bound(port) as listening:
+        port, token = listening.getsockname()[1], secrets.token_urlsafe(24)
+        config = uvicorn.Config(
+            application(scenery, port, token),
+            log_config=None,
+            log_level="critical",
+            access_log=False,
+            server_header=False,
+            http="h11",
+            ws="none",
+            loop="asyncio",
+            lifespan="off",
+            timeout_graceful_shutdown=1,
+        )
+        server = uvicorn.Server(config)
+        if until is not None:
+            threading.Thread(target=_end_with, args=(until, server), daemon=True).start()
+        with suppress(KeyboardInterrupt):  # Ctrl-C is how it ends
+            tell(f"http://{LOOPBACK}:{port}/{token}/")
+            server.run(sockets=[listening])
+
+
+def _bound(port: int) -> socket.socket:
+    """A socket at a port of the loopback, which no other computer reaches."""
+    found = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
+    try:
+        found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        found.bind((LOOPBACK, port))
+        found.listen()
+    except OSError as error:
+        found.close()
+        raise DeviceFailed(
+            f"--port: cannot listen at {LOOPBACK}:{port} ({error.strerror}), expected one that is free; leave it out"
+        ) from None
+    return found
+
+
+def _end_with(stream: BinaryIO, server: Any) -> None:
+    while stream.read(4096):
+        pass
+    server.should_exit = True

@@ -1,0 +1,262 @@
+"""What a sight is called: the words, numbers and plots of the page, before any of it is HTML."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from math import ceil
+
+from tactometry.analysis.wording import in_unit, level_of, number_text, plain_text, split_unit
+from tactometry.errors import count_of
+from tactometry.session.progress import AnsweredTouch, PartAhead, Progress, TrackProgress
+from tactometry.session.request import Fact
+from tactometry.trials.tasks import TASKS, YES_OR_NO
+from tactometry.trials.trial import REASON_WORDS, Trial
+
+from .condition import condition_words
+from .plots import Plot, levels_plot
+from .sight import Sight
+
+MOST_PLOTS = 4
+"""So many interleaved tracks are drawn."""
+MOST_DROPPED = 0.01
+"""A larger part of dropped frames is marked (unverified default)."""
+DEVICES = ("rig", "output", "force_sensor", "position_sensor", "frame_period_s", "output_volts_per_unit", "felt")
+"""Facts of a head that say on what a session runs."""
+
+
+@dataclass(frozen=True)
+class Named:
+    """A name with its value; `mark`: whoever looks on should see to it."""
+
+    name: str
+    value: str
+    mark: bool = False
+
+
+def minutes(lasting_s: float) -> str:
+    """
+    >>> minutes(30.0), minutes(600.0), minutes(7300.0)
+    ('at most 1 min', 'at most 10 min', 'at most 2 h 2 min')
+    """
+    hours, rest = divmod(ceil(lasting_s / 60), 60)
+    return f"at most {f'{hours} h ' if hours else ''}{rest} min"
+
+
+def title(sight: Sight) -> str:
+    """Whose session it is."""
+    head = sight.head
+    if head is None:
+        return sight.name or "no session yet"
+    sitting = f", sitting {len(sight.heads)}" if len(sight.heads) > 1 else ""
+    return f"{head.participant}, session {head.session}{sitting}: {head.study}"
+
+
+def alerts(sight: Sight) -> list[str]:
+    """What must be seen at once."""
+    found = [sight.problem, f"Careful: {sight.warning}." if sight.warning else ""]
+    if sight.progress.paused is not None and not (sight.complete or sight.halted):
+        found.append(f"Paused: {sight.progress.paused}.")
+    if sight.halted:
+        found.append(f"Stopped: {' '.join(sight.progress.stopped[-1:])}; run goes on with --resume.")
+    return [*filter(None, found), *(f"{text[:1].upper()}{text[1:]}." for text in sight.progress.aborted)]
+
+
+@dataclass(frozen=True)
+class Share:
+    """How much of what is planned is done: `n` of at most `of`."""
+
+    name: str
+    n: int
+    of: int
+
+    @property
+    def words(self) -> str:
+        return f"{self.n} of at most {self.of}"
+
+
+def shares(sight: Sight) -> list[Share]:
+    """Trials of the present part, and of the session, that count."""
+    progress, parts = sight.progress, sight.parts
+    if not any(part.n_trials for part in parts):
+        return []
+    here = [Share("Trials of this part", progress.n_valid(progress.part), _part(sight).n_trials)]
+    of_all = Share("Trials of the session", progress.n_valid(), sum(part.n_trials for part in parts))
+    return [*(share for share in here if share.of), of_all]
+
+
+def _part(sight: Sight) -> PartAhead:
+    n = sight.progress.part
+    return sight.parts[n - 1] if 0 < n <= len(sight.parts) else PartAhead()
+
+
+def where(sight: Sight) -> Iterator[Named]:
+    """Where the session stands."""
+    progress = sight.progress
+    if progress.n_parts:
+        yield Named("Part", f"{progress.part} of {progress.n_parts}" if progress.part else f"of {progress.n_parts}")
+    named = condition_words(progress.factors)
+    if named:
+        yield Named("Condition", named)
+    if sight.parts and not sight.complete:
+        yield Named("Time left", minutes(progress.left_s(sight.parts)))
+    if progress.last is not None:
+        yield Named("Last trial", _last(progress.last))
+    track = progress.track
+    if track is not None and track.reversals:
+        yield Named("Reversals", str(len(track.reversals)))
+    if progress.n_catch:
+        yield Named("False alarms", f"{progress.n_false_alarms} of {count_of(progress.n_catch, 'catch trial')}")
+    if progress.page is not None:
+        yield Named("Last page", progress.page)
+
+
+def _last(trial: Trial) -> str:
+    level = "catch trial" if trial.level is None else in_unit(plain_text(trial.level), trial.level_unit)
+    return f"number {trial.trial}, {level}: {_answer(trial)}"
+
+
+def _answer(trial: Trial) -> str:
+    if not trial.valid:
+        return f"not valid ({'no reason kept' if trial.invalid_reason is None else REASON_WORDS[trial.invalid_reason]})"
+    if TASKS[trial.task].response is YES_OR_NO and trial.response is not None:
+        return "yes" if trial.response == 1 else "no"
+    if trial.correct is not None:
+        return "correct" if trial.correct else "wrong"
+    return "no answer" if trial.response is None else plain_text(trial.response)
+
+
+def level_plots(progress: Progress) -> list[Plot]:
+    """A plot for each track of the present block, the present one first."""
+    last = progress.last
+    if last is None:
+        return []
+    tracks = {name: track for (block, name), track in progress.tracks.items() if block == last.block}
+    names = sorted(tracks, key=lambda name: name != last.track)[:MOST_PLOTS]
+    plots = (levels_plot(f"levels{n}", _title(tracks[name], name), tracks[name]) for n, name in enumerate(names))
+    return [plot for plot in plots if plot is not None]
+
+
+def _title(track: TrackProgress, name: str | None) -> str:
+    last = track.presented[-1]
+    told = name or condition_words(last.factors)
+    practice = ", practice" if last.practice else ""
+    return f"{last.procedure.replace('_', ' ')}{practice}{f', {told}' if told else ''}"
+
+
+@dataclass(frozen=True)
+class TouchRow:
+    """A touch as a row of cells."""
+
+    level: str
+    outcome: str
+    force: str
+    speed: str
+    valid: bool
+
+
+def touch_rows(progress: Progress) -> list[TouchRow]:
+    """The last touches, the newest first."""
+    return [_touch_row(touch) for touch in reversed(progress.touches)]
+
+
+def _touch_row(touch: AnsweredTouch) -> TouchRow:
+    answer = touch.answer
+    level = "blank" if touch.level is None else plain_text(touch.level)
+    reason = "not valid" if answer.invalid_reason is None else REASON_WORDS[answer.invalid_reason]
+    return TouchRow(
+        level,
+        "valid" if answer.valid else reason,
+        _kept(answer.force_mean_n, "N", answer.force_in_band),
+        _kept(answer.speed_mean_m_per_s, "m/s", answer.speed_in_band),
+        answer.valid,
+    )
+
+
+def _kept(mean: float | None, unit: str, in_band: float | None) -> str:
+    """A mean, and for which part of the touch it was in its band.
+
+    >>> _kept(1.0123, "N", 0.954), _kept(None, "N", None)
+    ('1.01 N, 95 %', '')
+    """
+    value = "" if mean is None else f"{number_text(mean)} {unit}"
+    return ", ".join(filter(None, (value, "" if in_band is None else f"{100 * in_band:.0f} %")))
+
+
+def reasons(progress: Progress) -> str:
+    """How many touches did not count, by their reasons."""
+    if not progress.n_touches:
+        return ""
+    n_lost = sum(progress.reasons.values())
+    by_reason = sorted(progress.reasons.items(), key=lambda item: -item[1])
+    named = ", ".join(f"{n} {REASON_WORDS.get(reason, reason)}" for reason, n in by_reason)  # type: ignore[call-overload]
+    of = f"{progress.n_touches} touch{'es' if progress.n_touches > 1 else ''}"
+    return f"{n_lost} of {of} not valid{f': {named}' if named else ''}."
+
+
+def quality(progress: Progress) -> Iterator[Named]:
+    """How well screen, output and sensors do."""
+    if progress.n_frames:
+        share = progress.n_dropped_frames / progress.n_frames
+        value = f"{progress.n_dropped_frames} of {progress.n_frames} ({100 * share:.2g} %)"
+        yield Named("Dropped frames", value, share > MOST_DROPPED)
+    yield Named("Gaps in the output", str(progress.n_gaps), progress.n_gaps > 0)
+    n_lost = progress.reasons.get("sensor_lost", 0)
+    yield Named("Touches with a silent sensor", str(n_lost), n_lost > 0)
+    names = {"gate_delay_s": "From gate to decision", "key_to_record_s": "From key to disk"}
+    for key, (last_s, longest_s) in progress.timing.items():
+        yield Named(names[key], f"{1e3 * last_s:.3g} ms, longest {1e3 * longest_s:.3g} ms")
+    for device, facts in progress.clocks.items():
+        yield Named(f"Clock of {device}", _clock(facts))
+
+
+def _clock(facts: Mapping[str, Fact]) -> str:
+    drift = facts.get("clock_drift")
+    told = "" if not isinstance(drift, int | float) else f", drift {1e6 * drift:.3g} µs/s"
+    return f"offset {facts.get('clock_offset_s')} s{told}"
+
+
+def devices(sight: Sight) -> Iterator[Named]:
+    """On what it runs, as its head says."""
+    facts = {} if sight.head is None else sight.head.facts
+    for name in DEVICES:
+        value = facts.get(name)
+        if value is not None:
+            yield Named(split_unit(name)[0], level_of(name, value))
+
+
+@dataclass(frozen=True)
+class ConditionRow:
+    """A track as a row of cells."""
+
+    part: int
+    condition: str
+    n_valid: int
+    n_invalid: int
+    n_reversals: str
+    level: str
+    state: str
+
+
+def condition_rows(progress: Progress) -> list[ConditionRow]:
+    """All tracks, the newest first."""
+    present = None if progress.last is None else (progress.last.block, progress.last.track)
+    return [
+        _condition_row(key, track, is_present=key == present and not progress.over)
+        for key, track in reversed(list(progress.tracks.items()))
+    ]
+
+
+def _condition_row(key: tuple[int, str | None], track: TrackProgress, *, is_present: bool) -> ConditionRow:
+    block, name = key
+    last, answered = track.presented[-1], track.answered
+    n_valid = sum(trial.valid for trial in track.presented)
+    n_reversals = len(track.reversals)
+    state = "aborted" if track.aborted else "now" if is_present else ""
+    return ConditionRow(
+        block,
+        " · ".join(filter(None, ("practice" if last.practice else "", condition_words(last.factors), name or ""))),
+        n_valid,
+        len(track.presented) - n_valid,
+        str(n_reversals) if n_reversals else "",
+        plain_text(answered[-1].level) if answered else "",
+        state,
+    )

@@ -1,0 +1,112 @@
+"""Who looks: finds the newest journal of a data set, reads what is new in it, and never writes."""
+
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+from tactometry.errors import InvalidFile, TactometryError
+from tactometry.files.durable import read_file
+from tactometry.records.data_set import keys_of, sessions
+from tactometry.records.following import Follower
+from tactometry.records.head import Head
+from tactometry.session.progress import PartAhead
+
+from .sight import Sight
+
+LOOK_AROUND_S = 3.0
+"""How often it is looked for a newer journal."""
+TRY_AGAIN_S = 15.0
+"""A journal that could not be read is read again as a whole, which takes a while: so long later at the earliest."""
+
+
+class Watcher:
+    """Follows the newest journal of a data set, of this participant and session where they are given.
+
+    Parameters
+    ----------
+    root : Path
+        Of the data set; it may be yet to come.
+    participant, session
+        Whose sessions; None: any.
+    clock : callable
+        Seconds, which never go back.
+    """
+
+    def __init__(
+        self,
+        root: Path,
+        participant: str | None = None,
+        session: int | None = None,
+        clock: Callable[[], float] = time.monotonic,
+    ) -> None:
+        self._root, self._clock = root, clock
+        asked = {"participant": participant, "session": None if session is None else str(session)}
+        self._wanted = {key: value for key, value in asked.items() if value is not None}
+        self._follower: Follower | None = None
+        self._sight = Sight()
+        self._around_s = self._again_s = -float("inf")
+
+    def look(self) -> Sight:
+        """What is seen now; the same object as long as nothing is new."""
+        now_s = self._clock()
+        if now_s >= self._around_s:
+            self._around_s = now_s + LOOK_AROUND_S
+            self._choose()
+        if self._follower is not None and now_s >= self._again_s:
+            self._read(self._follower, now_s)
+        return self._sight
+
+    def _choose(self) -> None:
+        newest = max(filter(self._is_wanted, _journals(self._root)), key=_written_s, default=None)
+        if newest is not None and (self._follower is None or newest != self._follower.path):
+            self._follower, self._sight, self._again_s = Follower(newest), Sight(newest.stem), -float("inf")
+
+    def _is_wanted(self, journal: Path) -> bool:
+        return self._wanted.items() <= keys_of(journal.stem).items()
+
+    def _read(self, follower: Follower, now_s: float) -> None:
+        try:
+            news = follower.news()
+        except InvalidFile as error:
+            self._again_s = now_s + TRY_AGAIN_S
+            self._sight = replace(self._sight, problem=str(error))
+            return
+        if news is None:
+            return
+        before = Sight(self._sight.name) if news.anew else self._sight
+        seen = before.after(news.lines)
+        parts = before.parts or _parts(self._root, seen.head)
+        written_s = _written_s(follower.path)
+        self._sight = replace(seen, complete=news.complete, written_s=written_s, parts=parts)
+
+
+def _journals(root: Path) -> list[Path]:
+    try:
+        return sessions(root)
+    except InvalidFile:  # it is looked again
+        return []
+
+
+def _written_s(path: Path) -> float:
+    try:
+        return path.stat().st_mtime
+    except OSError:  # it went away just now
+        return 0.0
+
+
+def _parts(root: Path, head: Head | None) -> tuple[PartAhead, ...]:
+    """What the study plans for the session of this head; nothing where it can't be wired, which is no reason to see
+    nothing."""
+    if head is None:
+        return ()
+    from ..study.dry_run import parts_ahead
+    from ..study.experiment import wire
+    from ..study.study_file import parse
+
+    path = root / "study.toml"
+    try:
+        experiment = wire(parse(read_file(path, "the study that ran"), str(path)), str(path))
+        return parts_ahead(experiment, head.number, head.session, head.seed)
+    except TactometryError:
+        return ()

@@ -1,0 +1,66 @@
+"""`tactometry watch`."""
+
+import subprocess
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+import click
+
+from ..arguments.require import expect
+from ..errors import DeviceFailed, InvalidFile
+from .output import data_argument, subcommand
+
+
+@subcommand("watch pilot")
+@data_argument
+@click.option("--participant", help="Whose session; default: the newest.")
+@click.option("--session", "n_session", type=int, help="Which of theirs; default: the newest.")
+@click.option("--port", type=click.IntRange(0, 65535), default=0, help="Of the loopback; default: any that is free.")
+@click.option("--wait", is_flag=True, help="PATH is yet to come.")
+@click.option("--until-input-ends", is_flag=True, help="End with the program that holds the standard input.")
+def command(
+    *, path: Path, participant: str | None, n_session: int | None, port: int, wait: bool, until_input_ends: bool
+) -> None:
+    """A page in the browser that follows a session of the data set PATH while it runs: where it is, levels, curve,
+    touches, frames, warnings. Read-only; this computer alone reaches it. Ctrl-C ends it.
+    """
+    from tactometry.experiments.watch.scenery import Scenery
+    from tactometry.experiments.watch.server import serve
+    from tactometry.experiments.watch.watcher import Watcher
+
+    expect(wait or path.is_dir(), path, "no folder", "a data set, or --wait for one that is yet to come", InvalidFile)
+    watcher = Watcher(path, participant, n_session)
+    serve(Scenery(watcher), port, click.echo, sys.stdin.buffer if until_input_ends else None)
+
+
+@contextmanager
+def watching(root: Path, participant: str, n_session: int) -> Iterator[str]:
+    """The address of a page that follows a session, from a process of its own; it ends with the body, or with us.
+
+    Raises
+    ------
+    DeviceFailed
+        If there is none, with what that process says.
+    """
+    session = ["--participant", participant, "--session", str(n_session)]
+    command = [sys.executable, "-m", "tactometry", "watch", str(root), *session, "--wait", "--until-input-ends"]
+    # a session of its own: Ctrl-C is for the one that is watched
+    with subprocess.Popen(
+        command,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    ) as page:
+        assert page.stdout is not None
+        url = page.stdout.readline().strip()
+        if not url:
+            _, said = page.communicate()
+            raise DeviceFailed(f"--watch: found no page ({' '.join(said.split())}), expected one; or leave it out")
+        try:
+            yield url
+        finally:
+            page.communicate()  # its input ends
