@@ -106,7 +106,7 @@ def _parts(root: Path, head: Head | None) -> tuple[PartAhead, ...]:
 
     path = root / "study.toml"
     try:
-        experiment = wire(parse(read_file(path, "the study that ran"), str(path)), str(path))
+        experiment = wire(parse(read_file(path, "the study that ran"), str(path)), str(path), plays=False)
         return parts_ahead(experiment, head.number, head.session, head.seed)
     except TactometryError:
         return ()

@@ -14,7 +14,7 @@ from tactometry.experiments.watch import view
 from tactometry.experiments.watch.curve import answers_of, band_of, curve_plot
 from tactometry.experiments.watch.drawn import Drawn
 from tactometry.experiments.watch.page import sections
-from tactometry.experiments.watch.plots import levels_plot, samples_plot, ruler_over
+from tactometry.experiments.watch.plots import levels_plot, ruler_over, samples_plot
 from tactometry.experiments.watch.sight import Sight
 from tactometry.experiments.watch.watcher import LOOK_AROUND_S, TRY_AGAIN_S, Watcher
 from tactometry.records.journal import read
