@@ -36,7 +36,7 @@ def _values(sight: Sight, drawn: Drawn) -> dict[str, Any]:
         "where": list(view.where(sight)),
         "level_plots": view.level_plots(progress),
         "curve": drawn.curve,
-        "touch_plots": drawn.touch,
+        "touch": drawn.touch,
         "reasons": view.reasons(progress),
         "unit": "" if progress.last is None else progress.last.level_unit,
         "touches": view.touch_rows(progress),

@@ -142,9 +142,10 @@ def samples_plot(
     lines: Sequence[Sequence[tuple[float, float]]],
     wanted: tuple[float, float] | None = None,
     playing_s: tuple[float, float] | None = None,
+    further: str = "",
 ) -> Plot | None:
-    """What a sensor said over time: a line for each of its axes, the band that was `wanted`, and when the stimulus
-    played; None without samples."""
+    """What a sensor said over time: a line for each of its axes, the band that was `wanted`, when the stimulus played,
+    and what is `further` to be said; None without samples."""
     values = [value for line in lines for _, value in line if math.isfinite(value)]
     times_s = [time_s for line in lines for time_s, _ in line]
     if not values:
@@ -157,8 +158,8 @@ def samples_plot(
     return Plot(
         name=name,
         title=title,
-        words=f"From {plain_text(round(min(values), 4))} to {plain_text(round(max(values), 4))}.",
-        x_label="time (s)",
+        words=f"From {plain_text(round(min(values), 4))} to {plain_text(round(max(values), 4))}. {further}".strip(),
+        x_label="time since the onset (s)",
         y_label=label,
         x=x,
         y=y,

@@ -5,9 +5,9 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from tactometry.session.progress import Progress
+from tactometry.session.progress import AnsweredTouch, Progress
 
-from .drawn import Drawn
+from .drawn import Drawn, TouchDrawn
 from .sight import Sight
 from .watcher import Watcher
 
@@ -32,6 +32,7 @@ class Scenery:
         self._watcher, self._clock = watcher, clock
         self._sight, self._drawn = Sight(), Drawn()
         self._curve_of: Progress | None = None
+        self._touch: AnsweredTouch | None = None
         self._answers: Answers | None = None
         self._due_s = -float("inf")
         self._shown: tuple[Sight, Drawn, Mapping[str, str]] | None = None
@@ -55,10 +56,20 @@ class Scenery:
     def _look(self) -> None:
         self._sight = self._watcher.look()
         now_s, progress = self._clock(), self._sight.progress
+        self._draw_touch(next(reversed(progress.touches), None))
         if progress is not self._curve_of and now_s >= self._due_s:
             self._curve_of = progress
             if self._draw_curve(progress):
                 self._due_s = now_s + CURVE_EVERY_S
+
+    def _draw_touch(self, touch: AnsweredTouch | None) -> None:
+        if touch is self._touch:
+            return
+        from .traces import draw_touch
+
+        self._touch = touch
+        drawn = TouchDrawn() if touch is None else draw_touch(self._watcher.root, touch)
+        self._drawn = replace(self._drawn, touch=drawn)
 
     def _draw_curve(self, progress: Progress) -> bool:
         """Whether the curve is another one."""

@@ -80,3 +80,5 @@ def _after(sight: Sight, line: Line) -> Sight:
             return replace(sight, progress=sight.progress.after(request, answer), halted=False)
         case Event():
             return replace(sight, progress=sight.progress.after_event(line), halted=line.kind == "stop" or sight.halted)
+        case _:  # marks on a page that nobody has left yet
+            return replace(sight, halted=False)

@@ -160,7 +160,7 @@ def touch_rows(progress: Progress) -> list[TouchRow]:
 
 def _touch_row(touch: AnsweredTouch) -> TouchRow:
     answer = touch.answer
-    level = "blank" if touch.level is None else plain_text(touch.level)
+    level = "blank" if touch.request.level is None else plain_text(touch.request.level)
     reason = "not valid" if answer.invalid_reason is None else REASON_WORDS[answer.invalid_reason]
     return TouchRow(
         level,

@@ -40,7 +40,7 @@ class Watcher:
         session: int | None = None,
         clock: Callable[[], float] = time.monotonic,
     ) -> None:
-        self._root, self._clock = root, clock
+        self.root, self._clock = root, clock
         asked = {"participant": participant, "session": None if session is None else str(session)}
         self._wanted = {key: value for key, value in asked.items() if value is not None}
         self._follower: Follower | None = None
@@ -58,7 +58,7 @@ class Watcher:
         return self._sight
 
     def _choose(self) -> None:
-        newest = max(filter(self._is_wanted, _journals(self._root)), key=_written_s, default=None)
+        newest = max(filter(self._is_wanted, _journals(self.root)), key=_written_s, default=None)
         if newest is not None and (self._follower is None or newest != self._follower.path):
             self._follower, self._sight, self._again_s = Follower(newest), Sight(newest.stem), -float("inf")
 
@@ -76,7 +76,7 @@ class Watcher:
             return
         before = Sight(self._sight.name) if news.anew else self._sight
         seen = before.after(news.lines)
-        parts = before.parts or _parts(self._root, seen.head)
+        parts = before.parts or _parts(self.root, seen.head)
         written_s = _written_s(follower.path)
         self._sight = replace(seen, complete=news.complete, written_s=written_s, parts=parts)
 

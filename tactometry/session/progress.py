@@ -42,10 +42,9 @@ class PartAhead:
 
 @dataclass(frozen=True)
 class AnsweredTouch:
-    """A touch that was answered: at which level (None: nothing was emitted), and what came of it."""
+    """A touch that was asked for, and what came of it; a request of no level is a blank."""
 
-    stimulus: str
-    level: float | None
+    request: Press | Slide
     answer: Touched
 
 
@@ -193,7 +192,7 @@ class Progress:
             case Show(message, values), Done(at_s):
                 return self._shown(message, values, at_s)
             case ((Press() | Slide()), Touched()):
-                return self._touched(AnsweredTouch(request.stimulus, request.level, answer))
+                return self._touched(AnsweredTouch(request, answer))
             case _, Played() | Adjusted():
                 return replace(self, at_s=max(self.at_s, answer.onset_s), n_gaps=self.n_gaps + (answer.n_gaps or 0))
         return self

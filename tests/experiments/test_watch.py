@@ -4,6 +4,7 @@ import re
 import socket
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from places import ROOT
 from tutorial_session import journal_of, live
@@ -12,14 +13,18 @@ from watched import watched
 from tactometry.experiments.sessions.recording import Who
 from tactometry.experiments.watch import view
 from tactometry.experiments.watch.curve import answers_of, band_of, curve_plot
-from tactometry.experiments.watch.drawn import Drawn
+from tactometry.experiments.watch.drawn import Drawn, TouchDrawn
 from tactometry.experiments.watch.page import sections
 from tactometry.experiments.watch.plots import levels_plot, ruler_over, samples_plot
 from tactometry.experiments.watch.sight import Sight
+from tactometry.experiments.watch.traces import MOST_BINS, draw_touch, thinned
 from tactometry.experiments.watch.watcher import LOOK_AROUND_S, TRY_AGAIN_S, Watcher
+from tactometry.records.data_set import Session
 from tactometry.records.journal import read
-from tactometry.session.progress import PartAhead, Progress
-from tactometry.session.request import Record
+from tactometry.records.traces import TraceFiles
+from tactometry.session.answer import Done, Marked, Touched
+from tactometry.session.progress import AnsweredTouch, PartAhead, Progress
+from tactometry.session.request import Press, Record
 from tactometry.trials.trial import REASONS, Trial
 
 RECORDED = sorted(path.parent for path in (ROOT / "tests" / "recorded").glob("*/journals"))
@@ -152,8 +157,6 @@ def test_before_a_track_is_aborted_the_page_warns_and_then_it_says_so(content, p
 
 
 def _with(progress, row, aborted):
-    from tactometry.session.answer import Done
-
     return progress.after(Record(row, aborted), Done(progress.at_s + 1.0))
 
 
@@ -222,6 +225,62 @@ def test_samples_that_were_lost_leave_no_line():
     plot = samples_plot("force", "Force", "force (N)", [[(0.0, 1.0), (0.1, float("nan")), (0.2, 1.2)]], (0.8, 1.2))
     assert "nan" not in plot.strokes[0].points
     assert samples_plot("force", "Force", "force (N)", [[(0.0, float("nan"))]]) is None
+
+
+def test_of_many_samples_the_extremes_stay():
+    times_s = np.arange(10_000) / 1000
+    values = np.sin(times_s)
+    values[4321], values[77] = 5.0, np.nan
+    points = thinned(times_s, values)
+    assert len(points) <= 2 * MOST_BINS
+    assert (times_s[4321], 5.0) in points
+    assert [time_s for time_s, _ in points] == sorted(time_s for time_s, _ in points)
+
+
+def kept_touch(root, n_samples=3000):
+    """A touch of three seconds from a second before its onset, whose force and place are kept in a data set."""
+    times_s = 9.0 + np.arange(n_samples) / 1000
+    traces = TraceFiles(root, Session("P01", 1, "tutorial"))
+    force = np.column_stack([times_s, 1.0 + 0.1 * np.sin(times_s)])
+    force[17, 1] = np.nan
+    parts = (
+        traces.keep("force", force, 1000.0),
+        traces.keep("position", np.column_stack([times_s, times_s / 100]), 1000.0),
+    )
+    traces.close()
+    answer = Touched(10.0, 12.0, "0", force_mean_n=1.0, trace=parts)
+    return AnsweredTouch(Press("tone", 12.0, 1.0, 1.0, 0.2, 0.5, 20.0), answer)
+
+
+def test_force_and_place_of_the_last_touch_are_drawn_with_the_band_that_was_asked_for(tmp_path):
+    force, place = draw_touch(tmp_path, kept_touch(tmp_path)).plots
+    assert (force.title, place.title) == ("Force", "Position")
+    assert "1000.0 samples per second, 1.00 ms apart at most, 1 lost" in force.words
+    assert [area.kind for area in force.areas] == ["playing", "wanted"]
+    band = {float(point.split(",")[1]) for point in force.areas[1].points.split()}
+    assert band == {force.y.at(0.8), force.y.at(1.2)}
+    assert [area.kind for area in place.areas] == ["playing"]
+    assert force.x.low == pytest.approx(-1.0)
+
+
+def test_traces_that_are_damaged_or_gone_are_told(tmp_path):
+    touch = kept_touch(tmp_path)
+    file = tmp_path / touch.answer.trace[0].file
+    file.write_bytes(file.read_bytes()[:-10])
+    assert "force_physio" in draw_touch(tmp_path, touch).problem
+    file.unlink()
+    assert "force_physio" in draw_touch(tmp_path, touch).problem
+
+
+def test_a_touch_without_samples_has_no_plot(tmp_path):
+    touch = AnsweredTouch(Press("tone", 12.0, 1.0, 1.0, 0.2, 0.5, 20.0), Touched(10.0, 12.0, "0"))
+    assert draw_touch(tmp_path, touch) == TouchDrawn()
+
+
+def test_marks_on_a_page_of_a_questionnaire_are_seen_past(content, path):
+    path.write_bytes(whole(content, 20))
+    sight = Watcher(path.parents[1]).look()
+    assert sight.after([Marked("sus", (1.0, None), 3.0)]).progress == sight.progress
 
 
 def test_left_out_parts_have_no_share():

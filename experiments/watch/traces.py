@@ -1,0 +1,76 @@
+"""The samples of the last touch: what the sensors said from when it was asked for to its end."""
+
+from pathlib import Path
+
+import numpy as np
+
+from tactometry.analysis.wording import number_text
+from tactometry.errors import InvalidFile
+from tactometry.records.traces import kind_of, read_part
+from tactometry.session.progress import AnsweredTouch
+from tactometry.session.request import Press, Slide
+from tactometry.signal import FloatArray
+
+from .drawn import TouchDrawn
+from .plots import Plot, samples_plot
+
+MOST_BINS = 250
+LABELS = {"force": ("Force", "force (N)"), "position": ("Position", "position (m)")}
+
+
+def draw_touch(root: Path, touch: AnsweredTouch) -> TouchDrawn:
+    """A plot of each kind of samples that were kept of a touch; a sentence where they can't be read."""
+    plots: list[Plot] = []
+    try:
+        for part in touch.answer.trace:
+            kind = kind_of(part)
+            if kind in LABELS:
+                plot = _plot(kind, read_part(root, part), touch)
+                plots += [] if plot is None else [plot]
+    except InvalidFile as error:
+        return TouchDrawn(problem=str(error))
+    return TouchDrawn(tuple(plots))
+
+
+def _plot(kind: str, rows: FloatArray, touch: AnsweredTouch) -> Plot | None:
+    """Of rows of a stamp (s of the session) and the values then, against the time since the onset."""
+    title, label = LABELS[kind]
+    times_s, values = rows[:, 0] - touch.answer.onset_s, rows[:, 1:]
+    played_s = None if touch.answer.invalid_reason == "timeout" else (0.0, touch.request.duration_s)
+    return samples_plot(
+        kind,
+        title,
+        label,
+        [thinned(times_s, along) for along in values.T],
+        wanted=_band(touch.request) if kind == "force" else None,
+        playing_s=played_s,
+        further=_health(times_s, values),
+    )
+
+
+def _band(request: Press | Slide) -> tuple[float, float]:
+    return request.target_n * (1 - request.tolerance), request.target_n * (1 + request.tolerance)
+
+
+def _health(times_s: FloatArray, values: FloatArray) -> str:
+    """How well the sensor did, in words."""
+    if len(times_s) < 2:
+        return ""
+    n_lost = int(np.isnan(values).any(axis=1).sum())
+    rate_hz, longest_s = (len(times_s) - 1) / max(np.ptp(times_s), 1e-9), np.diff(times_s).max()
+    lost = f", {n_lost} lost" if n_lost else ""
+    return f"{number_text(rate_hz)} samples per second, {number_text(1e3 * longest_s)} ms apart at most{lost}."
+
+
+def thinned(times_s: FloatArray, values: FloatArray, n_bins: int = MOST_BINS) -> list[tuple[float, float]]:
+    """Points of a line that looks as that of all samples: of each bin of many the lowest and the highest.
+
+    >>> thinned(np.arange(6.0), np.array([0.0, 5.0, 1.0, 1.0, -2.0, 1.0]), n_bins=2)
+    [(0.0, 0.0), (1.0, 5.0), (3.0, 1.0), (4.0, -2.0)]
+    """
+    known = np.flatnonzero(np.isfinite(values))
+    if len(known) > 2 * n_bins:
+        bins = np.array_split(known, n_bins)
+        ends = [(bin_[values[bin_].argmin()], bin_[values[bin_].argmax()]) for bin_ in bins]
+        known = np.unique(ends)
+    return list(zip(times_s[known].tolist(), values[known].tolist(), strict=True))
