@@ -1,4 +1,4 @@
-"""Preflight: what a session needs, tried before a participant comes; sensors, force and output."""
+"""Preflight: what a session needs, tried before a participant comes; sensors and output."""
 
 import time
 from collections.abc import Iterator
@@ -12,7 +12,6 @@ import numpy as np
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.output import with_ramps
 from tactometry.devices.sensors.reader import Reader, SampleBlock
-from tactometry.devices.sensors.streamed import StreamedSensor
 from tactometry.errors import TactometryError
 from tactometry.gates import ForceGate
 from tactometry.safety.limits import Limits
@@ -21,11 +20,12 @@ from tactometry.signal import Signal
 from ..study.experiment import Experiment, wire
 from ..study.felt_and_lost import felt_and_lost
 from ..study.study_file import folder_of, load
-from .bench_file import BenchFile, Devices
+from .bench_file import BenchFile
 from .calibration import tone
 from .finding import Finding, duration, findings_of
 from .preflight_computer import computer, disk, display, existing
-from .stimuli import bank_on, check_followed
+from .preflight_finger import force, position
+from .stimuli import bank_on
 
 LISTEN_S = 2.0
 RATE_TOLERANCE = 0.02
@@ -85,9 +85,9 @@ def devices(
     for name, reader in connected.readers.items():
         yield from findings_of(f"sensor {name}", _sensor(name, reader))
     if connected.force is not None:
-        yield from findings_of("force", _force(connected.force))
+        yield from findings_of("force", force(connected.force))
     yield from findings_of("output", _gate(bench))
-    yield from findings_of("position", _followed(connected, bench, experiment))
+    yield from findings_of("position", position(connected, bench, experiment))
     yield from findings_of("output", _output_findings(connected.output, bench, limits, experiment, hands_off=hands_off))
 
 
@@ -121,35 +121,11 @@ def _short(value: str | float | None) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-def _force(force: StreamedSensor) -> Iterator[Finding]:
-    with closing(force):
-        force.open()
-        time.sleep(LISTEN_S / 2)
-        _, forces_n = force.read()
-    if not forces_n.size:
-        yield Finding("force", "samples", f"0 in {LISTEN_S / 2:g} s", "a sensor that sends", False, device=True)
-        return
-    known_n = forces_n[np.isfinite(forces_n)]
-    fine = known_n.size == forces_n.size
-    words = f"{known_n.size} of {forces_n.size}"
-    yield Finding("force", "samples in the calibrated range", words, "all of them", fine, device=True)
-    if known_n.size:
-        yield Finding("force", "mean, at rest", f"{known_n.mean():.4g} N")
-        yield Finding("force", "noise, sd", f"{known_n.std():.3g} N")
-
-
 def _gate(bench: BenchFile) -> Iterator[Finding]:
     """What stops the output when the finger leaves; a bench that has no such thing and does not say so is not fine."""
     bench.check_gate()
     for words in bench.cautions:
         yield Finding("output", "caution", words)
-
-
-def _followed(connected: Devices, bench: BenchFile, experiment: Experiment | None) -> Iterator[Finding]:
-    """Whether the textures of a study can follow the finger; nothing is said of a study without one."""
-    if experiment is not None:
-        check_followed(experiment, bench, connected)
-    yield from ()
 
 
 def _output_findings(

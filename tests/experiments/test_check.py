@@ -215,6 +215,7 @@ def test_a_device_that_fails_is_status_3_and_plays_nothing(tmp_path, bench, part
 
 def test_a_sensor_that_sends_nothing_is_said_to(monkeypatch):
     monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.1)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight_finger.FIRST_WITHIN_S", 0.05)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as silent:
         silent.bind(("127.0.0.1", 0))
         port = silent.getsockname()[1]
@@ -227,6 +228,50 @@ def test_a_sensor_that_sends_nothing_is_said_to(monkeypatch):
         ("force", "samples", "0 in 0.05 s", "a sensor that sends"),
     ]
     assert exit_status(failed) == 3
+
+
+POSITION = '[position]\nsensor = "hand"\nchannels = [0, 1]\nmetres_per_count = {metres}\n'
+GATED = {"touch": {"speed_tolerance": 0.2}}
+
+
+def slid(monkeypatch, tmp_path, metres_per_count, change):
+    """What is said of a place that moves by a count each millisecond, for the tutorial's slides at 50 mm/s."""
+    monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.5)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight_finger.HEARD_S", 0.3)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight_finger.FIRST_WITHIN_S", LONGEST_WAIT_S)
+    numbers = load_numbers("tutorial")[0]
+    study = wire(replace(numbers, touch={**numbers.touch, **change.get("touch", {})}), "tutorial")
+    device = Emulator("serial", tmp_path)
+    try:
+        bench = parse_bench(tomllib.loads(SERIAL.format(port=device.port) + POSITION.format(metres=metres_per_count)))
+        said = list(devices(bench, Limits(100.0), study, hands_off=False))
+    finally:
+        device.close()
+    return {each.what: each for each in said if each.part == "position"}
+
+
+@pytest.mark.skipif(not available("serial"), reason="no pyserial: extra serial")
+@pytest.mark.parametrize(
+    ("metres_per_count", "change", "fine"), [(2e-6, GATED, True), (4e-5, GATED, False), (4e-5, {}, None)]
+)
+def test_place_and_speed_are_said_as_the_gate_of_a_slide_hears_them(
+    monkeypatch, tmp_path, metres_per_count, change, fine
+):
+    """A finger that should rest and moves at 2 and at 40 mm/s, where its speed may be off by 10."""
+    said = slid(monkeypatch, tmp_path, metres_per_count, change)
+    assert "speed, at rest" in said, said
+    assert said["samples that tell a place"].fine
+    speed = said["speed, at rest"]
+    found_m_per_s = 1e-3 * float(speed.found.split()[0])
+    assert found_m_per_s == pytest.approx(1e3 * metres_per_count, rel=0.15)
+    assert (speed.fine, speed.expected) == (fine, "at most 10 mm/s, what a slide's speed may be off" if change else "")
+
+
+def test_a_slide_without_a_position_is_told(tmp_path):
+    study = wire(load_numbers("tutorial")[0], "tutorial")
+    bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n')
+    said = [each for each in devices(bench, study.study.limits, study, hands_off=False) if each.part == "position"]
+    assert [(each.found, each.fine) for each in said] == [("not measured: the bench file has no [position]", None)]
 
 
 def test_a_long_sentence_stands_below_the_table_of_a_narrow_terminal():
