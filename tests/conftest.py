@@ -233,7 +233,8 @@ def log():
 
 
 @pytest.fixture
-def watched(screen, log):
+def watched(screen, log, monkeypatch):
+    monkeypatch.setattr("tactometry.rigs.experimenter.supervisor.STOPPED_S", 0.05)
     screen.events()
     return Watched(screen, log)
 

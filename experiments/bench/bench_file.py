@@ -32,13 +32,17 @@ LONGEST_DELAY_S = 0.05
 
 @dataclass(frozen=True)
 class DisplayTable:
-    """The participant's screen: full screen, or a window of `width_px` x `height_px` pixels; `height_m` as measured."""
+    """The participant's screen: full screen, or a window of `width_px` x `height_px` pixels; `height_m` as measured.
+
+    Before the first touch of each kind it is shown and tried without a stimulus, unless `dry_run` is false.
+    """
 
     fullscreen: bool = True
     width_px: int = 1280
     height_px: int = 800
     height_m: float | None = None
     language: str = "en"
+    dry_run: bool = True
 
     def __post_init__(self) -> None:
         expect(self.width_px >= 320, "DisplayTable.width_px", self.width_px, "at least 320 pixels")

@@ -51,6 +51,7 @@ def equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog | Non
         lambda: device_facts(bench, devices) | learnt,
         bench.screen.height_m,
         bench.traces.kept,
+        bench.screen.dry_run,
     )
 
 

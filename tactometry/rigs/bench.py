@@ -13,11 +13,11 @@ from typing import TypeVar
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.answer_rules import value_at
 from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
-from ..trials.trial import Reason, outcome
+from ..trials.trial import REASON_WORDS, Reason, outcome
 from . import filling
 from .device_rig import DeviceRig
 from .experimenter.supervisor import CLOCK, TrialLog
-from .pages import entry, form, layout
+from .pages import entry, form, layout, touch_picture
 from .pages.page import Answer, Page
 from .pages.presenter import Dress, as_it_is
 from .touch.gated_samples import Trace
@@ -28,6 +28,9 @@ S = TypeVar("S")
 
 ASSUMED_DISPLAY_HEIGHT_M = 0.3
 """Of a 24-inch display; taken for the moving cue of a slide where nobody measured it (unverified default)."""
+N_DRY_RUNS = 3
+"""So often may a touch be tried without a stimulus; then the session goes on (unverified default)."""
+HINT_CONTINUE = "hint_continue"
 
 
 class Bench(DeviceRig):
@@ -41,6 +44,7 @@ class Bench(DeviceRig):
         super()._open()
         self._trial_log = TrialLog(self._supervisor, self._screen, self._clocks)
         self._lost: Reason | None = None
+        self._known: set[type[Press | Slide]] = set()
         # drawn now, so that the first page of a trial costs no frame when it is due
         for interval in (None, 1, 2):
             self._screen.prepare(layout.marker_page(interval, playing=True))
@@ -73,26 +77,71 @@ class Bench(DeviceRig):
         return self._in_session(play_to_end(self._setup, request, page, self._signal(request)))
 
     def _press(self, request: Press) -> Touched:
-        return self._touch(request, "press", as_it_is, Trace())
+        return self._touch(request)
 
     def _slide(self, request: Slide) -> Touched:
-        height_m, places = self._equipment.display_height_m or ASSUMED_DISPLAY_HEIGHT_M, Trace()
-        return self._touch(request, "slide", moving_cue(request, height_m, places), places)
+        return self._touch(request)
 
-    def _touch(self, request: Press | Slide, words: str, dress: Dress, places: Trace) -> Touched:
+    def _touch(self, request: Press | Slide) -> Touched:
+        if self._equipment.dry_run and type(request) not in self._known:
+            self._dry_run(request)
         self._supervisor.under_way = True
         level = "blank" if request.level is None else f"{request.level:g}"
         self._terminal.add(f"trial {self._tally.n_trials + 1}: {request.stimulus} {level}")
-        measured = self._texts.message(words if self._setup.sensor is None else f"{words}_force")
-        release = self._texts.message("release")
-        why = "" if self._lost is None else self._texts.message(f"lost_{self._lost}")
-        course = TouchCourse(request, self._setup, places, measured, release, dress, why)
+        course = self._course(request, "" if self._lost is None else f"lost_{self._lost}")
         felt, gate_delay_s = course.carry_out(self._signal(request))
         self._trial_log.note_decision(gate_delay_s)
         touched = self._touched_in_session(felt)
         if touched.valid and self._supervisor.repeat:
             return replace(touched, valid=False, invalid_reason="experimenter")
         return touched
+
+    def _course(self, request: Press | Slide, why: str) -> TouchCourse:
+        """A touch with its words; `why` names a message that stands below them, or none."""
+        places, words = Trace(), "press"
+        dress: Dress = as_it_is
+        if isinstance(request, Slide):
+            height_m = self._equipment.display_height_m or ASSUMED_DISPLAY_HEIGHT_M
+            words, dress = "slide", moving_cue(request, height_m, places)
+        measured = self._texts.message(words if self._setup.sensor is None else f"{words}_force")
+        told = self._texts.message(why) if why else ""
+        return TouchCourse(request, self._setup, places, measured, self._texts.message("release"), dress, told)
+
+    def _dry_run(self, request: Press | Slide) -> None:
+        """Show what is on the screen during a touch, and let it be tried until it is held, without a stimulus.
+
+        It is kept as an event: no row is of it, and no trace.
+        """
+        self._known.add(type(request))
+        begin_s = time.perf_counter()
+        kind = type(request).__name__.lower()
+        self._leave(self._picture(request, f"how_{kind}"))
+        touched, why = None, "dry_run"
+        for _ in range(N_DRY_RUNS):
+            touched, _ = self._course(replace(request, level=None, interval=None), why).carry_out(None)
+            if touched.valid:
+                break
+            why = f"lost_{touched.invalid_reason}"
+        assert touched is not None
+        reason = touched.invalid_reason
+        told = f"{kind}: {'held' if reason is None else f'not held, {REASON_WORDS[reason]}'}"
+        self._supervisor.note("dry_run", text=told)
+        self._terminal.tell(f"dry run, {told} ({time.perf_counter() - begin_s:.0f} s)")
+        self._leave(self._message(Show(f"dry_run_{'held' if reason is None else 'lost'}"), HINT_CONTINUE))
+        self._tracer.begin()
+
+    def _picture(self, request: Press | Slide, words: str) -> Page:
+        place = self._setup.position is not None
+        parts = touch_picture.parts_of(
+            slides=isinstance(request, Slide), force=self._setup.sensor is not None, place=place
+        )
+        meanings = {part: self._texts.message(f"meaning_{part}") for part in parts}
+        hint = self._texts.message(HINT_CONTINUE)
+        return touch_picture.picture_page(self._texts.message(words), meanings, hint, self._screen.aspect)
+
+    def _leave(self, page: Page) -> None:
+        """Show a page until it is left."""
+        self._presenter.converse(None, lambda state: page, lambda state, answer: (state, True))
 
     def _choose(self, request: Choose) -> Chosen:
         page = layout.question_page(
@@ -185,8 +234,7 @@ class Bench(DeviceRig):
         self._terminal.tell(f"page: {request.message}")
         self._lost = None  # after a page it is no more the touch before
         if request.duration_s is None:
-            page = self._message(request, self._texts.message("hint_continue"))
-            self._presenter.converse(None, lambda state: page, lambda state, answer: (state, True))
+            self._leave(self._message(request, "hint_end" if request.message == "end" else HINT_CONTINUE))
             return self._done_between()
         n_seconds = math.ceil(request.duration_s)
         for left_s in range(n_seconds, 0, -1):
@@ -200,7 +248,7 @@ class Bench(DeviceRig):
         block, n_blocks = (request.values.get(name) for name in ("block", "n_blocks"))
         progress = (block - 1) / n_blocks if isinstance(block, int) and isinstance(n_blocks, int) else None
         words = self._texts.page(request, left_s)
-        return layout.message_page(words, hint, self._screen.aspect, progress)
+        return layout.message_page(words, self._texts.message(hint) if hint else "", self._screen.aspect, progress)
 
     def _record(self, request: Record) -> Done:
         trial = request.trial

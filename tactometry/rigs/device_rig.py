@@ -56,6 +56,8 @@ class Equipment:
         What the head of the journal says of the devices, once they are open, and their clocks at any time.
     display_height_m : float, optional
         Measured height of the visible picture, m, for the moving cue of a slide.
+    dry_run : bool
+        Whether a participant at a screen sees what a touch shows and tries it without a stimulus before the first.
     traces : collection of TraceKind
         The samples of each touch that are kept, of those that there are.
     """
@@ -70,6 +72,7 @@ class Equipment:
     facts: Callable[[], Facts] = dict
     display_height_m: float | None = None
     traces: Collection[TraceKind] = TRACE_KINDS
+    dry_run: bool = False
 
     @property
     def traced(self) -> dict[TraceKind, StreamedSensor]:
@@ -112,8 +115,11 @@ class DeviceRig(LiveRig):
         limits, output = equipment.limits, equipment.output
         self._path = None if equipment.position is None else FingerPath()
         self._emitter = Emitter(equipment.bank, output, limits, equipment.ramp_s, self._path)
-        pause_page = layout.message_page(texts.message("pause"), "", screen.aspect)
-        self._supervisor = Supervisor(screen, terminal, log, self._emitter.mute, pause_page)
+        told = {"experimenter": texts.label("experimenter")}
+        paused, stopped = (
+            layout.message_page(texts.message(name, told), "", screen.aspect) for name in ("pause", "stopped")
+        )
+        self._supervisor = Supervisor(screen, terminal, log, self._emitter.mute, paused, stopped)
         output.subscribe(self._supervisor.note_stimulus)
         self._presenter = Presenter(screen, self._supervisor.attend)
         self._setup = TouchSetup(

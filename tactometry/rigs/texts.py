@@ -95,7 +95,8 @@ class Texts:
             As `message`.
         """
         told = {name: self.label(value) if isinstance(value, str) else value for name, value in request.values.items()}
-        known = {**_lengths_mm(told), **told, "left_s": left_s, "stop": self.label(self.stop)}
+        people = {"stop": self.label(self.stop), "experimenter": self.label("experimenter")}
+        known = {**_lengths_mm(told), **told, "left_s": left_s, **people}
         return self.message(request.message, known)
 
     def in_language(self, words: Mapping[str, str]) -> str:

@@ -16,7 +16,18 @@ from .intervention import WANTED, Intervention
 from .request import Fact
 
 Kind = Literal[
-    "trial", "clock", "pause", "resume", "remark", "repeat", "stop", "abort", "stimulus", "order", "intervention"
+    "trial",
+    "clock",
+    "pause",
+    "resume",
+    "remark",
+    "repeat",
+    "stop",
+    "abort",
+    "stimulus",
+    "order",
+    "intervention",
+    "dry_run",
 ]
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
 TraceKind = Literal["force", "position", "emitted"]

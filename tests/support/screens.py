@@ -7,14 +7,21 @@ from tactometry.experiments.bench.calibration import BAR_PART, BAR_WORDS
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load
 from tactometry.rigs import filling
-from tactometry.rigs.pages import entry, form, layout
+from tactometry.rigs.pages import entry, form, layout, touch_picture
 from tactometry.rigs.texts import languages, texts_in
 
 FORMS = (("attrakdiff", "fr"), ("attrakdiff", "en"), ("sus", "en"), ("nasa-tlx", "en"), ("pleasantness-vas", "en"))
 
 
 def message_pages(texts, aspect):
-    values = {"stop": texts.label("escape"), "block": 2, "n_blocks": 21, "n_keys": 3, "within_s": 10.0}
+    values = {
+        "stop": texts.label("escape"),
+        "experimenter": texts.label("experimenter"),
+        "block": 2,
+        "n_blocks": 21,
+        "n_keys": 3,
+        "within_s": 10.0,
+    }
     names = [
         "welcome",
         "instructions_yes_no",
@@ -22,6 +29,8 @@ def message_pages(texts, aspect):
         "block",
         "practice",
         "rest",
+        "dry_run_held",
+        "dry_run_lost",
         "end",
     ]
     hint = texts.message("hint_continue")
@@ -30,7 +39,21 @@ def message_pages(texts, aspect):
     resting = layout.message_page(texts.message("resting", {"left_s": 25}), "", aspect)
     progress = layout.message_page(texts.message("block", values), hint, aspect, progress=1 / 21)
     pause = layout.message_page(texts.message("pause"), "", aspect)
-    return pages | {"key_test": key_test, "resting": resting, "block": progress, "pause": pause}
+    stopped = layout.message_page(texts.message("stopped", values), "", aspect)
+    return pages | {"key_test": key_test, "resting": resting, "block": progress, "pause": pause, "stopped": stopped}
+
+
+def picture_pages(texts, aspect):
+    def page(words, **shown):
+        parts = touch_picture.parts_of(**shown)
+        meanings = {part: texts.message(f"meaning_{part}") for part in parts}
+        return touch_picture.picture_page(texts.message(words), meanings, texts.message("hint_continue"), aspect)
+
+    return {
+        "how_press_alone": page("how_press", slides=False, force=False, place=False),
+        "how_press": page("how_press", slides=False, force=True, place=True),
+        "how_slide": page("how_slide", slides=True, force=True, place=True),
+    }
 
 
 def question_pages(texts, aspect):
@@ -62,7 +85,8 @@ def scale_pages(texts, aspect):
 
 def marker_pages(texts):
     press, slide = texts.message("press_force"), texts.message("slide_force")
-    low = layout.force_page(layout.marker_page(2, playing=False, words=press), 0.6, 1.0, 0.2)
+    why = texts.message("lost_too_light")
+    low = layout.force_page(layout.marker_page(2, playing=False, words=press, why=why), 0.6, 1.0, 0.2)
     held = layout.force_page(layout.marker_page(2, playing=True, words=slide), 1.1, 1.0, 0.2)
     return {
         "ready": layout.marker_page(1, playing=False, words=texts.message("press")),
@@ -76,7 +100,11 @@ def marker_pages(texts):
 def all_pages(language, aspect):
     texts = texts_in(language, {})
     return (
-        message_pages(texts, aspect) | question_pages(texts, aspect) | scale_pages(texts, aspect) | marker_pages(texts)
+        message_pages(texts, aspect)
+        | picture_pages(texts, aspect)
+        | question_pages(texts, aspect)
+        | scale_pages(texts, aspect)
+        | marker_pages(texts)
     )
 
 

@@ -13,12 +13,14 @@ from ...session.request import Fact, Intervene
 from ...trials.trial import Trial, without
 from ..frame_timing import timing_of
 from ..pages.page import Display, Input, Page
-from ..pages.presenter import reason_to_end
+from ..pages.presenter import CLOSED, linger, reason_to_end
 from .terminal import HELP, ExperimenterTerminal, Order
 
 EXPERIMENTER = "the experimenter"
 WHEN: Final = "noted; it is done when this trial, or this page, has come to its end"
 SAFE = "what was recorded is safe: go on with --resume"
+STOPPED_S: Final = 10.0
+"""So long the page stays that says whom to call, unless a key is pressed (unverified default)."""
 CLOCK = "_clock_offset_s"
 """How a device's facts say by how much our clock is ahead of its own."""
 
@@ -43,6 +45,8 @@ class Supervisor:
         ``mute(on=True)`` puts the output to zero and keeps it there.
     page : Page
         What the participant sees in a pause.
+    stopped_page : Page
+        What the participant sees who stopped the session, for `STOPPED_S` or until the next key.
     zero_s : float
         When the session began, on `time.perf_counter`.
     under_way, repeat : bool
@@ -56,6 +60,7 @@ class Supervisor:
     log: EventLog | None
     mute: Callable[..., None]
     page: Page
+    stopped_page: Page
     zero_s: float = field(default_factory=time.perf_counter)
     under_way: bool = False
     repeat: bool = False
@@ -108,7 +113,10 @@ class Supervisor:
     def _look(self, events: tuple[Input, ...]) -> None:
         why = reason_to_end(events)
         if why is not None:
-            raise self.stop(why)
+            stopped = self.stop(why)
+            if why != CLOSED:
+                linger(self.screen, self.stopped_page, STOPPED_S)
+            raise stopped
         for order in self.terminal.orders():
             self._obey(order)
 

@@ -13,6 +13,9 @@ Attend = Callable[[tuple[Input, ...]], bool]
 """Looks at what was pressed in a frame, and at what else is wanted: True if the session was paused meanwhile."""
 
 
+CLOSED = "the window was closed"
+
+
 def as_it_is(page: Page, now_s: float) -> Page:
     del now_s
     return page
@@ -26,10 +29,17 @@ def reason_to_end(events: tuple[Input, ...]) -> str | None:
     """
     for event in events:
         if isinstance(event, Closed):
-            return "the window was closed"
+            return CLOSED
         if isinstance(event, KeyDown) and event.name == "escape":
             return "Escape was pressed"
     return None
+
+
+def linger(screen: Display, page: Page, longest_s: float) -> None:
+    """Show a last page until something is pressed, or closed, or for `longest_s`."""
+    shown_s = screen.present(page)
+    while time.perf_counter() < shown_s + longest_s and not any(event.at_s > shown_s for event in screen.events()):
+        screen.refresh(page)
 
 
 class Presenter:

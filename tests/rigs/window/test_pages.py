@@ -199,6 +199,17 @@ def test_escape_stops_everything_with_the_output_first(bench, participant, log, 
         bench.answer(request_)
 
 
+def test_who_stops_is_told_whom_to_call_until_the_next_key(bench, watched, participant, log, monkeypatch):
+    """The output is at zero meanwhile."""
+    monkeypatch.setattr("tactometry.rigs.experimenter.supervisor.STOPPED_S", 3600.0)
+    participant.answers("Escape", 0.3, "q")
+    with pytest.raises(Stopped):
+        bench.answer(Play("tone", 5.0, 30.0))
+    words = [item.words for item in watched.pages[-1].items if isinstance(item, Text)]
+    assert words[:2] == ["Stopped", "Lift your finger. Your answers are kept.\nPlease call the experimenter."]
+    assert log[-3:] == ["output.stop", "output.close", "screen.close"]
+
+
 def test_closing_the_window_stops_too_and_is_no_escape(bench, watched, screen, in_background, log):
     def work():
         watched.shown.get(timeout=LONGEST_WAIT_S)

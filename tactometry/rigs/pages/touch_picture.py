@@ -1,0 +1,77 @@
+"""What is on the screen during a touch, as a small picture with a number at each part, and what the parts mean."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Final
+
+from . import layout
+from .page import GOOD, Disc, Item, Page, Text
+
+SCALE: Final = 0.55
+"""Of the picture: so small is its circle that nobody takes it for that of a touch."""
+PLACES: Final[Mapping[str, tuple[float, float]]] = {
+    "circle": (-0.2, 0.13),
+    "bar": (0.4, 0.33),
+    "dot": (0.1, -0.31),
+    "ring": (-0.07, -0.31),
+}
+"""Where the number of each part stands, on the page in its size."""
+LENGTH, CUE, FINGER = 0.42, 0.5, -0.33
+
+
+def parts_of(*, slides: bool, force: bool, place: bool) -> tuple[str, ...]:
+    """What a touch shows, by whether it slides and what is measured.
+
+    >>> parts_of(slides=True, force=False, place=True)
+    ('circle', 'dot', 'ring')
+    """
+    shown = {"circle": True, "bar": force, "dot": slides, "ring": slides and place}
+    return tuple(part for part in PLACES if shown[part])
+
+
+def picture_page(words: str, meanings: Mapping[str, str], hint: str, aspect: float) -> Page:
+    """The picture on the left, on the right what each part means; left as a message is.
+
+    `meanings` are those of the parts, by the names of `parts_of`.
+    """
+    message = layout.message_page("", hint, aspect)
+    numbers = [Text(str(n), *PLACES[part], 0.07) for n, part in enumerate(meanings, 1)]
+    picture = _scaled([*_touch(meanings), *numbers], -0.25 * layout.MARGIN * aspect - 0.09, 0.0)
+    items = (layout.heading(words, 0.39, aspect), *picture, *_legend(tuple(meanings.values()), aspect))
+    return Page((*items, message.items[-1]), message.buttons)
+
+
+def _touch(parts: Mapping[str, str]) -> list[Item]:
+    """The page of a touch that is held, with these parts."""
+    page = layout.marker_page(None, playing=True)
+    if "bar" in parts:
+        page = layout.force_page(page, 1.0, 1.0, 0.2)
+    if "dot" in parts:
+        page = layout.track_page(page, CUE, LENGTH, FINGER if "ring" in parts else None)
+    return list(page.items)
+
+
+def _scaled(items: Sequence[Item], x: float, y: float) -> list[Item]:
+    """The items smaller, around (x, y)."""
+    return [_item_scaled(replace(item, x=x + SCALE * item.x, y=y + SCALE * item.y)) for item in items]
+
+
+def _item_scaled(item: Item) -> Item:
+    if isinstance(item, Text):
+        return replace(item, height=SCALE * item.height)
+    if isinstance(item, Disc):
+        return replace(item, radius=SCALE * item.radius)
+    return replace(item, width=SCALE * item.width, height=SCALE * item.height)
+
+
+def _legend(meanings: Sequence[str], aspect: float) -> list[Item]:
+    left, right = -0.02, layout.MARGIN * aspect / 2
+    pitch = 0.64 / len(meanings)
+    rows: list[Item] = []
+    for n, words in enumerate(meanings, 1):
+        y = 0.31 - (n - 0.5) * pitch
+        rows += [
+            Text(str(n), left, y, layout.BODY, GOOD),
+            Text(words, left + 0.05, y, layout.BODY, wrap_width=right - left - 0.05, align="left"),
+        ]
+    return rows

@@ -1,0 +1,101 @@
+"""Before the first touch of a kind its page is explained by a picture and tried without a stimulus."""
+
+from dataclasses import replace
+
+import pytest
+from kept_events import Kept
+from sampled import Sampled
+
+from tactometry.devices.sensors.reader import Reader
+from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
+from tactometry.rigs.bench import N_DRY_RUNS, Bench
+from tactometry.rigs.device_rig import Equipment
+from tactometry.rigs.pages.page import Text
+from tactometry.rigs.texts import texts_in
+from tactometry.session.request import Press, Slide
+from tactometry.stimuli.electrovibration import Sine
+
+TONE = Sine(frequency_hz=60.0, duration_s=0.1, ramp_s=0.02, level_unit="V")
+PRESS = Press("tone", 5.0, 0.1, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0, interval=1)
+SLIDE = Slide("tone", 5.0, 0.1, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05)
+ENGLISH = texts_in("en", {}).messages
+
+
+class Leaving:
+    """A participant who leaves a page with a hint."""
+
+    def __init__(self, watched, hands, in_background):
+        self._watched, self._hands, self._in_background = watched, hands, in_background
+
+    def __getattr__(self, name):
+        return getattr(self._watched, name)
+
+    def present(self, page):
+        shown_s = self._watched.present(page)
+        if page.buttons:
+            self._in_background(self._hands.tap, "space")
+        return shown_s
+
+
+@pytest.fixture
+def bench_with(watched, hands, in_background, output, log):
+    kept, rigs = Kept(), []
+
+    def make(force_n=None):
+        sensor = force_n and streamed_force(Reader(Sampled(force_n, log)), 0, ForceCalibration(newtons_per_count=1.0))
+        equipment = Equipment(output, {"tone": TONE}, sensor=sensor, release=False, dry_run=True)
+        screen = Leaving(watched, hands, in_background)
+        rigs.append(Bench(screen, equipment, texts_in("en", {}), log=kept))
+        return rigs[-1], kept
+
+    yield make
+    for rig in rigs:
+        rig.close()
+
+
+def told(page):
+    return [item.words for item in page.items if isinstance(item, Text)]
+
+
+def shown(watched, name):
+    """On how many of the pages a message is."""
+    words = ENGLISH[name].strip().partition("\n\n")[0]
+    return sum(words in told(page) for page in watched.pages)
+
+
+def of_dry_runs(kept):
+    return [event.facts["text"] for event in kept.events if event.kind == "dry_run"]
+
+
+def test_a_touch_is_shown_and_tried_without_a_stimulus_once(bench_with, watched, log):
+    bench, kept = bench_with(lambda time_s: 1.0)
+    assert bench.answer(PRESS).valid
+    assert log == ["output.open", "output.stop", "play 5 V", "output.stop"]
+    assert told(watched.pages[0])[0] == ENGLISH["how_press"]
+    assert ENGLISH["meaning_bar"] in told(watched.pages[0])
+    assert [shown(watched, name) for name in ("dry_run", "dry_run_held", "dry_run_lost")] == [1, 1, 0]
+    assert of_dry_runs(kept) == ["press: held"]
+    n_pages = len(watched.pages)
+    assert bench.answer(PRESS).valid
+    assert len(watched.pages) == n_pages + 2, "the next touch comes at once"
+
+
+def test_a_dry_run_that_is_not_held_is_tried_again_with_the_reason_and_ends(bench_with, watched, log):
+    bench, kept = bench_with(lambda time_s: 0.1)
+    assert not bench.answer(replace(PRESS, timeout_s=0.3)).valid
+    assert "play 5 V" not in log
+    assert [shown(watched, name) for name in ("dry_run", "lost_timeout")] == [1, N_DRY_RUNS - 1]
+    assert [shown(watched, name) for name in ("dry_run_held", "dry_run_lost")] == [0, 1]
+    assert of_dry_runs(kept) == ["press: not held, the touch was not held as asked in time"]
+
+
+def test_each_kind_of_touch_has_its_dry_run_and_the_picture_holds_what_is_measured(bench_with, watched):
+    """Without sensors there is no bar and no ring."""
+    bench, kept = bench_with()
+    for request in (PRESS, SLIDE, PRESS, SLIDE):
+        assert bench.answer(request).valid
+    assert of_dry_runs(kept) == ["press: held", "slide: held"]
+    pictures = [told(page) for page in watched.pages if ENGLISH["meaning_circle"] in told(page)]
+    assert [picture[0] for picture in pictures] == [ENGLISH["how_press"], ENGLISH["how_slide"]]
+    meanings = [[name for name in ("bar", "dot", "ring") if ENGLISH[f"meaning_{name}"] in each] for each in pictures]
+    assert meanings == [[], ["dot"]]
