@@ -17,6 +17,7 @@ from texture_bench import (
     METRES_PER_COUNT,
     POSITION,
     RELEASED,
+    check_kept_as_heard,
     console_session,
     texture_bench,
     texture_study,
@@ -60,6 +61,7 @@ def test_what_the_sink_hears_is_what_the_measured_positions_ask_for(needed, sink
         device.close()
     assert status == 0, errors
     touched = touches_heard_as_asked(study, tmp_path / "d", frames)
+    check_kept_as_heard(tmp_path / "d", frames)
     assert validate(tmp_path / "d").defects == ()
     (positions,) = (tmp_path / "d" / "journals").glob("*_positions.tsv")
     kept = positions.read_bytes()

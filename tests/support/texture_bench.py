@@ -9,6 +9,7 @@ from patience import LONGEST_PROGRAM_S
 from study_texts import changed
 from tables import trial_rows
 
+from tactometry.experiments.data_sets.traces import read_traces
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load, parse
 from tactometry.followed import felt_under
@@ -123,6 +124,18 @@ def touches_heard_as_asked(study, data, frames):
             n_alike += alike(record[:, 0].astype(float), numbers_of(stimulus, paths[row["positions_digest"]]))
     assert n_alike >= 1, rows
     return touched
+
+
+def check_kept_as_heard(data, frames):
+    """What was kept of each touch is what the sink heard (n_frames, n_channels), whole number for whole number."""
+    trials = dict.fromkeys(int(row["trial"]) for row in trial_rows(data))
+    touches = [touch for trial in trials for touch in read_traces(data, trial) if touch.answer.digest]
+    heard = stretches(frames)
+    assert len(touches) == len(heard) >= 2
+    for touch, record in zip(touches, heard, strict=True):
+        numbers = np.rint(touch.emitted.samples[0] / FULL_SCALE_V * 32767)
+        (emitted,) = stretches(numbers[:, None])
+        np.testing.assert_array_equal(emitted[:, 0], record[:, 0])
 
 
 def numbers_of(stimulus, path):
