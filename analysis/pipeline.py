@@ -1,6 +1,6 @@
 """From a path to tables, warnings and a report: what `tactometry analyse` and `tactometry demo` call."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -46,6 +46,7 @@ def analyse(
     figures: Path | None = None,
     warnings: Sequence[str] = (),
     replay: Replay | None = None,
+    touches: Callable[[], pd.DataFrame] | None = None,
 ) -> Analysis:
     """Analyse a data set's folder or a trials file; write the report and its tables if `report` names a file.
 
@@ -73,6 +74,9 @@ def analyse(
     replay : callable, optional
         What the rule that chose the levels makes of the answers of a block (`rule_estimate.Replay`); without it
         only the reversals of staircases are known.
+    touches : callable, optional
+        Gives the courses of force and speed over the touches, for a report or figures: a row for each participant,
+        quantity, target and time from the onset, with percentiles.
 
     Raises
     ------
@@ -92,6 +96,8 @@ def analyse(
     )
     if report is None and figures is None:
         return analysis
+    if touches is not None and len(courses := touches()):
+        analysis = replace(analysis, tables={**analysis.tables, "touches": courses})
     sections = sections_of(analysis)
     if figures is not None:
         analysis = write_figures(analysis, figures, sections)

@@ -10,6 +10,7 @@ NAMES = (
     "task_tables",
     "localisation",
     "measured",
+    "touches",
     "quality",
     "course",
     "curves",

@@ -1,5 +1,6 @@
 """`tactometry analyse`."""
 
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -42,6 +43,7 @@ def command(
     from tactometry.analysis.report.summary import summary
     from tactometry.experiments.data_sets.rule_estimates import replay_of
     from tactometry.experiments.data_sets.session_files import edit_warnings
+    from tactometry.experiments.data_sets.touch_courses import touch_courses
 
     factors = None if within is None else [name.strip() for name in within.split(",") if name.strip()]
     analysis = analyse(
@@ -55,6 +57,7 @@ def command(
         figures=figures,
         warnings=edit_warnings(path),
         replay=replay_of(path),
+        touches=partial(touch_courses, path),
     )
     say(summary_text(analysis), summary(analysis))
 

@@ -93,8 +93,9 @@ def decode_rows(text: bytes) -> FloatArray:
     >>> decode_rows(b"0.001000\\t1\\n0.002000\\tn/a\\n").tolist()
     [[0.001, 1.0], [0.002, nan]]
     """
-    lines = text.decode("ascii").replace(MISSING, "nan").splitlines()
-    return np.array([line.split("\t") for line in lines], dtype=np.float64, ndmin=2)
+    n_columns = text[: text.find(b"\n")].count(b"\t") + 1
+    numbers = text.replace(MISSING.encode(), b"nan").split()
+    return np.array(list(map(float, numbers))).reshape(-1, n_columns)
 
 
 def packed(text: bytes) -> bytes:

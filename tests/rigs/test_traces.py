@@ -16,10 +16,11 @@ from command_line import call, output
 from emulated import Emulator, wait_for
 from kept_events import Kept
 from study_texts import tutorial_in
-from tables import trial_rows
+from tables import rows_of, trial_rows
 
 from tactometry.experiments.data_sets.export import export
 from tactometry.experiments.data_sets.figures import speed_of
+from tactometry.experiments.data_sets.touch_courses import touch_courses
 from tactometry.experiments.data_sets.traces import read_traces
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.records.journal import checksum, encode
@@ -319,3 +320,27 @@ def test_every_sample_is_exported_with_its_stamp(recorded, tmp_path):
     assert rows["trial"].tolist() == [touch.trial.trial for touch in all_touches for _ in touch.force.times_s]
     described = json.loads((tmp_path / "psych" / "dataset_description.json").read_text())["variableMeasured"]
     assert set(rows.columns) <= {variable["name"] for variable in described}
+
+
+def test_a_report_shows_how_force_and_speed_went_around_the_onset(copied, tmp_path, capsys):
+    output(capsys, "analyse", copied, "--report", tmp_path / "r.html")
+    table = rows_of(tmp_path / "r_tables" / "touches.csv")
+    n_valid = sum(row["valid"] == "1" for row in trial_rows(copied))
+    force = [row for row in table if row["quantity"] == "force_n"]
+    assert {(row["target"], row["band_low"], row["band_high"]) for row in force} == {("1.0", "0.8", "1.2")}
+    after = [row for row in force if 0.0 <= float(row["time_s"]) <= 0.08]
+    assert {(row["low"], row["median"], row["high"]) for row in after} == {("1.0", "1.0", "1.0")}
+    assert {row["n_touches"] for row in after} == {str(n_valid)}
+    assert {row["band_low"] for row in table if row["quantity"] == "speed_m_per_s"} == {""}  # it was not gated
+    page = (tmp_path / "r.html").read_text("utf-8")
+    assert "Applied force around the onset of the stimulus, in valid touches" in page
+    assert "cannot be read" not in page
+
+
+def test_touches_whose_samples_are_gone_are_counted(copied):
+    (path,) = (copied / "traces").glob("*_physio.tsv.gz")
+    path.write_bytes(path.read_bytes()[:-1])
+    n_valid = sum(row["valid"] == "1" for row in trial_rows(copied))
+    courses = touch_courses(copied)
+    assert set(courses["n_unread"]) == {1}
+    assert courses["n_touches"].max() == n_valid - 1

@@ -1,0 +1,56 @@
+"""How force or speed went around the onset of the stimulus, over the touches of each participant."""
+
+from typing import TYPE_CHECKING, Final
+
+import pandas as pd
+
+from tactometry.palette import COLOURS
+
+from .style import Drawing, drawing_of, new_figure
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+SCALES: Final = {"force_n": (1.0, "N", "Force (N)"), "speed_m_per_s": (1e3, "mm/s", "Speed (mm/s)")}
+"""Of each quantity what a value is times, in which unit, and the label of its axis."""
+N_COLUMNS: Final = 3
+
+
+def courses_figure(table: pd.DataFrame, quantity: str) -> Drawing:
+    """A panel for each participant: medians over touches with the 5th to 95th percentile, and, dotted, the band to
+    keep; a colour for each target."""
+    rows = table[table["quantity"] == quantity]
+    people, targets = sorted(rows["participant"].unique()), sorted(rows["target"].unique())
+    n_columns = min(N_COLUMNS, len(people))
+    n_rows = -(-len(people) // n_columns)  # rounded up
+    with new_figure(2.6 * n_columns + 1.6, 2.1 * n_rows + 0.4) as figure:
+        grid = figure.subplots(n_rows, n_columns, squeeze=False, sharex=True, sharey=True)
+        for axes, person in zip(grid.ravel(), people, strict=False):
+            _draw(axes, rows[rows["participant"] == person], quantity, targets)
+            axes.set_title(person)
+        for axes in grid.ravel()[len(people) :]:
+            axes.set_visible(False)
+        for axes in grid[:, 0]:
+            axes.set_ylabel(SCALES[quantity][2])
+        for axes in grid.ravel()[max(0, len(people) - n_columns) : len(people)]:
+            axes.set_xlabel("Time from the onset (s)")
+            axes.tick_params(labelbottom=True)
+        highest = max(axes.dataLim.y1 for axes in grid.ravel()[: len(people)])
+        grid[0, 0].set_ylim(0.0, 1.1 * highest)
+        named = [pair for axes in grid.flat for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
+        lines = {text: line for line, text in named}  # each name once
+        figure.legend(lines.values(), lines.keys(), loc="outside right upper")
+        return drawing_of(figure)
+
+
+def _draw(axes: "Axes", rows: pd.DataFrame, quantity: str, targets: list[float]) -> None:
+    scale, unit, _ = SCALES[quantity]
+    for target, course in rows.groupby("target", sort=True):
+        colour = COLOURS[targets.index(float(str(target))) % len(COLOURS)]
+        times_s = course["time_s"]
+        name = f"{scale * float(str(target)):g} {unit} asked"
+        axes.fill_between(times_s, scale * course["low"], scale * course["high"], color=colour, alpha=0.2, linewidth=0)
+        axes.plot(times_s, scale * course["median"], color=colour, label=name)
+        for edge in ("band_low", "band_high"):
+            axes.plot(times_s, scale * course[edge], color=colour, linewidth=0.8, linestyle=":")
+    axes.axvline(0.0, color="#777777", linewidth=0.8, label="onset")

@@ -1,0 +1,41 @@
+"""How force and speed went around the onset, where a bench kept them."""
+
+from collections.abc import Iterator
+from typing import Final
+
+import pandas as pd
+
+from ...figures.touches import courses_figure
+from ...result import Analysis
+from ..section import Figure, Lead, ResultKind, Section
+
+NAME: Final = "touches"
+WORDS: Final = {"force_n": "Applied force", "speed_m_per_s": "Speed of the finger"}
+LEAD: Final = (
+    "Samples of the valid touches, practice aside, as the sensors told them; a single trial is drawn by tactometry "
+    "show."
+)
+
+
+def _sections(analysis: Analysis) -> Iterator[Section]:
+    table = analysis.table(NAME)
+    if len(table):
+        figures = [_figure(table, quantity) for quantity in WORDS if (table["quantity"] == quantity).any()]
+        yield Section("Touches", (Lead(LEAD + _unread(table)), *figures))
+
+
+def _unread(table: pd.DataFrame) -> str:
+    n_unread = int(table.groupby("participant")["n_unread"].first().sum())
+    return f" Samples of touches that cannot be read: {n_unread}; tactometry validate names them." if n_unread else ""
+
+
+def _figure(table: pd.DataFrame, quantity: str) -> Figure:
+    rows = table[table["quantity"] == quantity]
+    n_touches = int(rows.groupby(["participant", "target"])["n_touches"].max().sum())
+    words = f"{WORDS[quantity]} around the onset of the stimulus, in valid touches ({n_touches})"
+    band = "; dotted: the band to keep" if rows["band_low"].notna().any() else ""
+    text = f"{words}: median over the touches of each participant, shaded: 5th to 95th percentile{band}."
+    return Figure(f"{NAME}_{quantity}", courses_figure(table, quantity), text, NAME, of=("quantity", quantity))
+
+
+KIND = ResultKind(_sections)

@@ -1,0 +1,132 @@
+"""How force and speed went around the onset, over the touches of each participant: what a report shows of traces."""
+
+from collections import Counter
+from collections.abc import Iterator
+from itertools import groupby
+from pathlib import Path
+from typing import Final, NamedTuple
+
+import numpy as np
+import pandas as pd
+
+from tactometry.errors import TactometryError
+from tactometry.gates import speeds_m_per_s
+from tactometry.records.data_set import sessions
+from tactometry.records.journal import read
+from tactometry.records.traces import FOLDER, kind_of, read_part
+from tactometry.session.answer import Touched
+from tactometry.session.request import Press, Slide
+from tactometry.signal import FloatArray
+
+from .traces import RecordedTouch, touches
+
+BEFORE_S: Final = 0.5
+STEP_S: Final = 0.01
+SHARES: Final = (5, 50, 95)
+"""Percentiles over touches."""
+COLUMNS: Final = (
+    *("participant", "quantity", "target", "band_low", "band_high"),
+    *("time_s", "low", "median", "high", "n_touches", "n_unread"),
+)
+
+
+class Wanted(NamedTuple):
+    """Whose course it is of which quantity, and how near to its target it was to be kept: relative; None: anywhere."""
+
+    participant: str
+    quantity: str
+    target: float
+    tolerance: float | None
+
+
+class MeasuredCourse(NamedTuple):
+    """Of a touch: stamps (n_samples,) in s from the onset, rising, with values, and how long the stimulus lasts."""
+
+    wanted: Wanted
+    times_s: FloatArray
+    values: FloatArray
+    duration_s: float
+
+
+def touch_courses(path: Path) -> pd.DataFrame:
+    """Percentiles over the valid touches of a data set, practice aside, at times from the onset.
+
+    Parameters
+    ----------
+    path : Path
+        The folder of a data set; anything else has no traces.
+
+    Returns
+    -------
+    DataFrame
+        `COLUMNS`: for each participant, quantity (`force_n`, `speed_m_per_s`) and target, at each time (s) the 5th,
+        50th and 95th percentile over `n_touches`; `n_unread` samples of the participant are damaged or gone.
+    """
+    read_or_not = [(touch, _courses(path, touch)) for touch in _valid_touches(path)]
+    courses = [course for _, found in read_or_not for course in found or ()]
+    unread = Counter(touch.head.participant for touch, found in read_or_not if found is None)
+    by_wanted = groupby(sorted(courses, key=lambda course: course.wanted[:3]), key=lambda course: course.wanted)
+    tables = [_table(wanted, list(group), unread[wanted.participant]) for wanted, group in by_wanted]
+    return pd.concat(tables, ignore_index=True) if tables else pd.DataFrame(columns=list(COLUMNS))
+
+
+def _valid_touches(root: Path) -> Iterator[RecordedTouch]:
+    for journal in sessions(root) if (root / FOLDER).is_dir() else ():
+        for touch in touches(read(journal)):
+            is_valid = isinstance(touch.answer, Touched) and touch.answer.valid
+            if is_valid and not touch.trial.practice:
+                yield touch
+
+
+def _courses(root: Path, touch: RecordedTouch) -> list[MeasuredCourse] | None:
+    """Those of a touch; None where its samples cannot be read."""
+    try:
+        tables = {kind_of(part): read_part(root, part) for part in touch.answer.trace}
+    except TactometryError:
+        return None
+    made = {"force": _force, "position": _speed}
+    found = (make(touch, tables[kind]) for kind, make in made.items() if kind in tables)
+    return [course for course in found if course.times_s.size > 1]
+
+
+def _force(touch: RecordedTouch, table: FloatArray) -> MeasuredCourse:
+    request = touch.request
+    assert isinstance(request, Press | Slide)
+    times_s, values = _rising(touch, table)
+    return MeasuredCourse(
+        _wanted(touch, "force_n", request.target_n, request.tolerance), times_s, values, request.duration_s
+    )
+
+
+def _speed(touch: RecordedTouch, table: FloatArray) -> MeasuredCourse:
+    request = touch.request
+    assert isinstance(request, Press | Slide)
+    speed = (request.speed_m_per_s, request.speed_tolerance) if isinstance(request, Slide) else (0.0, None)
+    times_s, along_m = _rising(touch, table)
+    speeds = speeds_m_per_s(times_s, along_m) if times_s.size > 1 else along_m
+    return MeasuredCourse(_wanted(touch, "speed_m_per_s", *speed), times_s, speeds, request.duration_s)
+
+
+def _wanted(touch: RecordedTouch, quantity: str, target: float, tolerance: float | None) -> Wanted:
+    return Wanted(touch.head.participant, quantity, target, tolerance)
+
+
+def _rising(touch: RecordedTouch, table: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Stamps from the onset and values of the first quantity, without lost samples and stamps that stand or go back."""
+    known = np.isfinite(table[:, 1]) & (np.diff(np.maximum.accumulate(table[:, 0]), prepend=-np.inf) > 0)
+    return table[known, 0] - touch.answer.onset_s, table[known, 1]
+
+
+def _table(wanted: Wanted, courses: list[MeasuredCourse], n_unread: int) -> pd.DataFrame:
+    """Percentiles at each time at which some touch has samples on both sides."""
+    longest_s = max(course.duration_s for course in courses)
+    times_s = STEP_S * np.arange(-round(BEFORE_S / STEP_S), round(longest_s / STEP_S) + 1)
+    at = np.array([np.interp(times_s, *course[1:3], left=np.nan, right=np.nan) for course in courses])
+    n_touches = np.isfinite(at).sum(axis=0)
+    some = n_touches > 0
+    low, median, high = np.nanpercentile(at[:, some], SHARES, axis=0)
+    half = np.nan if wanted.tolerance is None else wanted.tolerance * wanted.target
+    band = {"band_low": wanted.target - half, "band_high": wanted.target + half}
+    numbers = {"time_s": times_s[some].round(6), "low": low, "median": median, "high": high}
+    whose = dict(zip(COLUMNS, wanted[:3], strict=False))
+    return pd.DataFrame({**whose, **band, **numbers, "n_touches": n_touches[some], "n_unread": n_unread})
