@@ -22,7 +22,7 @@ def languages() -> tuple[str, ...]:
     """The languages that are shipped, by their two letters.
 
     >>> languages()
-    ('en', 'fr')
+    ('de', 'en', 'fr')
     """
     return tuple(sorted(path.stem.removeprefix(PREFIX) for path in FOLDER.glob(f"{PREFIX}*{SUFFIX}")))
 

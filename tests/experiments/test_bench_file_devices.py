@@ -312,7 +312,7 @@ def test_packed_streams_have_no_ramps(tmp_path):
         (("polynomial = [-0.5, 0.01]\n", ""), "force: found none or more than one of newtons_per_count"),
         (("measured_on = 2026-11-01", 'measured_on = "soon"'), "output.gain.measured_on: .*'soon', expected a date"),
         (("[position]", "[screen.x]"), "screen.x: found an unknown key"),
-        (("[screen]", '[screen]\nlanguage = "de"'), "screen.language: found 'de', expected one of en, fr"),
+        (("[screen]", '[screen]\nlanguage = "it"'), "screen.language: found 'it', expected one of de, en, fr"),
         (("[screen]", "sensors.x = 1\n[screen]"), "sensors.x: found 1, expected a table"),
         (
             ("zero_counts = [100, 0]", "zero_counts = [1]"),

@@ -1,5 +1,6 @@
 """The words of the participant's pages."""
 
+import re
 import string
 
 import pytest
@@ -15,11 +16,12 @@ def places(text):
 
 @pytest.mark.parametrize("language", languages())
 def test_every_language_has_the_same_messages_with_the_same_places(language):
+    """What a file lacks, or has too much, is named."""
     english, other = texts_in("en", {}), texts_in(language, {})
-    assert set(other.labels) == set(english.labels)
-    assert {name: places(text) for name, text in other.messages.items()} == {
-        name: places(text) for name, text in english.messages.items()
-    }
+    assert sorted(english.labels.keys() ^ other.labels.keys()) == [], f"labels in messages_{language}.toml"
+    assert sorted(english.messages.keys() ^ other.messages.keys()) == [], f"messages in messages_{language}.toml"
+    unlike = [name for name, text in other.messages.items() if places(text) != places(english.messages[name])]
+    assert unlike == [], f"messages_{language}.toml fills other places in these"
 
 
 @pytest.mark.parametrize("language", languages())
@@ -29,18 +31,33 @@ def test_every_reason_for_which_a_touch_does_not_count_is_told(language):
     assert not set(told) & {f"lost_{reason}" for reason in REASONS}
 
 
-def test_a_language_is_a_translation():
-    english, french = texts_in("en", {}), texts_in("fr", {})
-    alike = [name for name in english.messages if english.messages[name] == french.messages[name]]
-    assert alike == ["right"], "of all words 'Correct' alone is the same"
+@pytest.mark.parametrize(("one", "other", "same"), [("en", "fr", ["right"]), ("en", "de", []), ("de", "fr", [])])
+def test_a_language_is_a_translation(one, other, same):
+    first, second = texts_in(one, {}).messages, texts_in(other, {}).messages
+    assert [name for name in first if first[name] == second[name]] == same
+
+
+@pytest.mark.parametrize(
+    ("language", "words"),
+    [
+        ("fr", "tu|te|toi|ton|ta|tes|prêt|prêts|sûr|certain"),
+        ("de", "du|dir|dich|dein|deine|deinen|Teilnehmer|Proband"),
+    ],
+)
+def test_everybody_is_addressed_formally_and_whatever_their_gender(language, words):
+    texts = texts_in(language, {})
+    found = {name: re.findall(rf"\b(?:{words})\b", text) for name, text in texts.messages.items()}
+    assert {name: told for name, told in found.items() if told} == {}
 
 
 @pytest.mark.parametrize("language", languages())
 def test_every_line_fits_on_a_narrow_screen(language):
-    """The pictures at 1280 x 800 hold 70 letters of a text, and the more that a hint has."""
+    """The pictures at 1280 x 800 hold 70 letters of a text, and the more that a hint has; what is said on the page of a
+    touch is in one line at 1024 x 768."""
     for name, text in texts_in(language, {}).messages.items():
         longest = max(map(len, text.splitlines()))
-        assert longest <= (90 if name.startswith(("hint", "meaning")) else 70), name
+        most = 62 if name.startswith("lost_") else 90 if name.startswith(("hint", "meaning")) else 70
+        assert longest <= most, name
 
 
 def test_the_study_s_text_stands_above_the_shipped_one():
@@ -68,5 +85,5 @@ def test_a_message_that_cannot_be_shown_is_refused(name, texts, values, message)
 
 
 def test_an_unknown_language_is_refused():
-    with pytest.raises(InvalidParameter, match="language: found 'fl', expected one of en, fr"):
+    with pytest.raises(InvalidParameter, match="language: found 'fl', expected one of de, en, fr"):
         texts_in("fl", {})

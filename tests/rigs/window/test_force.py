@@ -363,7 +363,7 @@ def test_a_level_that_is_set_stops_with_the_sensor_and_begins_anew(bench_with, l
 
 def test_after_a_touch_that_does_not_count_the_next_says_why_until_it_plays(bench_with, watched):
     """And no more after a page, or after one that counts."""
-    told = "Too light: press a little more, until the bar stays between the lines"
+    told = "Too light: press more, until the bar stays between the lines"
     bench = bench_with(lambda time_s: 1.0)
 
     def of_next(*before, **row):
