@@ -21,7 +21,7 @@ from tactometry.records.head import ADDED
 from tactometry.trials.cell_rules import PARTICIPANT, CellRule
 from tactometry.trials.columns import MAY_BE_FACTORS, RESERVED, stated_factors
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
-from tactometry.trials.tasks import TASKS, tasks_with_level
+from tactometry.trials.tasks import FORM_TASK, TASKS, tasks_with_level
 
 from .column_map import ColumnMap, translate, trials_of
 from .level_scale import on_scale, wide_levels
@@ -216,6 +216,8 @@ def _refuse_other_code(table: pd.DataFrame, file: Path) -> None:
 
 def _text_of(file: Path, column_map: ColumnMap) -> pd.DataFrame:
     raw = translate(text_cells(file, column_map.separator), column_map, file)
+    if "level" not in raw.columns and holds(raw, "task", FORM_TASK).all():
+        raw = raw.assign(level="")  # answers to a questionnaire are to no level
     for name in REQUIRED:
         expect_column(raw, name, file, "; name it with a column map (--columns)")
     if raw.empty:

@@ -35,10 +35,10 @@ def of_stimulus(played: Played) -> Values:
     """The row of a stimulus that played beside.
 
     >>> of_stimulus(Played(0.0, 40.0, "c0ffee"))
-    {'level_delivered': 40.0, 'signal_sha256': 'c0ffee'}
+    {'level_delivered': 40.0, 'digest': 'c0ffee'}
     """
     level, n_gaps = played.level_delivered, played.n_gaps
-    return _stated({"level_delivered": level, "n_gaps": n_gaps, "signal_sha256": played.digest or None})
+    return _stated({"level_delivered": level, "n_gaps": n_gaps, "digest": played.digest or None})
 
 
 def of_trial(outcome: TrialOutcome) -> Values:

@@ -126,8 +126,10 @@ class Guest:
         """As `begin`, to its end, on a page of ours."""
         return self._rig.answer(self._play_request(level, factors))
 
-    def questionnaire(self, name: str) -> dict[str, float | None]:
+    def questionnaire(self, name: str, experiment: Any = None) -> dict[str, float | None]:
         """The answers to a questionnaire of the study or a shipped one, by item; None where one is left open.
+
+        With PsychoPy's handler of an `experiment`, each item has a row of its data: `NAME.item` and `NAME.response`.
 
         Raises
         ------
@@ -138,7 +140,12 @@ class Guest:
         known = f"one of {', '.join(form.languages)}; choose that language on the bench, or add the words"
         expect(self._language in form.languages, f"questionnaire {name}", f"no words in {self._language!r}", known)
         replies = self._carry_out(fill_in(form, self._rng, shuffled=False))
-        return {reply.item or "": reply.response for reply in replies}
+        answers = {reply.item or "": reply.response for reply in replies}
+        for item, answer in answers.items() if experiment is not None else ():
+            experiment.addData(f"{name}.item", item)
+            experiment.addData(f"{name}.response", answer)
+            experiment.nextEntry()
+        return answers
 
     def procedure(self, **factors: float | str) -> Procedure:
         """The study's procedure at its beginning: a value, whose `after(answer, delivered)` is the next one."""

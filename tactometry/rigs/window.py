@@ -40,7 +40,7 @@ def _psychopy() -> SimpleNamespace:
         from psychopy import event, monitors, visual
         from psychopy.hardware import keyboard
     parts = {"pyglet": pyglet, "event": event, "monitors": monitors, "visual": visual, "keyboard": keyboard}
-    return SimpleNamespace(clock=logging.defaultClock, **parts)
+    return SimpleNamespace(logging=logging, **parts)
 
 
 def load_psychopy() -> SimpleNamespace:
@@ -250,7 +250,7 @@ class Window(Display):
         return intervals_s
 
     def clock_offset_s(self) -> float:
-        return time.perf_counter() - float(self._psychopy.clock.getTime())
+        return time.perf_counter() - float(self._psychopy.logging.defaultClock.getTime())
 
     def close(self) -> None:
         self._opened.close()

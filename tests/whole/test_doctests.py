@@ -13,7 +13,7 @@ from places import DOCS, ROOT
 
 import tactometry
 
-NOT_EVERYWHERE = ("nidaqmx",)
+NOT_EVERYWHERE = ("nidaqmx", "psychopy")
 FLAGS = doctest.ELLIPSIS | doctest.NORMALIZE_WHITESPACE
 
 

@@ -164,6 +164,21 @@ def test_keys_are_heard_by_whose_page_is_up(scene, window, hands):
     assert {"b", "c"} & set(event.getKeys()) == set()
 
 
+def test_a_press_has_its_time_though_the_script_takes_another_clock(scene, window, hands):
+    """As what Builder writes does, after its components are made."""
+    from psychopy import clock, logging
+
+    window.present(Page())
+    usual = logging.defaultClock
+    logging.setDefaultClock(clock.Clock())
+    try:
+        down_s, _ = hands.tap("y")
+        [press] = wait_for(window.events)
+    finally:
+        logging.setDefaultClock(usual)
+    assert press.at_s == pytest.approx(down_s, abs=1.0)  # the clocks are further apart
+
+
 def test_a_key_that_is_held_over_our_last_page_is_no_press_of_the_script(scene, window, hands, in_background):
     from psychopy.hardware.keyboard import Keyboard
 

@@ -1,12 +1,13 @@
 """A PsychoPy script with our touches in it: the one of the docs, run in a real window by hands, with a real force."""
 
+import json
 import os
 import subprocess
 import sys
 
 import pytest
-from benches import UDP_HAND
-from emulated import Emulator
+from command_line import call
+from guest_bench import hand_and_bench
 from pages_of_docs import blocks
 from tables import rows_of
 from window_sitting import sit
@@ -17,26 +18,8 @@ from tactometry.errors import InvalidParameter
 from tactometry.experiments.guest.guest import Guest
 from tactometry.questionnaire import load
 
-BENCH = """
-[screen]
-fullscreen = false
-[output]
-kind = "file"
-folder = "played"
-[output.load]
-kind = "electrode"
-capacitance_f = "1 nF"
-[output.gain]
-volts_per_unit = 100.0
-amplifier_gain = 1.0
-[limits]
-voltage_peak_v = 80.0
-duration_s = 30.0
-current_peak_a = "1 mA"
-duty = 0.8
-session_s = "1 h"
-"""
-OURS = 10
+N_TRIALS = 4
+OURS = 9
 """Lines that a script gains, as the page says."""
 
 
@@ -44,16 +27,9 @@ OURS = 10
 def sitting(display, tmp_path_factory):
     """The script of the docs, and the bench with a hand that presses 1 N."""
     folder = tmp_path_factory.mktemp("script")
-    [script], [study, columns] = blocks("psychopy.md", "python"), blocks("psychopy.md", "toml")
-    hand = Emulator("udp", folder, profile="1:100")
-    written = {
-        "script.py": script,
-        "touch.toml": study,
-        "columns.toml": columns,
-        "bench.toml": BENCH + UDP_HAND.format(port=hand.udp_port) + "release = false\n",
-    }
-    for name, text in written.items():
-        (folder / name).write_text(text, encoding="utf-8")
+    hand = hand_and_bench(folder)
+    [script] = blocks("psychopy.md", "python")
+    (folder / "script.py").write_text(script, encoding="utf-8")
     process = subprocess.Popen(
         [sys.executable, "script.py"],
         cwd=folder,
@@ -74,15 +50,18 @@ def test_a_script_of_psychopys_gains_a_touch_a_stimulus_a_procedure_and_a_questi
     assert status == 0, errors
     assert output.splitlines()[-1] == "threshold None censored_below"  # everything was felt
     rows = rows_of(folder / "P01.csv")
-    assert [row["quest.response"] for row in rows[:6]] == ["1"] * 6
-    assert {row["quest.valid"] for row in rows[:6]} == {"1"}
-    assert {row["quest.force_mean_n"] for row in rows[:6]} == {"1.0"}
-    assert [row["quest.intensity"] for row in rows[:6]] == [row["quest.level_delivered"] for row in rows[:6]]
-    assert set(rows[6]) >= {item.id for item in load("attrakdiff").items}
-    assert len(list((folder / "played").glob("*.npz"))) == 7
+    assert [row["quest.response"] for row in rows[:N_TRIALS]] == ["1"] * N_TRIALS
+    assert {row["quest.valid"] for row in rows[:N_TRIALS]} == {"1"}
+    assert {row["quest.force_mean_n"] for row in rows[:N_TRIALS]} == {"1.0"}
+    assert [row["quest.intensity"] for row in rows[:N_TRIALS]] == [
+        row["quest.level_delivered"] for row in rows[:N_TRIALS]
+    ]
+    answers = {row["attrakdiff.item"]: row["attrakdiff.response"] for row in rows[N_TRIALS:]}
+    assert answers == {item.id: "4.0" for item in load("attrakdiff").items}
+    assert len(list((folder / "played").glob("*.npz"))) == N_TRIALS + 1
 
 
-def test_what_the_page_calls_ten_lines_are_ten():
+def test_what_the_page_calls_nine_lines_are_nine():
     [script] = blocks("psychopy.md", "python")
     numbered = [line for line in script.splitlines() if "  # " in line]
     assert [int(line.split("  # ")[1].split(":")[0]) for line in numbered] == list(range(1, OURS + 1))
@@ -92,7 +71,7 @@ def test_its_data_are_read_with_the_map_of_the_page(sitting):
     folder, *_ = sitting
     trials = read_trials(folder / "P01.csv", within=[], column_map=read_column_map(folder / "columns.toml"))
     used = used_rows(trials)
-    assert len(used) == 6
+    assert len(used) == N_TRIALS
     assert set(used["participant"]) == {"P01"}
     assert set(used["level_unit"]) == {"dB re 1 V peak"}
 
@@ -126,3 +105,13 @@ def test_a_questionnaire_that_is_none_is_refused(guest):
         InvalidParameter, match="questionnaire: found 'attrackdiff', expected one of .*; did you mean 'attrakdiff'"
     ):
         guest.questionnaire("attrackdiff")
+
+
+def test_its_answers_to_the_questionnaire_are_scored_with_the_map_of_the_page(sitting, capsys):
+    folder, *_ = sitting
+    status, _, told = call(
+        capsys, "analyse", folder / "P01.csv", "--columns", folder / "attrakdiff.toml", "--within", "", "--json"
+    )
+    assert status == 0
+    scores = json.loads(told)
+    print({k: (v if len(str(v)) < 300 else type(v)) for k, v in scores.items()})

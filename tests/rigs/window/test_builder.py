@@ -1,0 +1,99 @@
+"""An experiment of Builder with our components and loop: saved, compiled and run by PsychoPy, answered by hands."""
+
+import os
+import subprocess
+import sys
+
+import pytest
+from guest_bench import hand_and_bench
+from patience import LONGEST_PROGRAM_S
+from places import ROOT
+from tables import rows_of
+from window_sitting import sit
+
+from tactometry.questionnaire import load
+
+pytestmark = pytest.mark.slow  # PsychoPy's app and its compiler take ten seconds to load
+BUILDER_FILE = ROOT / "tests" / "support" / "builder_file.py"
+COMPILE = """
+from psychopy import plugins
+plugins.activatePlugins()
+from psychopy.scripts.psyexpCompile import compileScript
+compileScript("felt.psyexp", None, "felt.py")
+"""
+
+
+def python(folder, *command):
+    done = subprocess.run(
+        [sys.executable, *command],
+        cwd=folder,
+        capture_output=True,
+        text=True,
+        check=False,
+        timeout=LONGEST_PROGRAM_S,
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout + done.stderr
+
+
+@pytest.fixture(scope="module")
+def compiled(display, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("builder")
+    python(folder, BUILDER_FILE, "felt.psyexp")
+    python(folder, "-c", COMPILE)
+    return folder
+
+
+def run(folder, hands, keys):
+    hand = hand_and_bench(folder)
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
+    process = subprocess.Popen([sys.executable, "felt.py"], cwd=folder, text=True, env=os.environ, **pipes)
+    try:
+        return sit(process, hands, keys)
+    finally:
+        hand.close()
+
+
+@pytest.fixture(scope="module")
+def sitting(compiled, display):
+    status, _, errors = run(compiled, display, ["y", "4", "Return"] * 2000)
+    assert status == 0, errors
+    return rows_of(compiled / "data.csv")
+
+
+def test_the_loop_asks_for_the_levels_of_the_procedure_until_it_has_finished(sitting):
+    trials = [row for row in sitting if row["quest.response"]]
+    assert [(row["quest.response"], row["quest.valid"], row["quest.force_mean_n"]) for row in trials] == [
+        ("1", "1", "1.0")
+    ] * 4
+    assert [row["quest.intensity"] for row in trials] == [row["quest.level_delivered"] for row in trials]
+    assert [row["quest.ending"] for row in sitting if row["quest.ending"]] == ["censored_below"]
+
+
+def test_a_stimulus_beside_a_text_and_a_touch_without_a_question_have_their_rows(sitting):
+    [row] = [row for row in sitting if row["buzz.digest"]]
+    # a busy machine may silence the hand's sensor, which cuts what plays
+    assert (row["buzz.cut"], row.get("buzz.level_delivered", "")) in (("0", "36"), ("1", ""))
+    assert (row["felt.level_delivered"], row["felt.valid"], row["felt.force_mean_n"]) == ("30", "1", "1.0")
+
+
+def test_a_questionnaire_has_a_row_for_each_item(sitting):
+    answers = {row["attrakdiff.item"]: row["attrakdiff.response"] for row in sitting if row["attrakdiff.item"]}
+    assert answers == {item.id: "4.0" for item in load("attrakdiff").items}
+
+
+def test_escape_on_a_page_of_ours_ends_the_experiment_and_keeps_its_rows(compiled, display):
+    def keys():
+        while not heard():
+            yield "y"
+        yield from ["Escape"] * 1000
+
+    def heard():
+        return len(list((compiled / "played").glob("*.npz"))) - n_before >= 2
+
+    n_before = len(list((compiled / "played").glob("*.npz")))
+    status, _, errors = run(compiled, display, keys())
+    assert (status, "Traceback" in errors) == (0, False), errors
+    kept = rows_of(max(compiled.glob("data*.csv"), key=lambda path: path.stat().st_mtime))
+    assert 1 <= len([row for row in kept if row["quest.response"]]) <= 3
+    assert not [row for row in kept if row.get("attrakdiff.item")]
