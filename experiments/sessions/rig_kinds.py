@@ -1,6 +1,7 @@
 """The rigs of `tactometry run`, made from a study and a bench file."""
 
 import sys
+from contextlib import ExitStack
 from typing import TYPE_CHECKING
 
 import click
@@ -57,24 +58,31 @@ def equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog | Non
 
 def bench(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "RigKind":
     from tactometry.rigs.bench import Bench
-    from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
+    from tactometry.rigs.experimenter.live import experimenter_terminal
+    from tactometry.rigs.experimenter.status import StatusLine
     from tactometry.rigs.texts import texts_in
     from tactometry.rigs.window import Window
 
+    from ..study.dry_run import parts_ahead
     from .recording import RigKind
 
-    del who
     screen = bench_file.screen
     texts = texts_in(screen.language, experiment.study.words_in(screen.language))
 
     def make(seed: int, log: "EventLog") -> Bench:
-        del seed
         devices = equipment(experiment, bench_file, log)
-        terminal = ExperimenterTerminal(sys.stdin, sys.stderr)
-        window = Window(fullscreen=screen.fullscreen, size=(screen.width_px, screen.height_px))
-        if window.caution is not None:
-            terminal.tell(window.caution)
-        return Bench(window, devices, texts, log=log, terminal=terminal)
+        parts = parts_ahead(experiment, who.counterbalancing_number, who.session, seed)
+        with ExitStack() as on_failure:
+            terminal = experimenter_terminal(sys.stdin, sys.stderr)
+            on_failure.callback(terminal.close)
+            status = StatusLine(terminal, parts)
+            log.follow(status.hear, status.hear_event)
+            window = Window(fullscreen=screen.fullscreen, size=(screen.width_px, screen.height_px))
+            if window.caution is not None:
+                terminal.tell(window.caution)
+            made = Bench(window, devices, texts, log=log, terminal=terminal)
+            on_failure.pop_all()  # the rig closes it from now on
+        return made
 
     return RigKind("bench", make)
 

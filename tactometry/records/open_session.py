@@ -17,7 +17,7 @@ from ..files.durable import drafts, open_private, read_file, replace_file, write
 from ..provenance import sha256
 from ..safety.limits import Exposure
 from ..session.answer import Marked, TracePart
-from ..session.event import COLUMNS, Event, TraceKind, decode_event, events_tsv
+from ..session.event import COLUMNS, Event, HearEvent, HearRequest, TraceKind, decode_event, events_tsv
 from ..session.intervention import Intervention
 from ..session.replay import Replay
 from ..session.request import Intervene, Record, Request
@@ -124,6 +124,7 @@ class OpenSession:
         self._file = self._events_file = -1
         self._repaired: list[str] = []
         self._writing = threading.Lock()
+        self._followers: list[tuple[HearRequest, HearEvent]] = []
         self.recorded_s: float | None = None
         """When the last trial was on the disk, on `time.perf_counter`."""
         _refuse_alike(root, session)
@@ -166,6 +167,18 @@ class OpenSession:
         with self._writing:
             self.journal.note(event)
             self._tell(event)
+            for _, hear_event in self._followers:
+                hear_event(event)
+
+    def follow(self, hear: HearRequest, hear_event: HearEvent) -> None:
+        """Hear what is recorded already, and from now on each request with its answer, and each event, once it is
+        kept."""
+        for line in self.journal.recording.lines:
+            if isinstance(line, Entry):
+                hear(*line)
+            elif isinstance(line, Event):
+                hear_event(line)
+        self._followers.append((hear, hear_event))
 
     def keep_path(self, digest: str, lines: bytes) -> None:
         """Add the path of a finger to the file of positions, a line for each place, before its touch is recorded."""
@@ -205,6 +218,8 @@ class OpenSession:
                 self._write_rows(read(self.journal.path).trials)
             if (event := consequence(Entry(request, answer))) is not None:
                 self._tell(event)
+            for hear, _ in self._followers:
+                hear(request, answer)
 
     def _write_rows(self, trials: Sequence[Trial]) -> None:
         """The trials file anew, where rows that stand in it count no more."""

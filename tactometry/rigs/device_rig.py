@@ -182,7 +182,7 @@ class DeviceRig(LiveRig):
         self.closed = True
         # the output is at zero before anything is closed that may fail or hang; whatever fails, the rest is closed too
         with ExitStack() as last_first:
-            last_first.callback(self._terminal.end_line)
+            last_first.callback(self._terminal.close)
             last_first.callback(self._screen.close)
             for sensor in (self._equipment.position, self._equipment.sensor):
                 if sensor is not None:

@@ -1,9 +1,9 @@
 """What happened in a session unasked: pauses, remarks, clocks, and how the frames of each trial went."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Final, Literal, Protocol, get_args
+from typing import Any, Final, Literal, Protocol, get_args
 
 import msgspec
 
@@ -13,7 +13,7 @@ from ..signal import FloatArray
 from ..trials.columns import Column
 from .answer import Marked, TracePart
 from .intervention import WANTED, Intervention
-from .request import Fact
+from .request import Fact, Request
 
 Kind = Literal[
     "trial",
@@ -134,6 +134,11 @@ def intervention_of(event: Event) -> Intervention | None:
         return None
 
 
+HearRequest = Callable[[Request[Any], Any], None]
+"""Hears of a request and its answer."""
+HearEvent = Callable[[Event], None]
+
+
 class EventLog(Protocol):
     """Where a rig puts events, from any thread, and learns when the last trial was on the disk (s on
     `time.perf_counter`)."""
@@ -149,6 +154,9 @@ class EventLog(Protocol):
         """What reached this participant before: in the last `window_s`, and how long this session has lasted."""
 
     def note(self, event: Event) -> None: ...
+
+    def follow(self, hear: HearRequest, hear_event: HearEvent) -> None:
+        """Hear what is recorded already, and what will be."""
 
     def keep_path(self, digest: str, lines: bytes) -> None:
         """Keep times (s) and places (m) of a finger, a line each, under their digest."""

@@ -139,6 +139,7 @@ class Supervisor:
                 self._repeat()
             case "help":
                 self.terminal.tell(HELP)
+                self.terminal.tell(self.terminal.standing)
             case "invalidate":
                 self._invalidate()
             case "skip" | "rest" | "end":

@@ -78,14 +78,14 @@ class ExperimenterTerminal:
     def __init__(self, source: TextIO | None = None, output: TextIO | None = None) -> None:
         self._output = output if output is not None and output.isatty() else None
         self._lines: queue.SimpleQueue[str] = queue.SimpleQueue()
-        self._fresh_line = True
+        self._fresh_line, self.standing = True, ""
         if self._output is not None and source is not None and source.isatty():
             threading.Thread(target=self._read, args=(source.fileno(),), name="terminal", daemon=True).start()
             self.tell(HELP)
 
     def _read(self, file: int) -> None:
         rest = b""
-        while data := _available(file):
+        while data := available(file):
             *lines, rest = (rest + data).split(b"\n")
             for line in lines:
                 self._lines.put(line.decode("utf-8", "replace"))
@@ -100,6 +100,10 @@ class ExperimenterTerminal:
             except InvalidParameter as error:
                 self.tell(str(error))
         return orders
+
+    def status(self, words: str) -> None:
+        """Where the session stands: shown by a terminal on which a line can stand, told by the others when asked."""
+        self.standing = words
 
     def add(self, words: str) -> None:
         """Some more words on the line of this trial."""
@@ -116,6 +120,10 @@ class ExperimenterTerminal:
         self.end_line()
         self._write(f"{words}\n")
 
+    def close(self) -> None:
+        """What follows is of others."""
+        self.end_line()
+
     def _write(self, words: str) -> None:
         if self._output is None:
             return
@@ -125,7 +133,8 @@ class ExperimenterTerminal:
             self._output = None
 
 
-def _available(file: int) -> bytes:
+def available(file: int) -> bytes:
+    """What can be read of a file by its number, as soon as there is some; nothing at its end."""
     try:
         return os.read(file, 4096)
     except OSError:

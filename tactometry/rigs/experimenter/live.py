@@ -1,0 +1,183 @@
+"""A terminal whose last rows stand: the trial that is under way, where the session is, and what is being typed.
+
+What is told goes above them, whole line by whole line, so that neither libraries nor typed letters run into anything.
+Keys are read one by one and shown here, as the terminal's own echo would stand wherever the cursor is.
+"""
+
+import atexit
+import codecs
+import os
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from contextlib import ExitStack
+from dataclasses import dataclass, replace
+from typing import Final, TextIO
+
+from .library_messages import heard
+from .terminal import ExperimenterTerminal, available
+
+PROMPT: Final = "> "
+ERASE_BELOW, REVERSE, USUAL = "\x1b[J", "\x1b[7m", "\x1b[0m"
+BACK: Final = frozenset("\x7f\b")
+CLEARS: Final = frozenset("\x15\x17")
+"""Ctrl-U and Ctrl-W take the whole line back."""
+USUAL_WIDTH: Final = 80
+
+
+@dataclass(frozen=True)
+class Typed:
+    """A line that is being typed, and whether a key's sequence (an arrow) is under way, which is let go."""
+
+    text: str = ""
+    in_sequence: bool = False
+
+    def after(self, key: str) -> tuple["Typed", str | None]:
+        """With another character: the line too where that ends it.
+
+        >>> Typed("n hell").after("o")
+        (Typed(text='n hello', in_sequence=False), None)
+        >>> Typed("s").after("\\n")
+        (Typed(text='', in_sequence=False), 's')
+        """
+        if self.in_sequence:
+            return replace(self, in_sequence=not (key.isalpha() or key == "~")), None
+        if key in "\r\n":
+            return Typed(), self.text
+        if key in BACK:
+            return Typed(self.text[:-1]), None
+        if key in CLEARS:
+            return Typed(), None
+        if key == "\x1b":
+            return replace(self, in_sequence=True), None
+        return (Typed(self.text + key) if key.isprintable() else self), None
+
+
+def rows(trial: str, status: str, typed: str, width: int) -> tuple[str, ...]:
+    """What stands at the bottom of a terminal of this width: of what is too long the end of trial and typing, and the
+    beginning of the status, which stands out.
+
+    >>> rows("trial 7: tone 5", "", "n he", 12)
+    ('…7: tone 5', '> n he')
+    """
+    room = max(width - 2, 1)  # a row that is full might wrap
+    begun = status if len(status) <= room else f"{status[: room - 1]}…"
+    upper = [_end(trial, room) if trial else "", f"{REVERSE}{begun}{USUAL}" if status else ""]
+    return (*filter(None, upper), _end(f"{PROMPT}{typed}", room))
+
+
+def _end(words: str, room: int) -> str:
+    return words if len(words) <= room else f"…{words[-room + 1 :]}"
+
+
+def can_stand(source: TextIO | None, output: TextIO | None) -> bool:
+    """Whether these are terminals that can be written to by place, and whose keys can be read one by one."""
+    if source is None or output is None or not (source.isatty() and output.isatty()):
+        return False
+    return sys.platform != "win32" and os.environ.get("TERM", "dumb") not in ("", "dumb")
+
+
+def experimenter_terminal(source: TextIO, output: TextIO) -> ExperimenterTerminal:
+    """The terminal of these files, with rows that stand where they can; what libraries write there is told as well."""
+    if not can_stand(source, output):
+        return ExperimenterTerminal(source, output)
+    return LiveTerminal(source, output, [file for file in (1, 2) if os.isatty(file)])
+
+
+class LiveTerminal(ExperimenterTerminal):
+    """As `ExperimenterTerminal`, on a terminal of which `can_stand` is true."""
+
+    def __init__(self, source: TextIO, output: TextIO, heard_files: Sequence[int] = ()) -> None:
+        self._drawing, self._n_rows, self._width = threading.RLock(), 0, USUAL_WIDTH
+        self._trial, self._typed, self._opened = "", Typed(), ExitStack()
+        self._decode = codecs.getincrementaldecoder("utf-8")("replace")
+        self._kept_file = os.dup(output.fileno())  # what libraries write to is exchanged below
+        self._opened.callback(os.close, self._kept_file)
+        self._opened.callback(one_by_one(source.fileno()))
+        atexit.register(self.close)
+        super().__init__(source, output)
+        self._opened.callback(self._leave)
+        self._opened.enter_context(heard(heard_files, self.tell))  # to their last word, before it is left
+
+    def _read(self, file: int) -> None:
+        while data := available(file):
+            for key in self._decode.decode(data):
+                self._typed, line = self._typed.after(key)
+                if line is not None:
+                    self._lines.put(line)
+            self._draw()
+
+    def status(self, words: str) -> None:
+        if words != self.standing:
+            super().status(words)
+            self._draw()
+
+    def add(self, words: str) -> None:
+        self._trial = f"{self._trial} | {words}" if self._trial else words
+        self._draw()
+
+    def end_line(self) -> None:
+        trial, self._trial = self._trial, ""
+        if trial:
+            self._draw(trial)
+
+    def tell(self, words: str) -> None:
+        self._draw(words)
+
+    def _leave(self) -> None:
+        with self._drawing:
+            if self._output is not None:
+                self._put(self._erased())
+            self._output = None
+
+    def _erased(self) -> str:
+        """What takes away the rows that stand."""
+        return f"\r\x1b[{self._n_rows - 1}A{ERASE_BELOW}" if self._n_rows > 1 else f"\r{ERASE_BELOW}"
+
+    def _draw(self, above: str | None = None) -> None:
+        """The rows that stand anew, with a line above them."""
+        with self._drawing:
+            if self._output is None:
+                return
+            told = "" if above is None else f"{above}\n"
+            standing = rows(self._trial, self.standing, self._typed.text, self._columns())
+            drawn = f"{self._erased()}{told}" + "\n".join(standing)
+            self._n_rows = len(standing)
+            self._put(drawn)
+
+    def _put(self, words: str) -> None:
+        data = words.encode("utf-8", "replace")
+        try:
+            while data:
+                data = data[os.write(self._kept_file, data) :]
+        except OSError:  # the terminal is gone, the session is not
+            self._output = None
+
+    def _columns(self) -> int:
+        try:
+            return os.get_terminal_size(self._kept_file).columns or USUAL_WIDTH
+        except OSError:
+            return USUAL_WIDTH
+
+    def close(self) -> None:
+        """The terminal as it was, below what was told."""
+        atexit.unregister(self.close)
+        self.end_line()
+        self._opened.close()
+
+
+def one_by_one(file: int) -> Callable[[], None]:
+    """A terminal gives its keys one by one and does not show them: what makes it as it was."""
+    import termios
+    import tty
+
+    before = termios.tcgetattr(file)
+    tty.setcbreak(file, termios.TCSANOW)
+
+    def restore() -> None:
+        try:
+            termios.tcsetattr(file, termios.TCSANOW, before)
+        except (termios.error, OSError):  # it is gone
+            return
+
+    return restore

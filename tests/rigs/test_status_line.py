@@ -1,0 +1,248 @@
+"""The experimenter's terminal as a person sees it, by an emulator of terminals: what stands at the bottom is whole,
+whatever libraries write and hands type."""
+
+import os
+import pty
+import select
+import subprocess
+import sys
+import termios
+import time
+
+import pytest
+from hypothesis import given, strategies as st
+from patience import LONGEST_PROGRAM_S, LONGEST_WAIT_S
+from study_texts import tutorial_in
+
+from tactometry.rigs.experimenter.live import LiveTerminal, Typed, can_stand
+from tactometry.rigs.experimenter.status import StatusLine, status_words
+from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
+from tactometry.session.answer import Done
+from tactometry.session.event import Event
+from tactometry.session.progress import PartAhead, Progress
+from tactometry.session.request import Record
+from tactometry.trials.trial import Trial
+
+pyte = pytest.importorskip("pyte", reason="no pyte: pip install pyte")
+
+TRIAL = Trial(1, 1, {"frequency_hz": 60.0}, "staircase", 12.0, "dB re 1 V", "yes_no", 1)
+PARTS = (PartAhead({"frequency_hz": 60.0}, 20, 100.0, 5), PartAhead({"frequency_hz": 240.0}, 20, 100.0, 5))
+HIGH = 60
+
+
+class Seen:
+    """What stands on a terminal whose other end is `master`."""
+
+    def __init__(self, master, width=100):
+        self.screen = pyte.Screen(width, HIGH)
+        self._stream, self.master = pyte.ByteStream(self.screen), master
+        self.data = b""
+
+    def rows(self):
+        """The rows that are not empty."""
+        while select.select([self.master], [], [], 0)[0]:
+            try:
+                data = os.read(self.master, 4096)
+            except OSError:  # the program has ended
+                break
+            self.data += data
+            self._stream.feed(data)
+        return [row.rstrip() for row in self.screen.display if row.strip()]
+
+    def until(self, holds, longest_s=LONGEST_WAIT_S):
+        end_s = time.monotonic() + longest_s
+        while not holds(found := self.rows()):
+            assert time.monotonic() < end_s, found
+            time.sleep(0.01)
+        return found
+
+
+@pytest.fixture
+def desk(monkeypatch):
+    """A terminal on a real pseudo-terminal, what is seen there, and its file."""
+    monkeypatch.setenv("TERM", "xterm")
+    master, slave = pty.openpty()
+    termios.tcsetwinsize(slave, (HIGH, 100))
+    source, output = open(slave, closefd=False), open(slave, "w", closefd=False)  # noqa: SIM115
+    terminal = LiveTerminal(source, output)
+    yield terminal, Seen(master), slave
+    terminal.close()
+    source.close()
+    output.close()
+    os.close(slave)
+    os.close(master)
+
+
+def test_the_status_stands_below_what_is_told_and_above_what_is_typed(desk):
+    terminal, seen, _ = desk
+    terminal.status("trial 1 of 40")
+    terminal.add("trial 1: tone 12")
+    os.write(seen.master, b"n the hand mo")
+    seen.until(lambda rows: rows[-1] == "> n the hand mo")
+    terminal.tell("a library speaks")
+    terminal.add("played, 1.00 N")
+    assert seen.rows()[-4:] == [
+        "a library speaks",
+        "trial 1: tone 12 | played, 1.00 N",
+        "trial 1 of 40",
+        "> n the hand mo",
+    ]
+    os.write(seen.master, b"ved\x7fed\n")
+    seen.until(lambda rows: rows[-1] == ">")
+    [order] = terminal.orders()
+    assert (order.wish, order.text) == ("note", "the hand moveed")
+    terminal.end_line()
+    terminal.status("trial 2 of 40")
+    assert seen.rows()[-3:] == ["trial 1: tone 12 | played, 1.00 N", "trial 2 of 40", ">"]
+
+
+def test_what_libraries_write_past_python_is_a_line_of_its_own(desk):
+    terminal, seen, slave = desk
+    terminal.close()
+    file = os.dup(slave)
+    with open(slave, closefd=False) as source, open(slave, "w", closefd=False) as output:
+        heard = LiveTerminal(source, output, [file])
+        heard.status("trial 1 of 40")
+        heard.add("trial 1: tone 12")
+        os.write(file, b"ALSA lib pcm.c:8570: underrun occ")
+        os.write(file, b"urred\nand \x1b[2Jmore\n")
+        seen.until(lambda rows: "and [2Jmore" in rows)
+        assert seen.rows()[-5:] == [
+            "ALSA lib pcm.c:8570: underrun occurred",
+            "and [2Jmore",
+            "trial 1: tone 12",
+            "trial 1 of 40",
+            ">",
+        ]
+        os.write(file, b"the last word")
+        heard.close()
+        assert seen.rows()[-2:] == ["trial 1: tone 12", "the last word"]
+        os.write(file, b"a shell's\n")
+        assert seen.rows()[-1] == "a shell's"
+    os.close(file)
+
+
+def test_the_terminal_is_as_it_was_afterwards(desk):
+    terminal, seen, slave = desk
+    during = termios.tcgetattr(slave)[3]
+    terminal.close()
+    after = termios.tcgetattr(slave)[3]
+    assert (bool(during & termios.ECHO), bool(after & termios.ECHO)) == (False, True)
+    terminal.tell("nothing more")
+    assert "nothing more" not in seen.rows()
+
+
+def test_a_narrow_terminal_shows_the_beginning_of_the_status_and_the_end_of_what_is_typed(desk):
+    terminal, seen, slave = desk
+    termios.tcsetwinsize(slave, (HIGH, 20))
+    seen.screen.resize(HIGH, 20)
+    terminal.status("trial 1 of 40 · 3 min left")
+    os.write(seen.master, b"n a remark that is long")
+    seen.until(lambda rows: rows[-2:] == ["trial 1 of 40 · 3…", "…mark that is long"])
+
+
+@given(st.lists(st.sampled_from(["a", "é", "\x7f", "\x1b[A", "\t", "\x15", "n"])))
+def test_what_is_typed_is_what_stands_at_its_end(keys):
+    typed, expected = Typed(), ""
+    for key in keys:
+        expected = {"\x7f": expected[:-1], "\x1b[A": expected, "\t": expected, "\x15": ""}.get(key, expected + key)
+        for letter in key:
+            typed, line = typed.after(letter)
+            assert line is None
+    assert typed == Typed(expected)
+
+
+def test_the_status_says_where_the_session_is_and_what_went_wrong():
+    progress = Progress()
+    for number, answer in ((1, 1), (2, 0)):
+        trial = Trial(**{**vars(TRIAL), "trial": number, "response": answer, "level": 12.0 if number == 1 else None})
+        trial = Trial(**{**vars(trial), "catch": number == 2, "response": 1})
+        progress = progress.after(Record(trial), Done(5.0 * number))
+    progress = progress.after_event(Event("trial", 10.0, facts={"n_frames": 300, "n_dropped_frames": 7}))
+    words = status_words(progress, PARTS)
+    assert words == (
+        "trial 3 of 40 · 4 min left · frequency_hz 60 · last blank · 0 reversals · 1 false alarms of 1 · "
+        "7 frames dropped · 0 gaps"
+    )
+    aborted = progress.after(Record(TRIAL, aborted="block 1 is aborted: so"), Done(20.0))
+    assert "1 aborted" in status_words(aborted, PARTS)
+
+
+def test_before_a_track_is_aborted_it_is_told_once_for_each_presentation(desk):
+    terminal, seen, _ = desk
+    status = StatusLine(terminal, PARTS)
+    for number in range(1, 5):
+        lost = Trial(**{**vars(TRIAL), "attempt": number, "valid": False, "invalid_reason": "too_light"})
+        status.hear(Record(lost), Done(5.0 * number))
+        status.hear_event(Event("remark", 5.0 * number + 1, facts={"text": "x"}))
+    said = [row for row in seen.rows() if row.startswith("!")]
+    assert said == [
+        "! the last 3 touches did not count: 2 more abort this condition",
+        "! the last 4 touches did not count: 1 more aborts this condition",
+    ]
+
+
+def test_a_terminal_that_cannot_be_written_to_by_place_tells_the_status_when_asked(monkeypatch, desk):
+    _, _, slave = desk
+    with open(slave, closefd=False) as source, open(slave, "w", closefd=False) as output:
+        assert can_stand(source, output)
+        monkeypatch.setenv("TERM", "dumb")
+        assert not can_stand(source, output)
+    assert not can_stand(None, sys.stderr)
+    plain = ExperimenterTerminal()
+    plain.status("trial 1 of 40")
+    assert plain.standing == "trial 1 of 40"
+
+
+def test_a_whole_session_has_a_status_that_nothing_tears(display, tmp_path):
+    """The participant answers in the window; the experimenter types meanwhile."""
+    study = tutorial_in(tmp_path, {'duration_s = "500 ms"': 'duration_s = "100 ms"', "repeats = 4": "repeats = 1"})
+    words = [
+        "run",
+        study,
+        "--participant",
+        "P01",
+        "--seed",
+        "1",
+        "--out",
+        tmp_path / "d",
+        "--bench",
+        tmp_path / "b.toml",
+    ]
+    (tmp_path / "b.toml").write_text("[screen]\nfullscreen = false\n")
+    master, slave = pty.openpty()
+    termios.tcsetwinsize(slave, (HIGH, 100))
+    process = subprocess.Popen(
+        [sys.executable, "-m", "tactometry", *map(str, words)],
+        stdin=slave,
+        stdout=slave,
+        stderr=slave,
+        env={**os.environ, "TERM": "xterm"},
+    )
+    os.close(slave)
+    seen = Seen(master)
+    try:
+        seen.until(lambda rows: rows[-2:-1] and rows[-2].startswith("trial 1 of 10"), LONGEST_PROGRAM_S)
+        os.write(master, b"n a remark\nfrog\nn half a re")
+        end_s = time.monotonic() + LONGEST_PROGRAM_S
+        statuses = set()
+        while process.poll() is None:
+            assert time.monotonic() < end_s
+            for key in ("space", "y"):
+                display.tap(key)
+                time.sleep(0.03)
+            rows = seen.rows()
+            if process.poll() is None and rows and rows[-1].startswith("> n half"):
+                statuses.add(rows[-2])
+        rows = seen.rows()
+    finally:
+        process.kill()
+        process.wait()
+        os.close(master)
+    assert process.returncode == 0, rows
+    assert any(row.startswith("trial 1 of 10 · ") for row in statuses), statuses
+    assert all(row.startswith(("trial ", "over")) for row in statuses), statuses
+    assert "noted" in rows
+    assert any(row.startswith("found 'frog', expected one of") for row in rows)
+    assert b"; 2 procedures: " in seen.data
+    assert [row for row in rows if row.startswith("trial 1: ")]
