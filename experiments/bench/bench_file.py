@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from datetime import date
 from functools import partial
+from math import inf
 from pathlib import Path
 from typing import Any
 
@@ -278,7 +279,7 @@ def _scalars(table: Mapping[str, Any]) -> Iterator[tuple[str, Fact]]:
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from ((f"{key}_{inner}", fact) for inner, fact in _scalars(value))
-        elif value is not None and value != ():
+        elif value is not None and value != () and value not in (inf, -inf):  # not stated; JSON has no such number
             yield key, value if isinstance(value, bool | int | float | str) else str(value)
 
 

@@ -1,12 +1,14 @@
 """What a bench file says of devices: read strictly, imported when named, refused when old."""
 
 import json
+import math
 import re
 import subprocess
 import sys
 import tomllib
 from datetime import date
 
+import msgspec
 import numpy as np
 import pytest
 from benches import gain_table, gain_toml
@@ -120,6 +122,14 @@ def test_its_devices_are_guarded_calibrated_and_share_a_reader(tmp_path):
     assert (devices.output.driver.n_channels, devices.output.driver.rate_hz) == (2, 192e3)
     assert devices.force.name == devices.position.name == "lsl force"
     assert list(devices.readers) == ["hand"]
+
+
+def test_what_a_head_holds_of_it_comes_back_from_a_journal_as_it_was(tmp_path):
+    """A count without a bound is not stated: JSON has no such number, and the next sitting was told to differ."""
+    bench = read(tmp_path, WHOLE)
+    told = device_facts(bench, bench.devices(STUDY, TODAY))
+    assert msgspec.json.decode(msgspec.json.encode(told)) == told
+    assert not any(isinstance(value, float) and not math.isfinite(value) for value in told.values())
 
 
 def test_without_a_file_the_bench_is_null_with_the_limits_of_the_study():
