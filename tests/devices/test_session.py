@@ -18,6 +18,7 @@ from window_sitting import any_keys, sit, tactometry
 
 from tactometry.devices.outputs.audio import AudioSettings
 from tactometry.devices.outputs.gain import Gain
+from tactometry.experiments.data_sets.traces import read_traces
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load
@@ -60,6 +61,13 @@ def test_a_session_with_force_and_sound_from_end_to_end(needed, display, alsa, t
     assert sorted(row["valid"] for row in counted) == ["0", *["1"] * N_TRIALS]
     assert {(row["force_mean_n"], row["force_in_band"]) for row in counted} == {("1", "1")}
     check_events(tmp_path / "data", rows)
+    for row in counted:
+        touch = read_traces(tmp_path / "data", int(row["trial"]))[int(row["attempt"]) - 1]
+        held = touch.force.times_s >= touch.answer.gate_s - touch.request.hold_s
+        assert set(touch.force.values[held]) == {1.0}
+        assert touch.answer.gate_s <= touch.answer.onset_s
+        assert touch.force.times_s[-1] >= touch.answer.onset_s + 0.15
+        assert (touch.position, touch.emitted.duration_s) == (None, 0.2)
     [journal] = (tmp_path / "data" / "journals").glob("*.jsonl")
     facts = json.dumps(json.loads(journal.read_text().splitlines()[0]))
     for fact in (

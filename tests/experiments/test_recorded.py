@@ -8,6 +8,8 @@ import pytest
 from command_line import call
 from places import RECORDED
 
+from tactometry.experiments.data_sets.traces import read_traces
+
 DATA_SETS = sorted(path.name for path in RECORDED.iterdir() if path.is_dir())
 SIMULATED = [name for name in DATA_SETS if "bench" not in name and "console" not in name]
 
@@ -35,6 +37,15 @@ def test_it_is_analysed(capsys, name):
     status, said, out = call(capsys, "analyse", RECORDED / name)
     assert (status, said) == (0, "")
     assert out
+
+
+def test_traces_are_read_as_they_were_kept():
+    (first,), (second,) = (read_traces(RECORDED / "format-2-traces-console", trial) for trial in (1, 2))
+    assert [len(touch.force.times_s) for touch in (first, second)] == [901, 1048]
+    assert [len(touch.position.times_s) for touch in (first, second)] == [978, 1081]
+    assert (first.answer.gate_s, first.answer.onset_s) == (1.227363, 1.228066)
+    assert set(first.force.values.tolist()) == {0.3, 1.0, 1.04, 1.27}
+    assert first.emitted.digest() == first.answer.digest
 
 
 @pytest.mark.parametrize("name", SIMULATED)

@@ -3,6 +3,7 @@
 import gzip
 import io
 import json
+import shlex
 import shutil
 import subprocess
 import sys
@@ -46,12 +47,12 @@ PROFILE = "0.2:30,1:100"
 """Released, then held at 1 N, again and again; the emulated finger moves on by one count a sample."""
 
 
-def words(folder, device, bench="", out="d"):
+def words(folder, device, bench="", out="d", changes=None):
     """A session at a console, before a file for an output and a sensor by UDP, as arguments of `run`."""
     text = FILE_BENCH.format(folder=folder / "played", duty=1.0, window_s=60)
     path = folder / "bench.toml"
     path.write_text(text + UDP_HAND.format(port=device.udp_port) + MOVING + bench, encoding="utf-8")
-    study = tutorial_in(folder, SHORT)
+    study = tutorial_in(folder, SHORT | (changes or {}))
     return study, "--participant", "P01", "--rig", "console", "--bench", path, "--out", folder / out
 
 
@@ -344,3 +345,49 @@ def test_touches_whose_samples_are_gone_are_counted(copied):
     courses = touch_courses(copied)
     assert set(courses["n_unread"]) == {1}
     assert courses["n_touches"].max() == n_valid - 1
+
+
+FILL_DISK = """
+import io, sys, shutil
+from tactometry.cli import main
+disk, kept, words = sys.argv[1], sys.argv[2], sys.argv[3:]
+sys.stdin = io.StringIO("1\\n" * 1000)
+try:
+    main(["run", *words, "--out", f"{disk}/d"])
+except SystemExit as end:
+    print("status", end.code, file=sys.stderr)
+shutil.copytree(f"{disk}/d", kept)
+"""
+
+
+@pytest.mark.slow
+def test_a_real_disk_that_fills_costs_no_trial_and_one_sentence(tmp_path, capsys, monkeypatch):
+    """A small disk in a mount namespace of its own, which goes with its process."""
+    device, script, disk = Emulator("udp", tmp_path, profile=PROFILE), tmp_path / "fill.py", tmp_path / "disk"
+    disk.mkdir()
+    script.write_text(FILL_DISK)
+    *rest, _, _ = map(str, words(tmp_path, device, changes={"repeats = 4": "repeats = 60"}))
+    mounted = f"mount -t tmpfs -o size=100k tmpfs {disk} || exit 77; exec "
+    run = shlex.join([sys.executable, str(script), str(disk), str(tmp_path / "kept"), *rest])
+    try:
+        done = subprocess.run(
+            ["unshare", "--mount", "sh", "-c", mounted + run], capture_output=True, text=True, check=False, timeout=600
+        )
+        if done.returncode in (1, 77) and "status" not in done.stderr:
+            pytest.skip("mounting a small disk needs the rights of root")
+        said = [line for line in done.stderr.splitlines() if line.startswith(("tactometry: ", "status "))]
+        assert said[-1] == "status 3", done.stderr
+        (sentence,) = said[:-1]
+        assert "No space left on device), expected room on the disk; all trials before are safe: make room" in sentence
+        assert "Traceback" not in done.stderr
+        n_before = len(trial_rows(tmp_path / "kept"))
+        assert validate(tmp_path / "kept").defects == ()
+        monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 1000))
+        status, errors, _ = call(capsys, "run", *rest, "--out", tmp_path / "kept", "--resume")
+    finally:
+        device.close()
+    assert status == 0, errors
+    rows = trial_rows(tmp_path / "kept")
+    assert len(rows) > n_before >= 3
+    assert validate(tmp_path / "kept").defects == ()
+    assert all(len(touch.force.times_s) for row in rows for touch in read_traces(tmp_path / "kept", int(row["trial"])))

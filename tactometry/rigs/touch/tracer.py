@@ -9,6 +9,7 @@ import numpy as np
 from ...devices.sensors.streamed import StreamedSensor
 from ...session.answer import Adjusted, Played, Touched, TracePart
 from ...session.event import EventLog, TraceKind
+from ...signal import FloatArray
 from ..emitter import Emitter
 
 A = TypeVar("A")
@@ -53,18 +54,20 @@ class Tracer:
         """
         if self._log is None or not isinstance(answer, Played | Touched | Adjusted):
             return answer
-        parts = [self._measured(self._log, kind, sensor) for kind, sensor in self._sensors.items()]
+        tables = {kind: self._read(sensor) for kind, sensor in self._sensors.items()}  # all at once
+        parts = [self._measured(self._log, kind, table) for kind, table in tables.items() if len(table)]
         if not isinstance(answer, Adjusted):  # a level that is set plays on and on: what was emitted is no one signal
-            parts.append(self._emitted(self._log, answer.digest))
-        return replace(answer, trace=tuple(part for part in parts if part is not None))
+            parts += self._emitted(self._log, answer.digest)
+        return replace(answer, trace=tuple(parts))
 
-    def _measured(self, log: EventLog, kind: TraceKind, sensor: StreamedSensor) -> TracePart | None:
+    def _read(self, sensor: StreamedSensor) -> FloatArray:
+        """Stamps of the session beside what was measured, (n_samples, n_columns)."""
         times_s, values = sensor.read()
-        if times_s.size == 0:
-            return None
-        shift_s = self._session_s(0.0)
-        return log.keep_trace(kind, np.column_stack([times_s + shift_s, values]), sensor.reader.source.rate_hz)
+        return np.column_stack([times_s + self._session_s(0.0), values])
 
-    def _emitted(self, log: EventLog, digest: str | None) -> TracePart | None:
+    def _measured(self, log: EventLog, kind: TraceKind, table: FloatArray) -> TracePart:
+        return log.keep_trace(kind, table, self._sensors[kind].reader.source.rate_hz)
+
+    def _emitted(self, log: EventLog, digest: str | None) -> list[TracePart]:
         signal = self._emitter.followed(digest) if self._emitter and digest else None
-        return None if signal is None else log.keep_trace("emitted", signal.samples.T, signal.rate_hz)
+        return [] if signal is None else [log.keep_trace("emitted", signal.samples.T, signal.rate_hz)]
