@@ -25,8 +25,8 @@ class Part(Protocol):
     """A block, or whatever else has a place in a session."""
 
     @property
-    def instructions(self) -> str:
-        """The message that says what to do, once for all parts of its kind."""
+    def instructions(self) -> str | None:
+        """The message that says what to do, before the first part of its kind; None where its page says all."""
 
     @property
     def page(self) -> str:
@@ -58,8 +58,8 @@ class Inquiry:
     factors: Mapping[str, float | str] = field(default_factory=dict)
     condition: Mapping[str, float | str] = field(default_factory=dict)
 
-    instructions = "instructions_rating"
-    page = "block"
+    instructions = None
+    page = "questions"
     tracks = ()
 
     def __post_init__(self) -> None:
@@ -90,44 +90,59 @@ class Inquiry:
         )
 
 
-def _instructions(parts: Sequence[Part]) -> Iterator[Show]:
-    """What to do, once for all parts of a kind."""
-    return map(Show, dict.fromkeys(part.instructions for part in parts))
+def _instructions(parts: Sequence[Part], number: int) -> Iterator[Show]:
+    """What to do, before the first part of a kind."""
+    message = parts[number - 1].instructions
+    if message is not None and message not in [part.instructions for part in parts[: number - 1]]:
+        yield Show(message)
 
 
-def _page(parts: Sequence[Part], number: int, part: Part) -> Show:
-    """The page before a part."""
-    return Show(part.page, {"block": number, "n_blocks": len(parts), **part.factors})
+def _page(parts: Sequence[Part], number: int) -> Show:
+    """The page before a part, which names its place among all parts, and among those that a participant would count."""
+    part = parts[number - 1]
+    counts = {"block": number, "n_blocks": len(parts)}
+    if isinstance(part, Inquiry):
+        return Show(part.page, {**counts, "n_questions": len(part.form.items), **part.factors})
+    counted = [n for n, other in enumerate(parts, 1) if other.page == "block"]
+    at = {"part": sum(n <= number for n in counted), "n_parts": len(counted)}
+    return Show(part.page, {**counts, **at, **part.factors})
 
 
 def pages(parts: Sequence[Part]) -> Iterator[Show]:
     """Every page of a session but those within its parts."""
     yield Show("welcome", {"n_blocks": len(parts)})
-    yield from _instructions(parts)
-    yield from (_page(parts, number, part) for number, part in enumerate(parts, 1))
+    for number in range(1, len(parts) + 1):
+        yield from _instructions(parts, number)
+        yield _page(parts, number)
     yield Show("end")
 
 
 def session(
     parts: Sequence[Part], rng: np.random.Generator, longest_s: float | None = None
 ) -> Course[tuple[Track, ...]]:
-    """All parts in their order, with a page before each, the instructions first, and a last page: how all tracks ended.
+    """All parts in their order, with a page before each, what to do before the first of a kind, and a last page: how
+    all tracks ended.
 
     No part begins later than `longest_s` after the start.
     """
     wanted: list[Intervention] = []
-    begun_s = yield from _begin(parts, wanted)
+    begun: Done = yield Show("welcome", {"n_blocks": len(parts)})
+    wanted += begun.interventions
+    yield from between_blocks(begun.interventions)
     tracks: list[Track] = []
     trial = 1
     for number, part in enumerate(parts, 1):
         if _ends(wanted):
             tracks += [replace(track, begun=False) for track in part.tracks]
             continue
-        shown: Done = yield _page(parts, number, part)
+        said = yield from heard(_instructions(parts, number))
+        wanted += said
+        yield from between_blocks(said)
+        shown: Done = yield _page(parts, number)
         wanted += shown.interventions
         is_skipped = yield from between_blocks(shown.interventions, f"block {number}")
         # Between parts only: a part that has begun comes to its end, or to that of its own time.
-        if longest_s is not None and shown.at_s - begun_s > longest_s:
+        if longest_s is not None and shown.at_s - begun.at_s > longest_s:
             tracks += [replace(track, begun=False) for part in parts[number - 1 :] for track in part.tracks]
             break
         if is_skipped:
@@ -137,15 +152,6 @@ def session(
         tracks += ended
     yield from between_blocks((yield from heard([Show("end")])))
     return tuple(tracks)
-
-
-def _begin(parts: Sequence[Part], wanted: list[Intervention]) -> Course[float]:
-    """The first pages: when they were shown, s."""
-    begun: Done = yield Show("welcome", {"n_blocks": len(parts)})
-    wanted += begun.interventions
-    wanted += yield from heard(_instructions(parts))
-    yield from between_blocks(wanted)
-    return begun.at_s
 
 
 def _ends(wanted: Sequence[Intervention]) -> bool:

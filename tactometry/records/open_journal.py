@@ -14,7 +14,7 @@ from ..files.durable import draft, open_private, put_in_place, read_file, sync_f
 from ..session.answer import Marked
 from ..session.event import Event
 from ..session.replay import Replay
-from ..session.request import Fill, Intervene, Record, Request
+from ..session.request import Fill, Intervene, Record, Request, Show
 from .head import Head
 from .journal import Entry, Line, Recording, checksum, decode_journal, encode, encode_entry, encode_line
 
@@ -25,8 +25,8 @@ LASTING: Final = (Record, Intervene)
 class Journal:
     """A journal that is open for writing, and locked: a second process is refused.
 
-    With `resume`, the journal is cut back to its last recorded trial, or to a page of a questionnaire that was filled
-    in since, and `replay` gives what it holds. What was cut (the torn line, and the requests of the trial that was
+    With `resume`, the journal is cut back to its last recorded trial, or to a page that was read or filled in
+    since, and `replay` gives what it holds. What was cut (the torn line, and the requests of the trial that was
     under way) is returned by `cut`, and kept in the file `interruptions` beside it. Events stay, and marks of the page
     that was under way.
 
@@ -54,7 +54,7 @@ class Journal:
     def _repair(self) -> tuple[Recording, bytes]:
         content = read_file(self.path, "a journal")
         recording = decode_journal(content, self.path)
-        kept_kinds = (*LASTING, Fill) if self._syncs_trials else LASTING
+        kept_kinds = (*LASTING, Fill, Show) if self._syncs_trials else LASTING
         lines = recording.lines if recording.complete else _until_last(kept_kinds, recording.lines)
         kept_lines = content.split(b"\n")[: len(lines) + recording.complete]
         n_bytes = sum(len(line) + 1 for line in kept_lines)

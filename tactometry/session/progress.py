@@ -18,6 +18,8 @@ TURNING: Final = frozenset(("staircase", "weighted_staircase"))
 """Procedures whose levels turn round at reversals."""
 MOST_SHOWN: Final = 12
 """So many touches are kept for who looks at them."""
+COUNTS: Final = ("block", "n_blocks", "part", "n_parts", "n_questions")
+"""What the page before a part says beside its factors."""
 MOST_INTERVALS: Final = 20
 """So many of the last trials say how long one takes."""
 LONGEST_INTERVALS: Final = 5
@@ -258,7 +260,7 @@ class Progress:
         state = replace(self, page=message, at_s=max(self.at_s, at_s))
         if "n_blocks" not in values:
             return state
-        factors = {name: level for name, level in values.items() if name not in ("block", "n_blocks")}
+        factors = {name: level for name, level in values.items() if name not in COUNTS}
         return replace(state, n_parts=int(values["n_blocks"]), part=int(values.get("block", 0)), factors=factors)
 
     def _touched(self, touch: AnsweredTouch) -> "Progress":

@@ -61,6 +61,13 @@ class Replay:
         marked_s = [] if self._marked is None else [self._marked.at_s]
         return float(max([self._lasted_s, *marked_s, *(_ended_s(answer) for _, answer in self._entries[-1:])]))
 
+    def goes_on(self, request: Request[Any]) -> bool:
+        """Whether it holds more than pages that the protocol, which asks for `request`, shows no more."""
+        left = (self._entries[n][0] for n in range(self._next, len(self._entries)))
+        if not _is_page(request) and all(map(_is_page, left)):
+            self._next = len(self._entries)
+        return self.n_left > 0
+
     def taken_up(self, request: Request[Any]) -> Request[Any]:
         """The first request of a sitting that goes on: a page of a questionnaire with the marks that it had."""
         marked = self._marked

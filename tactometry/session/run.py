@@ -47,7 +47,7 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
     recorded = journal.replay
     try:
         request = _advance(course, None)
-        while recorded.n_left:
+        while recorded.goes_on(request):
             request = _advance(course, recorded.answer(request))
         if recorded.elapsed_s:
             rig.resume(recorded.trials, recorded.elapsed_s)
@@ -75,7 +75,7 @@ def replay(course: Course[T], recording: Replay, *, complete: bool = True) -> T 
     """
     try:
         request = _advance(course, None)
-        while complete or recording.n_left:
+        while recording.goes_on(request) or complete:
             request = _advance(course, recording.answer(request))
     except _Ended as end:
         recording.refuse_rest()

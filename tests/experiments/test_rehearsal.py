@@ -43,9 +43,9 @@ FLAWS = {
         '[translations.xx]\nend = "Fin"\n',
         "translations.xx: language: found 'xx', expected",
     ),
-    "number in a questionnaire's part": (
-        f'{BLOCK}[inquiries.end]\nform = "sus"\n',
-        "texts: message 'block': found a place that cannot be filled (Unknown format code 'f'",
+    "number on a questionnaire's page": (
+        '[texts]\nquestions = "{frequency_hz:.1f}"\n[inquiries.end]\nform = "sus"\n',
+        "texts: message 'questions': found a place that cannot be filled (Unknown format code 'f'",
     ),
     "factor that is interleaved": (
         f'{BLOCK}[plan]\ninterleave = ["frequency_hz"]\n',
@@ -56,6 +56,7 @@ SOUND = {
     "places of a part": BLOCK,
     "seconds that are left": '[texts]\nresting = "{left_s} s"\nend = "{left_s}"\nyes = "si"\nfelt = "Alors {{?}}"\n',
     "a language beside": '[texts]\nend = "Bye"\n[translations.fr]\nend = "Fin"\n',
+    "a questionnaire beside": f'{BLOCK}[inquiries.end]\nform = "sus"\n',
     "one part alone": '[texts]\ninstructions_rating = "Rate it"\n',
 }
 

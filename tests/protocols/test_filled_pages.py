@@ -4,6 +4,9 @@ import numpy as np
 import pytest
 
 from tactometry.errors import Diverged
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import builtin, parse
+from tactometry.protocols.session import pages
 from tactometry.protocols.tasks.rating import fill_in
 from tactometry.questionnaire import load, shipped_names
 from tactometry.session.answer import Done, Filled, Marked
@@ -11,6 +14,7 @@ from tactometry.session.replay import Replay
 from tactometry.session.request import Fill, Show, Wait
 from tactometry.session.run import replay
 
+TUTORIAL = builtin()["tutorial"].read_text("utf-8")
 MINI = load("attrakdiff-mini")
 
 
@@ -45,6 +49,20 @@ def test_how_a_page_is_shown_is_no_part_of_what_a_recording_is_held_against():
     assert replay(fill_in(MINI, np.random.default_rng(0), shuffled=False), Replay(entries))
 
 
+def test_a_questionnaire_has_a_page_of_its_own_where_it_comes_and_is_no_part_that_is_counted():
+    study = parse(f'{TUTORIAL}[inquiries.end]\nform = "sus"\n'.encode(), "s.toml")
+    shown = list(pages(wire(study, "s.toml").parts(1, np.random.default_rng(0))))
+    assert [page.message for page in shown] == ["welcome", "instructions_yes_no", "block", "block", "questions", "end"]
+    assert [(page.values["part"], page.values["n_parts"]) for page in shown[2:4]] == [(1, 2), (2, 2)]
+    assert shown[4].values["n_questions"] == 10
+
+
+def test_practice_is_no_part_that_is_counted():
+    practice = "[practice]\nlevels = [40]\nn_correct = 1\nn_of = 1\nn_trials = 4\n"
+    shown = list(pages(wire(parse(f"{TUTORIAL}{practice}".encode(), "s"), "s").parts(1, np.random.default_rng(0))))
+    assert [page.values.get("part") for page in shown if page.message == "block"] == [1, 2]
+
+
 def course_of(*requests):
     for request in requests:  # noqa: UP028 - an iterator alone takes no answers
         yield request
@@ -63,6 +81,12 @@ def test_a_recording_whose_pages_stood_elsewhere_replays(asked):
     recorded = (Show("a"), Show("b"), Wait(1.0), Show("c"), Wait(2.0))
     entries = [(request, Done(float(n))) for n, request in enumerate(recorded)]
     replay(course_of(*asked), Replay(entries))
+
+
+def test_a_recording_that_stopped_at_a_page_which_is_shown_no_more_goes_on():
+    recording = Replay([(Wait(1.0), Done(3.0)), (Show("old"), Done(4.0))])
+    assert replay(course_of(Wait(1.0), Wait(2.0)), recording, complete=False) is None
+    assert recording.n_left == 0
 
 
 def test_a_recording_with_another_request_diverges_however_its_pages_stand():

@@ -73,7 +73,7 @@ def test_a_label_that_nobody_translates_stays_as_it_is():
     ("name", "texts", "values", "message"),
     [
         ("welcom", {}, {}, r"message 'welcom': found no text of this name, .*did you mean 'welcome'\?"),
-        ("block", {}, {"block": 1}, r"message 'block': .*\('n_blocks'\), expected the names block in braces"),
+        ("block", {}, {"part": 1}, r"message 'block': .*\('n_parts'\), expected the names part in braces"),
         ("mine", {"mine": "{0}"}, {}, r"message 'mine': .*expected the names \(none\) in braces"),
         ("mine", {"mine": "{"}, {}, "message 'mine': found a place that cannot be filled"),
         ("mine", {"mine": "{a.b}"}, {"a": 1}, "message 'mine': found a place that cannot be filled"),

@@ -19,6 +19,9 @@ def message_pages(texts, aspect):
         "experimenter": texts.label("experimenter"),
         "block": 2,
         "n_blocks": 21,
+        "part": 2,
+        "n_parts": 21,
+        "n_questions": 28,
         "n_keys": 3,
         "within_s": 10.0,
     }
@@ -27,6 +30,7 @@ def message_pages(texts, aspect):
         "instructions_yes_no",
         "instructions_forced_choice",
         "block",
+        "questions",
         "practice",
         "rest",
         "dry_run_held",
