@@ -35,7 +35,7 @@ def picture_page(words: str, meanings: Mapping[str, str], hint: str, aspect: flo
     `meanings` are those of the parts, by the names of `parts_of`.
     """
     message = layout.message_page("", hint, aspect)
-    numbers = [Text(str(n), *PLACES[part], 0.07) for n, part in enumerate(meanings, 1)]
+    numbers = [Text(str(n), *PLACES[part], layout.BODY / SCALE) for n, part in enumerate(meanings, 1)]
     picture = _scaled([*_touch(meanings), *numbers], -0.25 * layout.MARGIN * aspect - 0.09, 0.0)
     items = (layout.heading(words, 0.39, aspect), *picture, *_legend(tuple(meanings.values()), aspect))
     return Page((*items, message.items[-1]), message.buttons)

@@ -1,0 +1,136 @@
+"""What a participant can read, tell apart and answer: at two metres, without some cones, by keys or mouse."""
+
+import math
+
+import numpy as np
+import pytest
+import screens
+
+from tactometry.rigs.pages import entry, form, layout, page
+from tactometry.rigs.pages.page import Click, KeyDown, Page, Text
+from tactometry.rigs.texts import languages, texts_in
+
+READ_AT_M, LEAST_ARCMIN = 2.0, 20.0
+SAID_ON_M, ALL_ON_M = 0.40, 0.52
+"""Heights of screens: of 32 inches, and of 42 (16:9)."""
+
+
+@pytest.fixture(scope="module")
+def capital(screen):
+    """The height of a capital letter, as it is drawn, in heights of its text."""
+    drawn = np.asarray(screen.picture(Page((Text("H", 0, 0, 0.5),))).convert("L"))
+    lit = np.flatnonzero((drawn > drawn[0, 0] + 50).any(axis=1))
+    return (lit[-1] - lit[0] + 1) / drawn.shape[0] / 0.5
+
+
+def arcmin(letter_m):
+    return 60 * math.degrees(math.atan(letter_m / READ_AT_M))
+
+
+def texts_on(shown):
+    return [item for item in shown.items if isinstance(item, Text) and item.words.strip()]
+
+
+@pytest.mark.parametrize("language", languages())
+def test_what_is_said_has_letters_of_20_arc_minutes_at_two_metres(capital, language):
+    """On a screen of 0.40 m; with hints and the words of questionnaires on one of 0.52 m."""
+    said = [item.height for shown in screens.all_pages(language, 16 / 9).values() for item in texts_on(shown)]
+    large = [height for height in said if height != layout.HINT]
+    assert len(large) > 50
+    assert arcmin(capital * min(large) * SAID_ON_M) >= LEAST_ARCMIN
+    assert arcmin(capital * min(*said, form.WORDS) * ALL_ON_M) >= LEAST_ARCMIN
+
+
+# From linear red, green, blue of sRGB to what is left without a kind of cone, by the method of Vienot, Brettel and
+# Mollon (1999), Color Research and Application 24, 243-252
+WITHOUT = {
+    "all cones": np.eye(3),
+    "L": np.array([[0.11238, 0.88762, 0.0], [0.11238, 0.88762, 0.0], [0.00401, -0.00401, 1.0]]),
+    "M": np.array([[0.29275, 0.70725, 0.0], [0.29275, 0.70725, 0.0], [-0.02234, 0.02234, 1.0]]),
+}
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+
+
+def linear(colour):
+    parts = np.array([int(colour[k : k + 2], 16) for k in (1, 3, 5)]) / 255
+    return np.where(parts <= 0.04045, parts / 12.92, ((parts + 0.055) / 1.055) ** 2.4)
+
+
+def contrast(one, other, cones):
+    """The ratio of luminances of WCAG 2, from 1 to 21."""
+    low, high = sorted(float(LUMINANCE @ (WITHOUT[cones] @ linear(colour))) for colour in (one, other))
+    return (high + 0.05) / (low + 0.05)
+
+
+@pytest.mark.parametrize("cones", WITHOUT)
+def test_every_colour_stands_out_from_the_ground_whatever_cones_there_are(cones):
+    """Letters by 4.5, lines by 3: the least of WCAG 2.1, 1.4.3 and 1.4.11."""
+    for colour in (page.INK, page.QUIET, page.ACCENT, page.GOOD):
+        assert contrast(colour, page.PAPER, cones) >= 4.5, colour
+    assert contrast(page.EDGE, page.PAPER, cones) >= 3
+    assert contrast(page.PAPER, page.ACCENT, cones) >= 4.5, "the number in a filled circle"
+
+
+def shapes(shown):
+    return sorted((type(item).__name__, item.fill is None) for item in shown.items if not isinstance(item, Text))
+
+
+def test_what_a_colour_tells_a_shape_tells_too():
+    """Playing or not, held or not, marked or not, held beside the band or not."""
+    ready, playing = (layout.marker_page(1, playing=on) for on in (False, True))
+    assert shapes(ready) != shapes(playing)
+    held, light = (layout.force_page(ready, force_n, 1.0, 0.2) for force_n in (1.0, 0.5))
+    assert shapes(held) != shapes(light)
+    scale = layout.Scale("", "a", "b", "", n_positions=7, rings=True)
+    assert shapes(layout.scale_page(scale, None, 1.6)) != shapes(layout.scale_page(scale, 3, 1.6))
+
+
+def by_mouse(shown):
+    clicked = [button for button in shown.buttons if button.width]
+    return {shown.answer(Click(button.x, button.y, 0.0)) for button in clicked}
+
+
+SEVEN = layout.Scale("warm?", "cold", "warm", "hint", n_positions=7, rings=True)
+BOTH_WAYS = {
+    "message": layout.message_page("Heading\n\nbody", "hint", 1.6),
+    "question": layout.question_page("which?", (1, 2, 3, 4), ("1", "2", "3", "4"), "hint", 1.6),
+    "number": entry.entry_page("how strong?", "12", "hint", 1.6, ready=True),
+    "adjustment": layout.adjust_page("set", "hint", 1.6),
+    "picture": screens.picture_pages(texts_in("en", {}), 1.6)["how_slide"],
+}
+
+
+@pytest.mark.parametrize("name", BOTH_WAYS)
+def test_every_answer_is_given_by_keys_alone_and_by_the_mouse_alone(name):
+    shown = BOTH_WAYS[name]
+    answers = {button.answer for button in shown.buttons}
+    assert answers == by_mouse(shown)
+    assert answers == {button.answer for button in shown.buttons if button.keys}
+
+
+@pytest.mark.parametrize("place", range(7))
+def test_every_place_of_a_scale_is_reached_by_arrows_alone_and_by_the_mouse_alone(place):
+    """As a touch screen has no keys: its touches are presses of the mouse."""
+    mark = None
+    for key in ["right"] * 8 + ["left"] * (6 - place):
+        mark, _ = SEVEN.after(mark, layout.scale_page(SEVEN, mark, 1.6).answer(KeyDown(key, 0.0)))
+    assert mark == place
+    blank = layout.scale_page(SEVEN, None, 1.6)
+    clicked, _ = SEVEN.after(None, blank.answer(Click(*at(blank, place), 0.0)))
+    shown = layout.scale_page(SEVEN, clicked, 1.6)
+    assert SEVEN.after(clicked, shown.answer(Click(*at(shown, layout.CONFIRM), 0.0))) == (place, True)
+
+
+def at(shown, answer):
+    """Where a press of the mouse gives this answer."""
+    places = ((x / 100, y / 100) for x in range(-80, 81) for y in range(-50, 51))
+    return next(place for place in places if shown.answer(Click(*place, 0.0)) == answer)
+
+
+def test_a_form_is_filled_and_left_by_the_mouse_alone():
+    asked = form.Form((("", "a", "b"), ("", "c", "d")), n_positions=7, rings=True, words=form.FormWords("", ""))
+    marks = form.begun((None, None))
+    for answer in ((0, 3), (1, 6), layout.CONFIRM):
+        shown = form.form_page(asked, marks, 1.6)
+        marks, left = form.after(asked, marks, shown.answer(Click(*at(shown, answer), 0.0)))
+    assert (marks.places, left) == ((3, 6), True)
