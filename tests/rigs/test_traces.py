@@ -148,6 +148,7 @@ def test_traces_are_kept_as_the_bench_file_says(tmp_path, capsys, monkeypatch):
     assert (status, "bench.toml" in errors, "speed" in errors) == (2, True, True)
 
 
+@pytest.mark.slow
 def test_a_session_without_traces_has_no_folder_for_them(tmp_path, capsys, monkeypatch):
     status, errors = sit(tmp_path, capsys, monkeypatch, bench="[traces]\nposition = false\nforce = false\n")
     assert status == 0, errors
