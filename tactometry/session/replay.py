@@ -1,6 +1,6 @@
 """A recording that answers, if it is asked what was asked then."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from dataclasses import fields, is_dataclass, replace
 from itertools import takewhile
 from typing import Any
@@ -8,7 +8,7 @@ from typing import Any
 from ..errors import Diverged
 from ..trials.trial import Trial, without
 from .answer import Answer, Done, Marked
-from .request import A, Fill, Intervene, Record, Request, Show
+from .request import A, Fill, Intervene, Question, Record, Request, Show
 
 OF_RECORDING = "use the study, the seed and the version of the recording"
 
@@ -28,7 +28,8 @@ class Replay:
     stood on a page of a questionnaire when it was interrupted.
 
     A page that is only shown is no answer to anything: one that the recording holds and the protocol does not show, or
-    the other way round, is passed over, so that a later version may say more, or in another place.
+    the other way round, is passed over, so that a later version may say more, or in another place. Nor do words of a
+    questionnaire differ that are of a language which the recording does not know.
     """
 
     def __init__(
@@ -103,6 +104,7 @@ class Replay:
             return Done(self._at_s)  # type: ignore[return-value]
         self._next += n_passed
         recorded, answer = self._entries[self._next]
+        asked = _in_its_languages(asked, recorded)
         if asked != recorded:
             raise self._divergence(f"{difference(recorded, asked)}; {OF_RECORDING}")
         self._next += 1
@@ -117,6 +119,19 @@ class Replay:
         if isinstance(asked, Show):
             return pages.index(asked) if asked in pages else None
         return min(len(pages), self.n_left - 1)
+
+
+def _in_its_languages(asked: Request[Any], recorded: Request[Any]) -> Request[Any]:
+    """What is asked, with the words of a questionnaire in the languages that a recorded page holds."""
+    if not (isinstance(asked, Fill) and isinstance(recorded, Fill) and len(asked.questions) == len(recorded.questions)):
+        return asked
+    pairs = zip(asked.questions, recorded.questions, strict=True)
+    return replace(asked, questions=tuple(_in_languages(question, then.words) for question, then in pairs))
+
+
+def _in_languages(question: Question, languages: Container[str]) -> Question:
+    words = {language: said for language, said in question.words.items() if language in languages}
+    return replace(question, words=words)
 
 
 def _is_page(request: Request[Any]) -> bool:

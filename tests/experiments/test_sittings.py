@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from places import RECORDED
-from sound_sitting import SOUND, sit
+from sound_sitting import SOUND, Attended, sit
 from tutorial_session import EXPERIMENT, STUDY, TOML, WHO, journal_of
 
 from tactometry.analysis.pipeline import analyse
@@ -62,6 +62,19 @@ def test_sittings_in_which_no_trial_was_finished_are_not_forgotten(tmp_path):
         200.0,
     ]
     assert validate(tmp_path).defects == ()
+
+
+def test_pages_that_were_read_do_not_come_again(tmp_path, monkeypatch):
+    """Interrupted in the first touch: welcome and instructions are behind."""
+    asked, answer = [], Attended.answer
+    monkeypatch.setattr(Attended, "answer", lambda rig, request: (asked.append(request), answer(rig, request))[1])
+    sit(tmp_path, SOUND, stops_at=1)
+    *read_before, interrupted = asked
+    sit(tmp_path, SOUND, resume=True)
+    assert [request.message for request in read_before] == ["welcome", "instructions_yes_no", "block"]
+    assert asked[len(read_before) + 1] == interrupted
+    assert validate(tmp_path).defects == ()
+    assert replay_data_set(tmp_path)[0].complete
 
 
 def test_a_complete_session_gets_no_other_head(tmp_path):
