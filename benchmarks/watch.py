@@ -1,9 +1,10 @@
 """What a page costs that follows a session of three hours: `python benchmarks/watch.py`.
 
-A journal of more than 2 000 trials (one in 5 s) with the events of a bench is written; its last trials one by one, at
-the pace of a session, while the page is served and a browser's connection is open. Prints the processor time of the
-server's process until the whole journal is seen, and from then on as a share of one core. `--n-live` and `--pace-s`
-choose fewer or faster trials at the end; the share is that of one trial in 5 s.
+A journal of more than 2 000 trials (one in 5 s) with the events and the traces of a bench (three seconds of force and
+place of each touch, at 1 kHz) is written; its last trials one by one, at the pace of a session, while the page is
+served and a browser's connection is open. Prints the processor time of the server's process until the whole journal is
+seen, and from then on as a share of one core. `--n-live` and `--pace-s` choose fewer or faster trials at the end; the
+share is that of one trial in 5 s.
 """
 
 import argparse
@@ -15,17 +16,22 @@ import tempfile
 import threading
 import time
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from http.client import HTTPConnection
 from pathlib import Path
 from urllib.parse import urlsplit
+
+import numpy as np
 
 from tactometry.experiments.sessions.recording import Who, record, simulated
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load, parse
 from tactometry.files.durable import make_folder
-from tactometry.records.data_set import sessions
+from tactometry.records.data_set import Session, sessions
 from tactometry.records.journal import Entry, Line, read
 from tactometry.records.open_journal import Journal
+from tactometry.records.traces import TraceFiles
+from tactometry.session.answer import Touched
 from tactometry.session.event import Event
 from tactometry.session.request import Record
 
@@ -41,11 +47,20 @@ def long_session(root: Path, n_trials: int) -> tuple[Line, ...]:
     return read(sessions(root)[0]).lines
 
 
-def write(journal: Journal, lines: Sequence[Line]) -> Iterator[None]:
+def traced(answer: object, traces: TraceFiles) -> object:
+    """An answer with samples of a touch of three seconds."""
+    if not isinstance(answer, Touched):
+        return answer
+    times_s = answer.onset_s + np.linspace(-2.0, 1.0, 3000)
+    force, place = (np.column_stack([times_s, size + size * np.sin(times_s)]) for size in (1.0, 0.05))
+    return replace(answer, trace=(traces.keep("force", force, 1000.0), traces.keep("position", place, 1000.0)))
+
+
+def write(journal: Journal, lines: Sequence[Line], traces: TraceFiles) -> Iterator[None]:
     """Write lines as a bench does, with its events; yields behind each trial."""
     for line in lines:
         if isinstance(line, Entry):
-            journal.append(*line)
+            journal.append(line.request, traced(line.answer, traces))
             if isinstance(line.request, Record):
                 trial, at_s = line.request.trial, line.answer.at_s
                 facts = {"block": trial.block, "trial": trial.trial, "n_frames": 300, "n_dropped_frames": 0}
@@ -73,7 +88,9 @@ def listen(url: str, seen: list[int]) -> None:
         seen.append(len(line))
 
 
-def measure(root: Path, journal: Journal, live: Sequence[Line], pace_s: float) -> tuple[float, float, int]:
+def measure(
+    root: Path, journal: Journal, live: Sequence[Line], traces: TraceFiles, pace_s: float
+) -> tuple[float, float, int]:
     """Processor time until all is seen, processor time of each live trial, and how many bytes were sent for it."""
     command = [sys.executable, "-m", "tactometry", "watch", str(root)]
     seen: list[int] = []
@@ -85,7 +102,7 @@ def measure(root: Path, journal: Journal, live: Sequence[Line], pace_s: float) -
                 time.sleep(0.1)
             time.sleep(3.0)
             before_s, n_sent, n_trials = cpu_s(watch.pid), sum(seen), 0
-            for _ in write(journal, live):
+            for _ in write(journal, live, traces):
                 n_trials += 1
                 time.sleep(pace_s)
             return before_s, (cpu_s(watch.pid) - before_s) / n_trials, (sum(seen) - n_sent) // n_trials
@@ -124,8 +141,9 @@ def main() -> None:
         path = root / "journals" / sessions(Path(folder) / "simulated")[0].name
         journal = Journal(path, resume=False, syncs_trials=False)
         journal.begin(lines[0])  # type: ignore[arg-type]
-        n_before = sum(1 for _ in write(journal, lines[1:begin]))
-        whole_s, trial_s, n_bytes = measure(root, journal, lines[begin:], asked.pace_s)
+        traces = TraceFiles(root, Session("P01", 1, "electrovibration-threshold"))
+        n_before = sum(1 for _ in write(journal, lines[1:begin], traces))
+        whole_s, trial_s, n_bytes = measure(root, journal, lines[begin:], traces, asked.pace_s)
         share = trial_s / TRIAL_S
         print(
             f"Python {platform.python_version()}, {platform.machine()}; {n_before} trials, {path.stat().st_size} bytes"
@@ -135,6 +153,7 @@ def main() -> None:
             f"each trial with a page open: {1e3 * trial_s:.1f} ms, {n_bytes} bytes sent: {100 * share:.2f} % of a core"
         )
         print(f"without a page open: {100 * idle_share(root, 10.0):.2f} % of a core")
+        traces.close()
         journal.close()
 
 

@@ -14,8 +14,8 @@ from .watcher import Watcher
 if TYPE_CHECKING:  # the libraries of the analysis take seconds to load, and the address is to be told at once
     from .curve import Answers
 
-CURVE_EVERY_S = 4.0
-"""A posterior takes 40 ms: 1 % of a core."""
+CURVE_EVERY_S = 8.0
+"""A posterior takes 40 ms: half a per cent of a core."""
 
 
 class Scenery:

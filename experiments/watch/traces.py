@@ -14,7 +14,7 @@ from tactometry.signal import FloatArray
 from .drawn import TouchDrawn
 from .plots import Plot, samples_plot
 
-MOST_BINS = 250
+MOST_BINS = 150
 LABELS = {"force": ("Force", "force (N)"), "position": ("Position", "position (m)")}
 
 

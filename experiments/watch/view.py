@@ -195,23 +195,32 @@ def reasons(progress: Progress) -> str:
 def quality(progress: Progress) -> Iterator[Named]:
     """How well screen, output and sensors do."""
     if progress.n_frames:
-        share = progress.n_dropped_frames / progress.n_frames
-        value = f"{progress.n_dropped_frames} of {progress.n_frames} ({100 * share:.2g} %)"
+        n_due = progress.n_frames + progress.n_dropped_frames
+        share = progress.n_dropped_frames / n_due
+        value = f"{progress.n_dropped_frames} of {n_due} that were due ({100 * share:.2g} %)"
         yield Named("Dropped frames", value, share > MOST_DROPPED)
     yield Named("Gaps in the output", str(progress.n_gaps), progress.n_gaps > 0)
     n_lost = progress.reasons.get("sensor_lost", 0)
     yield Named("Touches with a silent sensor", str(n_lost), n_lost > 0)
     names = {"gate_delay_s": "From gate to decision", "key_to_record_s": "From key to disk"}
     for key, (last_s, longest_s) in progress.timing.items():
-        yield Named(names[key], f"{1e3 * last_s:.3g} ms, longest {1e3 * longest_s:.3g} ms")
+        yield Named(names[key], f"{_ms(last_s)}, longest {_ms(longest_s)}")
     for device, facts in progress.clocks.items():
         yield Named(f"Clock of {device}", _clock(facts))
 
 
+def _ms(lasting_s: float) -> str:
+    """
+    >>> _ms(0.0123), _ms(1.7349)
+    ('12.3 ms', '1735 ms')
+    """
+    return f"{1e3 * lasting_s:.{1 if lasting_s < 0.1 else 0}f} ms"
+
+
 def _clock(facts: Mapping[str, Fact]) -> str:
+    """What is known of a clock: its drift, from the second block of a sitting on."""
     drift = facts.get("clock_drift")
-    told = "" if not isinstance(drift, int | float) else f", drift {1e6 * drift:.3g} µs/s"
-    return f"offset {facts.get('clock_offset_s')} s{told}"
+    return f"drift {1e6 * drift:.3g} µs/s" if isinstance(drift, int | float) else "drift not known yet"
 
 
 def devices(sight: Sight) -> Iterator[Named]:

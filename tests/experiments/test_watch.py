@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, strategies as st
 from places import ROOT
 from tutorial_session import journal_of, live
 from watched import watched
@@ -15,7 +16,7 @@ from tactometry.experiments.watch import view
 from tactometry.experiments.watch.curve import answers_of, band_of, curve_plot
 from tactometry.experiments.watch.drawn import Drawn, TouchDrawn
 from tactometry.experiments.watch.page import sections
-from tactometry.experiments.watch.plots import levels_plot, ruler_over, samples_plot
+from tactometry.experiments.watch.plots import MOST_TICKS, levels_plot, ruler_over, samples_plot
 from tactometry.experiments.watch.sight import Sight
 from tactometry.experiments.watch.traces import MOST_BINS, draw_touch, thinned
 from tactometry.experiments.watch.watcher import LOOK_AROUND_S, TRY_AGAIN_S, Watcher
@@ -169,7 +170,7 @@ def test_each_reason_has_its_words():
 def test_what_is_not_as_it_should_be_is_marked():
     progress = Progress(n_frames=1000, n_dropped_frames=50, n_gaps=2, reasons={"sensor_lost": 1})
     assert [row.mark for row in view.quality(progress)] == [True, True, True]
-    assert not any(row.mark for row in view.quality(Progress(n_frames=1000, n_dropped_frames=3)))
+    assert not any(row.mark for row in view.quality(Progress(n_frames=1000, n_dropped_frames=9)))
 
 
 def test_what_a_person_wrote_is_text_and_no_html():
@@ -219,6 +220,13 @@ def test_marks_lie_where_the_axes_say():
 def test_one_value_has_an_axis_too():
     assert ruler_over([3.0], 0.0, 10.0).at(3.0) == 5.0
     assert ruler_over([], 0.0, 10.0).ticks
+
+
+@given(low=st.floats(-1e6, 1e6), exponent=st.floats(-4, 6), share=st.floats(0, 1))
+def test_every_axis_has_some_round_ticks_within_it(low, exponent, share):
+    ruler = ruler_over([low, low + 10.0**exponent], 0.0, 100.0, margin=share)
+    assert 2 <= len(ruler.ticks) <= MOST_TICKS
+    assert all(ruler.low - 1e-6 <= tick <= ruler.high + 1e-6 for tick in ruler.ticks)
 
 
 def test_samples_that_were_lost_leave_no_line():

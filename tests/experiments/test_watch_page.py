@@ -71,7 +71,7 @@ def test_a_screen_reader_is_told_what_the_page_shows(tab, content, path):
         told = tab.named()
     regions = [name for role, name in told if role == "region"]
     assert regions == [
-        *("Where the session stands", "Levels", "Psychometric curve", "The last touch", "Touches"),
+        *("Where the session stands", "Levels", "Touches", "Psychometric curve", "The last touch"),
         *("Screen, output and sensors", "Conditions"),
     ]
     assert ("heading", "P01, session 1: tutorial") in told
