@@ -8,6 +8,7 @@ from typing import Final, NamedTuple
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidFile, TactometryError, count_of
 from tactometry.files.durable import read_file
+from tactometry.provenance import versions
 from tactometry.records.data_set import keys_of, sessions
 from tactometry.records.head import Head
 from tactometry.records.journal import Entry, Recording, read
@@ -51,6 +52,8 @@ class TouchTrace:
         From the moment at which it was asked for, a minute at most; None where they were not kept.
     emitted : Signal or None
         From the onset on; None where nothing was, or it can't be told any more.
+    unknown : str or None
+        Why it can't.
     """
 
     trial: Trial
@@ -59,6 +62,7 @@ class TouchTrace:
     force: Samples | None
     position: Samples | None
     emitted: Signal | None
+    unknown: str | None = None
 
     @property
     def played(self) -> bool:
@@ -190,7 +194,8 @@ def _read(root: Path, touch: RecordedTouch, bank: Mapping[str, Stimulus]) -> Tou
     stored = parts.get("emitted")
     emitted = _computed(touch, bank) if stored is None else _stored(root, stored)
     along = None if force is None else Samples(force.times_s, force.values[:, 0])
-    return TouchTrace(touch.trial, touch.request, touch.answer, along, position, emitted)
+    unknown = _unknown(touch) if touch.digest is not None and emitted is None else None
+    return TouchTrace(touch.trial, touch.request, touch.answer, along, position, emitted, unknown)
 
 
 def _samples(root: Path, part: TracePart | None) -> Samples | None:
@@ -212,6 +217,22 @@ def _computed(touch: RecordedTouch, bank: Mapping[str, Stimulus]) -> Signal | No
     ramp_s = touch.head.facts.get(RAMP)
     signal = render(bank, touch.request.stimulus, level, None, ramp_s if isinstance(ramp_s, float) else 0.0)
     return signal if signal.digest() == touch.digest else None
+
+
+def _unknown(touch: RecordedTouch) -> str:
+    """Why what was emitted cannot be told."""
+    here = versions()
+    others = [
+        f"{name} {version} (here {here.get(name, 'none')})"
+        for name, version in touch.head.versions.items()
+        if here.get(name) != version
+    ]
+    recorded = f": {', '.join(others)}" if others else ""
+    return (
+        f"the study gives another signal than that of the digest {touch.digest}; it was recorded by another version"
+        f"{recorded}, or on a bench that learnt responses or has a board (give its file); where a simulated finger was "
+        "on a texture is not kept"
+    )
 
 
 def trace_defects(root: Path, recording: Recording) -> Iterator[Defect]:

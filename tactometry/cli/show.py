@@ -64,7 +64,7 @@ def _record(touch: "TouchTrace") -> dict[str, Any]:
         "onset_s": answer.onset_s,
         **known,
         **{f"n_samples_{name}": len(kept.times_s) for name, kept in samples.items() if kept is not None},
-        "emitted": None if emitted is None else repr(emitted),
+        "emitted": repr(emitted) if emitted is not None else touch.unknown and f"unknown: {touch.unknown}",
         "files": [f"{part.file}, byte {part.first_byte} to {part.first_byte + part.n_bytes}" for part in answer.trace],
     }
 

@@ -112,13 +112,16 @@ def test_what_the_row_says_of_a_touch_follows_from_its_trace(recorded):
         assert np.all(forces_n[held] == 1.0)
 
 
-def test_what_was_emitted_is_computed_from_the_study_and_known_by_its_digest(recorded, copied):
+def test_what_was_emitted_is_computed_from_the_study_and_known_by_its_digest(recorded, copied, capsys, tmp_path):
+    shown = ("show", copied, "--trial", 1, "--figure", tmp_path / "t.svg")
     touch, *_ = read_traces(recorded, 1)
     assert touch.emitted.digest() == touch.answer.digest
     study = copied / "study.toml"
     study.write_text(study.read_text("utf-8").replace("frequency_hz = [60]", "frequency_hz = [61]"), "utf-8")
     other, *_ = read_traces(copied, 1)
     assert other.emitted is None  # another signal than the one that was played is none
+    assert other.unknown.startswith(f"the study gives another signal than that of the digest {touch.answer.digest}; ")
+    assert (touch.unknown, f"unknown: {other.unknown}" in output(capsys, *shown)) == (None, True)
     np.testing.assert_array_equal(other.force.values, touch.force.values)
 
 
