@@ -52,6 +52,7 @@ to what a card of 24 bits tells apart."""
 _LEVEL: Final = 4
 """Of compression."""
 _GZIP: Final = zlib.MAX_WBITS + 16
+_PIECE: Final = 2**16
 _AXES: Final = "xyz"
 
 
@@ -110,16 +111,17 @@ def whole_length(content: bytes) -> int:
     >>> whole_length(packed(b"a") + packed(b"b")[:-1]) == len(packed(b"a"))
     True
     """
-    n_whole = 0
-    while n_whole < len(content):
-        unpacker = zlib.decompressobj(_GZIP)
+    at = n_whole = 0
+    unpacker = zlib.decompressobj(_GZIP)
+    while at < len(content):
+        piece = content[at : at + _PIECE]
         try:
-            unpacker.decompress(content[n_whole:])
+            unpacker.decompress(piece)
         except zlib.error:  # no tear, which would end too early: parts behind it are found by their places
             return len(content)
-        if not unpacker.eof:
-            break
-        n_whole = len(content) - len(unpacker.unused_data)
+        at += len(piece) - len(unpacker.unused_data)
+        if unpacker.eof:
+            n_whole, unpacker = at, zlib.decompressobj(_GZIP)
     return n_whole
 
 

@@ -80,6 +80,16 @@ def test_a_whole_member_that_no_journal_names_stays(tmp_path, files):
     assert third.first_byte == first.n_bytes + second.n_bytes
 
 
+def test_members_longer_and_shorter_than_a_piece_are_told_apart():
+    members = [packed(encode_rows("force", touch(seed, n))) for seed, n in enumerate((30_000, 1, 40_000, 3))]
+    ends = np.cumsum([len(member) for member in members]).tolist()
+    content = b"".join(members)
+    assert len(members[0]) > 2**16
+    for end, next_end in zip([0, *ends], ends, strict=False):
+        assert whole_length(content[:next_end]) == next_end
+        assert whole_length(content[: next_end - 1]) == end
+
+
 def test_what_is_damaged_within_a_file_is_no_tear():
     members = [bytearray(packed(encode_rows("force", touch(seed)))) for seed in range(3)]
     members[1][40] ^= 1

@@ -26,7 +26,7 @@ from tactometry.experiments.data_sets.traces import read_traces
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.records.journal import checksum, encode
 from tactometry.rigs.touch.tracer import Tracer
-from tactometry.session.answer import Done, Touched
+from tactometry.session.answer import Adjusted, Done
 
 SHORT = {
     "frequency_hz = [60, 240]": "frequency_hz = [60]",
@@ -227,6 +227,9 @@ def test_a_session_that_was_killed_keeps_the_traces_of_all_its_trials(tmp_path, 
     assert validate(tmp_path / "d").defects == ()
     rows = trial_rows(tmp_path / "d")
     assert all(len(read_traces(tmp_path / "d", int(row["trial"]))[0].force.times_s) > 100 for row in rows)
+    for row in rows:  # the clock of the session goes on in the second sitting
+        times_s, onset_s = read_traces(tmp_path / "d", int(row["trial"]))[0].force.times_s, float(row["onset_s"])
+        assert times_s[0] < onset_s < times_s[-1] + 1.0
     with gzip.open(force) as file:
         assert file.read().count(b"\n") >= 100 * (len(rows) + 1)  # and the one that led to no trial
 
@@ -238,7 +241,7 @@ def test_what_was_said_before_a_touch_does_not_belong_to_it():
     tracer = Tracer({"force": sensor}, None, log, lambda at_s: at_s - 0.5)
     tracer.begin()
     assert tracer.kept(Done(1.0)) == Done(1.0)
-    kept = tracer.kept(Touched(2.0, None, None))
+    kept = tracer.kept(Adjusted(3.0, 2.0, 1.0))
     [(kind, table)] = log.traces
     assert (kind, table.tolist(), len(kept.trace)) == ("force", [[1.5, 6.0]], 1)
 
