@@ -85,6 +85,7 @@ def run_block(block: Block, number: int, first_trial: int, rng: np.random.Genera
     state = begun = BlockState(block.options, block.tracks, first_trial)
     catches = [catch_schedule(block.catch_rate, rng) for _ in block.tracks]
     turn = turns(block.options.interleaving, rng)
+    rested_s: float | None = None
     while open_ := state.open():
         index = turn(open_)
         slot = state.due(index)
@@ -95,15 +96,13 @@ def run_block(block: Block, number: int, first_trial: int, rng: np.random.Genera
         # A row names what its presentation aborts: the state moves on before the row is recorded.
         before, state = state, state.after(slot, outcome)
         wanted = yield from _record_rows(block, number, slot, outcome, before, state)
-        if outcome.valid and state.open() and _is_rest_due(block.options, state.n_valid):  # none after the last trial
+        rested_s = outcome.onset_s if rested_s is None else rested_s
+        since_s = outcome.onset_s - rested_s
+        if outcome.valid and state.open() and block.options.rests(state.n_valid, since_s):  # none after the last trial
             wanted += yield from _rest(block.options)
+            rested_s = None
         state = yield from _intervene(begun, number, state, wanted)
     return state.tracks, state.next_trial
-
-
-def _is_rest_due(options: BlockOptions, n_valid: int) -> bool:
-    """Whether so many valid trials end in a rest."""
-    return options.rest_after is not None and not n_valid % options.rest_after
 
 
 def _rest(options: BlockOptions) -> Course[tuple[Intervention, ...]]:

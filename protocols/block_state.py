@@ -81,6 +81,8 @@ class BlockOptions:
         Say right or wrong after each answer.
     rest_after : int or None
         So many valid trials lie between two rests.
+    rest_every_s : float or None
+        A rest comes after the first valid trial that begins so long after the rest before it, or after the block began.
     rest_s : float or None
         A rest lasts at least so long, counted down.
     longest_s : float or None
@@ -99,6 +101,7 @@ class BlockOptions:
     rest_after: int | None = None
     rest_s: float | None = None
     longest_s: float | None = None
+    rest_every_s: float | None = None
 
     def __post_init__(self) -> None:
         within("BlockOptions", 0, 0.5, catch_rate=self.catch_rate)
@@ -106,7 +109,17 @@ class BlockOptions:
         expect(is_rate, "BlockOptions.catch_rate", f"{self.catch_rate:g}", f"0, or at least {LEAST_RATE:g}")
         one_of("BlockOptions.interleaving", self.interleaving, get_args(Interleaving))
         whole("BlockOptions", lowest=1, n_attempts=self.n_attempts, **without_none({"rest_after": self.rest_after}))
-        positive("BlockOptions", **without_none({"rest_s": self.rest_s, "longest_s": self.longest_s}))
+        times_s = {"rest_s": self.rest_s, "longest_s": self.longest_s, "rest_every_s": self.rest_every_s}
+        positive("BlockOptions", **without_none(times_s))
+
+    def rests(self, n_valid: int, since_s: float) -> bool:
+        """Whether a rest is due after so many valid trials of a block, so long after the last one.
+
+        >>> BlockOptions(rest_after=20).rests(40, since_s=0.0), BlockOptions(rest_every_s=600.0).rests(7, since_s=610.0)
+        (True, True)
+        """
+        by_number = self.rest_after is not None and not n_valid % self.rest_after
+        return by_number or (self.rest_every_s is not None and since_s >= self.rest_every_s)
 
 
 @dataclass(frozen=True)

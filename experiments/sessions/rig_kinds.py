@@ -67,7 +67,7 @@ def bench(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "Rig
     from .recording import RigKind
 
     screen = bench_file.screen
-    texts = texts_in(screen.language, experiment.study.words_in(screen.language))
+    texts = texts_in(screen.language, experiment.words_in(screen.language))
 
     def make(seed: int, log: "EventLog") -> Bench:
         devices = equipment(experiment, bench_file, log)
@@ -98,7 +98,7 @@ def console(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "R
 
     del who
     language = bench_file.screen.language
-    texts = texts_in(language, experiment.study.words_in(language))
+    texts = texts_in(language, experiment.words_in(language))
     if TASKS[experiment.table.kind].sets_level and not isinstance(bench_file.output.settings, NullSettings):
         raise InvalidParameter(
             "--rig: found console, where no level plays while it is set, expected bench for the adjustments of this "

@@ -85,8 +85,10 @@ def duration_s(experiment: Experiment, blocks: list[PlannedBlock]) -> float:
 
 def _longest_block_s(experiment: Experiment, block: PlannedBlock) -> float:
     options, n_trials = experiment.table.options, block.n_trials_at_most
+    trials_s = experiment.study.trial_s * n_trials
     n_rests = (n_trials - 1) // options.rest_after if options.rest_after and n_trials else 0
-    trials_s = experiment.study.trial_s * n_trials + (options.rest_s or 0.0) * n_rests
+    n_rests += 0 if options.rest_every_s is None else int(trials_s / options.rest_every_s)
+    trials_s += (options.rest_s or 0.0) * n_rests
     return min(trials_s + ITEM_S * block.n_items, inf if options.longest_s is None else options.longest_s)
 
 

@@ -41,6 +41,7 @@ from .felt_scene import FeltScene
 from .felt_words import scene_in_words
 from .own_parts import Unseen
 from .procedure_table import practice_of
+from .prompts import messages_of, prompted, texts_of
 from .session_plan import Key, SessionPlan, all_cells, crossing_of, key_of, places_of, stream
 from .study_file import Study
 from .task_table import DECISIONS, TaskTable, form_of, task_of
@@ -75,6 +76,12 @@ class Experiment(SessionPlan):
     @property
     def task(self) -> Task:
         return self.table.task
+
+    def words_in(self, language: str) -> dict[str, str]:
+        """What participants read in a language in place of the shipped words: texts, and above them the prompt."""
+        kind = self.table.kind
+        asked = messages_of(kind, self.table.task_kind.questions)
+        return self.study.words_in(language) | texts_of(self.table.prompt, asked, language)
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
@@ -292,7 +299,10 @@ def _build(study: Study, code_from: Path | None, *, simulated: bool, plays: bool
     table = task_of(study)
     cells = dict(_cells(Wiring(study, code_from, plays=plays), _tracks_per_cell(study, table)))
     crossing_of(study, table.over, study.factors)  # refuses an order that the design cannot have
-    forms = {name: form_of(study, of.form, f"inquiries.{name}.form") for name, of in study.inquiries.items()}
+    forms = {
+        name: prompted(form_of(study, of.form, f"inquiries.{name}.form"), of.prompt)
+        for name, of in study.inquiries.items()
+    }
     questionnaires_of(study.forms)  # those that nothing asks must be sound too
     people = population_of(study.observer, "observer", code_from if simulated else None)
     experiment = Experiment(study, table, cells, practice_of(study.practice), forms, people)

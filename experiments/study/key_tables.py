@@ -30,6 +30,7 @@ from tactometry.stimuli.time_reversal.stimulus.setup import Setup
 from .cells import ELECTROVIBRATION, STIMULI, TOUCHES
 from .keys import Key, KeyTable, keys_of
 from .procedure_table import PROCEDURES
+from .prompts import PromptTable
 from .scene_table import SceneTable
 from .study_file import InquiryTable, PlanTable, Study
 from .task_table import TASKS
@@ -72,6 +73,7 @@ def study_tables() -> Iterator[tuple[str, KeyTable]]:
     yield "`[stimulus.places.NAME]`", KeyTable(Place)
     yield from ((f'`[touch]`, `kind = "{kind}"`', _touch(kind)) for kind in TOUCHES)
     yield "`[task]`, every kind", KeyTable(BlockOptions)
+    yield "`[task]`, every kind: what is asked", KeyTable(PromptTable)
     yield from ((f'`[task]`, `kind = "{kind}"`', table) for kind, table in _tasks())
     yield "`[practice]`", KeyTable(Practice, {"levels": [30.0]}, in_levels=_IN_LEVELS)
     yield "`[plan]`", KeyTable(PlanTable)

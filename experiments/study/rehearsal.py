@@ -64,7 +64,8 @@ def _refuse_idle(experiment: Experiment) -> None:
         expect(is_text, name, "nothing", "a text, which stands in the data set's description")
     if options.rest_s is not None:
         alone = f"{options.rest_s:g} s without rest_after"
-        expect(options.rest_after is not None, "task.rest_s", alone, "both: no rest comes")
+        comes = options.rest_after is not None or options.rest_every_s is not None
+        expect(comes, "task.rest_s", alone, "both, or rest_every_s: no rest comes")
     has_tracks = bool(study.plan.interleave) or experiment.table.task_kind.n_together is not None
     idle = f"{options.interleaving!r} without interleaved tracks"
     has_effect = options.interleaving == "random" or has_tracks

@@ -19,6 +19,9 @@ from tactometry.trials.cell_rules import STUDY
 from tactometry.trials.cells import cell
 from tactometry.trials.columns import RESERVED
 
+from .form_files import with_forms
+from .prompts import Prompt, check_prompt
+
 FOLDER = Path(__file__).parents[1]
 
 
@@ -68,13 +71,15 @@ class PlanTable:
 
 @dataclass(frozen=True)
 class InquiryTable:
-    """A questionnaire on its own, after each block or at the end of the session."""
+    """A questionnaire on its own, after each block or at the end of the session, under its stem or another `prompt`."""
 
     form: str
     after: str = "session"
     shuffled: bool = False
+    prompt: Prompt = ""
 
     def __post_init__(self) -> None:
+        check_prompt(self.prompt, "InquiryTable.prompt")
         one_of("InquiryTable.after", self.after, ("block", "session"))
 
 
@@ -252,7 +257,7 @@ def folder_of(study: str) -> Path:
 
 
 def load(study: str) -> tuple[Study, bytes]:
-    """A study, named or given as a path, with the bytes of its file."""
+    """A study, named or given as a path, with the bytes of its file, questionnaires of files beside it put in place."""
     path = locate(study)
-    content = read_file(path, "a study file", LARGEST_FILE)
+    content = with_forms(read_file(path, "a study file", LARGEST_FILE), path)
     return parse(content, str(path) if study not in builtin() else study), content

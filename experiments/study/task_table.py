@@ -13,6 +13,7 @@ from tactometry.protocols.tasks.task import Over, Task, TaskKind
 from tactometry.questionnaire import Questionnaire, load, questionnaires_of, shipped_names
 from tactometry.trials.tasks import TASKS as TASK_ROWS
 
+from .prompts import Prompt, PromptTable, prompted
 from .study_file import Study, no_such
 
 TASKS: Mapping[str, TaskKind] = {name: resolve(f"tactometry.protocols.tasks.{name}:TASK") for name in TASK_ROWS}
@@ -39,12 +40,14 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
 
 @dataclass(frozen=True)
 class TaskTable:
-    """The table `task`, built: the task, how blocks present it, and the factor that it chooses or pairs over."""
+    """The table `task`, built: the task, how blocks present it, the factor that it chooses or pairs over, and what it
+    asks in words of the study."""
 
     kind: str
     task: Task
     options: BlockOptions
     over: str | None = None
+    prompt: Prompt = ""
 
     @property
     def task_kind(self) -> TaskKind:
@@ -61,11 +64,13 @@ def task_of(study: Study) -> TaskTable:
     """
     task_kind: TaskKind = kind_of(study.task, "task", TASKS)
     common, of_kind = fields_of(BlockOptions), fields_of(task_kind.table)
-    check_keys(study.task, ("kind", *of_kind, *common), "task")
+    of_prompt = fields_of(PromptTable)
+    check_keys(study.task, ("kind", *of_kind, *of_prompt, *common), "task")
+    prompt = build(PromptTable, {key: study.task[key] for key in of_prompt if key in study.task}, "task").prompt
     options = build(BlockOptions, {key: study.task[key] for key in common if key in study.task}, "task")
     keys: Any = build(task_kind.table, {key: study.task[key] for key in of_kind if key in study.task}, "task")
-    task = task_kind.made(keys, lambda name: form_of(study, name, "task.form"))
-    table = TaskTable(study.task["kind"], task, options, keys.over if isinstance(keys, Over) else None)
+    task = task_kind.made(keys, lambda name: prompted(form_of(study, name, "task.form"), prompt))
+    table = TaskTable(study.task["kind"], task, options, keys.over if isinstance(keys, Over) else None, prompt)
     _check(study, table)
     return table
 

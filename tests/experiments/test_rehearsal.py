@@ -87,7 +87,10 @@ def test_a_text_that_cannot_be_shown_is_refused_before_the_first_trial(tmp_path,
 @pytest.mark.parametrize(
     ("key", "message"),
     [
-        ('rest_s = "1 min"', "task.rest_s: found 60 s without rest_after, expected both: no rest comes"),
+        (
+            'rest_s = "1 min"',
+            "task.rest_s: found 60 s without rest_after, expected both, or rest_every_s: no rest comes",
+        ),
         ('interleaving = "balanced"', "task.interleaving: found 'balanced' without interleaved tracks"),
         ("catch_rate = 5e-324", "task.catch_rate: found 4.94066e-324, expected 0, or at least 1e-06"),
     ],
@@ -148,7 +151,7 @@ def test_a_study_that_is_locked_goes_on_with_a_key_that_does_nothing(tmp_path, c
     monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 30))
     status, said, _ = call(capsys, "run", path, "--participant", "P01", "--rig", "console", "--out", data)
     assert status == 0
-    assert "without rest_after, expected both: no rest comes" in said
+    assert "without rest_after, expected both, or rest_every_s: no rest comes" in said
     assert "shipped text" not in said
 
 

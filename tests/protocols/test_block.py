@@ -16,7 +16,7 @@ from tactometry.protocols.block import run_block
 from tactometry.protocols.block_state import BlockOptions, BlockState, Slot, turns
 from tactometry.protocols.tasks.task import Reply, TrialOutcome
 from tactometry.session.answer import Chosen
-from tactometry.session.request import Choose, Press, Show
+from tactometry.session.request import Choose, Press, Record, Show
 from tactometry.session.run import run
 
 
@@ -49,6 +49,22 @@ def test_random_turns_are_those_of_their_seed(seed, n):
 def test_rests_come_after_so_many_valid_trials_and_not_at_the_end():
     _, memory = lived(run_block(two_tracks(rest_after=10), 1, 1, np.random.default_rng(1)))
     assert sum(isinstance(request, Show) for request, _ in memory.entries) == 3
+
+
+def test_rests_come_after_so_long_and_the_time_begins_anew_behind_each():
+    _, memory = lived(run_block(two_tracks(rest_every_s=10.0), 1, 1, np.random.default_rng(1)))
+    rested_s, begun_s = [], []
+    for request, answer in memory.entries:
+        if isinstance(request, Show):
+            rested_s.append(answer.at_s)
+        if isinstance(request, Record):
+            begun_s.append(request.trial.onset_s)
+    assert len(rested_s) >= 2
+    begins = [begun_s[0], *(next(s for s in begun_s if s > rest) for rest in rested_s)]
+    for begin, rest in zip(begins, rested_s, strict=False):
+        last = max(s for s in begun_s if s < rest)
+        assert last - begin >= 10.0
+        assert all(s - begin < 10.0 for s in begun_s if begin <= s < last)
 
 
 def test_a_lost_trial_brings_no_rest():

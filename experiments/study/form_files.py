@@ -1,0 +1,52 @@
+"""Questionnaires of a study that stand in files beside it: put in their place, so that a data set holds all of them."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, Final
+
+from tactometry.arguments.require import expect
+from tactometry.config.strict import check_keys
+from tactometry.config.toml import LARGEST_FILE, errors_in, table_of
+from tactometry.files.durable import read_file
+from tactometry.questionnaire import questionnaire_of
+
+PATH: Final = "path"
+
+
+def with_forms(content: bytes, path: Path) -> bytes:
+    """The bytes of a study file with the tables of the files that its `[forms.NAME]` name by `path`; a study that names
+    none is as it was.
+
+    Raises
+    ------
+    InvalidFile
+        If such a file cannot be read, or is no questionnaire; the sentence opens with it.
+    """
+    forms = table_of(content, str(path), "a study file").get("forms")
+    named = {name: form for name, form in forms.items() if _is_named(form)} if isinstance(forms, Mapping) else {}
+    if not named:
+        return content
+    import tomlkit
+
+    document: Any = tomlkit.parse(content.decode("utf-8-sig"))
+    for name, form in named.items():
+        with errors_in(path):
+            check_keys(form, [PATH], f"forms.{name}")
+            expect(isinstance(form[PATH], str), f"forms.{name}.{PATH}", repr(form[PATH]), "a text, the name of a file")
+        document["forms"][name] = _table_of_file(path.parent / form[PATH], name)
+    return tomlkit.dumps(document).encode()
+
+
+def _is_named(form: object) -> bool:
+    return isinstance(form, Mapping) and PATH in form
+
+
+def _table_of_file(path: Path, name: str) -> dict[str, Any]:
+    """The table of a questionnaire that a study calls `name`."""
+    what = "a questionnaire"
+    table = table_of(read_file(path, what, LARGEST_FILE), str(path), what)
+    with errors_in(path):
+        stated = table.pop("name", name)
+        expect(stated == name, "name", repr(stated), f"{name!r}, as the study calls it; or leave it out")
+        questionnaire_of({"name": name, **table}, "")
+    return table

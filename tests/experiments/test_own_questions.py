@@ -1,0 +1,99 @@
+"""Questions in words of a study, and a questionnaire in a file beside it: the docs' own example goes the whole way."""
+
+import io
+import re
+import shutil
+
+import pytest
+from command_line import call, output
+from places import DOCS
+from tables import trial_rows
+
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import builtin, load
+
+SECTION = (
+    (DOCS / "studies.md").read_text("utf-8").partition("### A questionnaire, and questions, of one's own")[2]
+).partition("\n## ")[0]
+TABLES, FORM = re.findall(r"```toml\n(.*?)```", SECTION, re.S)
+TUTORIAL = builtin()["tutorial"].read_text("utf-8")
+STUDY = TUTORIAL.replace('[task]\nkind = "yes_no"\n', TABLES.partition("\n[inquiries")[0]).replace(
+    "[procedure]", f"[inquiries{TABLES.partition('[inquiries')[2]}\n[procedure]"
+)
+
+
+@pytest.fixture
+def own(tmp_path):
+    (tmp_path / "studies").mkdir()
+    (tmp_path / "studies" / "roughness.toml").write_text(FORM, "utf-8")
+    (tmp_path / "studies" / "own.toml").write_text(STUDY, "utf-8")
+    return tmp_path / "studies" / "own.toml"
+
+
+def test_the_example_is_simulated_replayed_scored_and_exported_without_its_files(own, tmp_path, capsys):
+    root = tmp_path / "d"
+    output(capsys, "simulate", own, "--participants", 3, "--seed", 1, "--out", root)
+    shutil.rmtree(own.parent)
+    rows = [row for row in trial_rows(root) if row["procedure"] == "roughness"]
+    assert {row["item"] for row in rows} == {"rough", "sticky"}
+    assert {row["frequency_hz"] for row in rows} == {"60", "240"}
+    for command in ("validate", "replay"):
+        output(capsys, command, root)
+    assert "Roughness" in output(capsys, "analyse", root)
+    output(capsys, "export", root, "--to", "psychopy", "--out", tmp_path / "e")
+
+
+def test_a_participant_is_asked_in_the_words_of_the_study(own, tmp_path, capsys, monkeypatch):
+    answers = "1\n" * 40
+    monkeypatch.setattr("sys.stdin", io.StringIO(answers + "\n".join(["5"] * 100)))
+    run = ("run", own, "--participant", "P01", "--rig", "console", "--out", tmp_path / "d")
+    _, _, said = call(capsys, *run)
+    assert "Was there a buzz?" in said
+    assert "Did you feel" not in said.partition("[trial 1]")[2]
+    assert "The sheet that you have just touched was ..." in said
+
+
+@pytest.mark.parametrize(("language", "asked"), [("fr", "Y avait-il un bourdonnement ?"), ("nl", "Was there a buzz?")])
+def test_a_prompt_is_that_of_the_language_or_else_the_english_one(own, language, asked):
+    assert wire(load(str(own))[0], "own.toml").words_in(language)["felt"] == asked
+
+
+def test_a_study_without_such_files_keeps_its_bytes():
+    assert load("hybrid-button")[1] == builtin()["hybrid-button"].read_bytes()
+
+
+FLAWS = {
+    "no file": (None, "roughness.toml: cannot be read"),
+    "no TOML": ("low = ", "roughness.toml: found no valid TOML"),
+    "another name": (f'name = "smoothness"\n{FORM}', "roughness.toml, name: found 'smoothness', expected 'roughness'"),
+    "an unknown key": (FORM.replace("steps", "stops"), "roughness.toml, stops: found an unknown key"),
+    "one pole": (FORM.replace('["smooth", "rough"]', '["smooth"]'), "roughness.toml, items[0].poles.en: found "),
+}
+
+
+@pytest.mark.parametrize("flaw", FLAWS)
+def test_a_file_that_is_no_questionnaire_is_refused_by_its_name(own, tmp_path, capsys, flaw):
+    content, message = FLAWS[flaw]
+    form = own.parent / "roughness.toml"
+    form.unlink()
+    if content is not None:
+        form.write_text(content, "utf-8")
+    status, said, _ = call(capsys, "simulate", own, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
+    assert (status, said.count("\n")) == (2, 0)
+    assert message in said
+    assert not (tmp_path / "d").exists()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ('path = "roughness.toml"', 'path = "roughness.toml"\nlow = 1.0', "forms.roughness.low: found an unknown key"),
+        ('path = "roughness.toml"', "path = 3", "forms.roughness.path: found 3, expected a text, the name of a file"),
+        ('prompt = "The sheet', 'prompt = " " # "The sheet', "inquiries.rough.prompt: found a text that says nothing"),
+    ],
+)
+def test_a_table_that_names_no_file_or_says_nothing_is_refused(own, tmp_path, capsys, old, new, message):
+    own.write_text(own.read_text("utf-8").replace(old, new), "utf-8")
+    status, said, _ = call(capsys, "run", own, "--participant", "P01", "--dry-run", "--rig", "simulated")
+    assert status == 2
+    assert message in said
