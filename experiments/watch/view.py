@@ -107,6 +107,8 @@ def where(sight: Sight) -> Iterator[Named]:
         yield Named("False alarms", f"{progress.n_false_alarms} of {count_of(progress.n_catch, 'catch trial')}")
     if progress.page is not None:
         yield Named("Last page", progress.page)
+    if progress.interventions:
+        yield Named("Last order", progress.interventions[-1])
 
 
 def _last(trial: Trial) -> str:

@@ -1,9 +1,10 @@
 """`tactometry watch`."""
 
+import os
 import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 import click
@@ -11,6 +12,8 @@ import click
 from ..arguments.require import expect
 from ..errors import DeviceFailed, InvalidFile
 from .output import data_argument, subcommand
+
+NICENESS = 10
 
 
 @subcommand("watch pilot")
@@ -31,6 +34,8 @@ def command(
     from tactometry.experiments.watch.watcher import Watcher
 
     expect(wait or path.is_dir(), path, "no folder", "a data set, or --wait for one that is yet to come", InvalidFile)
+    with suppress(AttributeError, OSError):  # not everywhere; who looks on takes no time from the session
+        os.nice(NICENESS)
     watcher = Watcher(path, participant, n_session)
     serve(Scenery(watcher), port, click.echo, sys.stdin.buffer if until_input_ends else None)
 

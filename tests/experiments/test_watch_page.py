@@ -19,7 +19,6 @@ from tactometry.cli.watch import watching
 pytest.importorskip("starlette")
 pytest.importorskip("uvicorn")
 pytestmark = pytest.mark.skipif(PROGRAM is None, reason="no Chromium is installed")
-SIZES = ((1920, 1080), (420, 800))
 
 
 @pytest.fixture(scope="module")
@@ -86,8 +85,15 @@ def test_a_screen_reader_is_told_what_the_page_shows(tab, content, path):
     assert [name for role, name in told if role == "progressbar"] == ["Trials of this part", "Trials of the session"]
 
 
-@pytest.mark.parametrize("scheme", ["light", "dark"])
-@pytest.mark.parametrize(("width", "height"), SIZES)
+@pytest.mark.parametrize(
+    ("scheme", "width", "height"),
+    [
+        ("light", 1920, 1080),
+        ("dark", 420, 800),
+        pytest.param("dark", 1920, 1080, marks=pytest.mark.slow),
+        pytest.param("light", 420, 800, marks=pytest.mark.slow),
+    ],
+)
 def test_everything_has_room_and_can_be_read(tab, content, path, scheme, width, height, tmp_path):
     path.write_bytes(whole(content, 60))
     with watched(path.parents[1]) as page:
@@ -121,15 +127,11 @@ CONTRAST = """(() => {
 """The least contrast of a text with what it stands on (WCAG 2.2, relative luminance)."""
 
 
-def test_watch_ends_with_its_input_and_with_ctrl_c(content, path):
+def test_ctrl_c_ends_it_without_a_word(content, path):
     path.write_bytes(content[0])
     command = [sys.executable, "-m", "tactometry", "watch", str(path.parents[1])]
-    with subprocess.Popen([*command, "--until-input-ends"], stdin=subprocess.PIPE, stdout=subprocess.PIPE) as watch:
-        assert watch.stdout.readline().startswith(b"http://127.0.0.1:")
-        watch.stdin.close()
-        assert watch.wait(LONGEST_WAIT_S) == 0
     with subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE) as watch:
-        watch.stdout.readline()
+        assert watch.stdout.readline().startswith(b"http://127.0.0.1:")
         os.kill(watch.pid, signal.SIGINT)
         assert watch.wait(LONGEST_WAIT_S) == 0
         assert watch.stderr.read() == b""
@@ -170,6 +172,7 @@ def test_the_page_of_a_run_that_is_killed_ends_too(tmp_path):
         time.sleep(0.05)
 
 
+@pytest.mark.slow
 def test_run_tells_the_address_of_its_page(tmp_path, capfd):
     words = ["run", "tutorial", "--participant", "P01", "--rig", "simulated", "--out", str(tmp_path / "d"), "--watch"]
     with pytest.raises(SystemExit) as end:
