@@ -116,6 +116,7 @@ class Bench(DeviceRig):
         begin_s = time.perf_counter()
         kind = type(request).__name__.lower()
         self._leave(self._picture(request, f"how_{kind}"))
+        self._terminal.add(f"dry run ({kind})")
         touched, why = None, "dry_run"
         for _ in range(N_DRY_RUNS):
             touched, _ = self._course(replace(request, level=None, interval=None), why).carry_out(None)

@@ -98,6 +98,7 @@ NETWORK = (
     """
 [screen]
 fullscreen = false
+dry_run = false
 [output]
 kind = "file"
 folder = "{folder}"

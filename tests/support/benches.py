@@ -38,6 +38,7 @@ newtons_per_count = 0.01
 FILE_BENCH = """
 [screen]
 fullscreen = false
+dry_run = false
 [output]
 kind = "file"
 folder = "{folder}"

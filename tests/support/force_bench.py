@@ -10,6 +10,7 @@ N_TRIALS = 3
 BENCH = """
 [screen]
 fullscreen = false
+dry_run = false
 [output]
 kind = "audio"
 device = "tofile"

@@ -25,6 +25,7 @@ BENCH = (
     """
 [screen]
 fullscreen = false
+dry_run = false
 [output]
 kind = "audio"
 device = "pulse"
