@@ -6,9 +6,9 @@ from datetime import date
 from functools import partial
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from tactometry.arguments.require import expect, finite, not_zero, one_of, some
+from tactometry.arguments.require import expect, finite, not_zero, one_of, some, whole
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import as_table, build, build_kind, check_keys
 from tactometry.config.toml import errors_in, read_table
@@ -27,13 +27,17 @@ from tactometry.session.request import Fact, Facts
 
 from ..study.study_file import no_such
 
+if TYPE_CHECKING:
+    from tactometry.rigs.window import Window
+
 LONGEST_DELAY_S = 0.05
 """Of a sensor: half of the time after which a silent one is lost (unverified default)."""
 
 
 @dataclass(frozen=True)
 class DisplayTable:
-    """The participant's screen: full screen, or a window of `width_px` x `height_px` pixels; `height_m` as measured.
+    """The participant's screen: full screen, or a window of `width_px` x `height_px` pixels; `height_m` as measured;
+    `screen` is its number, from 0, where several are connected.
 
     Before the first touch of each kind it is shown and tried without a stimulus, unless `dry_run` is false.
     """
@@ -44,13 +48,29 @@ class DisplayTable:
     height_m: float | None = None
     language: str = "en"
     dry_run: bool = True
+    screen: int = 0
 
     def __post_init__(self) -> None:
         expect(self.width_px >= 320, "DisplayTable.width_px", self.width_px, "at least 320 pixels")
         expect(self.height_px >= 320, "DisplayTable.height_px", self.height_px, "at least 320 pixels")
+        whole("DisplayTable", lowest=0, screen=self.screen)
         one_of("DisplayTable.language", self.language, languages())
         if self.height_m is not None:
             expect(0 < self.height_m < 10, "DisplayTable.height_m", f"{self.height_m:g}", "above 0 and below 10 m")
+
+    def window(self) -> "Window":
+        """The window of a participant, open.
+
+        Raises
+        ------
+        InvalidParameter
+            If the screen is not connected.
+        DeviceFailed
+            If it does not open.
+        """
+        from tactometry.rigs.window import Window
+
+        return Window(fullscreen=self.fullscreen, size=(self.width_px, self.height_px), screen=self.screen)
 
 
 @dataclass(frozen=True)

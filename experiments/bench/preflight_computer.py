@@ -4,13 +4,14 @@ import os
 import shutil
 import sys
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from pathlib import Path
 from typing import Final
 
 import numpy as np
 
+from tactometry.rigs.displays import ConnectedScreen
 from tactometry.rigs.frame_timing import timing_of
 from tactometry.rigs.pages.layout import marker_page, message_page
 from tactometry.rigs.pages.page import Display, KeyDown, Page
@@ -85,17 +86,24 @@ def recorder(folder: Path) -> Iterator[Callable[[], None]]:
 
 
 def display(screen: DisplayTable, folder: Path) -> Iterator[Finding]:
-    from tactometry.rigs.window import Window
-
-    with closing(Window(fullscreen=screen.fullscreen, size=(screen.width_px, screen.height_px))) as window:
+    with closing(screen.window()) as window:
         page = marker_page(None, playing=False)
         window.present(page)
         for _ in range(N_FRAMES):
             window.refresh(page)
-        facts, timing = window.facts(), timing_of(window.frame_intervals_s(), window.period_s)
+        facts, screens = window.facts(), window.screens()
+        timing = timing_of(window.frame_intervals_s(), window.period_s)
         pressed = _try_keys(window, screen.language, folder)
+    yield from _screens(screen, screens)
     yield from _screen_findings(screen, facts, timing)
     yield pressed
+
+
+def _screens(screen: DisplayTable, there: Sequence[ConnectedScreen]) -> Iterator[Finding]:
+    """Which screens there are, and which of them is the participant's."""
+    words = "; ".join(map(str, there))
+    taken = f", the participant's is screen {screen.screen}" if len(there) > 1 else ""
+    yield Finding("display", "connected", f"{words}{taken}", fine=True)
 
 
 def key_to_record_s(

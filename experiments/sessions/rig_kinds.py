@@ -61,7 +61,6 @@ def bench(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "Rig
     from tactometry.rigs.experimenter.live import experimenter_terminal
     from tactometry.rigs.experimenter.status import StatusLine
     from tactometry.rigs.texts import texts_in
-    from tactometry.rigs.window import Window
 
     from ..study.dry_run import parts_ahead
     from .recording import RigKind
@@ -77,7 +76,7 @@ def bench(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "Rig
             on_failure.callback(terminal.close)
             status = StatusLine(terminal, parts)
             log.follow(status.hear, status.hear_event)
-            window = Window(fullscreen=screen.fullscreen, size=(screen.width_px, screen.height_px))
+            window = screen.window()
             if window.caution is not None:
                 terminal.tell(window.caution)
             made = Bench(window, devices, texts, log=log, terminal=terminal)

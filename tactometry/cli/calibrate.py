@@ -193,16 +193,16 @@ def display(bar_m: float | None, bench_path: Path | None, *, write: bool) -> Non
     It is half as high as the picture. With --bar-m no window is opened.
     """
     expect(bench_path is not None or not write, "--write", "no bench file", "--bench, the file to write into")
-    load_bench(bench_path)  # what is wrong with it is said before anything is measured
-    found = {"height_m": calibration.display_height_m(_ask_bar_m() if bar_m is None else bar_m)}
+    screen = load_bench(bench_path).screen  # what is wrong with it is said before anything is measured
+    found = {"height_m": calibration.display_height_m(_ask_bar_m(screen.screen) if bar_m is None else bar_m)}
     _tell("screen", found, [], found, bench_path, write=write)
 
 
-def _ask_bar_m() -> float:
+def _ask_bar_m(screen: int) -> float:
     """The bar is seen first, alone; then the terminal asks, which a full screen may have hidden."""
     from ..rigs.window import Window
 
-    with closing(Window(fullscreen=True)) as window:
+    with closing(Window(fullscreen=True, screen=screen)) as window:
         calibration.show_bar(window)
     return float(click.prompt("Length of the bar (m)", type=float, err=True))
 

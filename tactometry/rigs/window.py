@@ -18,6 +18,7 @@ import numpy as np
 from ..arguments.require import expect
 from ..errors import DeviceFailed
 from ..session.request import Facts
+from .displays import ConnectedScreen, check_screen, connected_screens
 from .drawing import Canvas
 from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
 from .keyboard import FreshPresses, HeldKeys, failing_as, keyboard_of_script, open_keyboard
@@ -76,16 +77,28 @@ class Window(Display):
         Take the whole screen; else `size`.
     size : tuple of int, optional
         Width and height in pixels.
+    screen : int
+        Which display, from 0, as PsychoPy counts them.
 
     Raises
     ------
+    InvalidParameter
+        If there is no such display.
     DeviceFailed
-        If there is no display or no keyboard that keeps all presses.
+        If there is none at all, or no keyboard that keeps all presses.
     """
 
-    def __init__(self, *, fullscreen: bool, size: tuple[int, int] | None = None) -> None:
+    def __init__(self, *, fullscreen: bool, size: tuple[int, int] | None = None, screen: int = 0) -> None:
         self._psychopy = load_psychopy()
-        self._begin(_open_window(self._psychopy, fullscreen=fullscreen, size=size), adopted=False)
+        check_screen(screen, self.screens())
+        self._begin(_open_window(self._psychopy, fullscreen=fullscreen, size=size, screen=screen), adopted=False)
+
+    def screens(self) -> tuple[ConnectedScreen, ...]:
+        """The displays that are connected."""
+        with failing_as(
+            "window: found no display", ", expected a screen; start it from a desktop session, or set DISPLAY"
+        ):
+            return connected_screens(self._psychopy.pyglet)
 
     @classmethod
     def adopt(cls, window: Any) -> Self:
@@ -280,7 +293,7 @@ def _mode_of(screen: Any) -> Any:
     return screen.get_mode()
 
 
-def _open_window(psychopy: SimpleNamespace, *, fullscreen: bool, size: tuple[int, int] | None) -> Any:
+def _open_window(psychopy: SimpleNamespace, *, fullscreen: bool, size: tuple[int, int] | None, screen: int) -> Any:
     monitor = psychopy.monitors.Monitor("tactometry", width=UNSTATED_WIDTH_CM, distance=VIEWING_DISTANCE_CM)
     monitor.setSizePix(size or (1280, 800))
     cure = "; check that DISPLAY names a screen with 24-bit colour and OpenGL"
@@ -288,6 +301,7 @@ def _open_window(psychopy: SimpleNamespace, *, fullscreen: bool, size: tuple[int
         return psychopy.visual.Window(
             size=size or (1280, 800),
             fullscr=fullscreen,
+            screen=screen,
             monitor=monitor,
             units="height",
             color=PAPER,
