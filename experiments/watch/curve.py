@@ -13,7 +13,7 @@ from tactometry.session.progress import Progress
 from tactometry.trials.trial import Trial
 
 from .condition import condition_words
-from .plots import BOTTOM, LEFT, RIGHT, TOP, Mark, Plot, Ruler, Stroke, polyline, ruler_over, success
+from .plots import BOTTOM, LEFT, RIGHT, TOP, Mark, Plot, Ruler, Stroke, last_presented, polyline, ruler_over, success
 
 N_PLACES = 61
 FEWEST_ANSWERS = 6
@@ -37,7 +37,7 @@ class Answers:
 
 def answers_of(progress: Progress) -> Answers | None:
     """Those of the present condition, practice left out; None where no curve is fitted to its task, or too few."""
-    last = progress.last
+    last = last_presented(progress)
     if last is None or last.task not in CURVES:
         return None
     rows = list(_rows(progress, last))

@@ -38,7 +38,7 @@ def _values(sight: Sight, drawn: Drawn) -> dict[str, Any]:
         "curve": drawn.curve,
         "touch": drawn.touch,
         "reasons": view.reasons(progress),
-        "unit": "" if progress.last is None else progress.last.level_unit,
+        "unit": view.unit(progress),
         "touches": view.touch_rows(progress),
         "quality": list(view.quality(progress)),
         "devices": list(view.devices(sight)),

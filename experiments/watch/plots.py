@@ -5,7 +5,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from tactometry.analysis.wording import in_unit, plain_text, with_unit
-from tactometry.session.progress import TrackProgress
+from tactometry.session.progress import Progress, TrackProgress
+from tactometry.trials.tasks import TASKS, YES_OR_NO
 from tactometry.trials.trial import Trial
 
 WIDTH, HEIGHT = 640.0, 300.0
@@ -92,11 +93,21 @@ def polyline(x: Ruler, y: Ruler, points: Iterable[tuple[float, float]]) -> str:
     return " ".join(f"{x.at(a):g},{y.at(b):g}" for a, b in points)
 
 
+def last_presented(progress: Progress) -> Trial | None:
+    """The row that was recorded last, answers to a questionnaire on its own left out."""
+    last = progress.last
+    if last is None or not last.is_form:
+        return last
+    ends = (track.presented[-1] for track in progress.tracks.values())
+    return max(ends, key=lambda trial: trial.key, default=None)
+
+
 def success(trial: Trial) -> bool | None:
     """Whether a presentation was felt, or answered correctly; None where the task has no such answer."""
     if trial.correct is not None:
         return trial.correct
-    return bool(trial.response) if trial.response in (0, 1) else None
+    is_yes_or_no = TASKS[trial.task].response is YES_OR_NO and trial.response is not None
+    return trial.response == 1 if is_yes_or_no else None
 
 
 def _kind(trial: Trial) -> str:

@@ -12,7 +12,7 @@ from tactometry.trials.tasks import TASKS, YES_OR_NO
 from tactometry.trials.trial import REASON_WORDS, Trial
 
 from .condition import condition_words
-from .plots import Plot, levels_plot
+from .plots import Plot, last_presented, levels_plot
 from .sight import Sight
 
 MOST_PLOTS = 4
@@ -111,7 +111,15 @@ def where(sight: Sight) -> Iterator[Named]:
         yield Named("Last order", progress.interventions[-1])
 
 
+def unit(progress: Progress) -> str:
+    """That of all levels; empty where they have several, or none."""
+    units = {trial.level_unit for track in progress.tracks.values() for trial in track.presented[:1]}
+    return units.pop() if len(units) == 1 else ""
+
+
 def _last(trial: Trial) -> str:
+    if trial.is_form:
+        return f"{trial.procedure}, {trial.item}: {_answer(trial)}"
     level = "catch trial" if trial.level is None else in_unit(plain_text(trial.level), trial.level_unit)
     return f"number {trial.trial}, {level}: {_answer(trial)}"
 
@@ -128,7 +136,7 @@ def _answer(trial: Trial) -> str:
 
 def level_plots(progress: Progress) -> list[Plot]:
     """A plot for each track of the present block, the present one first."""
-    last = progress.last
+    last = last_presented(progress)
     if last is None:
         return []
     tracks = {name: track for (block, name), track in progress.tracks.items() if block == last.block}
@@ -249,14 +257,18 @@ class ConditionRow:
 
 def condition_rows(progress: Progress) -> list[ConditionRow]:
     """All tracks, the newest first."""
-    present = None if progress.last is None else (progress.last.block, progress.last.track)
+    last = progress.last
+    present = None if last is None or last.is_form else (last.block, last.track)
+    has_one_unit = bool(unit(progress))
     return [
-        _condition_row(key, track, is_present=key == present and not progress.over)
+        _condition_row(key, track, is_present=key == present and not progress.over, with_unit=not has_one_unit)
         for key, track in reversed(list(progress.tracks.items()))
     ]
 
 
-def _condition_row(key: tuple[int, str | None], track: TrackProgress, *, is_present: bool) -> ConditionRow:
+def _condition_row(
+    key: tuple[int, str | None], track: TrackProgress, *, is_present: bool, with_unit: bool
+) -> ConditionRow:
     block, name = key
     last, answered = track.presented[-1], track.answered
     n_valid = sum(trial.valid for trial in track.presented)
@@ -268,6 +280,6 @@ def _condition_row(key: tuple[int, str | None], track: TrackProgress, *, is_pres
         n_valid,
         len(track.presented) - n_valid,
         str(n_reversals) if n_reversals else "",
-        plain_text(answered[-1].level) if answered else "",
+        in_unit(plain_text(answered[-1].level), last.level_unit if with_unit else "") if answered else "",
         state,
     )

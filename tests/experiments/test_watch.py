@@ -199,6 +199,29 @@ def test_the_curve_is_of_the_present_condition_without_practice():
     assert ((band.low <= band.median) & (band.median <= band.high)).all()
 
 
+def test_answers_to_a_questionnaire_are_no_catch_trials_and_leave_the_levels_where_they_were():
+    progress = _with(Progress(), Trial(1, 1, {"f": 1.0}, "staircase", 5.0, "dB", "yes_no", 1), None)
+    form = Trial(2, 2, {"f": 1.0}, "sus", None, "", "rating", 1.0, item="SUS1")
+    sight = Sight("a", progress=_with(progress, form, None))
+    assert {row.name: row.value for row in view.where(sight)}["Last trial"] == "sus, SUS1: 1"
+    assert [mark.kind for mark in view.level_plots(sight.progress)[0].marks] == ["yes"]
+    assert view.unit(sight.progress) == "dB"
+    assert [row.state for row in view.condition_rows(sight.progress)] == [""]
+
+
+def test_levels_of_several_units_each_have_theirs():
+    progress = _with(Progress(), Trial(1, 1, {}, "staircase", 5.0, "dB", "yes_no", 1), None)
+    assert [row.level for row in view.condition_rows(progress)] == ["5"]
+    progress = _with(progress, Trial(2, 2, {}, "staircase", 7.0, "V", "yes_no", 1), None)
+    assert view.unit(progress) == ""
+    assert [row.level for row in view.condition_rows(progress)] == ["7 V", "5 dB"]
+
+
+def test_a_rating_of_one_is_no_yes():
+    progress = _with(Progress(), Trial(1, 1, {}, "attrakdiff", 24.0, "dB", "rating", 1.0, item="PQ1"), None)
+    assert [mark.kind for mark in view.level_plots(progress)[0].marks] == ["neutral"]
+
+
 def test_too_few_answers_have_no_curve():
     progress = _with(Progress(), Trial(1, 1, {}, "staircase", 5.0, "dB", "yes_no", 1), None)
     assert answers_of(progress) is None
