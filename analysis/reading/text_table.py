@@ -6,6 +6,7 @@ Every refusal is one sentence with the file and, where there is one, the row (th
 import csv
 import io
 import json
+from collections.abc import Iterator
 from pathlib import Path
 
 import pandas as pd
@@ -49,7 +50,8 @@ def text_cells(file: Path, separator: str = "") -> pd.DataFrame:
 
 
 def json_cells(text: str, file: Path) -> pd.DataFrame:
-    """Of a table of trials in JSON, as jsPsych saves it: a list with an object for each trial.
+    """Of a table of trials in JSON, as jsPsych saves it: a list with an object for each trial; or several such lists,
+    one after the other, as servers keep them (JATOS).
 
     All values as text, a column for each key, and in the column `row` the place in the list, from 1.
     Numbers stay as they were written, true and false are words, null and what an object has not are empty; a list or
@@ -64,15 +66,30 @@ def json_cells(text: str, file: Path) -> pd.DataFrame:
     [['0.10', 'true', '', 1], ['', '', '', 2]]
     """
     try:
-        trials = json.loads(text, parse_float=str, parse_int=str, parse_constant=str)
+        values = list(_json_values(text))
     except (ValueError, RecursionError) as damage:
         raise InvalidFile(f"{file}: found no valid JSON ({damage}), expected a list of trials") from None
-    if not isinstance(trials, list) or not all(isinstance(trial, dict) for trial in trials) or not trials:
+    lists = [value for value in values if isinstance(value, list)]
+    trials = [trial for each in lists for trial in each]
+    if len(lists) < len(values) or not trials or not all(isinstance(trial, dict) for trial in trials):
         raise InvalidFile(f"{file}: found no list of objects, expected one for each trial, as jsPsych saves them")
     names = list(dict.fromkeys(name.strip() for trial in trials for name in trial))
     cells = [{name.strip(): _json_text(value) for name, value in trial.items()} for trial in trials]
     table = pd.DataFrame([[row.get(name, "") for name in names] for row in cells], columns=names, dtype=str)
     return table.assign(row=range(1, len(trials) + 1))
+
+
+def _json_values(text: str) -> Iterator[object]:
+    """Those of a text, one after the other.
+
+    >>> list(_json_values("[1]" + chr(10) + "[0.10, null] "))
+    [['1'], ['0.10', None]]
+    """
+    decoder, whole, place = json.JSONDecoder(parse_float=str, parse_int=str, parse_constant=str), text.rstrip(), 0
+    while place < len(whole):
+        begin = next(n for n in range(place, len(whole)) if not whole[n].isspace())
+        value, place = decoder.raw_decode(whole, begin)
+        yield value
 
 
 def _json_text(value: object) -> str:

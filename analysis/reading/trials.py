@@ -32,7 +32,7 @@ REQUIRED = ("participant", "level", "task", "response")
 CURVED = tasks_with_level("curve")
 OWN_FILES = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
 """Where trials stand in a data set: our own, then BIDS."""
-FOREIGN_FILES = ("*.csv", "*.tsv", "data/*.csv", "*.json")
+FOREIGN_FILES = ("*.csv", "*.tsv", "data/*.csv", "*.json", "data/*.json")
 """Where they stand in a folder of another program, read through a column map."""
 
 
@@ -107,7 +107,8 @@ def trials_in(
     InvalidFile, InvalidParameter
         As `read_trials`.
     """
-    tables = _with_same_columns({file: _checked_table(table, file) for file, table in texts.items()})
+    same_columns = _with_same_columns if named_by_us else _with_all_columns
+    tables = same_columns({file: _checked_table(table, file) for file, table in texts.items()})
     for file, table in tables.items() if named_by_us else ():  # the names of another program's files are its own
         _refuse_other_code(table, file)
     rows = pd.concat(tables.values(), ignore_index=True)
@@ -175,7 +176,19 @@ def _with_added(table: pd.DataFrame, header: list[str]) -> pd.DataFrame:
     missing = [name for name in header if name in ADDED and name not in table.columns]
     if not missing or set(header) != {*table.columns, *missing}:
         return table
-    return table.assign(**{name: np.nan if name in (*NUMBERS, *COUNTS) else "" for name in missing})[header]
+    return _with_empty(table, missing)[header]
+
+
+def _with_all_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
+    """With the columns of all of them: other programs write a column into a file only where it holds something."""
+    header = list(dict.fromkeys(name for table in tables.values() for name in table.columns))
+    missing = {file: [name for name in header if name not in table.columns] for file, table in tables.items()}
+    return {file: _with_empty(table, missing[file])[header] for file, table in tables.items()}
+
+
+def _with_empty(table: pd.DataFrame, names: list[str]) -> pd.DataFrame:
+    """With columns that hold nothing."""
+    return table.assign(**{name: np.nan if name in (*NUMBERS, *COUNTS, *FLAGS) else "" for name in names})
 
 
 def trial_files(path: Path, forms: Sequence[str] = OWN_FILES) -> list[Path]:

@@ -1,11 +1,10 @@
-"""Data sets for other programs, one function per form: those of Psych-DS and PsychoPy here, BIDS and R beside.
+"""Data sets for other programs, one function per form: those of Psych-DS and PsychoPy here, BIDS, jsPsych and R beside.
 
 A recorded data set is Psych-DS already; here also a single table becomes one, without journals, and names use the
 official keywords only. PsychoPy's experiment handler writes a row per trial, a file per session: for scripts and people
 that read such files, and `columns.toml` beside them reads them back with `--columns`.
 """
 
-import shlex
 from collections.abc import Callable, Mapping, Sequence
 from itertools import chain
 from pathlib import Path
@@ -16,8 +15,9 @@ from tactometry.records.description import KEYWORD
 
 from .bids import bids_files, task_label
 from .exported_traces import traces_as
+from .jspsych import jspsych_files
 from .r_table import r_files
-from .source import ExportedDataSet, delimited_text, json_text, read_source, write_files
+from .source import ExportedDataSet, delimited_text, how_to_read, json_text, read_source, write_files
 
 SCHEMA_VERSION = "Psych-DS 1.5.0"
 RENAMED = {
@@ -85,13 +85,12 @@ def _cell(name: str, text: str) -> str:
 
 
 def _column_map(names: Sequence[str], factors: Sequence[str]) -> str:
-    named = " ".join(",".join(map(cell_text, factors)).split())
-    within = f" --within {shlex.quote(named)}" if factors else ""
     lines = [f'{name} = "{RENAMED[name]}"' for name in names if name in RENAMED and name not in FROM_ZERO]
-    return "\n".join([f"# tactometry analyse . --columns columns.toml{within}", "[columns]", *lines, ""])
+    return "\n".join([how_to_read(factors), "[columns]", *lines, ""])
 
 
 FORMS: Mapping[str, Callable[[ExportedDataSet], dict[str, bytes]]] = {
+    "jspsych": jspsych_files,
     "psych-ds": psychds_files,
     "psychopy": psychopy_files,
     "r": r_files,
@@ -99,7 +98,7 @@ FORMS: Mapping[str, Callable[[ExportedDataSet], dict[str, bytes]]] = {
 
 
 def export(path: Path, form: str, out: Path, authors: Sequence[str] = ()) -> list[Path]:
-    """Write the data set or trials file at `path` as `bids`, `psych-ds`, `psychopy` or `r` into a new or empty folder.
+    """Write the data set or trials file at `path` in a form (`bids` or one of `FORMS`) into a new or empty folder.
 
     Raises
     ------

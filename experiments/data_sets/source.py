@@ -3,6 +3,7 @@
 import csv
 import io
 import json
+import shlex
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
@@ -186,6 +187,17 @@ def delimited_text(header: Sequence[str], rows: Sequence[Sequence[str]], separat
     writer = csv.writer(text, delimiter=separator, lineterminator="\n")
     writer.writerows([cell_text(cell) for cell in row] for row in (header, *rows))
     return text.getvalue().encode()
+
+
+def how_to_read(factors: Sequence[str]) -> str:
+    """The first line of a column map that reads an exported folder back.
+
+    >>> how_to_read(["force_n", "frequency_hz"])
+    '# tactometry analyse . --columns columns.toml --within force_n,frequency_hz'
+    """
+    named = " ".join(",".join(map(cell_text, factors)).split())
+    within = f" --within {shlex.quote(named)}" if factors else ""
+    return f"# tactometry analyse . --columns columns.toml{within}"
 
 
 def json_text(value: object) -> bytes:

@@ -8,7 +8,7 @@ import click
 from ..errors import count_of
 from .output import data_argument, path_option, say, subcommand
 
-FORMS = ("bids", "psych-ds", "psychopy", "r")
+FORMS = ("bids", "jspsych", "psych-ds", "psychopy", "r")
 
 
 @subcommand("replay demo")
@@ -59,7 +59,11 @@ def rebuild(path: Path) -> None:
 @subcommand("export demo --to bids --out demo_bids --author 'Ada Lovelace' --author 'Alan Turing'")
 @data_argument
 @click.option(
-    "--to", "form", type=click.Choice(FORMS), required=True, help="BIDS, Psych-DS, PsychoPy's CSV, or a table for R."
+    "--to",
+    "form",
+    type=click.Choice(FORMS),
+    required=True,
+    help="BIDS, jsPsych's JSON, Psych-DS, PsychoPy's CSV, or a table for R.",
 )
 @path_option("--out", required=True, help="The folder to write, new or empty.")
 @click.option("--author", "authors", multiple=True, help="An author of a BIDS data set; may be given again.")

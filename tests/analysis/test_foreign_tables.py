@@ -98,6 +98,19 @@ def test_a_column_without_a_name_that_holds_something_is_refused(tmp_path):
         read_trials(file, within=["task"])
 
 
+def test_sessions_of_psychopy_that_have_other_columns_are_read_together(tmp_path):
+    """PsychoPy writes a column only where it holds something: here one of notes, and one of answers that came late."""
+    text = (FOREIGN / "psychopy_2026.2.5.csv").read_text(encoding="utf-8-sig")
+    header, *rows = text.splitlines()
+    (tmp_path / "7.csv").write_text(text, encoding="utf-8")
+    wider = [f"late,{header}", *(f"{n},{row.replace(',7,001', ',8,001')}" for n, row in enumerate(rows))]
+    (tmp_path / "8.csv").write_text("\n".join(wider), encoding="utf-8")
+    trials = read_trials(tmp_path, within=["cond"], column_map=PSYCHOPY)
+    assert trials.rows["participant"].value_counts().to_dict() == {"7": 12, "8": 12}
+    assert set(trials.rows.loc[trials.rows["participant"] == "7", "late"]) == {""}
+    assert len(used_rows(trials)) == 16
+
+
 # --- jsPsych
 
 
@@ -128,10 +141,22 @@ def test_a_folder_of_json_files_is_read_with_a_map(tmp_path):
     assert set(read_trials(tmp_path, within=["phase"], column_map=JSPSYCH).rows["participant"]) == {"s3", "s4"}
 
 
+@pytest.mark.parametrize("between", ["\n", "", " \r\n\n"])
+def test_lists_one_after_the_other_are_one_table(tmp_path, between):
+    """As JATOS keeps the results of several participants."""
+    first = (FOREIGN / "jspsych_8.3.0.json").read_text()
+    (tmp_path / "results.json").write_text(first + between + first.replace('"s3"', '"s4"') + between)
+    rows = read_trials(tmp_path / "results.json", within=["phase"], column_map=JSPSYCH).rows
+    assert rows["participant"].tolist() == ["s3"] * 13 + ["s4"] * 13
+    assert rows["level"].tolist()[:13] == rows["level"].tolist()[13:]
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [
         ("[{", "found no valid JSON"),
+        ('[{"level": 1}] {}', "found no list of objects"),
+        ('[{"level": 1}] [', "found no valid JSON"),
         ("[" * 100_000, "found no valid JSON"),
         ("{}", "found no list of objects, expected one for each trial"),
         ("[]", "found no list of objects"),

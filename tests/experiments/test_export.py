@@ -25,7 +25,7 @@ from tactometry.experiments.sessions.simulation import Simulation, simulate
 from tactometry.experiments.study.study_file import load
 from tactometry.questionnaire import load as load_questionnaire
 
-FORMS = ("bids", "psych-ds", "psychopy", "r")
+FORMS = ("bids", "jspsych", "psych-ds", "psychopy", "r")
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +68,8 @@ def test_every_trial_is_exported_once_and_the_data_set_stays(data_set, tmp_path,
     rows = [
         row for path in written if path.suffix in (".csv", ".tsv") and "sub-" not in path.name for row in rows_of(path)
     ]
+    if form == "jspsych":
+        rows = [trial for path in written if path.suffix == ".json" for trial in json.loads(path.read_text())]
     if form == "bids":
         rows = [row for path in written if path.name.endswith("_events.tsv") for row in rows_of(path)]
     assert len(rows) == len(read_trials(data_set).rows)
@@ -117,7 +119,7 @@ def test_sessions_of_an_older_version_are_exported_beside_later_ones(data_set, t
     file = min((root / "data").glob("*.csv"))
     pd.read_csv(file, dtype=str, keep_default_na=False).drop(columns="rig").to_csv(file, index=False)
     written = export(root, form, tmp_path / "out")
-    assert any(b"simulated" in path.read_bytes() for path in written if path.suffix in (".csv", ".tsv"))
+    assert any(b"simulated" in path.read_bytes() for path in written if path.suffix in (".csv", ".tsv", ".json"))
 
 
 def test_refuses_a_folder_that_holds_something(data_set, tmp_path) -> None:
@@ -130,7 +132,7 @@ def test_refuses_what_is_no_data_set_and_what_is_no_form(tmp_path, data_set) -> 
     with pytest.raises(InvalidFile, match="no such file or folder"):
         export(tmp_path / "nowhere", "bids", tmp_path / "out")
     with pytest.raises(
-        InvalidParameter, match="--to: found 'bid', expected one of bids, psych-ds, psychopy, r; did you mean"
+        InvalidParameter, match="--to: found 'bid', expected one of bids, jspsych, psych-ds, psychopy, r; did you mean"
     ):
         export(data_set, "bid", tmp_path / "out")
 
@@ -266,6 +268,48 @@ def test_psychopys_form_is_read_back_through_its_column_map(data_set, tmp_path) 
     (file, *_) = sorted((tmp_path / "pp/data").glob("P01*.csv"))
     exact_case("PsychoPy's form and back", against="the rows")
     assert rows_of(file)[0]["trials.thisN"] == "0"
+
+
+# --- jsPsych
+
+
+def test_jspsychs_form_is_read_back_through_its_column_map(data_set, tmp_path) -> None:
+    export(data_set, "jspsych", tmp_path / "js")
+    own = read_trials(data_set)
+    again = read_trials(tmp_path / "js", within=own.factors, column_map=read_column_map(tmp_path / "js/columns.toml"))
+    for name in ("participant", "trial", "level", "response", "correct", "onset_s", *own.factors):
+        np.testing.assert_array_equal(used_rows(again)[name], used_rows(own)[name])
+    # milliseconds and back: the last bit
+    np.testing.assert_allclose(used_rows(again)["latency_s"], used_rows(own)["latency_s"], rtol=3e-16)
+
+
+def test_jspsychs_form_has_its_names_and_kinds(data_set, tmp_path) -> None:
+    (_, file, *_) = export(data_set, "jspsych", tmp_path / "js")
+    trials, rows = (
+        json.loads(file.read_text()),
+        rows_of(data_set / "data" / "participant-P01_session-1_study-tutorial_data.csv"),
+    )
+    first, row = trials[0], rows[0]
+    assert [trial["trial_index"] for trial in trials] == list(range(len(rows)))
+    assert (first["subject"], first["trial_type"], first["rt"]) == (
+        "P01",
+        "yes_no",
+        round(float(row["latency_s"]) * 1000, 3),
+    )
+    assert first["time_elapsed"] == pytest.approx(1000 * (float(row["onset_s"]) + float(row["latency_s"])))
+    answered = [trial for trial in trials if trial["valid"]]
+    assert {type(trial["correct"]) for trial in answered} == {bool}
+    assert {type(trial["response"]) for trial in answered} == {int}
+    assert {trial["level"] for trial in trials if trial["catch"]} == {None}
+
+
+def test_a_column_that_jspsych_has_itself_is_refused(tmp_path) -> None:
+    table = tmp_path / "t.csv"
+    table.write_text("participant,trial,rt,procedure,level,task,response\nP1,1,a,staircase,1,yes_no,1\n")
+    with pytest.raises(
+        InvalidParameter, match="--to: found jspsych, which has a 'rt' of its own, expected another form"
+    ):
+        export(table, "jspsych", tmp_path / "js")
 
 
 # --- R

@@ -43,7 +43,7 @@ def files(folder: Path) -> set[Path]:
 # --- paths
 
 
-@pytest.mark.parametrize("form", ["bids", "psych-ds", "psychopy", "r"])
+@pytest.mark.parametrize("form", ["bids", "jspsych", "psych-ds", "psychopy", "r"])
 def test_a_studys_name_that_is_a_path_is_refused(tmp_path, capsys, form):
     file = table(tmp_path, study="x/../../../../../OUTSIDE")
     status, said, _ = call(capsys, "export", file, "--to", form, "--out", tmp_path / "deep/er/out")
@@ -139,7 +139,7 @@ def test_numbers_stay_numbers(number):
 
 
 @pytest.mark.parametrize("level", ["=cmd|'/c calc'!A1", "+1+1", "-1+1", "@SUM(A1)", "\tx"])
-@pytest.mark.parametrize("form", ["psych-ds", "psychopy", "r", "bids"])
+@pytest.mark.parametrize("form", ["psych-ds", "psychopy", "jspsych", "r", "bids"])
 def test_exports_hold_no_formula(tmp_path, form, level):
     for path in export(table(tmp_path, level=level), form, tmp_path / "out"):
         if path.suffix in (".csv", ".tsv"):

@@ -185,7 +185,7 @@ def test_a_person_of_another_class_is_guarded_too(study, tmp_path, capsys):
     assert "found AttributeError ('Person' object has no attribute 'nothing') in detect" in said
 
 
-@pytest.mark.parametrize("form", ["bids", "psych-ds", "psychopy", "r"])
+@pytest.mark.parametrize("form", ["bids", "jspsych", "psych-ds", "psychopy", "r"])
 def test_data_of_observers_say_that_they_are_simulated_wherever_they_go(study, tmp_path, capsys, form):
     """Each table either holds the rig or has a description beside it that says so."""
     output(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")

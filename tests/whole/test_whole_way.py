@@ -68,7 +68,7 @@ def data_set(request, tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def exported(data_set) -> Path:
     """The data set in every form."""
-    for form in ("bids", "psych-ds", "psychopy", "r"):
+    for form in ("bids", "jspsych", "psych-ds", "psychopy", "r"):
         arguments = ["export", data_set, "--to", form, "--out", data_set.parent / form]
         assert status(*arguments, "--author", "Ada Lovelace", "--author", "Alan Turing") == 0
     return data_set.parent
