@@ -8,9 +8,9 @@ import numpy as np
 
 from tactometry.arguments.require import of_kind
 from tactometry.questionnaire import Questionnaire
-from tactometry.session.answer import Done
+from tactometry.session.answer import Chosen, Done
 from tactometry.session.intervention import Intervention
-from tactometry.session.request import Record, Show
+from tactometry.session.request import CONSENT, Choose, Record, Show
 from tactometry.session.run import Course
 from tactometry.trials.tasks import FORM_TASK
 from tactometry.trials.trial import Trial
@@ -45,7 +45,8 @@ class Part(Protocol):
 class Inquiry:
     """A questionnaire on its own: a row for each item, all of one trial.
 
-    Its page knows the names of `factors`; its rows hold the levels of `condition`, which its answers are about.
+    Its page knows the names of `factors`; its rows hold the levels of `condition`, which its answers are about. One
+    that is `first` comes before anything was felt.
 
     Raises
     ------
@@ -57,13 +58,17 @@ class Inquiry:
     shuffled: bool = False
     factors: Mapping[str, float | str] = field(default_factory=dict)
     condition: Mapping[str, float | str] = field(default_factory=dict)
+    first: bool = False
 
     instructions = None
-    page = "questions"
     tracks = ()
 
     def __post_init__(self) -> None:
         of_kind("Inquiry", Questionnaire, form=self.form)
+
+    @property
+    def page(self) -> str:
+        return "questions_first" if self.first else "questions"
 
     def course(self, number: int, first_trial: int, rng: np.random.Generator) -> PartCourse:
         replies = yield from fill_in(self.form, rng, shuffled=self.shuffled)
@@ -118,17 +123,21 @@ def pages(parts: Sequence[Part]) -> Iterator[Show]:
 
 
 def session(
-    parts: Sequence[Part], rng: np.random.Generator, longest_s: float | None = None
+    parts: Sequence[Part], rng: np.random.Generator, longest_s: float | None = None, *, consent: bool = False
 ) -> Course[tuple[Track, ...]]:
     """All parts in their order, with a page before each, what to do before the first of a kind, and a last page: how
     all tracks ended.
 
-    No part begins later than `longest_s` after the start.
+    No part begins later than `longest_s` after the start, and none without the participant's `consent`, where that is
+    asked for.
     """
     wanted: list[Intervention] = []
     begun: Done = yield Show("welcome", {"n_blocks": len(parts)})
     wanted += begun.interventions
     yield from between_blocks(begun.interventions)
+    if consent and not (yield from _agreed()):
+        yield Show("declined")
+        return tuple(replace(track, begun=False) for part in parts for track in part.tracks)
     tracks: list[Track] = []
     trial = 1
     for number, part in enumerate(parts, 1):
@@ -152,6 +161,13 @@ def session(
         tracks += ended
     yield from between_blocks((yield from heard([Show("end")])))
     return tuple(tracks)
+
+
+def _agreed() -> Course[bool]:
+    """Whether the participant wants to take part, whose answer stands in the journal alone."""
+    yield from between_blocks((yield from heard([Show("consent")])))
+    chosen: Chosen = yield Choose(CONSENT, (0, 1), ("no", "yes"))
+    return chosen.option == 1
 
 
 def _ends(wanted: Sequence[Intervention]) -> bool:

@@ -134,7 +134,8 @@ class Experiment(SessionPlan):
     def course(self, participant: str, n_session: int, number: int, seed: int) -> Course[tuple[Track, ...]]:
         """The protocol of one session: a pure function of its arguments."""
         rng = stream(seed, participant, n_session, "protocol")
-        return session(self.parts(number, rng, n_session, seed), rng, self.study.plan.longest_s)
+        parts = self.parts(number, rng, n_session, seed)
+        return session(parts, rng, self.study.plan.longest_s, consent=self.study.consent)
 
     def sensation(self) -> Sensation:
         """The model of what is felt of the first cell's stimulus."""

@@ -14,8 +14,8 @@ from tactometry.session.request import Show
 from .experiment import Experiment
 from .session_plan import all_sessions, stream
 
-WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong"))
-"""Pages that a block shows in the midst of its trials."""
+WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong", "consent", "declined"))
+"""Pages that a block shows in the midst of its trials, and those of consent."""
 
 
 def rehearse(experiment: Experiment) -> None:

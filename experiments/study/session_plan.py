@@ -105,10 +105,10 @@ class SessionPlan:
 
     def parts(self, number: int, rng: np.random.Generator, n_session: int = 1, seed: int = 0) -> tuple[Part, ...]:
         """The parts of a session of the participant with this number, in order: practice, the blocks, and the
-        questionnaires between and after them; `rng` shuffles within blocks."""
+        questionnaires before, between and after them; `rng` shuffles within blocks."""
         factors = session_cells(self.study, self.table.over, number, n_session, seed)
         blocks = [self._block(list(group), rng) for _, group in itertools.groupby(factors, self._slow)]
-        parts: list[Part] = [*self._practice(blocks[0])]
+        parts: list[Part] = [*self._inquiries("start", {}), *self._practice(blocks[0])]
         for block in blocks:
             parts += [block, *self._inquiries("block", block.factors)]
         return (*parts, *self._inquiries("session", {}))
@@ -120,7 +120,7 @@ class SessionPlan:
         empty = dict.fromkeys(self.study.factors, "")
         for name, table in self.study.inquiries.items():
             if table.after == after:
-                yield Inquiry(self.forms[name], table.shuffled, empty, condition)
+                yield Inquiry(self.forms[name], table.shuffled, empty, condition, first=after == "start")
 
     def _practice(self, first: Block) -> list[Block]:
         """One track of the first block, with feedback and without rests."""

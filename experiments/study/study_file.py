@@ -71,7 +71,7 @@ class PlanTable:
 
 @dataclass(frozen=True)
 class InquiryTable:
-    """A questionnaire on its own, after each block or at the end of the session, under its stem or another `prompt`."""
+    """A questionnaire on its own, after the start, each block or the session, under its stem or another `prompt`."""
 
     form: str
     after: str = "session"
@@ -80,18 +80,19 @@ class InquiryTable:
 
     def __post_init__(self) -> None:
         check_prompt(self.prompt, "InquiryTable.prompt")
-        one_of("InquiryTable.after", self.after, ("block", "session"))
+        one_of("InquiryTable.after", self.after, ("start", "block", "session"))
 
 
 @dataclass(frozen=True)
 class Study:
     """One experiment. Tables whose keys depend on their `kind` are kept as they stand and built in `cells`.
 
-    `scene` is the physics between stimulus and skin, in place of the default formula that `sensation` states.
-    `nested` gives the levels of a factor within a level of another; `variants` what a factor's level changes in the
-    tables of stimulus, touch, procedure, sensation and scene; `forms` are questionnaires of the study's own; `texts`
-    are what participants read in place of the shipped words, and `translations` the same by language, above them;
-    `analysis` is a plan of analysis (`tactometry.analysis.plan.AnalysisPlan`), stated before the data.
+    `scene` is the physics between stimulus and skin, in place of the default formula that `sensation` states. `nested`
+    gives the levels of a factor within a level of another; `variants` what a factor's level changes in the tables of
+    stimulus, touch, procedure, sensation and scene; `forms` are questionnaires of the study's own; `texts` are what
+    participants read in place of the shipped words, and `translations` the same by language, above them; with
+    `consent` nothing is asked of a participant who does not agree to take part; `analysis` is a plan of analysis
+    (`tactometry.analysis.plan.AnalysisPlan`), stated before the data.
     """
 
     name: str
@@ -105,6 +106,7 @@ class Study:
     limits: Limits
     counterbalance: tuple[str, ...] = ()
     trial_s: float = 5.0
+    consent: bool = False
     plan: PlanTable = field(default_factory=PlanTable)
     nested: dict[str, dict[str, dict[str, Levels]]] = field(default_factory=dict)
     variants: dict[str, dict[str, dict[str, dict[str, Any]]]] = field(default_factory=dict)

@@ -5,7 +5,7 @@ A request *describes*: it names a stimulus and a level, never samples.
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, ClassVar, Generic, Protocol, TypeVar, get_args
+from typing import Any, ClassVar, Final, Generic, Protocol, TypeVar, get_args
 
 from ..trials.trial import Key, Trial
 from .answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
@@ -18,6 +18,10 @@ Facts = dict[str, Fact]
 
 TRAJECTORY_M = 0.1
 """Length of the path of a slide, one way (unverified default)."""
+
+
+CONSENT: Final = "agree"
+"""The question whether someone wants to take part: a simulated participant does."""
 
 
 class Request(Generic[A]):

@@ -237,7 +237,10 @@ def test_practice_that_never_meets_its_criterion_ends():
         ("[nested.frequency_hz.61]\nfrequency_hz = [1]", "nested.frequency_hz: found '61', expected one of its levels"),
         ("[variants.frequency_hz.60.limit]\n", "variants.frequency_hz.60: found 'limit', expected a table"),
         ('[inquiries.a]\nform = "sos"', "inquiries.a.form: found 'sos', expected one of attrakdiff"),
-        ('[inquiries.a]\nform = "sus"\nafter = "never"', "inquiries.a.after: found 'never', expected one of block"),
+        (
+            '[inquiries.a]\nform = "sus"\nafter = "never"',
+            "inquiries.a.after: found 'never', expected one of start, block",
+        ),
         ("[practice]\nlevels = [34]\nn_correct = 9", "practice.n_correct: found 9, expected from 1 to 5"),
         ("[practice]\nlevels = [90]", "practice: found the highest level 90, expected one within the limits"),
     ],

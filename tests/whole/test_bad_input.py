@@ -29,14 +29,14 @@ STUDIES = {
     "unknown key": (
         TUTORIAL.replace("trial_s = 5.0", "trail_s = 5.0"),
         "s.toml, trail_s: found an unknown key, expected one of name, title, description, task, factors, stimulus, "
-        "touch, procedure, limits, counterbalance, trial_s, plan, nested, variants, practice, inquiries, forms, "
-        "scene, sensation, observer, finger, texts, translations, analysis; did you mean 'trial_s'?",
+        "touch, procedure, limits, counterbalance, trial_s, consent, plan, nested, variants, practice, inquiries, "
+        "forms, scene, sensation, observer, finger, texts, translations, analysis; did you mean 'trial_s'?",
     ),
     "unknown table": (
         TUTORIAL.replace("[limits]", "[limit]"),
         "s.toml, limit: found an unknown key, expected one of name, title, description, task, factors, stimulus, "
-        "touch, procedure, limits, counterbalance, trial_s, plan, nested, variants, practice, inquiries, forms, "
-        "scene, sensation, observer, finger, texts, translations, analysis; did you mean 'limits'?",
+        "touch, procedure, limits, counterbalance, trial_s, consent, plan, nested, variants, practice, inquiries, "
+        "forms, scene, sensation, observer, finger, texts, translations, analysis; did you mean 'limits'?",
     ),
     "missing key": (
         TUTORIAL.replace('name = "tutorial"\n', ""),
@@ -159,7 +159,7 @@ STUDIES = {
     "unknown stimulus": (
         TUTORIAL.replace('"amplitude_modulated"', '"sinus"'),
         "s.toml, stimulus.kind: found 'sinus', expected one of amplitude_modulated, sine, square, triangle, trapezoid, "
-        "pulse_train, step, texture, focus, pattern, measured_focus, foci, hybrid; did you mean 'sine'?",
+        "pulse_train, step, wav, texture, focus, pattern, measured_focus, foci, hybrid; did you mean 'sine'?",
     ),
     "no kind": (
         TUTORIAL.replace('kind = "slide"\n', ""),
