@@ -112,4 +112,4 @@ def export(path: Path, form: str, out: Path, authors: Sequence[str] = ()) -> lis
     one_of("--to", form, ("bids", *FORMS))
     source = read_source(path)
     files = bids_files(source, authors) if form == "bids" else FORMS[form](source)
-    return write_files(chain(files.items(), traces_as(form, path, task_label(source))), out)
+    return write_files(chain(files.items(), traces_as(form, path, task_label(source), files)), out)

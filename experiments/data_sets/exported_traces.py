@@ -71,14 +71,15 @@ class TracedSession:
         return ((touch, read_text(self.root, part)) for touch, part in self.parts)
 
 
-def traces_as(form: str, path: Path, task: str) -> Files:
-    """The traces of a data set in this form, file by file; none of a single trials file, and where a form has none."""
+def traces_as(form: str, path: Path, task: str, files: Mapping[str, bytes]) -> Files:
+    """The traces of a data set in this form, file by file, beside its other `files`; none of a single trials file, and
+    where a form has none."""
     write = _FORMS.get(form)
     if write is None or not path.is_dir():
         return
     for journal in sessions(path):
         for traced in _traced(path, journal):
-            yield from write(traced, task)
+            yield from write(traced, task, files)
 
 
 def _traced(root: Path, journal: Path) -> Iterator[TracedSession]:
@@ -94,9 +95,9 @@ def _traced(root: Path, journal: Path) -> Iterator[TracedSession]:
         yield TracedSession(root, kind, head.participant, head.session, head.study, tuple(parts))
 
 
-def _psychds(traced: TracedSession, task: str) -> Files:
+def _psychds(traced: TracedSession, task: str, files: Mapping[str, bytes]) -> Files:
     """A table with a head, and the trial of each sample."""
-    del task
+    del task, files
     if traced.kind == "emitted":
         return
     names = traced.explained.get("Columns", [])
@@ -110,8 +111,12 @@ def _psychds(traced: TracedSession, task: str) -> Files:
     yield f"data/{stem}_data.csv", b"".join(lines)
 
 
-def _bids(traced: TracedSession, task: str) -> Files:
-    yield from _BIDS[traced.kind](traced, f"sub-{traced.participant}/ses-{traced.session}", task)
+def _bids(traced: TracedSession, task: str, files: Mapping[str, bytes]) -> Files:
+    folder = f"sub-{traced.participant}/ses-{traced.session}"
+    yield from _BIDS[traced.kind](traced, folder, task)
+    if traced.kind == "position":  # BIDS looks for the events of a motion beside it
+        events = {name: content for name, content in files.items() if name.startswith(folder) and "_events." in name}
+        yield from ((name.replace("/beh/", "/motion/"), content) for name, content in events.items())
 
 
 def _physio(traced: TracedSession, folder: str, task: str) -> Files:
@@ -197,4 +202,7 @@ _BIDS: Final[Mapping[TraceKind, Callable[[TracedSession, str, str], Files]]] = {
     "position": _motion,
     "emitted": _stim,
 }
-_FORMS: Final[Mapping[str, Callable[[TracedSession, str], Files]]] = {"bids": _bids, "psych-ds": _psychds}
+_FORMS: Final[Mapping[str, Callable[[TracedSession, str, Mapping[str, bytes]], Files]]] = {
+    "bids": _bids,
+    "psych-ds": _psychds,
+}

@@ -12,7 +12,7 @@ import pytest
 from command_line import call
 from emulated import Emulator, wait_for
 from sound_server import Sink, alsa_in
-from tables import trial_rows
+from tables import rows_of, trial_rows
 from texture_bench import (
     METRES_PER_COUNT,
     POSITION,
@@ -63,6 +63,13 @@ def test_what_the_sink_hears_is_what_the_measured_positions_ask_for(needed, sink
     touched = touches_heard_as_asked(study, tmp_path / "d", frames)
     check_kept_as_heard(tmp_path / "d", frames)
     assert validate(tmp_path / "d").defects == ()
+    assert call(capsys, "export", tmp_path / "d", "--to", "bids", "--out", tmp_path / "bids")[0] == 0
+    (stored,) = (tmp_path / "d" / "traces").glob("*_stim.tsv.gz")
+    copied = tmp_path / "bids" / "sourcedata" / "traces" / stored.name
+    assert copied.read_bytes() == stored.read_bytes()
+    ends = rows_of(copied.with_name(stored.name.replace(".tsv.gz", "_touches.tsv")))
+    assert len(ends) == len(touched)
+    assert int(ends[-1]["first_byte"]) + int(ends[-1]["n_bytes"]) == len(copied.read_bytes())
     (positions,) = (tmp_path / "d" / "journals").glob("*_positions.tsv")
     kept = positions.read_bytes()
     positions.write_bytes(kept[:-3] + b"9\n")
