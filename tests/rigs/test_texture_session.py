@@ -29,7 +29,7 @@ from tactometry.devices.outputs.guarded import Guarded
 from tactometry.errors import LimitExceeded
 from tactometry.experiments.bench.bench_file import Devices, load_bench
 from tactometry.experiments.bench.finding import findings_of
-from tactometry.experiments.bench.preflight import _followed
+from tactometry.experiments.bench.preflight_finger import position
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
@@ -190,7 +190,7 @@ def test_check_tells_of_a_bench_that_cannot_follow(tmp_path):
     study, bench = texture_study(tmp_path), load_bench(texture_bench(tmp_path, 9, position=""))
     experiment = wire(parse(study.read_bytes(), "s.toml"), "s.toml")
     connected = Devices(Guarded(bench.output.settings.driver(bench.output.gain), bench.limits), None, None, {})
-    (finding,) = findings_of("position", _followed(connected, bench, experiment))
+    *_, finding = findings_of("position", position(connected, bench, experiment))
     assert (finding.fine, finding.found.startswith(NO_SENSOR)) == (False, True)
 
 
