@@ -145,18 +145,20 @@ def session(
             tracks += [replace(track, begun=False) for track in part.tracks]
             continue
         said = yield from heard(_instructions(parts, number))
+        is_left = yield from between_blocks(said, f"block {number}")
+        at_s = begun.at_s
+        if not is_left:
+            shown: Done = yield _page(parts, number)
+            said, at_s = (*said, *shown.interventions), shown.at_s
+            is_left = yield from between_blocks(shown.interventions, f"block {number}")
         wanted += said
-        yield from between_blocks(said)
-        shown: Done = yield _page(parts, number)
-        wanted += shown.interventions
-        is_skipped = yield from between_blocks(shown.interventions, f"block {number}")
-        # Between parts only: a part that has begun comes to its end, or to that of its own time.
-        if longest_s is not None and shown.at_s - begun.at_s > longest_s:
-            tracks += [replace(track, begun=False) for part in parts[number - 1 :] for track in part.tracks]
-            break
-        if is_skipped:
+        if is_left:
             tracks += [replace(track, skipped=True) for track in part.tracks]
             continue
+        # Between parts only: a part that has begun comes to its end, or to that of its own time.
+        if longest_s is not None and at_s - begun.at_s > longest_s:
+            tracks += [replace(track, begun=False) for part in parts[number - 1 :] for track in part.tracks]
+            break
         ended, trial = yield from hearing(part.course(number, trial, rng), wanted)
         tracks += ended
     yield from between_blocks((yield from heard([Show("end")])))

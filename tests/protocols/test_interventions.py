@@ -140,6 +140,15 @@ def test_a_block_that_is_skipped_at_its_page_does_not_begin():
     assert pages[-1] == "end"
 
 
+def test_a_block_that_is_skipped_at_its_instructions_does_not_begin():
+    _, trials, said, pages = lived(three, {"instructions_yes_no": "skip"})
+    assert (1 in blocks(trials), said, pages[:3]) == (
+        False,
+        ["block 1 is skipped"],
+        ["welcome", "instructions_yes_no", "questions"],
+    )
+
+
 def test_the_end_leaves_what_is_under_way_and_begins_nothing_more():
     tracks, trials, said, pages = lived(three, {4: "end"})
     assert [track.ending for track in tracks] == ["skipped", "not begun", "not begun"]
@@ -148,7 +157,7 @@ def test_the_end_leaves_what_is_under_way_and_begins_nothing_more():
 
 
 def test_the_end_at_a_page_or_in_a_questionnaire_begins_nothing_more():
-    for when, n_trials in (("welcome", 0), ("block", 0)):
+    for when, n_trials in (("welcome", 0), ("instructions_yes_no", 0), ("block", 0)):
         tracks, trials, said, _ = lived(three, {when: "end"})
         assert {track.ending for track in tracks} <= {"not begun", "skipped"}
         assert (len(trials), said) == (n_trials, ["the session ends"])
