@@ -310,7 +310,8 @@ class Progress:
     def warning(self, parts: Sequence[PartAhead]) -> str | None:
         """What is to be said before the present track is aborted."""
         ahead = parts[self.part - 1] if 0 < self.part <= len(parts) else PartAhead()
-        return None if self.track is None else self.track.warning(ahead.n_attempts)
+        is_left = self.last is None or self.last.block != self.part  # a block that was skipped, say
+        return None if self.track is None or is_left else self.track.warning(ahead.n_attempts)
 
     def left_s(self, parts: Sequence[PartAhead]) -> float:
         """How long the rest takes at most (s), at the pace of the last trials.

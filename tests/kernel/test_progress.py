@@ -122,6 +122,15 @@ def test_a_valid_touch_ends_the_warning():
     assert state.after(Record(trial(1, attempt=5)), Done(5.0)).warning([PartAhead(n_attempts=5)]) is None
 
 
+def test_a_block_that_was_left_warns_no_more():
+    parts, state = [PartAhead(n_attempts=5), PartAhead(n_attempts=5)], Progress()
+    state = state.after(Show("block", {"block": 1, "n_blocks": 2}), Done(0.0))
+    for attempt in range(1, 5):
+        state = state.after(Record(trial(1, valid=False, attempt=attempt)), Done(float(attempt)))
+    assert state.warning(parts) is not None
+    assert state.after(Show("block", {"block": 2, "n_blocks": 2}), Done(9.0)).warning(parts) is None
+
+
 def test_false_alarms_are_those_of_valid_catch_trials():
     state = Progress()
     for n, (valid, response) in enumerate([(True, 1), (True, 0), (False, 1), (True, 1)], 1):
