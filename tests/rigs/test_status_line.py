@@ -13,7 +13,10 @@ import pytest
 from hypothesis import given, strategies as st
 from patience import LONGEST_PROGRAM_S, LONGEST_WAIT_S
 from study_texts import tutorial_in
+from tables import event_rows, trial_rows
 
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
 from tactometry.rigs.experimenter.live import LiveTerminal, Typed, can_stand
 from tactometry.rigs.experimenter.status import StatusLine, status_words
 from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
@@ -194,55 +197,80 @@ def test_a_terminal_that_cannot_be_written_to_by_place_tells_the_status_when_ask
     assert plain.standing == "trial 1 of 40"
 
 
-def test_a_whole_session_has_a_status_that_nothing_tears(display, tmp_path):
-    """The participant answers in the window; the experimenter types meanwhile."""
-    study = tutorial_in(tmp_path, {'duration_s = "500 ms"': 'duration_s = "100 ms"', "repeats = 4": "repeats = 1"})
-    words = [
-        "run",
-        study,
-        "--participant",
-        "P01",
-        "--seed",
-        "1",
-        "--out",
-        tmp_path / "d",
-        "--bench",
-        tmp_path / "b.toml",
-    ]
-    (tmp_path / "b.toml").write_text("[screen]\nfullscreen = false\n")
-    master, slave = pty.openpty()
-    termios.tcsetwinsize(slave, (HIGH, 100))
-    process = subprocess.Popen(
-        [sys.executable, "-m", "tactometry", *map(str, words)],
-        stdin=slave,
-        stdout=slave,
-        stderr=slave,
-        env={**os.environ, "TERM": "xterm"},
-    )
-    os.close(slave)
-    seen = Seen(master)
-    try:
-        seen.until(lambda rows: rows[-2:-1] and rows[-2].startswith("trial 1 of 10"), LONGEST_PROGRAM_S)
-        os.write(master, b"n a remark\nfrog\nn half a re")
+class Sitting:
+    """`tactometry run` of a short study in a window, on a terminal that is seen and typed on."""
+
+    def __init__(self, folder, hands):
+        changes = {'duration_s = "500 ms"': 'duration_s = "100 ms"', "repeats = 4": "repeats = 1"}
+        study, bench, self.data = tutorial_in(folder, changes), folder / "b.toml", folder / "d"
+        bench.write_text("[screen]\nfullscreen = false\n")
+        words = ["run", study, "--participant", "P01", "--seed", "1", "--out", self.data, "--bench", bench]
+        self._master, slave = pty.openpty()
+        termios.tcsetwinsize(slave, (HIGH, 100))
+        command, ends = (
+            [sys.executable, "-m", "tactometry", *map(str, words)],
+            dict.fromkeys(("stdin", "stdout", "stderr"), slave),
+        )
+        self.process = subprocess.Popen(command, **ends, env={**os.environ, "TERM": "xterm"})
+        os.close(slave)
+        self.seen, self._hands = Seen(self._master), hands
+        self.seen.until(lambda rows: rows[-2:-1] and rows[-2].startswith("trial 1 of 10"), LONGEST_PROGRAM_S)
+
+    def types(self, words):
+        os.write(self._master, words.encode())
+
+    def answers_until(self, holds=lambda rows: False):
+        """Answer whatever is asked, until the rows of the terminal are so or the session is over; the rows."""
         end_s = time.monotonic() + LONGEST_PROGRAM_S
-        statuses = set()
-        while process.poll() is None:
+        while self.process.poll() is None and not holds(self.seen.rows()):
             assert time.monotonic() < end_s
             for key in ("space", "y"):
-                display.tap(key)
+                self._hands.tap(key)
                 time.sleep(0.03)
-            rows = seen.rows()
-            if process.poll() is None and rows and rows[-1].startswith("> n half"):
-                statuses.add(rows[-2])
-        rows = seen.rows()
-    finally:
-        process.kill()
-        process.wait()
-        os.close(master)
-    assert process.returncode == 0, rows
+        return self.seen.rows()
+
+    def close(self):
+        self.process.kill()
+        self.process.wait()
+        os.close(self._master)
+
+
+@pytest.fixture
+def sitting(display, tmp_path):
+    made = Sitting(tmp_path, display)
+    yield made
+    made.close()
+
+
+def test_a_whole_session_has_a_status_that_nothing_tears(sitting):
+    """The participant answers in the window; the experimenter types meanwhile."""
+    statuses = set()
+
+    def note(rows):
+        statuses.update(rows[-2:-1] if rows and rows[-1].startswith("> n half") else ())
+
+    sitting.types("n a remark\nfrog\nn half a re")
+    rows = sitting.answers_until(note)
+    assert sitting.process.returncode == 0, rows
     assert any(row.startswith("trial 1 of 10 · ") for row in statuses), statuses
     assert all(row.startswith(("trial ", "over")) for row in statuses), statuses
     assert "noted" in rows
     assert any(row.startswith("found 'frog', expected one of") for row in rows)
-    assert b"; 2 procedures: " in seen.data
-    assert b"trial 1: " in seen.data
+    assert b"; 2 procedures: " in sitting.seen.data
+    assert b"trial 1: " in sitting.seen.data
+
+
+def test_a_slip_that_is_told_afterwards_and_an_end_in_good_order_by_the_hands_of_an_experimenter(sitting):
+    sitting.answers_until(lambda rows: b"trial 2: " in sitting.seen.data)
+    sitting.types("i\n")
+    sitting.answers_until(lambda rows: b"does not count: it is asked again" in sitting.seen.data)
+    sitting.types("e\n")
+    sitting.answers_until()
+    assert sitting.process.returncode == 1
+    assert b"block 1 is left, and the session ends" in sitting.seen.data
+    assert b"1 skipped, 1 not begun" in sitting.seen.data.replace(b"\r\n", b"")
+    assert (validate(sitting.data).defects, replay_data_set(sitting.data)[0].complete) == ((), True)
+    slips = [row for row in trial_rows(sitting.data) if row["valid"] == "0"]
+    assert [(row["attempt"], row["correct"], row["invalid_reason"]) for row in slips] == [("1", "", "experimenter")]
+    orders = [row["text"] for row in event_rows(sitting.data) if row["trial_type"] == "order"]
+    assert orders == ["invalidate", "end"]

@@ -32,10 +32,10 @@ WORDS: Final[dict[str, Wish]] = {
     "stop": "stop",
     "help": "help",
 }
-HELP: Final = (
-    "p pause   g go on   r repeat this trial   i invalidate the one before   k skip this block   b rest   "
-    "e end in good order   n TEXT remark   s stop   (then return)"
-)
+OF_TRIALS: Final = "p pause   g go on   r repeat this trial   i invalidate the one before"
+OF_SESSION: Final = "k skip this block   b rest   e end in good order   n TEXT remark   s stop"
+HELP: Final = f"{OF_TRIALS}   (return)\n{OF_SESSION}"
+"""On rows of less than 80 letters."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +62,9 @@ def order_of(line: str) -> Order:
     word, _, text = line.strip().partition(" ")
     wish = WORDS.get(word.casefold())
     if wish is None or bool(text.strip()) != (wish == "note"):
-        raise InvalidParameter(f"found {line.strip()!r}, expected one of: {HELP}{nearest(word, WORDS)}")
+        raise InvalidParameter(
+            f"found {line.strip()!r}, expected one of: {OF_TRIALS}   {OF_SESSION}{nearest(word, WORDS)}"
+        )
     return Order(wish, text.strip())
 
 
