@@ -2,6 +2,7 @@
 
 import sys
 from contextlib import ExitStack
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import click
@@ -52,7 +53,6 @@ def equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog | Non
         lambda: device_facts(bench, devices) | learnt,
         bench.screen.height_m,
         bench.traces.kept,
-        bench.screen.dry_run,
     )
 
 
@@ -69,7 +69,7 @@ def bench(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "Rig
     texts = texts_in(screen.language, experiment.words_in(screen.language))
 
     def make(seed: int, log: "EventLog") -> Bench:
-        devices = equipment(experiment, bench_file, log)
+        devices = replace(equipment(experiment, bench_file, log), dry_run=screen.dry_run)
         parts = parts_ahead(experiment, who.counterbalancing_number, who.session, seed)
         with ExitStack() as on_failure:
             terminal = experimenter_terminal(sys.stdin, sys.stderr)

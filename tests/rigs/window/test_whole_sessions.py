@@ -7,7 +7,7 @@ import pytest
 from command_line import call
 from emulated import available
 from short_studies import SHORT, shortened
-from tables import trial_rows
+from tables import event_rows, trial_rows
 from whole_sitting import asked_to_end, recorded_as, sitting
 
 from tactometry.experiments.data_sets.replaying import replay_data_set
@@ -48,6 +48,8 @@ def test_a_finger_that_sees_the_screen_takes_part_and_its_answers_are_recorded(
     assert given == recorded_as(finger.said, study)
     assert {row["valid"] for row in rows if row["response"]} == {"1"}
     shows_its_keys(finger, language, study)
+    tried = [event["trial_type"] for event in event_rows(seat.data)].count("dry_run")
+    assert tried == any(row["force_mean_n"] for row in rows), "a touch is tried once before the first trial"
     assert validate(seat.data).defects == ()
     assert [session.complete for session in replay_data_set(seat.data)] == [True]
     status, errors, _ = call(capsys, "analyse", seat.data, "--report", tmp_path / "report.html")
