@@ -66,6 +66,8 @@ def heading(touch: TouchTrace) -> str:
     """What a touch is called among those of its trial, and whether it counted, in two lines at most."""
     answer, trial = touch.answer, touch.trial
     reason = answer.invalid_reason if isinstance(answer, Touched) else None
+    if reason is None and trial.invalid_reason == "experimenter":  # the touch was right, and its trial taken back
+        reason = "experimenter"
     interval = None if isinstance(touch.request, Adjust) else touch.request.interval
     named = {"attempt": trial.attempt if trial.attempt > 1 else None, "interval": interval}
     words = [_asked(touch), *(f"{name} {number}" for name, number in named.items() if number is not None)]

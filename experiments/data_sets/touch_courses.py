@@ -49,7 +49,7 @@ class MeasuredCourse(NamedTuple):
 
 
 def touch_courses(path: Path) -> pd.DataFrame:
-    """Percentiles over the valid touches of a data set, practice aside, at times from the onset.
+    """Percentiles over the touches of the valid trials of a data set, practice aside, at times from the onset.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def _valid_touches(root: Path) -> Iterator[RecordedTouch]:
     for journal in sessions(root) if (root / FOLDER).is_dir() else ():
         for touch in touches(read(journal)):
             is_valid = isinstance(touch.answer, Touched) and touch.answer.valid
-            if is_valid and not touch.trial.practice:
+            if is_valid and touch.trial.valid and not touch.trial.practice:
                 yield touch
 
 

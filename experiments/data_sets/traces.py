@@ -144,8 +144,9 @@ class RecordedTouch(NamedTuple):
 
 
 def touches(recording: Recording) -> Iterator[RecordedTouch]:
-    """All touches of a session that led to a row, in order."""
+    """All touches of a session that led to a row, in order, with the row as it counts: it may be taken back later."""
     head, felt = recording.head, list[tuple[Asked, Felt]]()
+    rows = {row.key: row for row in reversed(recording.trials)}  # the first of each trial
     for line in recording.lines:
         match line:
             case Head():
@@ -153,7 +154,7 @@ def touches(recording: Recording) -> Iterator[RecordedTouch]:
             case Entry(Play() | Press() | Slide() | Adjust() as request, answer):
                 felt.append((request, answer))
             case Entry(Record(trial), _) if head is not None:
-                yield from (RecordedTouch(head, request, answer, trial) for request, answer in felt)
+                yield from (RecordedTouch(head, request, answer, rows[trial.key]) for request, answer in felt)
                 felt = []
 
 

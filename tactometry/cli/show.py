@@ -55,13 +55,14 @@ def _write(drawing: "Drawing", path: Path) -> None:
 def _record(touch: "TouchTrace") -> dict[str, Any]:
     """What is told of a touch, by name."""
     answer, emitted = touch.answer, touch.emitted
-    names = ("gate_s", "valid", "invalid_reason", "force_mean_n", "force_in_band", "speed_mean_m_per_s", "n_gaps")
+    names = ("gate_s", "invalid_reason", "force_mean_n", "force_in_band", "speed_mean_m_per_s", "n_gaps")
     known = {name: value for name in names if (value := getattr(answer, name, None)) is not None}
     samples = {"force": touch.force, "position": touch.position}
     return {
         "block": touch.trial.block,
         "attempt": touch.trial.attempt,
         "onset_s": answer.onset_s,
+        "valid": touch.trial.valid and getattr(answer, "valid", True),
         **known,
         **{f"n_samples_{name}": len(kept.times_s) for name, kept in samples.items() if kept is not None},
         "emitted": repr(emitted) if emitted is not None else touch.unknown and f"unknown: {touch.unknown}",

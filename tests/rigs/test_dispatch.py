@@ -24,7 +24,8 @@ def test_the_method_of_a_request_takes_it_and_gives_its_answer(rig, name):
 
 
 def test_a_live_rig_has_a_method_for_each_request_and_no_other():
-    assert LiveRig.__abstractmethods__ == set(METHODS.values())
+    methods = {name for name, thing in vars(LiveRig).items() if callable(thing)} - {"answer"}
+    assert LiveRig.__abstractmethods__ <= methods == set(METHODS.values())
 
 
 @pytest.mark.parametrize("name", RIGS)

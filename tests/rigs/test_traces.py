@@ -7,6 +7,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -16,17 +17,20 @@ from bids import VALIDATOR, issues_of
 from command_line import call, output
 from emulated import Emulator, wait_for
 from kept_events import Kept
+from places import RECORDED
 from study_texts import tutorial_in
 from tables import rows_of, trial_rows
 
 from tactometry.experiments.data_sets.export import export
-from tactometry.experiments.data_sets.figures import speed_of
+from tactometry.experiments.data_sets.figures import heading, speed_of
 from tactometry.experiments.data_sets.touch_courses import touch_courses
-from tactometry.experiments.data_sets.traces import read_traces
+from tactometry.experiments.data_sets.traces import TouchTrace, read_traces, touches
 from tactometry.experiments.data_sets.validation import validate
-from tactometry.records.journal import checksum, encode
+from tactometry.records.journal import Entry, checksum, encode, read
 from tactometry.rigs.touch.tracer import Tracer
 from tactometry.session.answer import Adjusted, Done
+from tactometry.session.intervention import Intervention
+from tactometry.session.request import Intervene
 
 SHORT = {
     "frequency_hz = [60, 240]": "frequency_hz = [60]",
@@ -395,3 +399,14 @@ def test_a_real_disk_that_fills_costs_no_trial_and_one_sentence(tmp_path, capsys
     assert len(rows) > n_before >= 3
     assert validate(tmp_path / "kept").defects == ()
     assert all(len(touch.force.times_s) for row in rows for touch in read_traces(tmp_path / "kept", int(row["trial"])))
+
+
+def test_a_touch_whose_trial_was_taken_back_is_told_as_such():
+    (journal,) = (RECORDED / "format-2-traces-console" / "journals").glob("*.jsonl")
+    recording = read(journal)
+    first, second = touches(recording)
+    taken_back = Entry(Intervene(Intervention("invalidate", first.trial.key), "", (first.trial.key,)), Done(9.0))
+    again = list(touches(replace(recording, lines=(*recording.lines, taken_back))))
+    assert [touch.trial.valid for touch in (first, second, *again)] == [True, True, False, True]
+    drawn = TouchTrace(again[0].trial, again[0].request, again[0].answer, None, None, None)
+    assert heading(drawn).endswith("not valid: as the experimenter wanted")
