@@ -1,12 +1,14 @@
 """Rows of a table of trials: the numbers of their cells, what they say of a trial, and how a bad one is refused."""
 
+from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
 from tactometry.errors import InvalidFile, nearest
-from tactometry.trials.row_rules import rows_text
+from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS, rows_text
 
 from ..arrays import Array
 
@@ -101,3 +103,15 @@ def no_column(name: str, table: pd.DataFrame) -> str:
     "found no column 'levl'; did you mean 'level'?"
     """
     return f"found no column {name!r}{nearest(name, [str(column) for column in table.columns])}"
+
+
+def with_all_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
+    """With the columns of all of them: other programs write a column into a file only where it holds something."""
+    header = list(dict.fromkeys(name for table in tables.values() for name in table.columns))
+    missing = {file: [name for name in header if name not in table.columns] for file, table in tables.items()}
+    return {file: with_empty(table, missing[file])[header] for file, table in tables.items()}
+
+
+def with_empty(table: pd.DataFrame, names: list[str]) -> pd.DataFrame:
+    """With columns that hold nothing."""
+    return table.assign(**{name: np.nan if name in (*NUMBERS, *COUNTS, *FLAGS) else "" for name in names})

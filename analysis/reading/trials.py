@@ -25,7 +25,7 @@ from tactometry.trials.tasks import FORM_TASK, TASKS, tasks_with_level
 
 from .column_map import ColumnMap, translate, trials_of
 from .level_scale import on_scale, wide_levels
-from .rows import bad_cell, expect_column, holds, is_catch, numbers_of, place_of
+from .rows import bad_cell, expect_column, holds, is_catch, numbers_of, place_of, with_all_columns, with_empty
 from .text_table import text_cells
 
 REQUIRED = ("participant", "level", "task", "response")
@@ -107,7 +107,7 @@ def trials_in(
     InvalidFile, InvalidParameter
         As `read_trials`.
     """
-    same_columns = _with_same_columns if named_by_us else _with_all_columns
+    same_columns = _with_same_columns if named_by_us else with_all_columns
     tables = same_columns({file: _checked_table(table, file) for file, table in texts.items()})
     for file, table in tables.items() if named_by_us else ():  # the names of another program's files are its own
         _refuse_other_code(table, file)
@@ -176,19 +176,7 @@ def _with_added(table: pd.DataFrame, header: list[str]) -> pd.DataFrame:
     missing = [name for name in header if name in ADDED and name not in table.columns]
     if not missing or set(header) != {*table.columns, *missing}:
         return table
-    return _with_empty(table, missing)[header]
-
-
-def _with_all_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataFrame]:
-    """With the columns of all of them: other programs write a column into a file only where it holds something."""
-    header = list(dict.fromkeys(name for table in tables.values() for name in table.columns))
-    missing = {file: [name for name in header if name not in table.columns] for file, table in tables.items()}
-    return {file: _with_empty(table, missing[file])[header] for file, table in tables.items()}
-
-
-def _with_empty(table: pd.DataFrame, names: list[str]) -> pd.DataFrame:
-    """With columns that hold nothing."""
-    return table.assign(**{name: np.nan if name in (*NUMBERS, *COUNTS, *FLAGS) else "" for name in names})
+    return with_empty(table, missing)[header]
 
 
 def trial_files(path: Path, forms: Sequence[str] = OWN_FILES) -> list[Path]:

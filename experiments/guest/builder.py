@@ -81,6 +81,12 @@ if not {call}:
     thisExp.status = FINISHED  # Escape
 %(name)s.status = FINISHED
 """
+PLAY_ON = """
+if %(name)s.status == STARTED and not %(name)s.plays():
+    %(name)s.status = FINISHED
+if %(name)s.stopped:
+    thisExp.status = FINISHED  # Escape
+"""
 KEEP = """
 for _name, _value in %(name)s.values.items():
     thisExp.addData("%(name)s." + _name, _value)
@@ -129,8 +135,7 @@ class TactileStimulusComponent(_GuestComponent):
 
     def writeFrameCode(self, buff: Any) -> None:  # noqa: N802
         self._write_start(buff, "%(name)s.start(%(level)s)\n")
-        code = "if %(name)s.status == STARTED and not %(name)s.plays():\n    %(name)s.status = FINISHED\n"
-        buff.writeIndentedLines(code % self.params)
+        buff.writeIndentedLines(PLAY_ON % self.params)
 
     def writeRoutineEndCode(self, buff: Any) -> None:  # noqa: N802
         buff.writeIndentedLines(("%(name)s.finish()\n" + KEEP) % self.params)

@@ -58,6 +58,8 @@ class StimulusPart(GuestPart):
     """A stimulus beside what the routine draws."""
 
     _beside: Beside | None = None
+    stopped = False
+    """Whether Escape was pressed while a sensor paused it."""
 
     def start(self, level: float | None) -> None:
         self.values = {}
@@ -65,7 +67,11 @@ class StimulusPart(GuestPart):
 
     def plays(self) -> bool:
         """In each frame."""
-        return self._beside is not None and self._beside.look()
+        try:
+            return self._beside is not None and self._beside.look()
+        except Stopped:
+            self.stopped = True
+            return False
 
     def finish(self) -> None:
         """With the routine: zero now."""

@@ -36,8 +36,10 @@ class Beside:
 
     def look(self) -> bool:
         """In each frame: whether it plays on. What the sensor must not say (silence, too much force) pauses here."""
-        self._look()
-        self._give_back()
+        try:
+            self._look()
+        finally:
+            self._give_back()
         return not self.cut and time.perf_counter() < self._onset_s + self._request.duration_s
 
     def end(self) -> Played:

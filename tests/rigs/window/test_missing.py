@@ -57,6 +57,24 @@ def test_the_keyboard_that_loses_answers_is_refused(display, home):
     assert line.startswith("keyboard: found PsychoPy's back end 'event', which loses answers, expected 'ptb'")
 
 
+def test_a_script_whose_keyboard_loses_answers_is_told_how_to_make_one(display, home):
+    adopt = """
+from psychopy import visual
+from psychopy.hardware.keyboard import Keyboard
+from tactometry.errors import DeviceFailed
+from tactometry.rigs.window import Window
+keys = Keyboard(backend="event")
+window = visual.Window((320, 200), checkTiming=False)
+try:
+    Window.adopt(window)
+except DeviceFailed as error:
+    print(error, error.exit_status, window._closed)
+"""
+    line = said(adopt, HOME=home, DISPLAY=os.environ["DISPLAY"])
+    assert line.startswith("keyboard: found PsychoPy's back end 'event', which loses answers, expected 'ptb'; make it")
+    assert line.endswith("3 False")
+
+
 @pytest.mark.parametrize(("status", "told"), [(143, "SystemExit 143"), (0, "window: PsychoPy could not open one (S")])
 def test_a_signal_while_the_window_opens_ends_the_process_and_psychopy_does_not(display, home, status, told):
     quits = f"import sys\nfrom psychopy import visual\nvisual.Window = lambda **more: sys.exit({status})\n"
