@@ -4,12 +4,14 @@ import os
 import signal
 import threading
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from benches import gain_toml
 from emulated import Emulator, wait_for
 from force_bench import BENCH, study_in
+from player import noise
 from tables import trial_rows
 from window_sitting import any_keys, sit, tactometry
 
@@ -136,6 +138,89 @@ def test_a_gap_that_lasts_when_the_stimulus_should_be_over_is_one(output, sink):
         assert output.n_gaps() >= 1
     finally:
         sink.server.send_signal(signal.SIGCONT)
+
+
+def heard_while_held_up(output, sink, after_s, for_s):
+    """Whether the sink heard a noise sample by sample, and how many gaps the output tells, where it was held up."""
+    signal_played = noise(1, 48e3, 0.6)
+    sink.begin()
+    end_s = output.play(signal_played) + 0.6
+    time.sleep(after_s)
+    held_up(sink.server, for_s)
+    time.sleep(max(0.0, end_s - time.perf_counter()))
+    n_gaps = output.n_gaps()
+    samples = output.final(signal_played).samples[0] / 50.0
+    heard = sink.end()[:, 0] / 32768
+    heard = heard[int(np.argmax(heard != 0)) :][: len(samples)]
+    whole = len(heard) == len(samples) and np.abs(heard - samples).max() < 3 / 32768  # 32 bits became 16
+    return whole, n_gaps
+
+
+HELD_UP_S = [(0.1, 0.3), (0.3, 0.12), (0.45, 0.4)]
+
+
+def test_what_is_heard_with_a_gap_is_never_told_to_be_whole(output, sink):
+    """However long the server is held up, and wherever; what is told to be torn may have been heard whole."""
+    found = [heard_while_held_up(output, sink, *each) for each in HELD_UP_S]
+    assert [(whole, n_gaps) for whole, n_gaps in found if not whole and n_gaps == 0] == []
+    assert not all(whole for whole, _ in found), "nothing was torn: the test cannot fail"
+
+
+@pytest.mark.slow
+def test_no_gap_of_many_is_told_to_be_whole(output, sink):
+    rng = np.random.default_rng(18)
+    times_s = zip(rng.uniform(0.05, 0.55, 40), rng.uniform(0.0, 0.35, 40), strict=True)
+    found = [heard_while_held_up(output, sink, *each) for each in times_s]
+    assert [each for each in found if not each[0] and each[1] == 0] == []
+
+
+class Asking:
+    """A card that asks for blocks of 5 ms, with so much in hand."""
+
+    def __init__(self):
+        self.output = AudioOutput(AudioSettings(48e3, "x", latency_s=0.1, shared=True), Gain(50.0, 1.0))
+
+    def ask(self, lead_s):
+        times = SimpleNamespace(outputBufferDacTime=lead_s, currentTime=0.0)
+        self.output._fill(np.zeros((240, 1)), 240, times, SimpleNamespace(output_underflow=False))
+
+    def begin(self, lead_s, n_blocks=20_000):
+        self.output._course = FrameFeed(np.ones((240 * n_blocks, 1)), n_fade=1)
+        self.ask(lead_s)
+
+
+def test_a_stimulus_that_begins_in_a_gap_is_torn():
+    """Its first frames were lost in the gap, which had begun before it."""
+    card = Asking()
+    card.ask(0.1)
+    card.begin(0.003)
+    assert card.output.n_gaps(0.0) == 1
+
+
+def test_a_card_with_nothing_in_hand_has_run_dry_though_it_does_not_tell():
+    card = Asking()
+    card.ask(0.1)
+    card.begin(0.1)
+    assert card.output.n_gaps(0.0) == 0
+    for lead_s in (0.003, 0.008, 0.013, 0.018):
+        card.ask(lead_s)
+    assert card.output.n_gaps(0.0) == 1
+
+
+def test_a_card_that_never_had_anything_in_hand_takes_samples_as_fast_as_they_come():
+    card = Asking()
+    card.begin(0.0)
+    card.ask(0.0)
+    assert card.output.n_gaps(0.0) == 0
+
+
+def test_frames_that_a_card_has_not_taken_by_their_end_were_held_up():
+    course = FrameFeed(np.zeros((1000, 1)), n_fade=1)
+    course.begun.set()
+    course.take(900)
+    assert [course.is_late(now_s, rate_hz=1000.0) for now_s in (0.95, 1.05)] == [False, True]
+    course.take(100)
+    assert not course.is_late(1.05, rate_hz=1000.0)
 
 
 def test_a_stimulus_is_torn_from_its_onset_to_its_end():

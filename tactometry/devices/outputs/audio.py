@@ -220,6 +220,7 @@ class AudioOutput(AmplifiedDriver):
             return
         if not course.begun.is_set():
             course.onset_s = now_s + lead_s
+            course.n_gaps += self._dry.is_dry  # its first frames are lost in the gap before it
             course.begun.set()
         piece = course.take(n_frames)
         out[: len(piece)] = piece
@@ -230,7 +231,7 @@ class AudioOutput(AmplifiedDriver):
         if course is None:
             return 0
         lasts = not self._asks_within(longest_wait_s) and course.is_torn_by(self._dry.dry_s, self.rate_hz)
-        return course.n_gaps + lasts
+        return course.n_gaps + (lasts or course.is_late(time.perf_counter(), self.rate_hz))
 
     def _asks_within(self, longest_s: float) -> bool:
         """Whether the device asks for samples; not waited for if `longest_s` is 0."""

@@ -2,12 +2,16 @@
 
 import math
 import threading
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...followed import FollowedSignal
+
+SCANT_S: Final = 0.01
+"""A device that has less in hand as it asks has run dry (unverified default: of a sound server that was held up it was
+0 to 3 ms behind each gap, and 24 ms or more where all was heard)."""
 
 
 class FrameFeed:
@@ -38,6 +42,11 @@ class FrameFeed:
     def is_torn_by(self, dry_s: float, rate_hz: float) -> bool:
         """Whether a device that ran dry at `dry_s` did so in the midst of these frames, not before or after them."""
         return self.begun.is_set() and dry_s < self.onset_s + len(self._frames) / rate_hz
+
+    def is_late(self, now_s: float, rate_hz: float) -> bool:
+        """Whether the device should have taken all of these frames by now and has not: others were heard meanwhile."""
+        ends_s = self.onset_s + len(self._frames) / rate_hz
+        return self.begun.is_set() and not self._stopping and not self.finished and now_s > ends_s
 
     def stop(self) -> None:
         """The next block falls to zero and is the last."""
@@ -125,16 +134,17 @@ def _fade(piece: NDArray[Any]) -> NDArray[Any]:
 class DryRuns:
     """When a stream ran dry: fed with each block that the device asks for.
 
-    It did where the device tells so, and where it asks for a block later than the ones before lasted: sound servers
-    forget to tell. How long they last is believed of a device that has `least_lead_s` in hand; one that takes samples
-    as fast as they come has not.
+    It did where the device tells so, where it asks for a block later than the ones before lasted, and where it has next
+    to nothing in hand as it asks: sound servers forget to tell, and run dry a little before what they say lasts. What
+    it has in hand is believed of a device that once had `least_lead_s`; one that takes samples as fast as they come has
+    not.
 
     Examples
     --------
     >>> dry = DryRuns(least_lead_s=0.02)
     >>> dry.after(now_s=1.0, lead_s=0.05, block_s=0.01, underflow=False)
-    >>> dry.after(now_s=1.4, lead_s=0.0, block_s=0.01, underflow=False)
-    1.06
+    >>> dry.after(now_s=1.4, lead_s=0.0, block_s=0.01, underflow=False), dry.is_dry
+    (1.06, True)
     >>> dry.after(now_s=1.4, lead_s=0.01, block_s=0.01, underflow=True), dry.n_gaps
     (None, 1)
     """
@@ -143,17 +153,19 @@ class DryRuns:
         self.n_gaps = 0
         self.dry_s = math.inf
         """When what the device has runs out, s on `time.perf_counter`; infinite where that is not believed."""
-        self._least_lead_s = least_lead_s
-        self._was_dry = False
+        self.is_dry = False
+        """Whether it was, as it asked for the last block."""
+        self._least_lead_s, self._had_lead = least_lead_s, False
 
     def after(self, *, now_s: float, lead_s: float, block_s: float, underflow: bool) -> float | None:
         """When the gap before this block began, which leaves the device `lead_s` from now; None where there was none.
 
         A device tells of one gap with several blocks in a row.
         """
-        is_dry = underflow or now_s > self.dry_s
-        began_s = min(self.dry_s, now_s) if is_dry and not self._was_dry else None
+        is_dry = underflow or now_s > self.dry_s or (self._had_lead and lead_s < SCANT_S)
+        began_s = min(self.dry_s, now_s) if is_dry and not self.is_dry else None
         self.n_gaps += began_s is not None
-        self._was_dry = is_dry
-        self.dry_s = now_s + lead_s + block_s if lead_s >= self._least_lead_s else math.inf
+        self.is_dry = is_dry
+        self._had_lead = self._had_lead or lead_s >= self._least_lead_s
+        self.dry_s = now_s + lead_s + block_s if self._had_lead else math.inf
         return began_s
