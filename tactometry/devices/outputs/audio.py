@@ -231,7 +231,8 @@ class AudioOutput(AmplifiedDriver):
         if course is None:
             return 0
         lasts = not self._asks_within(longest_wait_s) and course.is_torn_by(self._dry.dry_s, self.rate_hz)
-        return course.n_gaps + (lasts or course.is_late(time.perf_counter(), self.rate_hz))
+        # frames that are late were held up by a gap: by one that nobody told of, if there is no other
+        return course.n_gaps + lasts or int(course.is_late(time.perf_counter(), self.rate_hz))
 
     def _asks_within(self, longest_s: float) -> bool:
         """Whether the device asks for samples; not waited for if `longest_s` is 0."""

@@ -13,6 +13,12 @@ SCANT_S: Final = 0.01
 """A device that has less in hand as it asks has run dry (unverified default: of a sound server that was held up it was
 0 to 3 ms behind each gap, and 24 ms or more where all was heard)."""
 
+BURST_S: Final = 0.05
+"""Blocks that a device asks for to fill itself again come within less (unverified default)."""
+EARLY_S: Final = 0.03
+"""A device may run dry so long before what it has in hand lasts, as it says (unverified default: the block of a sound
+server's sink is 20 ms, and what it says of itself is off by some)."""
+
 
 class FrameFeed:
     """The frames of one signal, handed out in order; after the last, and after `stop`, there are none.
@@ -40,8 +46,9 @@ class FrameFeed:
         return self._at >= len(self._frames)
 
     def is_torn_by(self, dry_s: float, rate_hz: float) -> bool:
-        """Whether a device that ran dry at `dry_s` did so in the midst of these frames, not before or after them."""
-        return self.begun.is_set() and dry_s < self.onset_s + len(self._frames) / rate_hz
+        """Whether a device that ran dry at `dry_s`, or `EARLY_S` before, did so in the midst of these frames, not
+        before or after them."""
+        return self.begun.is_set() and dry_s - EARLY_S < self.onset_s + len(self._frames) / rate_hz
 
     def is_late(self, now_s: float, rate_hz: float) -> bool:
         """Whether the device should have taken all of these frames by now and has not: others were heard meanwhile."""
@@ -155,17 +162,19 @@ class DryRuns:
         """When what the device has runs out, s on `time.perf_counter`; infinite where that is not believed."""
         self.is_dry = False
         """Whether it was, as it asked for the last block."""
-        self._least_lead_s, self._had_lead = least_lead_s, False
+        self._least_lead_s, self._had_lead, self._last_dry_s = least_lead_s, False, -math.inf
 
     def after(self, *, now_s: float, lead_s: float, block_s: float, underflow: bool) -> float | None:
         """When the gap before this block began, which leaves the device `lead_s` from now; None where there was none.
 
-        A device tells of one gap with several blocks in a row.
+        A device tells of one gap with several blocks, some of them in one burst, and may tell of it as late as what it
+        had in hand lasts.
         """
         is_dry = underflow or now_s > self.dry_s or (self._had_lead and lead_s < SCANT_S)
-        began_s = min(self.dry_s, now_s) if is_dry and not self.is_dry else None
-        self.n_gaps += began_s is not None
-        self.is_dry = is_dry
+        is_new = is_dry and not self.is_dry and now_s - self._last_dry_s > BURST_S
+        began_s = min(self.dry_s, now_s - 2 * self._least_lead_s * underflow) if is_new else None
+        self.n_gaps += is_new
+        self.is_dry, self._last_dry_s = is_dry, now_s if is_dry else self._last_dry_s
         self._had_lead = self._had_lead or lead_s >= self._least_lead_s
         self.dry_s = now_s + lead_s + block_s if self._had_lead else math.inf
         return began_s
