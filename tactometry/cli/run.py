@@ -92,7 +92,8 @@ def _check_duration(experiment: Experiment, who: Who, *, begun: bool) -> None:
 
 
 _tell = partial(click.echo, err=True)
-UNFINISHED = {"aborted", "not begun"}
+LOST = {"aborted", "not begun"}
+UNFINISHED = LOST | {"skipped"}
 ENDINGS = {
     "trials": "came to their last trial",
     "censored_above": "censored above the levels",
@@ -121,7 +122,7 @@ def _report(root: Path, recorded: Recorded) -> int:
     """Print what was recorded: status 1 if a block, or one of its tracks, did not come to its end."""
     counts = recorded.endings
     failed = bool(UNFINISHED & counts.keys())
-    whole = not failed or bool(counts.keys() - UNFINISHED)
+    whole = not failed or bool(counts.keys() - LOST)
     advice = f"tactometry analyse {root}" if whole else "mend what made the touches invalid: no block came to its end"
     text = f"{recorded.trials}: {recorded.tally}{_ending_words(counts)}; next: {advice}"
     result = {
