@@ -14,7 +14,7 @@ from ..files.durable import draft, open_private, put_in_place, read_file, sync_f
 from ..session.answer import Marked
 from ..session.event import Event
 from ..session.replay import Replay
-from ..session.request import Fill, Intervene, Record, Request, Show
+from ..session.request import CONSENT, Choose, Fill, Intervene, Record, Request, Show
 from .head import Head
 from .journal import Entry, Line, Recording, checksum, decode_journal, encode, encode_entry, encode_line
 
@@ -106,7 +106,8 @@ class Journal:
 
     def append(self, request: Request[Any], answer: object) -> None:
         self._write(
-            encode_entry(request, answer, self._before), durable=self._syncs_trials and isinstance(request, LASTING)
+            encode_entry(request, answer, self._before),
+            durable=self._syncs_trials and (isinstance(request, LASTING) or _is_consent(request)),
         )
 
     def note(self, event: Event) -> None:
@@ -141,7 +142,14 @@ def _until_last(kinds: tuple[type[Request[Any]], ...], lines: Sequence[Line]) ->
 
 
 def _is_kept(kinds: tuple[type[Request[Any]], ...], line: Line) -> bool:
-    return isinstance(line, Marked) or (isinstance(line, Entry) and isinstance(line.request, kinds))
+    if isinstance(line, Entry):
+        return isinstance(line.request, kinds) or _is_consent(line.request)
+    return isinstance(line, Marked)
+
+
+def _is_consent(request: Request[Any]) -> bool:
+    """Whether it asks for what nobody is asked twice, though it is no trial."""
+    return isinstance(request, Choose) and request.question == CONSENT
 
 
 def _open_locked(path: Path) -> int:

@@ -8,6 +8,7 @@ import time
 from dataclasses import dataclass, field
 
 import numpy as np
+from patience import LONGEST_WAIT_S
 from seen import see
 
 LOOK_EVERY_S = 0.02
@@ -31,6 +32,13 @@ class Eye:
         self._root, self._whole = self._display.screen().root, (X.ZPixmap, 0xFFFFFFFF)
         size = self._root.get_geometry()
         self.size_px = size.width, size.height
+        self._curtain = self._root.create_window(0, 0, *self.size_px, 0, X.CopyFromParent, background_pixel=0)
+        self._curtain.map()
+
+    def cover(self):
+        """Black in front of what other windows show, or left behind, until the next window opens."""
+        self._curtain.raise_window()
+        self._display.sync()
 
     def picture(self):
         """All of the screen, (height, width, 3)."""
@@ -90,34 +98,47 @@ class Finger:
         self.said = []
         self.kinds = []
         """The pages that it saw, in their order."""
-        self._before = self._acted_on = None
+        self.seen, self.picture, self.steady = None, None, False
+        """What was seen last; steady if it was the same before."""
+        self._acted_on = None
         self._acted_s = 0.0
         self._counts, self._played, self._letting_go, self._held_since_s = 0.0, False, False, None
         self._pursuit, self._by_pointer = Pursuit(), False
 
     def sit(self, process, until=lambda finger: False):
-        """Take part until the process ends, or something is seen."""
-        while process.poll() is None and not until(self):
-            self.look()
+        """Take part until the process ends, or, before it acts, something is seen: whether it was."""
+        end_s = time.perf_counter() + LONGEST_WAIT_S
+        while process.poll() is None:
+            assert time.perf_counter() < end_s, f"a page that does not go on: {self.seen}, after {self.kinds}"
+            now_s = time.perf_counter()
+            if self._look(now_s):
+                end_s = now_s + LONGEST_WAIT_S
+                if until(self):
+                    return True
+                self._react(now_s)
             time.sleep(LOOK_EVERY_S)
+        return False
 
-    def look(self):
-        """Look once, and act if that is due."""
-        now_s, picture = time.perf_counter(), self._eye.picture()
-        steady = self._before is not None and np.array_equal(picture, self._before)
-        self._before = picture
+    def _look(self, now_s):
+        """Look once: whether there is something that was not acted on."""
+        picture = self._eye.picture()
+        self.steady = self.picture is not None and np.array_equal(picture, self.picture)
+        self.picture = picture
         done = self._acted_on is not None and np.array_equal(picture, self._acted_on)
-        if steady and done and now_s < self._acted_s + PATIENCE_S:
-            return
-        seen = see(picture)
-        if seen.kind == "touch":
+        if self.steady and done and now_s < self._acted_s + PATIENCE_S:
+            return False
+        self.seen = see(picture)
+        return True
+
+    def _react(self, now_s):
+        if self.seen.kind == "touch":
             self._note("touch")
             self._acted_on = None
-            self._touch(seen, now_s, picture)
+            self._touch(self.seen, now_s)
             return
         self._lift()
-        if steady and seen.kind != "nothing" and self._act(seen):
-            self._acted_on, self._acted_s = picture, time.perf_counter()
+        if self.steady and self.seen.kind != "nothing" and self._act(self.seen):
+            self._acted_on, self._acted_s = self.picture, time.perf_counter()
 
     def _note(self, kind):
         if not self.kinds or self.kinds[-1] != kind or self._acted_on is not None:
@@ -140,10 +161,10 @@ class Finger:
         if self._counts:
             self._steer(0.0)
 
-    def _touch(self, seen, now_s, picture):
+    def _touch(self, seen, now_s):
         if seen.dot_px is not None:
             length_px = seen.height_px * TRACK_UM / 0.3e6
-            self._pursuit.see((seen.dot_px - picture.shape[1] / 2) / length_px + 0.5, now_s)
+            self._pursuit.see((seen.dot_px - self.picture.shape[1] / 2) / length_px + 0.5, now_s)
         if seen.bar is None:
             return
         self._letting_go |= self._played and seen.marker == "ready"
@@ -190,14 +211,14 @@ class Finger:
         open_rows = [k for k, mark in enumerate(seen.marked) if mark is None]
         if len(open_rows) == len(seen.rows):
             self._note("form")
-            self._by_pointer = len(seen.rows[0]) > 9 or self._rng.random() < 0.5
+            self._by_pointer = self._rng.random() < 0.5
         if not open_rows:
             self.said += [Said("form", mark, len(row)) for mark, row in zip(seen.marked, seen.rows, strict=True)]
             self._hands.tap("Return")
             return True
         row = seen.rows[open_rows[0]]
         place = int(self._rng.integers(len(row)))
-        if self._by_pointer:
+        if self._by_pointer or len(row) >= len(DIGITS):
             self._click(row[place])
         else:
             self._hands.tap(DIGITS[place + 1])

@@ -14,6 +14,7 @@ BENCH = """\
 [screen]
 fullscreen = false
 language = "{language}"
+dry_run = {dry_run}
 [sensors.hand]
 rate_hz = 1000
 {sensor}
@@ -44,18 +45,22 @@ class Sitting:
         The text of the study file, and what its pages are written in.
     hands, eye, sensor
         Of the participant.
+    dry_run : bool
+        Whether touches are explained and tried before the first one.
     """
 
-    def __init__(self, folder, study, language, hands, eye, sensor):
+    def __init__(self, folder, study, language, hands, eye, sensor, *, dry_run):
+        self.dry_run = dry_run
         self.folder, self.data = folder, folder / "data"
         self._hands, self._eye, self._sensor = hands, eye, sensor
         self.study = folder / "s.toml"
         self.study.write_text(study, encoding="utf-8")
-        told = BENCH.format(language=language, sensor=SENSORS[sensor.kind].format(sensor))
+        told = BENCH.format(language=language, dry_run=str(dry_run).lower(), sensor=SENSORS[sensor.kind].format(sensor))
         (folder / "bench.toml").write_text(told, encoding="utf-8")
 
     def run(self, *more):
-        """The process of a session."""
+        """The process of a session, whose window opens in front of all that there is."""
+        self._eye.cover()
         words = ("run", self.study, "--participant", "P01", "--seed", 3, "--bench", self.folder / "bench.toml")
         return tactometry(*words, "--out", self.data, *more)
 
@@ -65,11 +70,11 @@ class Sitting:
 
 
 @contextmanager
-def sitting(folder, study, language, hands, kind="udp"):
+def sitting(folder, study, language, hands, kind="udp", *, dry_run=True):
     """A participant whose finger is at a sensor of a kind."""
     eye, sensor = Eye(os.environ["DISPLAY"]), Emulator(kind, folder, options=("--steered",))
     try:
-        yield Sitting(folder, study, language, hands, eye, sensor)
+        yield Sitting(folder, study, language, hands, eye, sensor, dry_run=dry_run)
     finally:
         sensor.close()
         eye.close()

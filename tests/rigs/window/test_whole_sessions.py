@@ -8,7 +8,7 @@ from command_line import call
 from emulated import available
 from short_studies import SHORT, shortened
 from tables import event_rows, trial_rows
-from whole_sitting import asked_to_end, recorded_as, sitting
+from whole_sitting import asked_to_end, forms_of, recorded_as, sitting
 
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.data_sets.validation import validate
@@ -20,10 +20,12 @@ FIRST = ("tutorial", "en")
 
 
 def sessions():
-    """Each study in each language, with one of the sources of force; `make test` has one, `make check` each study."""
+    """Each study in each language of its questionnaires, with one of the sources of force; `make test` has one,
+    `make check` each study."""
     for n, name in enumerate(SHORT):
-        for k, language in enumerate(languages()):
-            once = k == n % len(languages())
+        spoken = [each for each in languages() if all(each in form.languages for form in forms_of(shortened(name)))]
+        for k, language in enumerate(spoken):
+            once = k == n % len(spoken)
             marks = () if (name, language) == FIRST else (pytest.mark.slow if once else pytest.mark.soak,)
             yield pytest.param(name, language, SOURCES[(n + k) % len(SOURCES)], marks=marks, id=f"{name}-{language}")
 

@@ -1,0 +1,257 @@
+"""A session is killed on each kind of page: it goes on there, and nothing is asked twice that was answered."""
+
+import re
+import signal
+from contextlib import contextmanager
+from dataclasses import dataclass
+from itertools import count, cycle
+
+import numpy as np
+import pytest
+from places import ROOT
+from seen import Seen
+from short_studies import shortened
+from study_texts import changed
+from tables import trial_rows
+from whole_sitting import recorded_as, sitting
+
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.records.journal import read
+from tactometry.rigs.texts import texts_in
+from tactometry.session.request import CONSENT, REQUESTS, Choose, Fill, Show
+
+RESTING = {
+    'kind = "yes_no"': 'kind = "yes_no"\nfeedback = true\nrest_s = 1.0',
+    "rest_after = 75": "rest_after = 1",
+    "n_of = 5": "n_of = 1",
+    "n_trials = 20": "n_trials = 3",
+    "catch_rate = 0.2": "catch_rate = 0.0",
+}
+PRESSED = """[touch]
+kind = "press"
+force_n = 1.0
+hold_s = "50 ms"
+timeout_s = "20 s"
+[task]
+kind = "adjustment"
+step = 2.0
+low = 0.0
+high = 40.0
+"""
+
+
+def with_rests():
+    return changed(shortened("time-reversal-threshold"), RESTING)
+
+
+def of_two_pages():
+    """A slide with a form, and a questionnaire of two pages at the end."""
+    study = shortened("hybrid-button")
+    study = re.sub(r"\[variants\.feedback\.(time_reversal|both)[\s\S]*?(?=\n\n)", "", study)
+    return changed(study, {'["time_reversal", "electrovibration", "both"]': '["electrovibration"]', **ONE})
+
+
+ONE = {"levels = [36.0, 40.0]": "levels = [36.0]", "effects.feedback.both = { realism = 0.2 }": ""}
+
+
+def set_by_hand():
+    study = shortened("tutorial")
+    study = re.sub(r"\[touch\][\s\S]*?(?=\[procedure\])", PRESSED, study)
+    return changed(study, {"levels = [22, 40]": "levels = [22]"})
+
+
+def with_consent():
+    first = '[inquiries.person]\nform = "realism-likert"\nafter = "start"\n'
+    return f"consent = true\n{shortened('tutorial')}\n{first}".replace("levels = [22, 40]", "levels = [40]")
+
+
+N_BEFORE_CONSENT = 2
+"""Welcome, and what taking part means."""
+TRIED = "tried"
+"""The study whose touch is explained and tried before its first one, in each sitting."""
+STUDIES = {
+    "rests": (with_rests, {"welcome", "instructions", "practice", "feedback", "block", "resting", "rest", "end"}),
+    "forms": (of_two_pages, {"Slide", "questions", "Fill 1", "Fill 2"}),
+    "agreed": (with_consent, {"consent", "agree", "questions_first", "instructions"}),
+    "numbers": (lambda: shortened("force-loss"), {"Press", "Enter"}),
+    "levels": (set_by_hand, {"Adjust"}),
+    "choices": (lambda: shortened("tutorial"), {"Choose"}),
+    TRIED: (lambda: shortened("tutorial"), {"Slide"}),
+}
+"""Studies and the pages on which each is killed."""
+NO_REQUEST = {
+    "key_test": "belongs to check",
+    "pause": "the experimenter's",
+    "stopped": "as the session ends",
+    "dry_run_held": "within the first touch, where it is tried",
+    "dry_run_lost": "in its place",
+    "declined": "as a session without consent ends",
+}
+
+
+def test_every_page_that_a_session_shows_is_one_that_is_killed():
+    """Requests that protocols put, by their names; a page of words by that of its message, instructions by one name."""
+    protocols = "".join(path.read_text("utf-8") for path in (ROOT / "protocols").rglob("*.py"))
+    put = {name for name in REQUESTS if re.search(rf"\b{name}\(", protocols)} - {
+        "Record",
+        "Show",
+        "Fill",
+        "Intervene",
+    } | {"agree"}
+    messages = texts_in("en", {}).messages
+    headed = {
+        name.partition("_")[0] if name.startswith("instructions_") else name for name in messages if has_body(name)
+    }
+    shown = headed - NO_REQUEST.keys()
+    told = {"feedback", "Fill 1", "Fill 2"}
+    assert set().union(*(pages for _, pages in STUDIES.values())) == put | shown | told
+
+
+def has_body(name):
+    return "\n\n" in texts_in("en", {}).messages[name].strip()
+
+
+class Turns:
+    """Draws that take turns, so that answers are right and wrong."""
+
+    def __init__(self):
+        self._numbers, self._ways = count(1), cycle([0.0, 0.5])
+
+    def integers(self, low, high=None):
+        n = next(self._numbers)
+        return n % low if high is None else low + n % (high - low)
+
+    def random(self):
+        return next(self._ways)
+
+
+@dataclass(frozen=True)
+class Killed:
+    """A page on which the session was killed: what was seen, the picture, and how many requests were answered then."""
+
+    seen: Seen
+    picture: np.ndarray
+    n_answered: int
+    is_explained: bool
+    """Whether a touch is explained anew in each sitting."""
+
+    def tells(self, finger):
+        """Whether what is seen tells where a session goes on: what passes by itself, as a pause until the sensor is
+        there, does not."""
+        if finger.seen.kind == "words":
+            return finger.steady and finger.seen.asks
+        return finger.seen.kind == "touch" or (finger.steady and finger.seen.kind != "nothing")
+
+    def is_where(self, finger):
+        """Whether a session that goes on is there: within a trial, at its touch."""
+        seen = finger.seen
+        match self.seen.kind:
+            case "words":
+                return not self.seen.asks or self.is_explained or np.array_equal(self.picture, finger.picture)
+            case "form":
+                return (seen.kind, seen.marked) == ("form", self.seen.marked)
+            case "question" if self.n_answered == N_BEFORE_CONSENT:
+                return np.array_equal(self.picture, finger.picture)
+            case _:
+                return seen.kind in ("touch", "adjust") or self.is_explained
+
+
+def journal_of(data):
+    [journal] = [path for path in (data / "journals").glob("*.jsonl") if "interruptions" not in path.name]
+    return journal
+
+
+def n_answered(data):
+    """By the lines of the journal of a session that was killed."""
+    return sum(line.startswith(b'{"request"') for line in journal_of(data).read_bytes().splitlines())
+
+
+def page_of(requests, n):
+    """The name of the page that shows a request, of some in their order."""
+    request = requests[n]
+    if isinstance(request, Show) and request.message in ("right", "wrong"):
+        return "feedback"
+    if isinstance(request, Show):
+        return request.message.partition("_")[0] if request.message.startswith("instructions_") else request.message
+    if isinstance(request, Choose) and request.question == CONSENT:
+        return CONSENT
+    if not isinstance(request, Fill):
+        return type(request).__name__
+    first = next(k for k in range(n, -1, -1) if not isinstance(requests[k], Fill))
+    return f"Fill {n - first}"
+
+
+def killed_on_each_page(seat, turns):
+    """A session that is killed on each page that was not seen before, and goes on until it has ended."""
+    known, killed, said = set(), [], []
+
+    def is_new(finger):
+        seen = finger.seen
+        if not is_whole(finger):
+            return False
+        key = (seen.kind, seen.marker, len(seen.rows), finger.picture[: told_px(seen)].tobytes())
+        new = key not in known
+        known.add(key)
+        return new
+
+    while True:
+        finger, goes_on = seat.finger(turns), bool(killed)
+        with stopping(seat.run(*(["--resume"] if goes_on else []))) as process:
+            if goes_on:
+                assert finger.sit(process, killed[-1].tells), process.communicate()
+                assert killed[-1].is_where(finger), (killed[-1].seen, killed[-1].n_answered, finger.seen)
+            is_killed = finger.sit(process, is_new)
+            said += finger.said
+            if not is_killed:
+                return (process.returncode, *process.communicate()), killed, said
+        killed.append(Killed(finger.seen, finger.picture, n_answered(seat.data), seat.dry_run))
+
+
+@contextmanager
+def stopping(process):
+    """A process that is killed behind this, if it has not ended."""
+    try:
+        yield process
+    finally:
+        process.send_signal(signal.SIGKILL)
+        process.communicate()
+
+
+def is_whole(finger):
+    """Whether it is a page, as it stays, and of a form with a mark; what passes by itself may be seen once only."""
+    seen = finger.seen
+    passes = seen.kind == "touch" or (seen.kind == "words" and not seen.asks)
+    is_page = seen.kind != "nothing" and (seen.kind != "form" or any_marked(seen))
+    return is_page and (passes or finger.steady)
+
+
+def told_px(seen):
+    """How much of a picture tells the page, from above: all words, of a form what it is about and which page it is."""
+    parts = {"words": 1.0, "form": 0.08}
+    return round(parts.get(seen.kind, 0.0) * seen.height_px)
+
+
+def any_marked(seen):
+    return any(mark is not None for mark in seen.marked)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", STUDIES)
+def test_a_session_that_is_killed_goes_on_with_the_page_that_it_was_on(display, tmp_path, name):
+    make, pages = STUDIES[name]
+    study = make()
+    with sitting(tmp_path, study, "en", display, dry_run=name == TRIED) as seat:
+        (status, _, errors), killed, said = killed_on_each_page(seat, Turns())
+    assert (status, errors) == (0, "")
+    requests = [request for request, _ in read(journal_of(seat.data)).entries]
+    assert {page_of(requests, page.n_answered) for page in killed} >= pages
+    rows = [row for row in trial_rows(seat.data) if row["response"]]
+    if name == "agreed":
+        assert [request.question for request in requests if isinstance(request, Choose)].count(CONSENT) == 1
+    elif name != "levels":
+        assert [float(row["response"]) for row in rows] == recorded_as(said, study)
+    numbers = [(row["trial"], row.get("item")) for row in rows if row["valid"] == "1"]
+    assert len(numbers) == len(set(numbers))
+    assert validate(seat.data).defects == ()
+    assert [session.complete for session in replay_data_set(seat.data)] == [True]
