@@ -19,6 +19,7 @@ from tactometry.observers.raters import Raters
 from tactometry.protocols.block_state import BlockOptions
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.questionnaire import Dimension, Item, Questionnaire
+from tactometry.rigs.images import ImageTable
 from tactometry.rigs.texts import texts_in
 from tactometry.safety.limits import Limits
 from tactometry.stimuli.electrovibration import CoulombFriction, FrictionLag, Grating, Layer, Polarity, Skin
@@ -77,6 +78,7 @@ def study_tables() -> Iterator[tuple[str, KeyTable]]:
     yield from ((f'`[task]`, `kind = "{kind}"`', table) for kind, table in _tasks())
     yield "`[practice]`", KeyTable(Practice, {"levels": [30.0]}, in_levels=_IN_LEVELS)
     yield "`[plan]`", KeyTable(PlanTable)
+    yield "`[images.MESSAGE]`", KeyTable(ImageTable, {"path": "setup.png"})
     yield "`[inquiries.NAME]`", KeyTable(InquiryTable, {"form": "sus"})
     yield "`[forms.NAME]`", KeyTable(Questionnaire, _FORM, given={"name": "own"})
     yield "`[[forms.NAME.items]]`", KeyTable(Item, _ITEM)

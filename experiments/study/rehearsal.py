@@ -5,7 +5,7 @@ from dataclasses import replace
 from math import prod
 from pathlib import Path
 
-from tactometry.arguments.require import expect
+from tactometry.arguments.require import expect, one_of
 from tactometry.errors import InvalidParameter, nearest, rewording
 from tactometry.protocols.session import pages
 from tactometry.rigs.texts import Texts, texts_in
@@ -29,6 +29,9 @@ def rehearse(experiment: Experiment) -> None:
     """
     _refuse_idle(experiment)
     study = experiment.study
+    shown = {page.message for page in _pages(experiment)} | WITHIN_BLOCKS if study.images else set()
+    for name in study.images:
+        one_of("images", name, sorted(shown))
     _rehearse_texts(experiment, "texts", study.texts, study.texts, "en")
     for language, words in study.translations.items():
         _rehearse_texts(experiment, f"translations.{language}", words, study.words_in(language), language)

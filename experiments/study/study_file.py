@@ -14,6 +14,7 @@ from tactometry.config.toml import LARGEST_FILE, errors_in, table_of
 from tactometry.errors import InvalidFile, InvalidParameter, nearest, rewording
 from tactometry.files.durable import read_file
 from tactometry.observers.finger import SimulatedFinger
+from tactometry.rigs.images import ImageTable
 from tactometry.safety.limits import Limits
 from tactometry.trials.cell_rules import STUDY
 from tactometry.trials.cells import cell
@@ -90,9 +91,9 @@ class Study:
     `scene` is the physics between stimulus and skin, in place of the default formula that `sensation` states. `nested`
     gives the levels of a factor within a level of another; `variants` what a factor's level changes in the tables of
     stimulus, touch, procedure, sensation and scene; `forms` are questionnaires of the study's own; `texts` are what
-    participants read in place of the shipped words, and `translations` the same by language, above them; with
-    `consent` nothing is asked of a participant who does not agree to take part; `analysis` is a plan of analysis
-    (`tactometry.analysis.plan.AnalysisPlan`), stated before the data.
+    participants read in place of the shipped words, and `translations` the same by language, above them, `images`
+    stand beside those words; with `consent` nothing is asked of a participant who does not agree to take part;
+    `analysis` is a plan of analysis (`tactometry.analysis.plan.AnalysisPlan`), stated before the data.
     """
 
     name: str
@@ -119,6 +120,7 @@ class Study:
     finger: SimulatedFinger = field(default_factory=SimulatedFinger)
     texts: dict[str, str] = field(default_factory=dict)
     translations: dict[str, dict[str, str]] = field(default_factory=dict)
+    images: dict[str, ImageTable] = field(default_factory=dict)
     analysis: dict[str, Any] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -10,7 +10,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
-from .pages.page import Box, Disc, Page, Text
+from .pages.page import Box, Disc, Page, Picture, Text
 
 FONT = "Noto Sans"
 PIXELS_PER_LINE = 300
@@ -44,7 +44,7 @@ class Canvas:
     def __init__(self, psychopy: SimpleNamespace, window: Any) -> None:
         self._visual, self._gl, self._window = psychopy.visual, psychopy.pyglet.gl, window
         _add_font(psychopy)
-        self._list = functools.cache(self._recorded)
+        self._list, self._picture = functools.cache(self._recorded), functools.cache(self._new_picture)
         self._stimuli: list[Any] = []
         """What was recorded: the letters of a text whose font nobody holds any more are forgotten by OpenGL."""
 
@@ -54,6 +54,9 @@ class Canvas:
         for item in page.items:
             if isinstance(item, Text):  # PsychoPy draws it at its own place, whatever the matrix says
                 gl.glCallList(self._list(item))
+                continue
+            if isinstance(item, Picture):  # whose texture no list holds
+                self._picture(item).draw()
                 continue
             look, size = self._look(item)
             drawing = self._list(look)
@@ -89,6 +92,10 @@ class Canvas:
         if edges == N_EDGES_BOX:
             return self._visual.Rect(self._window, width=1, height=1, **look)
         return self._visual.Circle(self._window, radius=1, edges=edges, **look)
+
+    def _new_picture(self, item: Picture) -> Any:
+        size = item.width, item.height
+        return self._visual.ImageStim(self._window, item.path, pos=(item.x, item.y), size=size, autoLog=False)
 
     def _text(self, item: Text) -> Any:
         return self._visual.TextStim(

@@ -11,6 +11,7 @@ from pathlib import Path
 from ..arguments.require import expect, one_of
 from ..errors import InvalidParameter, nearest
 from ..session.request import Question, Show
+from .images import Image
 
 _WIDE = re.compile(r"\d{4}")
 FOLDER = Path(__file__).parent
@@ -43,6 +44,8 @@ class Texts:
         The label of what stops a session.
     shipped : mapping of str to str
         What is shown where a message cannot be filled, so that no text of a study stops a session that has begun.
+    images : mapping of str to Image
+        Those that stand on pages of text, by the message.
     """
 
     messages: Mapping[str, str]
@@ -50,6 +53,7 @@ class Texts:
     language: str = "en"
     shipped: Mapping[str, str] = field(default_factory=dict)
     stop: str = "escape"
+    images: Mapping[str, Image] = field(default_factory=dict)
 
     def question(self, question: Question) -> tuple[str, str, str]:
         """The statement, the left and the right word of a question in this language.

@@ -30,13 +30,13 @@ STUDIES = {
         TUTORIAL.replace("trial_s = 5.0", "trail_s = 5.0"),
         "s.toml, trail_s: found an unknown key, expected one of name, title, description, task, factors, stimulus, "
         "touch, procedure, limits, counterbalance, trial_s, consent, plan, nested, variants, practice, inquiries, "
-        "forms, scene, sensation, observer, finger, texts, translations, analysis; did you mean 'trial_s'?",
+        "forms, scene, sensation, observer, finger, texts, translations, images, analysis; did you mean 'trial_s'?",
     ),
     "unknown table": (
         TUTORIAL.replace("[limits]", "[limit]"),
         "s.toml, limit: found an unknown key, expected one of name, title, description, task, factors, stimulus, "
         "touch, procedure, limits, counterbalance, trial_s, consent, plan, nested, variants, practice, inquiries, "
-        "forms, scene, sensation, observer, finger, texts, translations, analysis; did you mean 'limits'?",
+        "forms, scene, sensation, observer, finger, texts, translations, images, analysis; did you mean 'limits'?",
     ),
     "missing key": (
         TUTORIAL.replace('name = "tutorial"\n', ""),

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from ...session.request import Adjust
-from .page import ACCENT, EDGE, GOOD, INK, PAPER, QUIET, Answer, Box, Button, Disc, Item, Page, Text
+from .page import ACCENT, EDGE, GOOD, INK, PAPER, QUIET, Answer, Box, Button, Disc, Item, Page, Picture, Text
 
 BODY, HEADING, HINT = 0.042, 0.056, 0.032
 """Heights of letters, in heights of the screen."""
@@ -16,6 +16,8 @@ LONGEST_BESIDE_BAR = 0.5
 WIDEST = 1.5
 """No line of words is longer, on however wide a screen."""
 
+TALLEST = 0.4
+"""An image on a page of text."""
 CONTINUE_KEYS = ("space", "return", "num_enter")
 LEFT, RIGHT, UP, DOWN, CONFIRM = "left", "right", "up", "down", "confirm"
 FIRST, LAST = "first place", "last place"
@@ -52,17 +54,28 @@ def hint_line(words: str, aspect: float) -> Text:
     return Text(words, 0, -0.42, HINT, QUIET, MARGIN * aspect)
 
 
-def message_page(words: str, hint: str, aspect: float, progress: float | None = None) -> Page:
-    """A text that is left by the space bar, return or a click anywhere; `progress` (0..1) is drawn as a bar."""
+def message_page(
+    words: str, hint: str, aspect: float, progress: float | None = None, image: tuple[str, float] | None = None
+) -> Page:
+    """A text that is left by the space bar, return or a click anywhere; `progress` (0..1) is drawn as a bar, an `image`
+    (its file, and its width over its height) between the heading and the rest."""
     width = min(WIDEST, MARGIN * aspect)
     first, _, body = words.strip().partition("\n\n")
-    items: list[Item] = [heading(first, 0.33 if body else 0.05, aspect)]
+    items: list[Item] = [heading(first, 0.43 if image else 0.33 if body else 0.05, aspect)]
+    if image is not None:
+        items.append(_picture(*image, width))
     if body:
-        items.append(Text(body.strip(), 0, 0, BODY, wrap_width=width))
+        items.append(Text(body.strip(), 0, -0.16 if image else 0, BODY, wrap_width=width))
     if progress is not None:
         items += _progress_bar(progress)
     items.append(Text(hint, 0, -0.42, HINT, QUIET, width))
     return Page(tuple(items), (Button("continue", CONTINUE_KEYS, 0, 0, aspect, 1.0),))
+
+
+def _picture(path: str, ratio: float, width: float) -> Picture:
+    """An image as large as it can be below a heading."""
+    height = min(TALLEST, width / ratio)
+    return Picture(path, 0, 0.18, ratio * height, height)
 
 
 def _progress_bar(progress: float) -> list[Item]:

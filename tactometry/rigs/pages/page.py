@@ -58,7 +58,18 @@ class Disc:
     line: str | None = None
 
 
-Item = Text | Box | Disc
+@dataclass(frozen=True)
+class Picture:
+    """The image of a file around (x, y)."""
+
+    path: str
+    x: float
+    y: float
+    width: float
+    height: float
+
+
+Item = Text | Box | Disc | Picture
 
 
 @dataclass(frozen=True)

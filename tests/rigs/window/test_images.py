@@ -1,0 +1,78 @@
+"""Images on pages of text: shown in the window, and refused before a session begins where they cannot be."""
+
+from dataclasses import replace
+
+import pytest
+from command_line import call
+from PIL import Image as Pillow
+
+from tactometry.errors import TactometryError
+from tactometry.experiments.study.study_file import builtin
+from tactometry.provenance import sha256
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.device_rig import Equipment
+from tactometry.rigs.images import ImageTable, image_of
+from tactometry.rigs.pages.page import Picture
+from tactometry.rigs.texts import texts_in
+from tactometry.session.request import Show
+
+TUTORIAL = builtin()["tutorial"].read_text("utf-8")
+RED, BLUE = (255, 0, 0), (0, 0, 255)
+
+
+@pytest.fixture
+def file(tmp_path):
+    image = Pillow.new("RGB", (300, 150), RED)
+    image.paste(BLUE, (150, 0, 300, 150))
+    image.save(tmp_path / "setup.png")
+    return tmp_path / "setup.png"
+
+
+def stated(file):
+    return ImageTable(str(file), sha256(file.read_bytes()))
+
+
+def test_an_image_stands_upright_between_heading_and_text_of_its_page_alone(watched, output, file, artefacts):
+    texts = replace(texts_in("en", {}), images={"welcome": image_of(stated(file), "images.welcome")})
+    rig = Bench(watched, Equipment(output, {}), texts)
+    page = rig._message(Show("welcome", {}), "hint_continue")
+    [drawn] = [item for item in page.items if isinstance(item, Picture)]
+    assert drawn.width / drawn.height == pytest.approx(2.0)
+    for _ in range(2):  # it is drawn again as it was
+        shown = watched.picture(page).convert("RGB")
+    shown.save(artefacts / "image.png")
+    width, height = shown.size
+    y = round((0.5 - drawn.y) * height)
+    left, right = (shown.getpixel((round(width / 2 + side * drawn.width * height / 4), y)) for side in (-1, 1))
+    assert (left, right) == (RED, BLUE)
+    assert not [item for item in rig._message(Show("rest", {}), "").items if isinstance(item, Picture)]
+    rig.close()
+
+
+def test_what_is_no_such_image_is_refused_in_one_sentence(file):
+    (file.parent / "words.png").write_text("no image")
+    for table, message in (
+        (ImageTable("absent.png"), "absent.png: cannot be read"),
+        (ImageTable(str(file)), "images.end.sha256: found no such key, expected that of"),
+        (replace(stated(file), sha256="0"), "images.end.sha256: found '0', expected that of"),
+        (stated(file.parent / "words.png"), "images.end.path: found .*words.png', which is no image"),
+    ):
+        with pytest.raises(TactometryError, match=message):
+            image_of(table, "images.end")
+
+
+@pytest.mark.parametrize(
+    ("rig", "table", "message"),
+    [
+        ("simulated", '[images.welcom]\npath = "setup.png"\n', "images: found 'welcom', expected one of "),
+        ("bench", '[images.welcome]\npath = "setup.png"\n', "setup.png: cannot be read"),
+    ],
+    ids=["page", "file"],
+)
+def test_a_session_does_not_begin_without_its_image(tmp_path, capsys, rig, table, message):
+    (tmp_path / "s.toml").write_text(f"{TUTORIAL}{table}", "utf-8")
+    run = ("run", tmp_path / "s.toml", "--participant", "P01", "--rig", rig, "--out", tmp_path / "d")
+    status, said, _ = call(capsys, *run)
+    assert status == 2
+    assert message in said
+    assert not (tmp_path / "d").exists()
