@@ -21,14 +21,14 @@ class ImageTable:
 
 
 @dataclass(frozen=True)
-class Image:
+class PageImage:
     """A file that can be drawn, and its width over its height."""
 
     path: str
     ratio: float
 
 
-def image_of(table: ImageTable, where: str) -> Image:
+def image_of(table: ImageTable, where: str) -> PageImage:
     """The image of a table, looked at.
 
     Raises
@@ -50,4 +50,4 @@ def image_of(table: ImageTable, where: str) -> Image:
     except (UnidentifiedImageError, OSError, Pillow.DecompressionBombError):
         width = height = 0
     expect(width > 0, f"{where}.path", f"{table.path!r}, which is no image", "a PNG or a JPEG")
-    return Image(str(path.resolve()), width / height)
+    return PageImage(str(path.resolve()), width / height)

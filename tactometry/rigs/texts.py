@@ -11,7 +11,7 @@ from pathlib import Path
 from ..arguments.require import expect, one_of
 from ..errors import InvalidParameter, nearest
 from ..session.request import Question, Show
-from .images import Image
+from .images import PageImage
 
 _WIDE = re.compile(r"\d{4}")
 FOLDER = Path(__file__).parent
@@ -44,7 +44,7 @@ class Texts:
         The label of what stops a session.
     shipped : mapping of str to str
         What is shown where a message cannot be filled, so that no text of a study stops a session that has begun.
-    images : mapping of str to Image
+    images : mapping of str to PageImage
         Those that stand on pages of text, by the message.
     """
 
@@ -53,7 +53,7 @@ class Texts:
     language: str = "en"
     shipped: Mapping[str, str] = field(default_factory=dict)
     stop: str = "escape"
-    images: Mapping[str, Image] = field(default_factory=dict)
+    images: Mapping[str, PageImage] = field(default_factory=dict)
 
     def question(self, question: Question) -> tuple[str, str, str]:
         """The statement, the left and the right word of a question in this language.
