@@ -127,6 +127,7 @@ class Bench(DeviceRig):
         reason = touched.invalid_reason
         told = f"{kind}: {'held' if reason is None else f'not held, {REASON_WORDS[reason]}'}"
         self._supervisor.note("dry_run", text=told)
+        self._terminal.end_line()
         self._terminal.tell(f"dry run, {told} ({time.perf_counter() - begin_s:.0f} s)")
         self._leave(self._message(Show(f"dry_run_{'held' if reason is None else 'lost'}"), HINT_CONTINUE))
         self._tracer.begin()

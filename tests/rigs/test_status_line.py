@@ -258,6 +258,7 @@ def test_a_whole_session_has_a_status_that_nothing_tears(sitting):
     assert any(row.startswith("found 'frog', expected one of") for row in rows)
     assert b"; 2 procedures: " in sitting.seen.data
     assert b"trial 1: " in sitting.seen.data
+    assert b"dry run (slide) | trial 1" not in sitting.seen.data
 
 
 def test_a_slip_that_is_told_afterwards_and_an_end_in_good_order_by_the_hands_of_an_experimenter(sitting):
