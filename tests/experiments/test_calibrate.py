@@ -420,7 +420,10 @@ def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):
     refused = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
     assert (refused.returncode, "hands are off, expected it; nothing was played" in refused.stderr) == (2, True)
     arguments += ["--hands-off", "--write"]
-    result = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
+    for _ in range(5):  # a busy computer tears what it plays, which is then not learnt
+        result = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
+        if "in what was played" not in result.stderr:
+            break
     assert result.returncode == 0, result.stderr
     assert "learnt.npz: 1 responses of 0.01 s at 48000 Hz" in result.stdout
     found = read([tmp_path / "learnt.npz"])
