@@ -36,7 +36,7 @@ def courses_figure(table: pd.DataFrame, quantity: str) -> Drawing:
             axes.set_xlabel("Time from the onset (s)")
             axes.tick_params(labelbottom=True)
         highest = max(axes.dataLim.y1 for axes in grid.ravel()[: len(people)])
-        grid[0, 0].set_ylim(0.0, 1.1 * highest)
+        grid[0, 0].set_ylim(0.0, 1.1 * highest or 1.0)  # a finger that rests may not move at all
         named = [pair for axes in grid.flat for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
         lines = {text: line for line, text in named}  # each name once
         figure.legend(lines.values(), lines.keys(), loc="outside right upper")
