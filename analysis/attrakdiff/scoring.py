@@ -140,7 +140,7 @@ Round = dict[str, float | None]
 def _rounds(answers: pd.DataFrame, keys: Sequence[str]) -> list[tuple[tuple[object, ...], list[Round]]]:
     """Per participant and condition, sorted, the rounds of answers by item: mostly one."""
     by_key: dict[tuple[object, ...], list[Round]] = {}
-    columns = [answers[name].tolist() for name in keys]
+    columns = [[None if pd.isna(level) else level for level in answers[name]] for name in keys]
     raw = [None if np.isnan(x) else x for x in answers["raw"].tolist()]
     keyed = zip(zip(*columns, strict=True), answers["item"].tolist(), raw, strict=True)
     for key, item, value in keyed:
@@ -150,7 +150,10 @@ def _rounds(answers: pd.DataFrame, keys: Sequence[str]) -> list[tuple[tuple[obje
         if free is None:
             rounds.append(free := {})
         free[item] = value
-    return sorted(by_key.items(), key=lambda pair: pair[0])
+    # What was asked outside of the conditions, before or after them, has no level: it comes last.
+    return sorted(
+        by_key.items(), key=lambda pair: [(level is None, 0 if level is None else level) for level in pair[0]]
+    )
 
 
 def _mean_scores(rounds: Sequence[Round], form: Questionnaire) -> dict[str, float | None]:

@@ -86,11 +86,18 @@ class Ratings:
         for dimension, one in self.outcomes.items():
             for note in one.notes:
                 dimensions_of.setdefault(note, []).append(dimension)
-        notes = []
+        notes = [f"{self.form.title}: {self._apart}"] if self._apart else []
         for note, dimensions in dimensions_of.items():
             whose = "" if len(dimensions) == len(self.outcomes) else f", {', '.join(dimensions)}"
             notes.append(f"{self.form.title}{whose}: {note}")
         return notes
+
+    @property
+    def _apart(self) -> str:
+        """What is told of scores without a condition."""
+        n_apart = int(self.scores[list(self.factors)].isna().any(axis="columns").sum())
+        where = f"it was asked outside of the conditions, and is compared with none ({self.stem}_scores.csv)"
+        return f"{n_apart} of {len(self.scores)} scores without a condition: {where}" if n_apart else ""
 
     def cross(self) -> pd.DataFrame:
         """Conditions down, dimensions across, each as mean with interval, in text."""
@@ -123,6 +130,8 @@ def asked_forms(trials: Trials) -> list[tuple[Questionnaire, pd.DataFrame]]:
         return []
     forms = forms_of(trials.path)
     rows = rows[(rows["task"] == FORM_TASK) & rows["procedure"].isin(forms)]
+    # An empty cell of texts is no level, as it is none of numbers.
+    rows = rows.assign(**{name: rows[name].mask(rows[name].astype(object) == "") for name in trials.factors})
     return [(forms[str(name)], answers) for name, answers in rows.groupby("procedure")]
 
 
@@ -153,7 +162,7 @@ def _ratings(rows: pd.DataFrame, factors: Sequence[str], form: Questionnaire, pr
         crossed=frequency_by_envelope(scored) if has_patterns else None,
         against=against_reference(scored) if has_reference else None,
         grouped=grouped_profile(profile) if has_patterns else None,
-        outcomes={} if has_patterns or not varied else _outcomes(scored, varied, form, primary),
+        outcomes={} if has_patterns or not varied else _outcomes(scored.dropna(subset=varied), varied, form, primary),
     )
 
 

@@ -283,3 +283,30 @@ def test_a_damaged_form_of_the_study_is_refused_with_its_place(tmp_path: Path) -
     (tmp_path / "study.toml").write_text(OWN_FORM.replace('"Bad", "Good"', '"Bad"'))
     with pytest.raises(InvalidFile, match=r"study.toml, forms.mine: items\[0\].poles.en: found "):
         forms_of(tmp_path)
+
+
+WORDS = """
+[variants.word.a]
+stimulus = { frequency_hz = 60 }
+[variants.word.b]
+stimulus = { frequency_hz = 240 }
+"""
+
+
+@pytest.mark.parametrize("factor", ["", "words"])
+def test_a_form_that_is_asked_before_the_conditions_and_in_them_is_compared_in_them(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], factor: str
+) -> None:
+    text = load_study("tutorial")[1].decode() + OWN_FORM.replace('"mine"', '"mine"\nafter = "block"', 1)
+    if factor:
+        text = text.replace("frequency_hz = [60, 240]", 'word = ["a", "b"]') + WORDS
+    (tmp_path / "study.toml").write_text(text + '\n[inquiries.before]\nform = "mine"\nafter = "start"\n')
+    call(capsys, "simulate", tmp_path / "study.toml", "--participants", 3, "--seed", 1, "--out", tmp_path / "d")
+    status, errors, said = call(capsys, "analyse", tmp_path / "d")
+    assert (status, errors) == (0, "")
+    assert "3 of 9 scores without a condition" in said
+    [form] = ratings(read_trials(tmp_path / "d"))
+    [name] = form.factors
+    apart = form.scores[form.scores[name].isna()]
+    assert (apart["n_answered"].tolist(), apart["D"].notna().tolist()) == ([2.0] * 3, [True] * 3)
+    assert form.summary[["n", "n_missing"]].to_numpy().tolist() == [[3, 0]] * 2
