@@ -1,13 +1,13 @@
 """Rows of a table of trials: the numbers of their cells, what they say of a trial, and how a bad one is refused."""
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
-from tactometry.errors import InvalidFile, nearest
+from tactometry.errors import InvalidFile, count_of, nearest
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS, rows_text
 
 from ..arrays import Array
@@ -115,3 +115,21 @@ def with_all_columns(tables: Mapping[Path, pd.DataFrame]) -> dict[Path, pd.DataF
 def with_empty(table: pd.DataFrame, names: list[str]) -> pd.DataFrame:
     """With columns that hold nothing."""
     return table.assign(**{name: np.nan if name in (*NUMBERS, *COUNTS, *FLAGS) else "" for name in names})
+
+
+def with_rows(tables: Mapping[Path, pd.DataFrame]) -> Mapping[Path, pd.DataFrame]:
+    """Those of the tables that have rows; all of them where none has."""
+    return {file: table for file, table in tables.items() if len(table)} or tables
+
+
+def begun_notes(tables: Mapping[Path, pd.DataFrame], used: Container[Path]) -> list[str]:
+    """What is said of sessions that are not `used`, as they have no row: so one ends in which nobody agrees to take
+    part."""
+    names = [file.name for file in tables if file not in used]
+    return [f"{count_of(len(names), 'session')} without a trial, left out: {', '.join(names)}"] if names else []
+
+
+def routine_notes(n: int) -> list[str]:
+    """What is said of rows that hold no trial."""
+    rows = "1 row was left out that holds" if n == 1 else f"{n} rows were left out that hold"
+    return [f"{rows} neither level nor answer nor item, as other programs write for routines"] if n else []

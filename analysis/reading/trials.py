@@ -25,7 +25,19 @@ from tactometry.trials.tasks import FORM_TASK, TASKS, tasks_with_level
 
 from .column_map import ColumnMap, translate, trials_of
 from .level_scale import on_scale, wide_levels
-from .rows import bad_cell, expect_column, holds, is_catch, numbers_of, place_of, with_all_columns, with_empty
+from .rows import (
+    bad_cell,
+    begun_notes,
+    expect_column,
+    holds,
+    is_catch,
+    numbers_of,
+    place_of,
+    routine_notes,
+    with_all_columns,
+    with_empty,
+    with_rows,
+)
 from .text_table import text_cells
 
 REQUIRED = ("participant", "level", "task", "response")
@@ -83,12 +95,15 @@ def read_trials(
     """
     files = trial_files(path, OWN_FILES if column_map is None else OWN_FILES + FOREIGN_FILES)
     given = column_map or ColumnMap()
-    raw = {file: _text_of(file, given) for file in files}
+    read = {file: _text_of(file, given) for file in files}
+    raw = with_rows(read) if column_map is None else read
+    for file in (file for file, table in raw.items() if table.empty):
+        raise InvalidFile(f"{file}: found no row below the header, expected trials")
     texts = raw if column_map is None else {file: trials_of(table, file) for file, table in raw.items()}
     scale = level_scale or given.level_scale
     trials = trials_in(texts, path, within=within, level_scale=scale, named_by_us=column_map is None)
-    routines = _routine_notes(sum(map(len, raw.values())) - len(trials.rows))
-    return replace(trials, notes=(*routines, *trials.notes))
+    routines = routine_notes(sum(map(len, raw.values())) - len(trials.rows))
+    return replace(trials, notes=(*routines, *begun_notes(read, raw), *trials.notes))
 
 
 def trials_in(
@@ -118,12 +133,6 @@ def trials_in(
     factors = named if within is not None else tuple(name for name in named if _is_filled(rows[name]))
     notes = (*repetitions(rows, named), *([] if level_scale else wide_levels(rows)))
     return Trials(on_scale(rows, level_scale) if level_scale else rows, factors, path, len(tables), notes)
-
-
-def _routine_notes(n: int) -> list[str]:
-    """What is said of rows that hold no trial."""
-    rows = "1 row was left out that holds" if n == 1 else f"{n} rows were left out that hold"
-    return [f"{rows} neither level nor answer nor item, as other programs write for routines"] if n else []
 
 
 def repetitions(rows: pd.DataFrame, factors: Sequence[str] = ()) -> list[str]:
@@ -221,8 +230,6 @@ def _text_of(file: Path, column_map: ColumnMap) -> pd.DataFrame:
         raw = raw.assign(level="")  # answers to a questionnaire are to no level
     for name in REQUIRED:
         expect_column(raw, name, file, "; name it with a column map (--columns)")
-    if raw.empty:
-        raise InvalidFile(f"{file}: found no row below the header, expected trials")
     return raw
 
 

@@ -122,9 +122,7 @@ def _report(root: Path, recorded: Recorded) -> int:
     """Print what was recorded: status 1 if a block, or one of its tracks, did not come to its end."""
     counts = recorded.endings
     failed = bool(UNFINISHED & counts.keys())
-    whole = not failed or bool(counts.keys() - LOST)
-    advice = f"tactometry analyse {root}" if whole else "mend what made the touches invalid: no block came to its end"
-    text = f"{recorded.trials}: {recorded.tally}{_ending_words(counts)}; next: {advice}"
+    text = f"{recorded.trials}: {recorded.tally}{_ending_words(counts)}; next: {_advice(counts, root)}"
     result = {
         "data_set": str(root),
         "trials_file": str(recorded.trials),
@@ -134,6 +132,18 @@ def _report(root: Path, recorded: Recorded) -> int:
     }
     say(text, result)
     return int(failed)
+
+
+def _advice(counts: dict[str, int], root: Path) -> str:
+    """What to do next. Where nobody agreed to take part, no touch was invalid.
+
+    >>> _advice({"not begun": 2}, Path("d")), _advice({"skipped": 1, "aborted": 1}, Path("d"))
+    ('nothing to analyse: no block came to its end', 'tactometry analyse d')
+    """
+    if not counts or counts.keys() - LOST:
+        return f"tactometry analyse {root}"
+    what = "mend what made the touches invalid" if "aborted" in counts else "nothing to analyse"
+    return f"{what}: no block came to its end"
 
 
 def _ending_words(counts: dict[str, int]) -> str:

@@ -60,6 +60,7 @@ def on_console(monkeypatch, capsys, study, root, lines):
 def test_nothing_is_asked_of_a_participant_who_does_not_agree(study, tmp_path, capsys, monkeypatch):
     status, _, said = on_console(monkeypatch, capsys, study, tmp_path / "d", "no\n")
     assert status == 1
+    assert "next: nothing to analyse: no block came to its end" in said
     assert "Your answers are kept under a code" in said
     assert "Nothing was asked" in said
     assert asked(tmp_path / "d") == ["welcome", "consent", "agree", "declined"]
@@ -75,6 +76,20 @@ def test_who_agrees_is_asked_first_about_oneself_and_then_what_was_felt(study, t
     rows = trial_rows(tmp_path / "d")
     assert (rows[0]["item"], rows[0]["response"], rows[0]["frequency_hz"]) == ("screens", "4", "")
     assert [session.complete for session in replay_data_set(tmp_path / "d")] == [True]
+
+
+def test_one_who_does_not_agree_keeps_nobody_from_the_data_of_the_others(study, tmp_path, capsys, monkeypatch):
+    root = tmp_path / "d"
+    on_console(monkeypatch, capsys, study, root, "no\n")
+    for command in ("analyse", "export --to psych-ds --out x"):
+        word, *more = command.split()
+        assert call(capsys, word, root, *more)[0] == 2, "there is nothing else"
+    monkeypatch.setattr("sys.stdin", io.StringIO("yes\n4\n" + "1\n" * 40))
+    assert call(capsys, "run", study, "--participant", "P02", "--rig", "console", "--out", root)[0] == 0
+    said = output(capsys, "analyse", root)
+    assert "1 session without a trial, left out:" in said
+    for to in ("psychopy", "bids", "psych-ds"):
+        output(capsys, "export", root, "--to", to, "--out", tmp_path / to)
 
 
 def test_simulated_participants_agree_and_their_data_are_analysed(study, tmp_path, capsys):
