@@ -8,10 +8,11 @@ from pathlib import Path
 from tactometry.arguments.require import expect, one_of
 from tactometry.errors import InvalidParameter, nearest, rewording
 from tactometry.protocols.session import pages
-from tactometry.rigs.texts import Texts, texts_in
+from tactometry.rigs.texts import Texts, languages, texts_in
 from tactometry.session.request import Show
 
 from .experiment import Experiment
+from .prompts import by_language
 from .session_plan import all_sessions, stream
 
 WITHIN_BLOCKS = frozenset(("rest", "resting", "right", "wrong", "consent", "declined"))
@@ -33,6 +34,7 @@ def rehearse(experiment: Experiment) -> None:
     for name in study.images:
         one_of("images", name, sorted(shown))
     _rehearse_texts(experiment, "texts", study.texts, study.texts, "en")
+    _rehearse_prompts(experiment)
     for language, words in study.translations.items():
         _rehearse_texts(experiment, f"translations.{language}", words, study.words_in(language), language)
 
@@ -57,6 +59,20 @@ def _rehearse_texts(
         if name in known.messages and name not in shown:
             is_page = name in WITHIN_BLOCKS or name.startswith("instructions_")
             _fill(texts, Show(name) if is_page else name, where)
+
+
+def _rehearse_prompts(experiment: Experiment) -> None:
+    """A language that no page can have would leave the question of the task, or none, in place of the study's."""
+    for where, words in _prompts(experiment).items():
+        for language in words:
+            one_of(f"{where}: language", language, languages())
+
+
+def _prompts(experiment: Experiment) -> dict[str, dict[str, str]]:
+    """By the key that holds it, a prompt by language."""
+    inquiries = {f"inquiries.{name}.prompt": of.prompt for name, of in experiment.study.inquiries.items()}
+    prompts = {"task.prompt": experiment.table.prompt} | inquiries
+    return {where: by_language(prompt) for where, prompt in prompts.items() if prompt}
 
 
 def _refuse_idle(experiment: Experiment) -> None:
@@ -90,13 +106,16 @@ def _fill(texts: Texts, shown: Show | str, where: str) -> None:
 
 
 def rehearse_forms(experiment: Experiment, language: str) -> None:
-    """Look for the words of every item in the language of a rig.
+    """Look for the words of every item, and of every prompt, in the language of a rig.
 
     Raises
     ------
     InvalidParameter
-        If a questionnaire has none.
+        If a questionnaire has none, or a prompt has none and none in English, which would stand in their place.
     """
+    for where, words in _prompts(experiment).items():
+        expected = f"one of {', '.join(words)}; choose that language on the bench, or add the words"
+        expect(language in words or "en" in words, where, f"no words in {language!r}", expected)
     for form in experiment.questionnaires:
         known = f"one of {', '.join(form.languages)}; choose that language on the bench, or add the words"
         expect(language in form.languages, f"questionnaire {form.name}", f"no words in {language!r}", known)

@@ -58,6 +58,14 @@ def test_a_prompt_is_that_of_the_language_or_else_the_english_one(own, language,
     assert wire(load(str(own))[0], "own.toml").words_in(language)["felt"] == asked
 
 
+def test_a_prompt_without_words_for_the_language_of_the_bench_is_refused(own, tmp_path, capsys):
+    own.write_text(own.read_text("utf-8").replace('{ en = "Was there a buzz?", fr', "{ fr"), "utf-8")
+    status, said, _ = call(capsys, "run", own, "--participant", "P01", "--rig", "console", "--out", tmp_path / "d")
+    assert status == 2
+    assert "task.prompt: found no words in 'en', expected one of fr, de; choose that language on the bench" in said
+    assert not (tmp_path / "d").exists()
+
+
 def test_a_study_without_such_files_keeps_its_bytes():
     assert load("hybrid-button")[1] == builtin()["hybrid-button"].read_bytes()
 

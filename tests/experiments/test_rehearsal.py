@@ -44,6 +44,10 @@ FLAWS = {
         '[translations.xx]\nend = "Fin"\n',
         "translations.xx: language: found 'xx', expected",
     ),
+    "language of a prompt that is not there": (
+        '[inquiries.end]\nform = "sus"\nprompt = { en = "It was", xx = "Es" }\n',
+        "inquiries.end.prompt: language: found 'xx', expected one of",
+    ),
     "number on a questionnaire's page": (
         '[texts]\nquestions = "{frequency_hz:.1f}"\n[inquiries.end]\nform = "sus"\n',
         "texts: message 'questions': found a place that cannot be filled (Unknown format code 'f'",
