@@ -12,8 +12,9 @@ from tactometry.protocols import Staircase, WeightedStaircase
 from tactometry.records.journal import Entry, read
 from tactometry.session.answer import Done, Touched
 from tactometry.session.event import Event
+from tactometry.session.intervention import Intervention
 from tactometry.session.progress import MOST_SHOWN, PartAhead, Progress, TrackProgress
-from tactometry.session.request import Press, Record, Show
+from tactometry.session.request import Intervene, Press, Record, Show
 from tactometry.trials.trial import Trial, tally
 
 RECORDED = sorted((ROOT / "tests" / "recorded").glob("*/journals/*[!s].jsonl"))
@@ -160,3 +161,23 @@ def test_events_tell_of_frames_latencies_clocks_and_pauses():
     assert state.clocks["hand"]["clock_offset_s"] == 0.1
     assert state.paused == "the experimenter"
     assert state.after_event(Event("resume", 4.0)).paused is None
+
+
+def test_a_false_alarm_that_is_taken_back_is_none():
+    state = Progress()
+    for n in (1, 2):
+        row = Trial(1, n, {}, "staircase", None, "dB", "yes_no", 1, catch=True)
+        state = state.after(Record(row), Done(float(n)))
+    wanted = Intervention("invalidate", (1, 1, 1))
+    state = state.after(Intervene(wanted, "trial 1 does not count", ((1, 1, 1),)), Done(3.0))
+    assert (state.n_false_alarms, state.n_catch, state.tally.n_invalid) == (1, 1, 1)
+
+
+def test_attempts_at_one_trial_count_towards_the_end_of_its_track_though_others_were_valid_between():
+    state = Progress().after(Show("block", {"block": 1, "n_blocks": 1}), Done(0.0))
+    for attempt in range(1, 5):
+        state = state.after(Record(trial(1, valid=False, attempt=attempt)), Done(float(attempt)))
+        if attempt < 4:
+            state = state.after(Record(trial(attempt + 1)), Done(attempt + 0.5))
+    assert (state.track.n_invalid_in_a_row, state.track.n_lost) == (1, 4)
+    assert "1 more aborts this condition" in state.warning([PartAhead(n_attempts=5)])
