@@ -10,6 +10,7 @@ import pandas as pd
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidFile
 
+from .outcomes.categories import categories
 from .outcomes.findings import Outcome
 from .outcomes.hierarchical_outcome import HierarchicalOutcome, group_fit
 from .outcomes.outcome import outcome
@@ -141,7 +142,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
     )
     tables = {"quality": with_frames(recorded, frames(everything.path)), "excluded": excluded, **direct}
     tables |= _curve_tables(table, every, judged, factors) | _force_tables(forces, factors)
-    tables |= _compared_tables(values)
+    tables |= _compared_tables(values) | {"categories": categories(trials)}
     tables |= {"sittings": sittings(heads_of(everything.path)), "happenings": happenings(everything.path)}
     values = replace(values, tables={name: rows for name, rows in tables.items() if len(rows)})
     # Last: they tell of all tables.

@@ -7,10 +7,11 @@ from typing import Protocol
 import numpy as np
 
 from tactometry.arguments.require import of_kind
+from tactometry.choice_form import PREFER_NOT, ChoiceForm, ChoiceItem
 from tactometry.questionnaire import Questionnaire
 from tactometry.session.answer import Chosen, Done
 from tactometry.session.intervention import Intervention
-from tactometry.session.request import CONSENT, Choose, Record, Show
+from tactometry.session.request import ABOUT, CONSENT, Choose, Record, Show
 from tactometry.session.run import Course
 from tactometry.trials.tasks import FORM_TASK
 from tactometry.trials.trial import Trial
@@ -43,7 +44,7 @@ class Part(Protocol):
 
 @dataclass(frozen=True)
 class Inquiry:
-    """A questionnaire on its own: a row for each item, all of one trial.
+    """A questionnaire on its own, or questions with choices of their own: a row for each item, all of one trial.
 
     Its page knows the names of `factors`; its rows hold the levels of `condition`, which its answers are about. One
     that is `first` comes before anything was felt.
@@ -51,10 +52,10 @@ class Inquiry:
     Raises
     ------
     InvalidParameter
-        If `form` is no questionnaire.
+        If `form` is neither.
     """
 
-    form: Questionnaire
+    form: Questionnaire | ChoiceForm
     shuffled: bool = False
     factors: Mapping[str, float | str] = field(default_factory=dict)
     condition: Mapping[str, float | str] = field(default_factory=dict)
@@ -64,17 +65,29 @@ class Inquiry:
     tracks = ()
 
     def __post_init__(self) -> None:
-        of_kind("Inquiry", Questionnaire, form=self.form)
+        of_kind("Inquiry", (Questionnaire, ChoiceForm), form=self.form)
 
     @property
     def page(self) -> str:
         return "questions_first" if self.first else "questions"
 
     def course(self, number: int, first_trial: int, rng: np.random.Generator) -> PartCourse:
-        replies = yield from fill_in(self.form, rng, shuffled=self.shuffled)
-        wanted = yield from heard(Record(self._row(number, first_trial, reply)) for reply in replies)
+        if isinstance(self.form, ChoiceForm):
+            wanted = yield from self._choices(self.form, number, first_trial)
+        else:
+            replies = yield from fill_in(self.form, rng, shuffled=self.shuffled)
+            wanted = yield from heard(Record(self._row(number, first_trial, reply)) for reply in replies)
         yield from between_blocks(wanted)
         return (), first_trial + 1
+
+    def _choices(self, form: ChoiceForm, number: int, trial: int) -> Course[tuple[Intervention, ...]]:
+        """A page for each question, whose answer is on the disk before the next one is put."""
+        wanted: tuple[Intervention, ...] = ()
+        for item in form.items:
+            chosen: Chosen = yield question_of(form, item)
+            reply = Reply(chosen, float(chosen.option), item=item.id)
+            wanted += yield from heard([Record(self._row(number, trial, reply))])
+        return wanted
 
     def _row(self, number: int, trial: int, reply: Reply) -> Trial:
         assert reply.answer is not None  # that of its page
@@ -93,6 +106,24 @@ class Inquiry:
             item=reply.item,
             practice=False,
         )
+
+
+def question_of(form: ChoiceForm, item: ChoiceItem) -> Choose:
+    """A question with choices of its own: texts of these names say it (`words_of`)."""
+    name = f"{ABOUT}{form.name}.{item.id}"
+    labels = (*(f"{name}.{option.code}" for option in item.options), PREFER_NOT)
+    return Choose(name, item.codes, labels)
+
+
+def words_of(form: ChoiceForm, language: str) -> dict[str, str]:
+    """The texts of a form in a language, by their names; braces in them are none to be filled."""
+    words: dict[str, str] = {}
+    for item in form.items:
+        asked = question_of(form, item)
+        words[asked.question] = item.prompt.get(language, "").replace("{", "{{").replace("}", "}}")
+        labels = zip(asked.options[:-1], asked.labels[:-1], strict=True)  # what is not said has the same words for all
+        words |= {label: item.category(code, language) for code, label in labels}
+    return words
 
 
 def _instructions(parts: Sequence[Part], number: int) -> Iterator[Show]:

@@ -13,6 +13,7 @@ from importlib.resources import files
 from typing import Any, Self
 
 from .arguments.require import expect, first_repeat, lookup, one_of, some, whole
+from .choice_form import is_choices
 from .config.strict import build
 from .config.toml import errors_in, table_of
 from .errors import InvalidParameter
@@ -260,14 +261,15 @@ def parse(content: bytes, where: str) -> Questionnaire:
 
 
 def questionnaires_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Questionnaire]:
-    """The questionnaires of a study's own, by name, from its `[forms.NAME]`.
+    """The questionnaires of a study's own, by name, from its `[forms.NAME]`; forms of choices are none.
 
     Raises
     ------
     InvalidParameter
         As `questionnaire_of`.
     """
-    return {name: questionnaire_of({"name": name, **table}, f"forms.{name}") for name, table in tables.items()}
+    scales = {name: table for name, table in tables.items() if not is_choices(table)}
+    return {name: questionnaire_of({"name": name, **table}, f"forms.{name}") for name, table in scales.items()}
 
 
 @cache

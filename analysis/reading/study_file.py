@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from tactometry.arguments.require import expect
+from tactometry.choice_form import ChoiceForm, choice_forms_of, load as load_choices, shipped_choices
 from tactometry.config.toml import errors_in, read_table
 from tactometry.questionnaire import Questionnaire, load, questionnaires_of, shipped_names
 
@@ -48,3 +49,17 @@ def forms_of(path: Path) -> Mapping[str, Questionnaire]:
     True
     """
     return {name: load(name) for name in shipped_names()} | study_table(path, "forms", questionnaires_of)
+
+
+def choices_of(path: Path) -> Mapping[str, ChoiceForm]:
+    """The forms of choices that a data set may hold, as `forms_of` those on a scale.
+
+    Raises
+    ------
+    InvalidFile
+        As `study_table`.
+
+    >>> "demographics" in choices_of(Path("no data set"))
+    True
+    """
+    return {name: load_choices(name) for name in shipped_choices()} | study_table(path, "forms", choice_forms_of)

@@ -8,7 +8,7 @@ from tactometry.errors import count_of
 from tactometry.trials.tasks import FORM_TASK
 
 from ..outcomes.ratings import asked_forms
-from ..reading.study_file import forms_of
+from ..reading.study_file import choices_of, forms_of
 from ..reading.trials import Trials
 from ..result import Analysis
 from ..tasks.cells import CHOICES
@@ -109,7 +109,9 @@ def _other_tasks(trials: Trials) -> list[str]:
     rows = trials.rows
     known = rows["task"].isin((*CURVES, *RESULTS))
     if "procedure" in rows.columns:
-        known |= (rows["task"] == FORM_TASK) & rows["procedure"].isin(forms_of(trials.path))
+        known |= (rows["task"] == FORM_TASK) & rows["procedure"].isin(
+            [*forms_of(trials.path), *choices_of(trials.path)]
+        )
     other = rows[~known]
     if not len(other):
         return []

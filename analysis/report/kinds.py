@@ -13,6 +13,7 @@ NAMES = (
     "touches",
     "quality",
     "course",
+    "categories",
     "curves",
 )
 KINDS: tuple[ResultKind, ...] = tuple(resolve(f"{__package__}.sections.{name}:KIND") for name in NAMES)

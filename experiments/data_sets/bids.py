@@ -43,7 +43,7 @@ def bids_files(source: ExportedDataSet, authors: Sequence[str] = ()) -> dict[str
     files = _heading(source, authors)
     for participant, session, rows in source.sessions():
         stem = f"sub-{participant}/ses-{session}/beh/sub-{participant}_ses-{session}"
-        for name in source.forms:
+        for name in source.asked:
             asked = [row for row in rows if source.form(row) == name]
             files |= _table(f"{stem}_task-{_label(name)}_beh", asked, source, f"Questionnaire {name}.", timed=False)
         stem += f"_task-{task_label(source)}"

@@ -99,7 +99,7 @@ def _form(form: Questionnaire) -> str:
 
 def _models(source: ExportedDataSet) -> Iterator[str]:
     """A model for each task but questionnaires, and one for each of these."""
-    scored = source.used["procedure"].isin(source.forms) if source.forms else pd.Series(False, source.used.index)
+    scored = source.used["procedure"].isin(source.asked) if source.asked else pd.Series(False, source.used.index)
     for task in source.tasks():
         rows = source.used[(source.used["task"] == task) & ~scored]
         if len(rows):

@@ -8,11 +8,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import groupby
 from pathlib import Path
+from typing import TypeVar
 
 import pandas as pd
 
 from tactometry.analysis.reading.origin import Origin, of_one_kind
-from tactometry.analysis.reading.study_file import forms_of
+from tactometry.analysis.reading.study_file import choices_of, forms_of
 from tactometry.analysis.reading.text_table import text_cells
 from tactometry.analysis.reading.trials import Trials, read_trials, trial_files, used_rows
 from tactometry.config.quantity import unit_suffix, units
@@ -29,13 +30,15 @@ from tactometry.trials.tasks import FORM_TASK
 from .session_files import json_table
 
 Row = Mapping[str, str]
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
 class ExportedDataSet:
     """`rows` as text in order, `columns` in order with their meaning, and what the data set says of itself.
 
-    `used` are the rows that enter an analysis, as it reads them; `forms` the questionnaires that were answered;
+    `used` are the rows that enter an analysis, as it reads them; `forms` the questionnaires that were answered,
+    `choices` the names of forms of choices that were;
     `origin` says whether people answered; `of_traces` are the columns of its traces.
     """
 
@@ -48,6 +51,7 @@ class ExportedDataSet:
     forms: Mapping[str, Questionnaire] = field(default_factory=dict)
     origin: Origin = field(default_factory=Origin)
     of_traces: tuple[Column, ...] = ()
+    choices: tuple[str, ...] = ()
 
     def sessions(self) -> list[tuple[str, str, list[Row]]]:
         """Participant, session and rows of each session."""
@@ -58,6 +62,11 @@ class ExportedDataSet:
         """The tasks of all rows, sorted."""
         return sorted({row["task"] for row in self.rows})
 
+    @property
+    def asked(self) -> tuple[str, ...]:
+        """The names of all forms that were answered."""
+        return (*self.forms, *self.choices)
+
     def form(self, row: Row) -> str:
         """The questionnaire that a row belongs to: an answer, or a touch that led to none; empty if to none.
 
@@ -65,7 +74,7 @@ class ExportedDataSet:
         ''
         """
         name = row.get("procedure", "") if row.get("task") == FORM_TASK else ""
-        return name if name in self.forms else ""
+        return name if name in self.asked else ""
 
     def text(self, name: str) -> str:
         """The one value of a column; empty if there are several or none.
@@ -114,9 +123,10 @@ def read_source(path: Path) -> ExportedDataSet:
         title=title,
         description=str(description.get("description") or f"Trials of {title}."),
         used=used_rows(trials),
-        forms=_forms(trials),
+        forms=_asked_of(trials, forms_of(trials.path)),
         origin=origin,
         of_traces=_trace_columns(path, names),
+        choices=tuple(_asked_of(trials, choices_of(trials.path))),
     )
 
 
@@ -141,12 +151,13 @@ def _check_study(table: pd.DataFrame, file: Path) -> None:
             raise InvalidFile(f"{file}, row {row}, column 'study': found {text!r:.60}, expected {rule.words}")
 
 
-def _forms(trials: Trials) -> dict[str, Questionnaire]:
+def _asked_of(trials: Trials, known: Mapping[str, T]) -> dict[str, T]:
+    """Of the forms that are known those that were asked."""
     rows = trials.rows
     if not {"item", "procedure"} <= set(rows.columns):
         return {}
     asked = set(rows.loc[rows["task"] == FORM_TASK, "procedure"])
-    return {name: form for name, form in sorted(forms_of(trials.path).items()) if name in asked}
+    return {name: form for name, form in sorted(known.items()) if name in asked}
 
 
 def _column(name: str, description: Mapping[str, object]) -> Column:

@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from tactometry.arguments.require import at_most, expect
+from tactometry.choice_form import ChoiceForm, choice_forms_of
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import count_of, rewording
 from tactometry.followed import FollowsFinger
@@ -24,7 +25,7 @@ from tactometry.observers.people import Feeling, SimulatedPerson
 from tactometry.own_code import not_allowed
 from tactometry.protocols.block_state import Condition, Track
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
-from tactometry.protocols.session import session
+from tactometry.protocols.session import session, words_of
 from tactometry.protocols.tasks.task import AsksForm, Place, Task
 from tactometry.questionnaire import Questionnaire, questionnaires_of
 from tactometry.records.description import StudyDescription
@@ -41,10 +42,10 @@ from .felt_scene import FeltScene
 from .felt_words import scene_in_words
 from .own_parts import Unseen
 from .procedure_table import practice_of
-from .prompts import messages_of, prompted, texts_of
+from .prompts import messages_of, texts_of
 from .session_plan import Key, SessionPlan, all_cells, crossing_of, key_of, places_of, stream
 from .study_file import Study
-from .task_table import DECISIONS, TaskTable, form_of, task_of
+from .task_table import DECISIONS, TaskTable, asked_form, task_of
 
 if TYPE_CHECKING:
     from tactometry.observers.raters import Rater
@@ -78,10 +79,12 @@ class Experiment(SessionPlan):
         return self.table.task
 
     def words_in(self, language: str) -> dict[str, str]:
-        """What participants read in a language in place of the shipped words: texts, and above them the prompt."""
+        """What participants read in a language in place of the shipped words: texts, above them the prompt; and the
+        words of questions about a person."""
         kind = self.table.kind
         asked = messages_of(kind, self.table.task_kind.questions)
-        return self.study.words_in(language) | texts_of(self.table.prompt, asked, language)
+        of_choices = {name: text for form in self.choices for name, text in words_of(form, language).items()}
+        return of_choices | self.study.words_in(language) | texts_of(self.table.prompt, asked, language)
 
     @property
     def conditions(self) -> tuple[Condition, ...]:
@@ -95,9 +98,14 @@ class Experiment(SessionPlan):
 
     @property
     def questionnaires(self) -> tuple[Questionnaire, ...]:
-        """Those that the sessions ask."""
+        """Those on a scale that the sessions ask."""
         of_task = (self.task.form,) if isinstance(self.task, AsksForm) else ()
-        return (*of_task, *self.forms.values())
+        return (*of_task, *(form for form in self.forms.values() if isinstance(form, Questionnaire)))
+
+    @property
+    def choices(self) -> tuple[ChoiceForm, ...]:
+        """The forms of choices that the sessions ask."""
+        return tuple(form for form in self.forms.values() if isinstance(form, ChoiceForm))
 
     def strongest(self, bank: Mapping[str, Stimulus] | None = None) -> tuple[Strongest, ...]:
         """Each stimulus, or that of its name in `bank`, where it is strongest: stimuli are ordered by their level, so
@@ -300,11 +308,9 @@ def _build(study: Study, code_from: Path | None, *, simulated: bool, plays: bool
     table = task_of(study)
     cells = dict(_cells(Wiring(study, code_from, plays=plays), _tracks_per_cell(study, table)))
     crossing_of(study, table.over, study.factors)  # refuses an order that the design cannot have
-    forms = {
-        name: prompted(form_of(study, of.form, f"inquiries.{name}.form"), of.prompt)
-        for name, of in study.inquiries.items()
-    }
+    forms = {name: asked_form(study, name) for name in study.inquiries}
     questionnaires_of(study.forms)  # those that nothing asks must be sound too
+    choice_forms_of(study.forms)
     people = population_of(study.observer, "observer", code_from if simulated else None)
     experiment = Experiment(study, table, cells, practice_of(study.practice), forms, people)
     people.check(_levels_of(cells), "observer")

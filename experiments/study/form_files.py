@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from tactometry.arguments.require import expect
+from tactometry.choice_form import choice_form_of, is_choices
 from tactometry.config.strict import check_keys
 from tactometry.config.toml import LARGEST_FILE, errors_in, table_of
 from tactometry.files.durable import read_file
@@ -48,5 +49,6 @@ def _table_of_file(path: Path, name: str) -> dict[str, Any]:
     with errors_in(path):
         stated = table.pop("name", name)
         expect(stated == name, "name", repr(stated), f"{name!r}, as the study calls it; or leave it out")
-        questionnaire_of({"name": name, **table}, "")
+        read = choice_form_of if is_choices(table) else questionnaire_of
+        read({"name": name, **table}, "")
     return table

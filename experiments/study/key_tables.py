@@ -10,6 +10,7 @@ from typing import Final
 
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import Exclusion
+from tactometry.choice_form import ChoiceForm, ChoiceItem, Option
 from tactometry.loading import resolve
 from tactometry.observers.changes.kinds import CHANGES
 from tactometry.observers.finger import SimulatedFinger
@@ -60,6 +61,9 @@ _FORM = {
     "title": "A", "low": 0.0, "high": 10.0, "steps": 11, "score_low": 0.0, "score_high": 10.0, "items": [_ITEM],
     "dimensions": {"D": {"min_answered": 1}}, "reference": "none", "ends": {"en": ["no", "yes"]},
 }  # fmt: skip
+_OPTIONS = [{"code": 1, "words": {"en": "yes"}}, {"code": 2, "words": {"en": "no"}}]
+_CHOICE_ITEM = {"id": "Q1", "prompt": {"en": "Is it?"}, "options": _OPTIONS}
+_CHOICES = {"title": "A", "reference": "none", "kind": "choices", "items": [_CHOICE_ITEM]}
 _IN_LEVELS = (
     "start", "steps", "steps_up", "steps_down", "step", "low", "high", "levels", "start_sd", "sd_stop", "decade",
     "width_low", "width_high", "threshold_low", "threshold_high", "sd_low", "sd_high", "standard_level",
@@ -83,6 +87,9 @@ def study_tables() -> Iterator[tuple[str, KeyTable]]:
     yield "`[forms.NAME]`", KeyTable(Questionnaire, _FORM, given={"name": "own"})
     yield "`[[forms.NAME.items]]`", KeyTable(Item, _ITEM)
     yield "`[forms.NAME.dimensions.NAME]`", KeyTable(Dimension, {"min_answered": 1})
+    yield '`[forms.NAME]`, `kind = "choices"`', KeyTable(ChoiceForm, _CHOICES, given={"name": "own"})
+    yield '`[[forms.NAME.items]]`, `kind = "choices"`', KeyTable(ChoiceItem, _CHOICE_ITEM)
+    yield '`[[forms.NAME.items.options]]`, `kind = "choices"`', KeyTable(Option, _OPTIONS[0])
     yield "`[limits]`", KeyTable(Limits, {"voltage_peak_v": 100.0})
     yield "`[scene]`", KeyTable(SceneTable)
     yield "`[sensation]`, electrovibration", KeyTable(resolve(ELECTROVIBRATION))

@@ -6,8 +6,10 @@ from math import prod
 from pathlib import Path
 
 from tactometry.arguments.require import expect, one_of
+from tactometry.choice_form import ChoiceForm
 from tactometry.errors import InvalidParameter, nearest, rewording
 from tactometry.protocols.session import pages
+from tactometry.questionnaire import Questionnaire
 from tactometry.rigs.texts import Texts, languages, texts_in
 from tactometry.session.request import Show
 
@@ -116,7 +118,8 @@ def rehearse_forms(experiment: Experiment, language: str) -> None:
     for where, words in _prompts(experiment).items():
         expected = f"one of {', '.join(words)}; choose that language on the bench, or add the words"
         expect(language in words or "en" in words, where, f"no words in {language!r}", expected)
-    for form in experiment.questionnaires:
+    asked: tuple[Questionnaire | ChoiceForm, ...] = (*experiment.questionnaires, *experiment.choices)
+    for form in asked:
         known = f"one of {', '.join(form.languages)}; choose that language on the bench, or add the words"
         expect(language in form.languages, f"questionnaire {form.name}", f"no words in {language!r}", known)
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from tactometry.arguments.require import expect
+from tactometry.choice_form import ChoiceForm
 from tactometry.protocols import Block, Condition, Track
 from tactometry.protocols.batch import streams
 from tactometry.protocols.order import Crossing, combinations
@@ -93,7 +94,7 @@ class SessionPlan:
         Of the whole design.
     practice : Practice or None
         The rule of the practice before the first block.
-    forms : mapping of str to Questionnaire
+    forms : mapping of str to Questionnaire or ChoiceForm
         Those of the inquiries, by the name of the inquiry.
     """
 
@@ -101,7 +102,7 @@ class SessionPlan:
     table: TaskTable
     cells: Mapping[Key, WiredCell]
     practice: Practice | None
-    forms: Mapping[str, Questionnaire]
+    forms: Mapping[str, Questionnaire | ChoiceForm]
 
     def parts(self, number: int, rng: np.random.Generator, n_session: int = 1, seed: int = 0) -> tuple[Part, ...]:
         """The parts of a session of the participant with this number, in order: practice, the blocks, and the

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from tactometry.arguments.require import expect, one_of
+from tactometry.choice_form import KIND, ChoiceForm, choice_forms_of, is_choices, load as load_choices, shipped_choices
 from tactometry.config.strict import build, check_keys, fields_of, kind_of
 from tactometry.loading import resolve
 from tactometry.observers.decisions import Decision
@@ -30,12 +31,35 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
     Raises
     ------
     InvalidParameter
-        If there is none of that name.
+        If there is none of that name, or it is no scale.
     """
+    is_scale = not is_choices(study.forms.get(name)) and (name in study.forms or name not in shipped_choices())
+    expect(is_scale, path, f"{name!r}, a form of choices", "a questionnaire on a scale; ask it by an inquiry")
     if name in study.forms:
         return questionnaires_of({name: study.forms[name]})[name]
     one_of(path, name, (*study.forms, *shipped_names()))
     return load(name)
+
+
+def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
+    """What an inquiry asks.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is no form of its name, or a form of choices is to be asked in a way that only scales have.
+    """
+    table, path = study.inquiries[inquiry], f"inquiries.{inquiry}"
+    one_of(f"{path}.form", table.form, (*study.forms, *shipped_names(), *shipped_choices()))
+    own = choice_forms_of({table.form: study.forms.get(table.form, {})})
+    if not own and (table.form in study.forms or table.form not in shipped_choices()):
+        return prompted(form_of(study, table.form, f"{path}.form"), table.prompt)
+    once = "'start': questions about a person come once, before anything is felt"
+    expect(table.after == "start", f"{path}.after", f"{table.after!r} with a form of {KIND}", once)
+    for key in ("prompt", "shuffled"):
+        alone = f"none: a form of {KIND} has the words and the order of its items"
+        expect(not getattr(table, key), f"{path}.{key}", repr(getattr(table, key)), alone)
+    return own.get(table.form) or load_choices(table.form)
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ from typing import TypeVar
 
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.answer_rules import value_at
-from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
+from ..session.request import ABOUT, Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
 from ..trials.trial import REASON_WORDS, Reason, outcome
 from . import filling
 from .device_rig import DeviceRig
@@ -146,7 +146,8 @@ class Bench(DeviceRig):
         self._presenter.converse(None, lambda state: page, lambda state, answer: (state, True))
 
     def _choose(self, request: Choose) -> Chosen:
-        page = layout.question_page(
+        page_of = layout.list_page if request.question.startswith(ABOUT) else layout.question_page
+        page = page_of(
             self._texts.message(request.question),
             request.options,
             [self._texts.label(label) for label in request.labels],

@@ -19,6 +19,7 @@ from ..safety.limits import Limits
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.answer_rules import value_at
 from ..session.request import (
+    ABOUT,
     CONSENT,
     TRAJECTORY_M,
     Adjust,
@@ -230,6 +231,8 @@ class SimulatedRig(LiveRig):
     def _choose(self, request: Choose) -> Chosen:
         if request.question == CONSENT:
             return Chosen(1, *self._timing(1))
+        if request.question.startswith(ABOUT):  # whoever it is: each answer is as likely
+            return Chosen(int(self._rng.choice(request.options)), *self._timing(1))
         decision = lookup("question to the simulated participant", request.question, self.decisions)
         n_expected = decision.n_stimuli or len(request.options)
         asked = f"{request.question!r} to the simulated participant, with {len(request.options)} options"

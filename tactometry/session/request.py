@@ -24,6 +24,10 @@ CONSENT: Final = "agree"
 """The question whether someone wants to take part: a simulated participant does."""
 
 
+ABOUT: Final = "about."
+"""Opens the name of each question about a person, whom nothing was given to feel."""
+
+
 class Request(Generic[A]):
     """One thing that is asked of a rig, which answers with an `A`.
 

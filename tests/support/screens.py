@@ -3,6 +3,7 @@
 import sys
 from pathlib import Path
 
+from tactometry import choice_form
 from tactometry.experiments.bench.calibration import BAR_PART, BAR_WORDS
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load
@@ -68,8 +69,14 @@ def question_pages(texts, aspect):
         options = tuple(range(len(labels))) if question == "felt" else tuple(range(1, len(labels) + 1))
         return layout.question_page(texts.message(question), options, labels, texts.message("hint_choose"), aspect)
 
+    def about(page_of):
+        item = choice_form.load("demographics").items[0]
+        labels = [item.category(code, texts.language) or texts.label("prefer_not") for code in item.codes]
+        return page_of(item.prompt[texts.language], item.codes, labels, texts.message("hint_choose"), aspect)
+
     return {
         "felt": page("felt", texts.label("no"), texts.label("yes")),
+        "about": about(layout.list_page),
         "which": page("which_interval", "1", "2"),
         "which_of_four": page("which_interval", "1", "2", "3", "4"),
         "same": page("same_different", texts.label("same"), texts.label("different")),

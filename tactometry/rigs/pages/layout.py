@@ -18,6 +18,8 @@ WIDEST = 1.5
 
 TALLEST = 0.4
 """An image on a page of text."""
+LIST_TOP, LIST_HEIGHT, LEAST_ROWS = 0.28, 0.62, 6
+"""Where options stand one below the other; fewer are no higher than so many."""
 CONTINUE_KEYS = ("space", "return", "num_enter")
 LEFT, RIGHT, UP, DOWN, CONFIRM = "left", "right", "up", "down", "confirm"
 FIRST, LAST = "first place", "last place"
@@ -121,6 +123,24 @@ def _option_box(button: Button, label: str) -> list[Item]:
         return [box, Text(label, x, -0.06, 0.1, wrap_width=width)]
     words = Text(label, x, -0.02, HEADING, wrap_width=0.95 * width)
     return [box, words, Box(x, -0.125, 0.07, 0.07, line=QUIET), Text(key, x, -0.125, BODY, QUIET)]
+
+
+def list_page(words: str, options: Sequence[int], labels: Sequence[str], hint: str, aspect: float) -> Page:
+    """A question with its options one below the other, each behind its digit: labels may be long, and many."""
+    width, pitch = min(0.9, MARGIN * aspect), LIST_HEIGHT / max(len(options), LEAST_ROWS)
+    buttons = tuple(
+        Button(option, (str(option), f"num_{option}"), 0, LIST_TOP - (k + 0.5) * pitch, width, 0.84 * pitch)
+        for k, option in enumerate(options)
+    )
+    rows = [item for button, label in zip(buttons, labels, strict=True) for item in _list_row(button, label)]
+    return Page((heading(words, 0.37, aspect), *rows, hint_line(hint, aspect)), buttons)
+
+
+def _list_row(button: Button, label: str) -> list[Item]:
+    left = button.x - button.width / 2
+    digit = Text(button.keys[0], left + 0.06, button.y, BODY, QUIET)
+    words = Text(label, left + 0.12, button.y, BODY, wrap_width=button.width - 0.16, align="left")
+    return [button.outline(INK), digit, words]
 
 
 def option_keys(options: Sequence[int], labels: Sequence[str]) -> list[tuple[str, ...]]:

@@ -1,0 +1,171 @@
+"""Questions with choices of their own, as those about a person: each answer is the code of a category.
+
+A file in `tactometry/questionnaires/choices/` is such a form, or a table `[forms.NAME]` of a study with
+``kind = "choices"``. Everybody may say that they prefer not to say: that is `NOT_SAID`, and no form states it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
+from typing import Any, Final
+
+from .arguments.require import expect, first_repeat, one_of, some
+from .config.strict import build
+from .config.toml import errors_in, table_of
+from .errors import InvalidParameter
+
+KIND: Final = "choices"
+NOT_SAID: Final = 0
+"""The code of an answer that someone prefers not to give."""
+PREFER_NOT: Final = "prefer_not"
+"""The label of that answer."""
+MOST_CODE: Final = 9
+"""Each option has a digit of its own. Years of birth or of age, which could tell who someone is, have not enough."""
+_FOLDER = files("tactometry.questionnaires") / KIND
+_SUFFIX = ".toml"
+
+
+@dataclass(frozen=True)
+class Option:
+    """A category: the `code` that the table holds, from 1 to 9, and its words by language."""
+
+    code: int
+    words: dict[str, str]
+
+
+@dataclass(frozen=True)
+class ChoiceItem:
+    """One question: what the tables call it, its words by language, and its options in their order."""
+
+    id: str
+    prompt: dict[str, str]
+    options: tuple[Option, ...]
+
+    @property
+    def codes(self) -> tuple[int, ...]:
+        """Of all answers, the one that is not given last."""
+        return (*(option.code for option in self.options), NOT_SAID)
+
+    @property
+    def languages(self) -> set[str]:
+        """Those in which all of it can be read."""
+        return set.intersection(set(self.prompt), *(set(option.words) for option in self.options))
+
+    def category(self, code: int, language: str = "en") -> str:
+        """What a code stands for; empty for `NOT_SAID`, and for one that is no option.
+
+        >>> load("demographics").items[1].category(1)
+        'right'
+        """
+        words = {option.code: option.words for option in self.options}.get(code, {})
+        return words.get(language, next(iter(words.values()), ""))
+
+
+@dataclass(frozen=True)
+class ChoiceForm:
+    """Questions that are asked one page each, about a person.
+
+    Raises
+    ------
+    InvalidParameter
+        If a question has no options, an id or a code stands twice, or no language has all words.
+
+    >>> demographics = load("demographics")
+    >>> [item.id for item in demographics.items], demographics.languages
+    (['age_band', 'handedness', 'gender'], ('de', 'en', 'fr'))
+    """
+
+    name: str
+    title: str
+    reference: str
+    kind: str
+    items: tuple[ChoiceItem, ...]
+
+    def __post_init__(self) -> None:
+        one_of("kind", self.kind, (KIND,))
+        some("items", self.items)
+        again = first_repeat([item.id for item in self.items])
+        if again is not None:
+            raise InvalidParameter(f"items[{again}].id: found {self.items[again].id!r} twice, expected each id once")
+        for n, item in enumerate(self.items):
+            _check_item(item, f"items[{n}]")
+        expect(len(self.languages) > 0, "items", "no language that has words for all of them", "at least one")
+
+    @property
+    def languages(self) -> tuple[str, ...]:
+        """The languages in which every question can be put."""
+        return tuple(sorted(set.intersection(*(item.languages for item in self.items))))
+
+    def item(self, name: str) -> ChoiceItem | None:
+        """The question of this id, if there is one."""
+        return next((item for item in self.items if item.id == name), None)
+
+
+def _check_item(item: ChoiceItem, path: str) -> None:
+    expect(bool(item.id.strip()), f"{path}.id", repr(item.id), "a name, which stands in the tables")
+    expect(len(item.options) >= 2, f"{path}.options", len(item.options), "at least 2, beside the one not to say")
+    codes = [option.code for option in item.options]
+    for n, code in enumerate(codes):
+        fits = f"a whole number from 1 to {MOST_CODE}, each once; {NOT_SAID} is 'prefer not to say'"
+        expect(1 <= code <= MOST_CODE and codes.index(code) == n, f"{path}.options[{n}].code", code, fits)
+    texts = {f"{path}.prompt": item.prompt}
+    texts |= {f"{path}.options[{n}].words": option.words for n, option in enumerate(item.options)}
+    for where, by_language in texts.items():
+        for language, text in by_language.items():
+            expect(bool(text.strip()), f"{where}.{language}", "a text that says nothing", "what participants read")
+
+
+def is_choices(table: object) -> bool:
+    """Whether a table `[forms.NAME]` is such a form."""
+    return isinstance(table, Mapping) and table.get("kind") == KIND
+
+
+def choice_form_of(table: Mapping[str, Any], path: str) -> ChoiceForm:
+    """A form from the table of a file; `path` opens each key path.
+
+    Raises
+    ------
+    InvalidParameter
+        If a key is unknown, missing or of another type, or the form is impossible.
+    """
+    return build(ChoiceForm, table, path)
+
+
+def choice_forms_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, ChoiceForm]:
+    """Those of a study's own, by name, from its `[forms.NAME]`.
+
+    Raises
+    ------
+    InvalidParameter
+        As `choice_form_of`.
+    """
+    own = {name: table for name, table in tables.items() if is_choices(table)}
+    return {name: choice_form_of({"name": name, **table}, f"forms.{name}") for name, table in own.items()}
+
+
+@cache
+def shipped_choices() -> tuple[str, ...]:
+    """The names of the forms that are shipped.
+
+    >>> shipped_choices()
+    ('demographics',)
+    """
+    names = (entry.name for entry in _FOLDER.iterdir())
+    return tuple(sorted(name.removesuffix(_SUFFIX) for name in names if name.endswith(_SUFFIX)))
+
+
+@cache
+def load(name: str) -> ChoiceForm:
+    """A form that is shipped.
+
+    Raises
+    ------
+    InvalidParameter
+        If there is none of that name.
+    """
+    one_of("form", name, shipped_choices())
+    where = f"form {name}"
+    table = table_of((_FOLDER / f"{name}{_SUFFIX}").read_bytes(), where, "a form")
+    with errors_in(where):
+        return choice_form_of(table, "")

@@ -1,0 +1,142 @@
+"""Questions about a person, with choices of their own: the docs' own examples go the whole way."""
+
+import io
+import json
+import re
+
+import pytest
+from command_line import call, output
+from places import DOCS
+from tables import trial_rows
+
+from tactometry.analysis.pipeline import analyse
+from tactometry.choice_form import NOT_SAID, load, shipped_choices
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import builtin, parse
+from tactometry.records.journal import read
+from tactometry.rigs.texts import languages, texts_in
+from tactometry.session.request import ABOUT, Choose
+
+SECTION = (
+    (DOCS / "studies.md").read_text("utf-8").partition("### Consent, and questions about a person")[2]
+).partition("\n### ")[0]
+SHIPPED, OWN = re.findall(r"```toml\n(.*?)```", SECTION, re.S)
+TUTORIAL = builtin()["tutorial"].read_text("utf-8").replace("repeats = 4", "repeats = 1")
+CONSENT, _, INQUIRY = SHIPPED.partition("\n")
+STUDY = f"{CONSENT}\n{TUTORIAL}\n{INQUIRY}\n{OWN}"
+ITEMS = ["age_band", "handedness", "gender", "screens"]
+
+
+@pytest.fixture
+def study(tmp_path):
+    (tmp_path / "s.toml").write_text(STUDY, "utf-8")
+    return tmp_path / "s.toml"
+
+
+@pytest.fixture
+def simulated(study, tmp_path, capsys):
+    output(capsys, "simulate", study, "--participants", 4, "--seed", 1, "--out", tmp_path / "d")
+    return tmp_path / "d"
+
+
+def on_console(monkeypatch, capsys, study, root, lines):
+    monkeypatch.setattr("sys.stdin", io.StringIO(lines))
+    return call(capsys, "run", study, "--participant", "P01", "--rig", "console", "--seed", 1, "--out", root)
+
+
+def test_each_question_has_its_page_and_each_answer_its_row_of_a_code(study, tmp_path, capsys, monkeypatch):
+    root = tmp_path / "d"
+    status, errors, said = on_console(monkeypatch, capsys, study, root, "yes\n3\nleft\n0\ndaily\n" + "1\n" * 40)
+    assert status == 0, errors
+    assert "How old are you? (1 = under 18, 2 = 18 to 24," in said
+    assert said.count("0 = prefer not to say") == len(ITEMS)
+    rows = trial_rows(root)[: len(ITEMS)]
+    assert [(row["item"], row["response"]) for row in rows] == list(zip(ITEMS, "3201", strict=True))
+    assert {(row["task"], row["level"], row["trial"]) for row in rows} == {("rating", "", "1"), ("rating", "", "2")}
+    assert [session.complete for session in replay_data_set(root)] == [True]
+
+
+def test_an_answer_is_on_the_disk_and_not_asked_for_again(study, tmp_path, capsys, monkeypatch):
+    root = tmp_path / "d"
+    on_console(monkeypatch, capsys, study, root, "yes\n3\n2\n")  # the input ends at the third question
+    assert [row["response"] for row in trial_rows(root)] == ["3", "2"]
+    monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 40))
+    run = ("run", study, "--participant", "P01", "--rig", "console", "--seed", 1, "--out", root, "--resume")
+    status, errors, _ = call(capsys, *run)
+    assert status == 0, errors
+    [journal] = (root / "journals").glob("*_study-tutorial.jsonl")
+    requests = [entry.request for entry in read(journal).entries]
+    asked = [request.question for request in requests if isinstance(request, Choose)]
+    assert [name.rpartition(".")[2] for name in asked if name.startswith(ABOUT)] == ITEMS
+
+
+def test_data_of_simulated_participants_are_valid_replay_and_are_counted(simulated, tmp_path, capsys):
+    for command in ("validate", "replay"):
+        output(capsys, command, simulated)
+    report = tmp_path / "report.html"
+    found = analyse(simulated, report=report)
+    counts = found.table("categories")
+    assert dict(counts.groupby("item")["n"].sum()) == dict.fromkeys(ITEMS, 4)
+    assert found.forms == ()
+    assert not any("not analysed" in warning for warning in found.warnings)
+    page = report.read_text("utf-8")
+    assert all(words in page for words in ("About the participants", "Which hand do you write with?", "65 or older"))
+    assert (tmp_path / "report_tables" / "categories.csv").is_file()
+
+
+def test_exports_hold_the_answers_apart_from_the_trials(simulated, tmp_path, capsys):
+    for to in ("psychopy", "bids", "r"):
+        output(capsys, "export", simulated, "--to", to, "--out", tmp_path / to)
+    [events] = (tmp_path / "bids" / "sub-P01").rglob("*events.tsv")
+    [asked] = (tmp_path / "bids" / "sub-P01").rglob("*task-demographics_beh.tsv")
+    assert "age_band" in asked.read_text("utf-8")
+    assert "age_band" not in events.read_text("utf-8")
+    assert not any("rating" in file.read_text("utf-8") for file in (tmp_path / "r").glob("*.R"))
+
+
+@pytest.mark.parametrize("language", languages())
+@pytest.mark.parametrize("name", shipped_choices())
+def test_shipped_questions_have_words_in_every_language_of_the_pages(name, language):
+    assert language in load(name).languages
+    study = TUTORIAL + INQUIRY
+    texts = texts_in(language, wire(parse(study.encode(), "s.toml"), "s.toml").words_in(language))
+    for item in load(name).items:
+        question = f"{ABOUT}{name}.{item.id}"
+        assert texts.message(question) == item.prompt[language]
+        labels = [texts.label(f"{question}.{code}") for code in item.codes if code != NOT_SAID]
+        assert labels == [option.words[language] for option in item.options]
+
+
+def test_a_question_in_a_file_beside_the_study_is_put_in_its_place(tmp_path, capsys):
+    inquiry, _, form = OWN.partition("[forms.habits]\n")
+    (tmp_path / "habits.toml").write_text(form.replace("[[forms.habits.items]]", "[[items]]"), "utf-8")
+    (tmp_path / "s.toml").write_text(f'{TUTORIAL}\n{inquiry}[forms.habits]\npath = "habits.toml"\n', "utf-8")
+    output(capsys, "simulate", tmp_path / "s.toml", "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
+    (tmp_path / "habits.toml").unlink()
+    output(capsys, "replay", tmp_path / "d")
+    assert "How often" in json.dumps(json.loads(output(capsys, "analyse", tmp_path / "d", "--json"))["categories"])
+
+
+FLAWS = [
+    ('form = "demographics"\nafter = "start"', 'form = "demographics"', "inquiries.about.after: found 'session' with"),
+    ('form = "habits"', 'form = "habits"\nprompt = "Well?"', "inquiries.habits.prompt: found 'Well?', expected none"),
+    ('form = "habits"', 'form = "habit"', "inquiries.habits.form: found 'habit', expected one of"),
+    ("code = 2, words", "code = 1, words", "forms.habits: items[0].options[1].code: found 1, expected a whole number"),
+    ("code = 2, words", "code = 0, words", "forms.habits: items[0].options[1].code: found 0, expected a whole number"),
+    ("code = 2, words", "code = 1987, words", "options[1].code: found 1987, expected a whole number from 1 to 9"),
+    ('fr = "moins souvent" } },\n]', 'fr = "moins souvent" } },\n]\nlow = 0', "items[0].low: found an unknown key"),
+    ('en = "less often"', 'en = " "', "forms.habits: items[0].options[1].words.en: found a text that says nothing"),
+    ('kind = "yes_no"', 'kind = "rating"\nform = "habits"', "task.form: found 'habits', a form of choices, expected"),
+    ('kind = "yes_no"', 'kind = "rating"\nform = "demographics"', "task.form: found 'demographics', a form of choices"),
+]
+
+
+@pytest.mark.parametrize(("old", "new", "message"), FLAWS)
+def test_what_cannot_be_asked_is_refused_in_one_sentence(study, tmp_path, capsys, old, new, message):
+    assert old in STUDY
+    study.write_text(STUDY.replace(old, new), "utf-8")
+    status, said, _ = call(capsys, "simulate", study, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
+    assert (status, said.count("\n")) == (2, 0)
+    assert message in said
+    assert not (tmp_path / "d").exists()
