@@ -168,9 +168,11 @@ def _journal(path: Path, participant: str | None, session: int | None) -> Path:
     """
     if path.is_file():
         return path
+    every = list(sessions(path))
+    expect(bool(every), path, "no journal", "a data set with journals/*.jsonl, or a journal", InvalidFile)
     asked = {"participant": participant, "session": None if session is None else str(session)}
     wanted = {key: value for key, value in asked.items() if value is not None}
-    meant = [journal for journal in sessions(path) if wanted.items() <= keys_of(journal.stem).items()]
+    meant = [journal for journal in every if wanted.items() <= keys_of(journal.stem).items()]
     if len(meant) != 1:
         found = f"{count_of(len(meant), 'session')}{' of ' if wanted else ''}{', '.join(wanted.values())}"
         raise InvalidFile(f"{path}: found {found}, expected one; say which, by participant and session")

@@ -269,6 +269,13 @@ def test_show_tells_and_draws_what_happened_in_a_trial(recorded, tmp_path, capsy
     assert told["figure"] == "t.svg"
 
 
+def test_show_of_what_is_no_data_set_says_what_it_expects(tmp_path, capsys):
+    for path in (tmp_path, tmp_path / "nope"):
+        status, said, _ = call(capsys, "show", path, "--trial", 1)
+        assert (status, said.count("\n")) == (2, 0)
+        assert f"{path}: found no journal, expected a data set with journals/*.jsonl" in said
+
+
 def test_show_says_which_trial_and_whose_it_wants(recorded, capsys, tmp_path):
     status, errors, _ = call(capsys, "show", recorded, "--trial", 99)
     assert status == 2
