@@ -51,6 +51,7 @@ class Canvas:
     def draw(self, page: Page) -> None:
         """Draw the items of a page in their order."""
         gl, (width, height) = self._gl, self._window.size
+        self._window._setCurrent()  # another window may have been drawn on meanwhile: a list is of one context
         for item in page.items:
             if isinstance(item, Text):  # PsychoPy draws it at its own place, whatever the matrix says
                 gl.glCallList(self._list(item))

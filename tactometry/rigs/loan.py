@@ -49,6 +49,7 @@ class Loan:
         if self._theirs is not None:
             return
         window = self._window
+        window._setCurrent()  # the script may have several
         ours = {name: value for name, value in self._ours().items() if name in vars(window)}
         self._theirs = {name: vars(window)[name] for name in ours}
         self._looks = window.blendMode, window._color, window.mouseVisible, window.viewport, window.scissor
@@ -69,6 +70,7 @@ class Loan:
             return
         window, theirs = self._window, self._theirs
         self._theirs = None
+        window._setCurrent()
         window.winHandle.pop_handlers()
         self._exchange(self._typed, self._pressed)
         self._keyboard._keysStillDown.clear()  # of a key that is down now, the release would tell as of a new press

@@ -256,7 +256,7 @@ def test_a_simulation_explains_and_replays(study, tmp_path, capsys):
 def test_a_check_tells_what_is_felt(study):
     from tactometry.experiments.bench.preflight import _study
 
-    findings, _ = _study(str(study))
+    findings, _ = _study(str(study), allow_code=False)
     assert [finding.part for finding in findings] == ["study", "scene"]
     assert "felt of amplitude_modulated" in findings[1].found
 

@@ -43,7 +43,7 @@ def bench(watched, output):
 @pytest.mark.parametrize("leave", ["space", "Return", "KP_Enter", (0.4, -0.3)], ids=str)
 def test_a_message_is_left_by_a_key_or_a_touch(bench, participant, leave):
     participant.answers("y", leave)
-    assert bench.answer(Show("block", {"block": 1, "n_blocks": 3})).at_s > 0
+    assert bench.answer(Show("block", {"part": 1, "n_parts": 3})).at_s > 0
 
 
 def test_a_rest_counts_its_seconds_down(bench, watched, log):
