@@ -117,11 +117,11 @@ def test_a_key_that_went_down_before_the_question_is_no_answer(bench, participan
     [
         (("3", "Return"), 3),
         (("6", "2", "space"), 2),
-        (("Right", "Right", "Return"), 5),
+        (("Right", "Right", "Return"), 2),
         (("7", "Right", "Left", "KP_Enter"), 6),
         (((0, -0.27), (-3 * PITCH, 0), (2 * PITCH, 0), 0.1, (0, -0.27)), 6),
     ],
-    ids=["digit", "corrected", "from the middle", "bounded", "touch"],
+    ids=["digit", "corrected", "entered from its end", "bounded", "touch"],
 )
 def test_a_scale_is_answered_by_keys_and_touch(bench, participant, acts, value):
     participant.answers(*acts)
