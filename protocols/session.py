@@ -7,11 +7,11 @@ from typing import Protocol
 import numpy as np
 
 from tactometry.arguments.require import of_kind
-from tactometry.choice_form import PREFER_NOT, ChoiceForm, ChoiceItem
+from tactometry.choice_form import NOT_SAID, PREFER_NOT, SAY, ChoiceForm, ChoiceItem
 from tactometry.questionnaire import Questionnaire
-from tactometry.session.answer import Chosen, Done
+from tactometry.session.answer import Chosen, Done, Rated
 from tactometry.session.intervention import Intervention
-from tactometry.session.request import ABOUT, CONSENT, Choose, Record, Show
+from tactometry.session.request import ABOUT, CONSENT, Choose, Enter, Record, Show
 from tactometry.session.run import Course
 from tactometry.trials.tasks import FORM_TASK
 from tactometry.trials.trial import Trial
@@ -84,8 +84,7 @@ class Inquiry:
         """A page for each question, whose answer is on the disk before the next one is put."""
         wanted: tuple[Intervention, ...] = ()
         for item in form.items:
-            chosen: Chosen = yield question_of(form, item)
-            reply = Reply(chosen, float(chosen.option), item=item.id)
+            reply = yield from _reply_to(question_of(form, item), item)
             wanted += yield from heard([Record(self._row(number, trial, reply))])
         return wanted
 
@@ -111,8 +110,21 @@ class Inquiry:
 def question_of(form: ChoiceForm, item: ChoiceItem) -> Choose:
     """A question with choices of its own: texts of these names say it (`words_of`)."""
     name = f"{ABOUT}{form.name}.{item.id}"
+    if item.bounds is not None:
+        return Choose(name, (1, NOT_SAID), (SAY, PREFER_NOT))
     labels = (*(f"{name}.{option.code}" for option in item.options), PREFER_NOT)
     return Choose(name, item.codes, labels)
+
+
+def _reply_to(asked: Choose, item: ChoiceItem) -> Course[Reply]:
+    """The code of what was chosen, or the number; nothing where that was not to be said."""
+    chosen: Chosen = yield asked
+    if item.bounds is None:
+        return Reply(chosen, float(chosen.option), item=item.id)
+    if chosen.option == NOT_SAID:
+        return Reply(chosen, item=item.id)
+    number: Rated = yield Enter(asked.question, *item.bounds)
+    return Reply(number, number.value, item=item.id)
 
 
 def words_of(form: ChoiceForm, language: str) -> dict[str, str]:
@@ -121,8 +133,9 @@ def words_of(form: ChoiceForm, language: str) -> dict[str, str]:
     for item in form.items:
         asked = question_of(form, item)
         words[asked.question] = item.prompt.get(language, "").replace("{", "{{").replace("}", "}}")
-        labels = zip(asked.options[:-1], asked.labels[:-1], strict=True)  # what is not said has the same words for all
-        words |= {label: item.category(code, language) for code, label in labels}
+        # what is not said has the same words for all questions
+        labels = zip(item.options, asked.labels, strict=False)
+        words |= {label: item.category(option.code, language) for option, label in labels}
     return words
 
 

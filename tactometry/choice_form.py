@@ -22,6 +22,8 @@ PREFER_NOT: Final = "prefer_not"
 """The label of that answer."""
 MOST_CODE: Final = 9
 """Each option has a digit of its own. Years of birth or of age, which could tell who someone is, have not enough."""
+SAY: Final = "say_number"
+"""The label of the wish to answer by a number."""
 _FOLDER = files("tactometry.questionnaires") / KIND
 _SUFFIX = ".toml"
 
@@ -36,11 +38,19 @@ class Option:
 
 @dataclass(frozen=True)
 class ChoiceItem:
-    """One question: what the tables call it, its words by language, and its options in their order."""
+    """One question: what the tables call it, its words by language, and its options in their order; or in their place
+    the bounds `low` and `high` of a number, which could tell who somebody is."""
 
     id: str
     prompt: dict[str, str]
-    options: tuple[Option, ...]
+    options: tuple[Option, ...] = ()
+    low: float | None = None
+    high: float | None = None
+
+    @property
+    def bounds(self) -> tuple[float, float] | None:
+        """Those of a number; None where it has options."""
+        return None if self.low is None or self.high is None else (self.low, self.high)
 
     @property
     def codes(self) -> tuple[int, ...]:
@@ -97,6 +107,11 @@ class ChoiceForm:
         """The languages in which every question can be put."""
         return tuple(sorted(set.intersection(*(item.languages for item in self.items))))
 
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """The questions that are answered by a number, which could tell who somebody is."""
+        return tuple(item.id for item in self.items if item.bounds is not None)
+
     def item(self, name: str) -> ChoiceItem | None:
         """The question of this id, if there is one."""
         return next((item for item in self.items if item.id == name), None)
@@ -104,7 +119,11 @@ class ChoiceForm:
 
 def _check_item(item: ChoiceItem, path: str) -> None:
     expect(bool(item.id.strip()), f"{path}.id", repr(item.id), "a name, which stands in the tables")
-    expect(len(item.options) >= 2, f"{path}.options", len(item.options), "at least 2, beside the one not to say")
+    if item.low is None and item.high is None:
+        expect(len(item.options) >= 2, f"{path}.options", len(item.options), "at least 2, beside the one not to say")
+    else:
+        is_number = item.bounds is not None and item.bounds[0] < item.bounds[1] and not item.options
+        expect(is_number, f"{path}.low", f"{item.low} with high {item.high}", "a number below high, without options")
     codes = [option.code for option in item.options]
     for n, code in enumerate(codes):
         fits = f"a whole number from 1 to {MOST_CODE}, each once; {NOT_SAID} is 'prefer not to say'"

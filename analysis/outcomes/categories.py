@@ -16,7 +16,8 @@ COLUMNS = ("form", "item", "question", "code", "category", "n")
 
 def categories(trials: Trials) -> pd.DataFrame:
     """A row for each category of each question that was asked: `form`, `item`, `question` and `category` in words,
-    `code`, and `n` participants, by what each of them answered last. Nothing is tested."""
+    `code`, and `n` participants, by what each of them answered last. Nothing is tested, and numbers are
+    not told."""
     rows = asked_rows(trials)
     if not {"item", "procedure"} <= set(rows.columns):
         return pd.DataFrame(columns=list(COLUMNS))
@@ -30,7 +31,7 @@ def categories(trials: Trials) -> pd.DataFrame:
 def _counts(form: ChoiceForm, answers: pd.DataFrame) -> Iterator[tuple[object, ...]]:
     for item in form.items:
         codes = pd.to_numeric(answers.loc[answers["item"] == item.id, "response"], errors="coerce")
-        for code in item.codes if len(codes) else ():
+        for code in item.codes if len(codes) and item.options else ():
             words = item.category(code) or NOT_SAID
             yield form.name, item.id, _question(item), code, words, int((codes == code).sum())
 

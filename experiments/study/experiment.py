@@ -245,8 +245,14 @@ class Experiment(SessionPlan):
         study = self.study
         factors = [_factor_column(name) for name in study.factors]
         return StudyDescription(
-            study.name, study.title, study.description, table_columns(factors, self._optional()), study_toml
+            study.name, study.title, self._described(), table_columns(factors, self._optional()), study_toml
         )
+
+    def _described(self) -> str:
+        """The study's description, with what could tell who a participant is."""
+        numbers = ", ".join(name for form in self.choices for name in form.numbers)
+        said = f"Answers could tell who a participant is: {numbers}." if numbers else ""
+        return f"{self.study.description} {said}".strip() if said else self.study.description
 
     def _optional(self) -> list[str]:
         """The columns that apply, of those that not every study has."""

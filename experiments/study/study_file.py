@@ -72,12 +72,14 @@ class PlanTable:
 
 @dataclass(frozen=True)
 class InquiryTable:
-    """A questionnaire on its own, after the start, each block or the session, under its stem or another `prompt`."""
+    """A questionnaire on its own, after the start, each block or the session, under its stem or another `prompt`; with
+    `identifies` questions about a person may be answered by a number, which could tell who that is."""
 
     form: str
     after: str = "session"
     shuffled: bool = False
     prompt: Prompt = ""
+    identifies: bool = False
 
     def __post_init__(self) -> None:
         check_prompt(self.prompt, "InquiryTable.prompt")

@@ -53,13 +53,19 @@ def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
     one_of(f"{path}.form", table.form, (*study.forms, *shipped_names(), *shipped_choices()))
     own = choice_forms_of({table.form: study.forms.get(table.form, {})})
     if not own and (table.form in study.forms or table.form not in shipped_choices()):
+        expect(not table.identifies, f"{path}.identifies", f"true with {table.form!r}, a scale", f"a form of {KIND}")
         return prompted(form_of(study, table.form, f"{path}.form"), table.prompt)
     once = "'start': questions about a person come once, before anything is felt"
     expect(table.after == "start", f"{path}.after", f"{table.after!r} with a form of {KIND}", once)
     for key in ("prompt", "shuffled"):
         alone = f"none: a form of {KIND} has the words and the order of its items"
         expect(not getattr(table, key), f"{path}.{key}", repr(getattr(table, key)), alone)
-    return own.get(table.form) or load_choices(table.form)
+    form = own.get(table.form) or load_choices(table.form)
+    numbers = ", ".join(form.numbers) or "no number"
+    said = "true where numbers are asked, which could tell who somebody is; or ask in bands, without it"
+    found = f"{str(table.identifies).lower()} with {numbers} in {form.name!r}"
+    expect(table.identifies == bool(form.numbers), f"{path}.identifies", found, said)
+    return form
 
 
 @dataclass(frozen=True)

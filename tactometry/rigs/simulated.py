@@ -3,6 +3,7 @@
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
+from math import ceil
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
@@ -249,6 +250,8 @@ class SimulatedRig(LiveRig):
         return Rated(value_of(self._liking(), request), *self._timing(1))
 
     def _enter(self, request: Enter) -> Rated:
+        if request.question.startswith(ABOUT) and request.high is not None:
+            return Rated(float(self._rng.integers(ceil(request.low), int(request.high) + 1)), *self._timing(1))
         value = max(self._observer.magnitude(self._last_db(), self._rng), request.low)
         return Rated(value if request.high is None else min(value, request.high), *self._timing(1))
 

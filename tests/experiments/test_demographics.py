@@ -95,6 +95,41 @@ def test_exports_hold_the_answers_apart_from_the_trials(simulated, tmp_path, cap
     assert not any("rating" in file.read_text("utf-8") for file in (tmp_path / "r").glob("*.R"))
 
 
+YEARS = '\n[[forms.habits.items]]\nid = "age_years"\nprompt = { en = "Years?", fr = "?" }\nlow = 18\nhigh = 99\n'
+ALLOWED = STUDY.replace('form = "habits"', 'form = "habits"\nidentifies = true')
+
+
+def test_a_number_is_asked_where_the_study_says_so_and_the_data_set_tells_it(study, tmp_path, capsys, monkeypatch):
+    study.write_text(ALLOWED + YEARS, "utf-8")
+    root = tmp_path / "d"
+    status, errors, said = on_console(monkeypatch, capsys, study, root, "yes\n3\n1\n0\n1\n1\n17\n37\n" + "1\n" * 40)
+    assert status == 0, errors
+    assert "Years? (a number from 18 to 99):" in said
+    assert (trial_rows(root)[4]["item"], trial_rows(root)[4]["response"]) == ("age_years", "37")
+    described = json.loads((root / "dataset_description.json").read_text("utf-8"))["description"]
+    assert described.endswith("Answers could tell who a participant is: age_years.")
+    assert [session.complete for session in replay_data_set(root)] == [True]
+
+
+def test_who_does_not_say_a_number_leaves_it_empty_and_no_report_tells_numbers(study, tmp_path, capsys):
+    study.write_text(ALLOWED + YEARS, "utf-8")
+    root = tmp_path / "d"
+    output(capsys, "simulate", study, "--participants", 8, "--seed", 1, "--out", root)
+    for command in ("validate", "replay"):
+        output(capsys, command, root)
+    said = [row["response"] for row in trial_rows(root) if row["item"] == "age_years"]
+    assert "" in said
+    assert all(18 <= float(years) <= 99 for years in said if years)
+    assert set(analyse(root).table("categories")["item"]) == set(ITEMS)
+
+
+def test_a_number_that_no_study_answers_for_is_refused(study, tmp_path, capsys):
+    study.write_text(STUDY + YEARS, "utf-8")
+    status, said, _ = call(capsys, "simulate", study, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
+    assert (status, said.count("\n")) == (2, 0)
+    assert "inquiries.habits.identifies: found false with age_years in 'habits', expected true" in said
+
+
 @pytest.mark.parametrize("language", languages())
 @pytest.mark.parametrize("name", shipped_choices())
 def test_shipped_questions_have_words_in_every_language_of_the_pages(name, language):
@@ -125,7 +160,16 @@ FLAWS = [
     ("code = 2, words", "code = 1, words", "forms.habits: items[0].options[1].code: found 1, expected a whole number"),
     ("code = 2, words", "code = 0, words", "forms.habits: items[0].options[1].code: found 0, expected a whole number"),
     ("code = 2, words", "code = 1987, words", "options[1].code: found 1987, expected a whole number from 1 to 9"),
-    ('fr = "moins souvent" } },\n]', 'fr = "moins souvent" } },\n]\nlow = 0', "items[0].low: found an unknown key"),
+    (
+        'fr = "moins souvent" } },\n]',
+        'fr = "moins souvent" } },\n]\nlow = 0',
+        "low: found 0.0 with high None,",
+    ),
+    (
+        'form = "habits"',
+        'form = "habits"\nidentifies = true',
+        "identifies: found true with no number in",
+    ),
     ('en = "less often"', 'en = " "', "forms.habits: items[0].options[1].words.en: found a text that says nothing"),
     ('kind = "yes_no"', 'kind = "rating"\nform = "habits"', "task.form: found 'habits', a form of choices, expected"),
     ('kind = "yes_no"', 'kind = "rating"\nform = "demographics"', "task.form: found 'demographics', a form of choices"),

@@ -9,6 +9,7 @@ from learnt_file import write_responses
 from screens import entry_page, form_pages
 from short_studies import shortened
 
+from tactometry import choice_form
 from tactometry.devices.outputs.output import with_ramps
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.bench.bench_file import RAMP_S, Learnt
@@ -17,6 +18,7 @@ from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load as load_study
+from tactometry.protocols.session import question_of, words_of
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load
 from tactometry.records.journal import read
@@ -53,6 +55,15 @@ def bench(watched, output):
     rig = Bench(watched, Equipment(output, {}), texts_in("en", {}))
     yield rig
     rig.close()
+
+
+@pytest.mark.parametrize(("pressed", "code"), [("3", 3), ("0", 0), ((0.0, 0.24), 1)])
+def test_a_question_about_a_person_is_answered_by_its_digit_or_a_touch(watched, output, participant, pressed, code):
+    form = choice_form.load("demographics")
+    bench = Bench(watched, Equipment(output, {}), texts_in("fr", words_of(form, "fr")))
+    participant.answers(pressed)
+    assert bench.answer(question_of(form, form.items[0])).option == code
+    bench.close()
 
 
 def test_a_page_is_filled_by_digits_row_after_row(bench, participant):
