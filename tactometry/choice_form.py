@@ -24,7 +24,7 @@ MOST_CODE: Final = 9
 """Each option has a digit of its own. Years of birth or of age, which could tell who someone is, have not enough."""
 SAY: Final = "say_number"
 """The label of the wish to answer by a number."""
-_FOLDER = files("tactometry.questionnaires") / KIND
+_FOLDER = files("tactometry.questionnaires.choices")
 _SUFFIX = ".toml"
 
 
