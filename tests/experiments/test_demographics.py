@@ -3,6 +3,7 @@
 import io
 import json
 import re
+from importlib import import_module
 
 import pytest
 from command_line import call, output
@@ -184,3 +185,7 @@ def test_what_cannot_be_asked_is_refused_in_one_sentence(study, tmp_path, capsys
     assert (status, said.count("\n")) == (2, 0)
     assert message in said
     assert not (tmp_path / "d").exists()
+
+
+def test_the_folder_of_shipped_forms_is_a_package_whose_data_a_wheel_holds():
+    assert import_module("tactometry.questionnaires.choices").__file__ is not None
