@@ -191,7 +191,8 @@ def test_data_of_observers_say_that_they_are_simulated_wherever_they_go(study, t
     output(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
     out = tmp_path / form
     output(capsys, "export", tmp_path / "d", "--to", form, "--out", out)
-    tables = [path for path in out.rglob("*") if path.suffix in (".csv", ".tsv")]
+    suffixes = (".json",) if form == "jspsych" else (".csv", ".tsv")
+    tables = [path for path in out.rglob("*") if path.suffix in suffixes]
     assert tables
     described = out / "dataset_description.json"
     whole = described.exists() and "simulated data" in described.read_text()

@@ -22,7 +22,7 @@ from tactometry.rigs.texts import texts_in
 from tactometry.session.request import CONSENT, REQUESTS, Choose, Fill, Show
 
 RESTING = {
-    'kind = "yes_no"': 'kind = "yes_no"\nfeedback = true\nrest_s = 1.0',
+    'kind = "yes_no"': 'kind = "yes_no"\nfeedback = true\nrest_s = 5.0',
     "rest_after = 75": "rest_after = 1",
     "n_of = 5": "n_of = 1",
     "n_trials = 20": "n_trials = 3",
