@@ -86,7 +86,7 @@ class Ratings:
         for dimension, one in self.outcomes.items():
             for note in one.notes:
                 dimensions_of.setdefault(note, []).append(dimension)
-        notes = [f"{self.form.title}: {self._apart}"] if self._apart else []
+        notes = [f"{self.form.title}: {said}" for said in (self._apart, self._averaged) if said]
         for note, dimensions in dimensions_of.items():
             whose = "" if len(dimensions) == len(self.outcomes) else f", {', '.join(dimensions)}"
             notes.append(f"{self.form.title}{whose}: {note}")
@@ -95,9 +95,22 @@ class Ratings:
     @property
     def _apart(self) -> str:
         """What is told of scores without a condition."""
-        n_apart = int(self.scores[list(self.factors)].isna().any(axis="columns").sum())
+        n_apart = int(self._is_apart.sum()) if self.factors else 0
         where = f"it was asked outside of the conditions, and is compared with none ({self.stem}_scores.csv)"
         return f"{n_apart} of {len(self.scores)} scores without a condition: {where}" if n_apart else ""
+
+    @property
+    def _averaged(self) -> str:
+        """What is told of answers before and after the conditions, which one score holds."""
+        n_averaged = int((self._is_apart & (self.scores["n_answered"] > len(self.form.items))).sum())
+        told = "each is a mean of answers that were given at several times, as before and after the blocks"
+        return f"{n_averaged} of {len(self.scores)} scores: {told}; analyse them apart" if n_averaged else ""
+
+    @property
+    def _is_apart(self) -> "pd.Series[bool]":
+        """Which scores have no condition; in a study without factors all."""
+        known = self.scores[list(self.factors)].notna().all(axis="columns")
+        return ~known if self.factors else known
 
     def cross(self) -> pd.DataFrame:
         """Conditions down, dimensions across, each as mean with interval, in text."""

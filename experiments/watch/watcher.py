@@ -57,6 +57,11 @@ class Watcher:
             self._read(self._follower, now_s)
         return self._sight
 
+    @property
+    def finds(self) -> bool:
+        """Whether there is a session to follow."""
+        return any(map(self._is_wanted, _journals(self.root)))
+
     def _choose(self) -> None:
         newest = max(filter(self._is_wanted, _journals(self.root)), key=_written_s, default=None)
         if newest is not None and (self._follower is None or newest != self._follower.path):

@@ -14,12 +14,13 @@ from ..errors import DeviceFailed, InvalidFile
 from .output import data_argument, subcommand
 
 NICENESS = 10
+OR_WAIT = "or --wait for one that is yet to come"
 
 
 @subcommand("watch pilot")
 @data_argument
 @click.option("--participant", help="Whose session; default: the newest.")
-@click.option("--session", "n_session", type=int, help="Which of theirs; default: the newest.")
+@click.option("--session", "n_session", type=click.IntRange(1), help="Which of theirs; default: the newest.")
 @click.option("--port", type=click.IntRange(0, 65535), default=0, help="Of the loopback; default: any that is free.")
 @click.option("--wait", is_flag=True, help="PATH is yet to come.")
 @click.option("--until-input-ends", is_flag=True, help="End with the program that holds the standard input.")
@@ -33,10 +34,13 @@ def command(
     from tactometry.experiments.watch.server import serve
     from tactometry.experiments.watch.watcher import Watcher
 
-    expect(wait or path.is_dir(), path, "no folder", "a data set, or --wait for one that is yet to come", InvalidFile)
+    expect(wait or path.is_dir(), path, "no folder", f"a data set, {OR_WAIT}", InvalidFile)
+    watcher = Watcher(path, participant, n_session)
+    expect(
+        wait or watcher.finds, path, "no journal of such a session", f"a session that has begun, {OR_WAIT}", InvalidFile
+    )
     with suppress(AttributeError, OSError):  # not everywhere; who looks on takes no time from the session
         os.nice(NICENESS)
-    watcher = Watcher(path, participant, n_session)
     serve(Scenery(watcher), port, click.echo, sys.stdin.buffer if until_input_ends else None)
 
 

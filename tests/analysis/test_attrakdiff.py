@@ -310,3 +310,13 @@ def test_a_form_that_is_asked_before_the_conditions_and_in_them_is_compared_in_t
     apart = form.scores[form.scores[name].isna()]
     assert (apart["n_answered"].tolist(), apart["D"].notna().tolist()) == ([2.0] * 3, [True] * 3)
     assert form.summary[["n", "n_missing"]].to_numpy().tolist() == [[3, 0]] * 2
+
+
+def test_a_form_before_and_after_the_blocks_is_told_to_be_averaged(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = load_study("tutorial")[1].decode() + OWN_FORM.replace('"mine"', '"mine"\nafter = "session"', 1)
+    (tmp_path / "study.toml").write_text(text + '\n[inquiries.before]\nform = "mine"\nafter = "start"\n')
+    call(capsys, "simulate", tmp_path / "study.toml", "--participants", 3, "--seed", 1, "--out", tmp_path / "d")
+    _, _, said = call(capsys, "analyse", tmp_path / "d")
+    assert "3 of 3 scores: each is a mean of answers that were given at several times" in said

@@ -62,7 +62,7 @@ def test_nothing_is_asked_of_a_participant_who_does_not_agree(study, tmp_path, c
     assert status == 1
     assert "next: nothing to analyse: no block came to its end" in said
     assert "Your answers are kept under a code" in said
-    assert "Nothing was asked" in said
+    assert "Nothing else will be asked" in said
     assert asked(tmp_path / "d") == ["welcome", "consent", "agree", "declined"]
     assert trial_rows(tmp_path / "d") == []
     assert validate(tmp_path / "d").defects == ()

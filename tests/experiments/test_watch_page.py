@@ -186,3 +186,10 @@ def test_a_folder_that_is_none_is_one_sentence(tmp_path, capfd):
         main(["watch", str(tmp_path / "nowhere")])
     assert end.value.code == 2
     assert "nowhere: found no folder, expected a data set, or --wait" in capfd.readouterr().err
+
+
+def test_a_folder_without_a_session_is_told(tmp_path, capfd):
+    with pytest.raises(SystemExit) as ended:
+        main(["watch", str(tmp_path)])
+    assert ended.value.code == 2
+    assert "found no journal of such a session, expected a session that has begun, or --wait" in capfd.readouterr().err
