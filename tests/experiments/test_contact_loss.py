@@ -102,7 +102,7 @@ def test_a_check_tells_whether_contact_is_lost(tmp_path):
     file = tmp_path / "s.toml"
     faint = SMALL.replace("levels = [30.0]", "levels = [-30.0]")
     file.write_text(faint.replace("levels = [10.0, 14.0, 18.0, 22.0, 26.0, 30.0]", "levels = [-40.0, -30.0]"))
-    findings, _ = _study(str(file))
+    findings, _ = _study(str(file), allow_code=False)
     assert [finding.part for finding in findings] == ["study", "scene", "finger", "finger", "finger"]
     assert all(finding.found.startswith("contact holds: at -30 dB re 1 um (focus)") for finding in findings[2:])
 

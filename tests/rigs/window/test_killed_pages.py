@@ -27,6 +27,7 @@ RESTING = {
     "n_of = 5": "n_of = 1",
     "n_trials = 20": "n_trials = 3",
     "catch_rate = 0.2": "catch_rate = 0.0",
+    "repeats = 1": "repeats = 2",  # the pause behind a page of feedback that was killed passes before the finger looks
 }
 PRESSED = """[touch]
 kind = "press"
