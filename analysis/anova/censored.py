@@ -25,7 +25,7 @@ from .contrasts import Sphericity, Tested, effect_places, epsilons
 from .design import MAX_FACTORS, DesignStatus, expect_defined, names_of
 from .group_means import within_variances
 from .post_hoc import all_together, two_one_sided, with_verdicts
-from .strata import LEAST_VARIANCE, StrataFit, fit_strata
+from .strata import StrataFit, fit_strata
 from .within_subjects import INTERVAL, effect_table
 
 WIDEST_SE = 10.0
@@ -158,7 +158,7 @@ def _wald_test(fit: StrataFit, stratum: int, of_groups: Array, name: str) -> Tes
     covariance = weights @ fit.of_means @ weights.T * fit.inflation
     first, second = len(weights), len(contrasts) * fit.df_of(stratum)
     error = float(fit.variances[stratum]) * fit.inflation
-    if fit.variances[stratum] <= LEAST_VARIANCE * fit.variances.max():
+    if not fit.has_error[stratum]:
         error = 0.0
     f = float(estimate @ np.linalg.solve(covariance, estimate)) / first
     corrections = epsilons(contrasts @ fit.pooled @ contrasts.T, fit.df_of(stratum))

@@ -89,8 +89,8 @@ class Points:
 @dataclass(frozen=True)
 class StrataFit:
     """`means` (group, cell) and `variances` (stratum,) of the largest likelihood; `covariance` of the means, row by
-    row, and then the logarithms of the variances; `moments` (group, cell, cell), the covariance of each group's values
-    with n - 1 degrees of freedom, as far as they are known."""
+    row, and then the logarithms of the variances, 0 of one without error; `moments` (group, cell, cell), the covariance
+    of each group's values with n - 1 degrees of freedom, as far as they are known."""
 
     data: BoundedValues
     means: Array
@@ -126,9 +126,16 @@ class StrataFit:
         """From the likelihood's variances to the restricted likelihood's."""
         return len(self.data.low) / self.df
 
+    @property
+    def has_error(self) -> Bools:
+        """Of each stratum: its variance is more than rounding leaves of none."""
+        return _above_rounding(self.variances)
+
     def df_of(self, stratum: int) -> float:
         """Degrees of freedom of each contrast of a stratum: `df`, less what bounds leave open about its variance
         (Satterthwaite: twice the square of a variance over the variance of its estimate)."""
+        if not self.has_error[stratum]:
+            return float(self.df)
         place = self.means.size + stratum
         # The covariance is that of the logarithm of the variance, so that its square is divided out already.
         df = 2 / float(self.covariance[place, place]) / len(self.data.strata[stratum])
@@ -153,7 +160,7 @@ def fit_strata(data: BoundedValues) -> StrataFit:
     points = _points(data, means, variances)
     second = _second_moments(data, points, means)
     moments = second / np.maximum(data.sizes - 1, 1)[:, None, None]
-    covariance = np.asarray(np.linalg.inv(_information(data, points, means, variances)), dtype=np.float64)
+    covariance = _inverse_of_free(_information(data, points, means, variances), variances)
     log_likelihood = float(sum(of_one.log_chance for of_one in points))
     return StrataFit(data, means, variances, covariance, moments, log_likelihood, change < TOLERANCE)
 
@@ -218,6 +225,19 @@ def _points_of_one(low: Array, high: Array, mean: Array, covariance: Array) -> P
     values = np.empty((len(others.weights), len(low)))
     values[:, known], values[:, ~known] = low[known], others.values
     return Points(values, others.weights, log_density + others.log_chance)
+
+
+def _above_rounding(variances: Array) -> Bools:
+    return np.asarray(variances > LEAST_VARIANCE * variances.max())
+
+
+def _inverse_of_free(information: Array, variances: Array) -> Array:
+    """The covariance of what was estimated. A variance without error is no estimate but the end of its range, where the
+    logarithm has no information but rounding, of either sign: it is held, with a covariance of 0."""
+    free = np.concatenate([np.full(len(information) - len(variances), True), _above_rounding(variances)])
+    covariance = np.zeros(information.shape)
+    covariance[np.ix_(free, free)] = np.linalg.inv(information[np.ix_(free, free)])
+    return covariance
 
 
 def _information(data: BoundedValues, points: Sequence[Points], means: Array, variances: Array) -> Array:

@@ -98,8 +98,8 @@ def bradley_terry(
 
     >>> found = bradley_terry(["a", "a", "b", "b", "c", "c"] * 4, ["b", "c", "a", "c", "a", "b"] * 4,
     ...     [1, 1, 2, 1, 1, 2, 1, 1, 2, 1, 2, 2, 1, 2, 2, 1, 2, 1, 2, 1, 1, 2, 2, 2])
-    >>> found.worths["worth"].round(2).tolist(), round(found.probability("a", "c"), 2)
-    ([0.76, -0.0, -0.76], 0.82)
+    >>> (found.worths["worth"].round(2) + 0).tolist(), round(found.probability("a", "c"), 2)
+    ([0.76, 0.0, -0.76], 0.82)
     """
     a, b = np.asarray(first, dtype=str), np.asarray(second, dtype=str)
     answer = np.asarray(preferred)

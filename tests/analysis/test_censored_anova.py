@@ -211,11 +211,13 @@ def test_refuses_what_has_no_answer() -> None:
     exact_case("bounds without known values beside them: ANOVA", against="one sentence")
 
 
-def test_an_effect_without_error_has_no_f() -> None:
-    rng = np.random.default_rng()
+@pytest.mark.parametrize("seed", range(5))
+def test_an_effect_without_error_has_no_f(seed) -> None:
+    rng = np.random.default_rng(seed)
     values = np.arange(6.0)[:, None, None] + np.array([0.0, 3.0])[None, :, None] + rng.normal(size=(6, 1, 3))
     found = censored_anova(open_ended(long_table(values)), within=["force", "freq"], **GIVEN).table
     assert found["F"].isna().tolist() == [True, False, True]
+    assert found["ddof2"].tolist() == pytest.approx([5, 10, 10])
 
 
 def test_names_of_the_means_are_those_of_the_cells() -> None:
