@@ -15,6 +15,7 @@ import numpy as np
 import pytest
 from compile_once import compile_once
 from force_bench import needed
+from growing_journal import journal
 from hands import SCREEN_PX, Hands
 from hard_cases import only_hard_cases, pytest_addoption, pytest_sessionfinish
 from hypothesis import settings
@@ -23,7 +24,7 @@ from scratch import write_in_memory
 from soak import SOAK
 from sound_server import alsa, server, sink
 
-__all__ = ["alsa", "needed", "pytest_addoption", "pytest_sessionfinish", "server", "sink"]
+__all__ = ["alsa", "journal", "needed", "pytest_addoption", "pytest_sessionfinish", "server", "sink"]
 
 SEED = secrets.randbits(32) if SOAK else int(os.environ.get("TACTOMETRY_TEST_SEED", "0"))
 settings.register_profile("reduced", deadline=None, max_examples=100, derandomize=True)

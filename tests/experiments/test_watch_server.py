@@ -1,0 +1,112 @@
+"""Who may see a session that runs: the page is served to those who have its address, on this computer alone."""
+
+import re
+import socket
+
+import pytest
+from places import ROOT
+from watched import watched
+
+from tactometry.errors import DeviceFailed
+from tactometry.experiments.watch.scenery import Scenery
+from tactometry.experiments.watch.server import serve
+from tactometry.experiments.watch.watcher import Watcher
+
+pytest.importorskip("starlette")
+pytest.importorskip("uvicorn")
+
+
+@pytest.fixture(scope="module")
+def served(whole):
+    with watched(whole) as page:
+        yield page
+
+
+def test_the_page_and_its_files_are_served(served):
+    assert served.ask()[0] == 200
+    assert served.ask("page.css")[0] == served.ask("page.js")[0] == 200
+    assert "P01, session 1" in served.ask()[1]
+
+
+@pytest.mark.parametrize(
+    ("headers", "status"),
+    [
+        ({"Host": "evil.example"}, 403),
+        ({"Host": "127.0.0.1"}, 403),
+        ({"Origin": "http://evil.example"}, 403),
+        ({"Origin": "null"}, 403),
+        ({"Sec_Fetch_Site": "cross-site"}, 403),
+        ({"Sec_Fetch_Site": "same-site"}, 403),
+        ({"Sec_Fetch_Site": "none"}, 200),
+    ],
+)
+def test_foreign_hosts_and_pages_are_refused(served, headers, status):
+    for path in ("", "events", "page.js"):
+        if status == 200 and path == "events":
+            continue  # it has no end
+        assert served.ask(path, **headers)[0] == status
+
+
+def test_without_its_token_nothing_is_told(served):
+    for path in (
+        "/",
+        "/events",
+        "/page.js",
+        f"/{served.token[:-1]}/",
+        f"/{served.token}x/",
+        "//",
+        f"/x/{served.token}/",
+    ):
+        status, text = served.ask(whole_path=path)
+        assert (status, text) == (404, "")
+
+
+def test_nothing_but_the_page_is_served(served):
+    for path in ("../study.toml", "..%2fstudy.toml", "study.toml", "page.html", "page.js/..", "journals/"):
+        assert served.ask(path)[0] == 404
+
+
+@pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "PATCH", "OPTIONS"])
+def test_nothing_can_be_done_but_to_look(served, method):
+    assert served.ask(method=method)[0] == 405
+
+
+def test_only_the_loopback_is_listened_at(served):
+    with socket.socket() as other:  # another address of this computer, as another one would come by
+        assert other.connect_ex(("127.0.0.2", served.port)) != 0
+
+
+def test_a_page_says_that_it_may_load_nothing_from_elsewhere(served):
+    connection = served.connection()
+    connection.request("GET", f"/{served.token}/")
+    headers = connection.getresponse().headers
+    assert headers["Content-Security-Policy"].startswith("default-src 'none'")
+    assert headers["Cache-Control"] == "no-store"
+    assert headers["Referrer-Policy"] == "no-referrer"
+    assert "server" not in headers
+    connection.close()
+    assert not re.search(r"https?:", served.ask()[1] + served.ask("page.css")[1] + served.ask("page.js")[1])
+
+
+def test_two_pages_have_two_tokens(served, tmp_path):
+    with watched(tmp_path) as other:
+        assert other.token != served.token
+        assert len(other.token) >= 32
+
+
+def test_who_listens_is_told_what_changes_alone(journal):
+    journal.holds(20)
+    with watched(journal.root) as page, page.listening() as news:
+        first = news()
+        assert set(first) >= {"title", "where", "levels", "quality"}
+        journal.holds(23)
+        second = news()
+        assert "where" in second
+        assert "quality" not in second
+        journal.holds()
+        assert "over" in news()["title"]
+
+
+def test_a_port_that_is_taken_is_one_sentence(served):
+    with pytest.raises(DeviceFailed, match=rf"--port: cannot listen at 127.0.0.1:{served.port}"):
+        serve(Scenery(Watcher(ROOT)), served.port, print)
