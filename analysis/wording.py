@@ -47,13 +47,18 @@ def interval_texts(value: float, low: float, high: float) -> tuple[str, str, str
     return tuple(f"{x:.{max(decimals, apart)}f}" for x in (value, low, high))  # type: ignore[return-value]
 
 
-def interval_text(value: Any, low: Any = None, high: Any = None) -> str:
-    """The value, with its interval if there is one.
+def interval_text(value: Any, low: Any = None, high: Any = None, decimals: int | None = None) -> str:
+    """The value, with its interval if there is one; `decimals` where a column is to have the same everywhere.
 
     >>> interval_text(1.25, 0.9, 1.61), interval_text(1.25), interval_text(0.93, 0.87, 0.99)
     ('1.25 [0.90, 1.61]', '1.25', '0.930 [0.870, 0.990]')
+    >>> interval_text(0.93, 0.87, 0.99, decimals=2), interval_text(0.93, decimals=2)
+    ('0.93 [0.87, 0.99]', '0.93')
     """
-    if pd.isna(low) or pd.isna(high):
+    is_alone = pd.isna(low) or pd.isna(high)
+    if decimals is not None:
+        return f"{value:.{decimals}f}" + ("" if is_alone else f" [{low:.{decimals}f}, {high:.{decimals}f}]")
+    if is_alone:
         return number_text(float(value))
     texts = interval_texts(float(value), float(low), float(high))
     return f"{texts[0]} [{texts[1]}, {texts[2]}]"

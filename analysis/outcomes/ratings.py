@@ -13,7 +13,7 @@ from ..attrakdiff.patterns import THESIS, against_reference, frequency_by_envelo
 from ..attrakdiff.scoring import consistency, item_scores, portfolio, scores, summary, word_pairs
 from ..reading.study_file import forms_of
 from ..reading.trials import Trials, asked_rows
-from ..wording import interval_text, value_of
+from ..wording import decimals_of, interval_text, value_of
 from .findings import Outcome, Primary
 from .outcome import outcome
 
@@ -114,17 +114,19 @@ class Ratings:
 
     def cross(self) -> pd.DataFrame:
         """Conditions down, dimensions across, each as mean with interval, in text."""
-        long = self.summary.assign(text=[_mean_text(row) for _, row in self.summary.iterrows()])
+        decimals = decimals_of(self.form.score_high - self.form.score_low)
+        long = self.summary.assign(text=[_mean_text(row, decimals) for _, row in self.summary.iterrows()])
         wide = long.pivot(index="condition", columns="dimension", values="text")
         # pivot sorts by name; conditions and dimensions keep the order that they have in the summary and the form.
         return wide.loc[list(dict.fromkeys(long["condition"])), list(self.form.dimensions)].reset_index()
 
 
-def _mean_text(row: "pd.Series[Any]") -> str:
+def _mean_text(row: "pd.Series[Any]", decimals: int) -> str:
     if pd.isna(row["mean"]):
         return f"none ({row['n_missing']} missing)"
     lost = f", {row['n_missing']} missing" if row["n_missing"] else ""
-    return f"{interval_text(row['mean'], row['mean_low'], row['mean_high'])} (n = {row['n']}{lost})"
+    text = interval_text(row["mean"], row["mean_low"], row["mean_high"], decimals)
+    return f"{text} (n = {row['n']}{lost})"
 
 
 def ratings(trials: Trials, primary: str | None = None) -> tuple[Ratings, ...]:

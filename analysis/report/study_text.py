@@ -24,7 +24,16 @@ STIMULI = {
     "pattern": "a pattern of time-reversal foci",
     "hybrid": "time-reversal foci and electrovibration at once",
     "measured_focus": "a time-reversal focus, read by a vibrometer",
+    "foci": "time-reversal foci under one or several fingers",
+    "square": "electrovibration by a square wave of voltage",
+    "triangle": "electrovibration by a triangle wave of voltage",
+    "pulse_train": "electrovibration by pulses of voltage",
+    "trapezoid": "electrovibration by a trapezoid wave of voltage",
+    "step": "a step of voltage on an electrovibration surface",
+    "texture": "a texture rendered by electrovibration",
+    "wav": "a signal from a file",
 }
+INQUIRED = {"start": "before the first block", "block": "after each block", "session": "at the end of the session"}
 TOUCHES = {"slide": "slides over the surface", "press": "presses at rest"}
 WORDS = {
     "catch_rate": "share of catch trials",
@@ -164,7 +173,7 @@ def _tables(study: Table, unit: str) -> Iterator[str]:
         yield f"Practice with feedback came first{_details(practice, unit)}."
     for inquiry in _table(study, "inquiries").values():
         if isinstance(inquiry, Mapping):
-            when = f"after each {inquiry['after']}" if inquiry.get("after") == "block" else "at the end of the session"
+            when = INQUIRED.get(str(inquiry.get("after", "session")), "in the session")
             yield f"The questionnaire {inquiry.get('form', '')} was asked {when}."
 
 

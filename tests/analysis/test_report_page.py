@@ -17,10 +17,11 @@ from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report.captions import figure_text, means_sentence
 from tactometry.analysis.report.page import figures_of, nonbreaking, render
 from tactometry.analysis.report.sections.outcomes import as_amplitudes
-from tactometry.analysis.report.study_text import procedure_text, study_text
+from tactometry.analysis.report.study_text import STIMULI, procedure_text, study_text
 from tactometry.analysis.result import Analysis
 from tactometry.cli.analyse import summary_text
 from tactometry.config.toml import read_table
+from tactometry.experiments.study.cells import STIMULI as KINDS_OF_STIMULI
 from tactometry.experiments.study.study_file import FOLDER
 
 STUDIES = sorted(path.stem for path in FOLDER.glob("*.toml"))
@@ -103,6 +104,19 @@ def test_the_procedure_of_every_study_is_told_with_all_that_its_file_says(name) 
     for levels in study["factors"].values():
         assert all((f"{x:g}" if not isinstance(x, str) else x.replace("_", " ")) in text for x in levels)
     assert not re.search(r"\w_\w|  |\(\)|nan|None", text)
+
+
+@pytest.mark.parametrize(
+    ("after", "told"), [("start", "before the first block"), ("block", "after each block"), ("session", "at the end")]
+)
+def test_the_procedure_says_when_a_questionnaire_was_asked(after, told) -> None:
+    inquiry = {"form": "demographics", "after": after}
+    text = procedure_text({"inquiries": {"who": inquiry}}, "")
+    assert f"The questionnaire demographics was asked {told}" in text
+
+
+def test_every_kind_of_stimulus_is_told_in_words() -> None:
+    assert set(STIMULI) == set(KINDS_OF_STIMULI)
 
 
 def test_a_table_without_a_study_has_no_procedure(tmp_path) -> None:
