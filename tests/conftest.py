@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from calibrating import calibrate
 from compile_once import compile_once
 from force_bench import needed
 from growing_journal import journal
@@ -24,7 +25,7 @@ from scratch import write_in_memory
 from soak import SOAK
 from sound_server import alsa, server, sink
 
-__all__ = ["alsa", "journal", "needed", "pytest_addoption", "pytest_sessionfinish", "server", "sink"]
+__all__ = ["alsa", "calibrate", "journal", "needed", "pytest_addoption", "pytest_sessionfinish", "server", "sink"]
 
 SEED = secrets.randbits(32) if SOAK else int(os.environ.get("TACTOMETRY_TEST_SEED", "0"))
 settings.register_profile("reduced", deadline=None, max_examples=100, derandomize=True)

@@ -1,0 +1,56 @@
+"""`tactometry calibrate`, within the process of the tests or in one of its own, and a loopback of a sound card."""
+
+import io
+import subprocess
+import sys
+
+import pytest
+from benches import gain_toml
+from command_line import call
+from patience import LONGEST_PROGRAM_S
+
+LOOPBACK = """
+[output]
+kind = "audio"
+device = "pulse"
+rate_hz = 48000
+channels = [0, 1]
+sample_format = "int16"
+shared = true
+{gain}
+[output.load]
+kind = "piezo"
+capacitance_f = "1 nF"
+displacement_m_per_v = [1e-6]
+[limits]
+voltage_peak_v = 20.0
+duration_s = 10.0
+current_peak_a = "10 mA"
+displacement_peak_m = "1 mm"
+duty = 1.0
+session_s = "10 min"
+[sensors.card]
+kind = "audio"
+device = "monitor"
+rate_hz = 48000
+n_channels = 2
+""".format(gain=gain_toml("audio pulse, int16", 20.0, 1.0, system_volume=1.0))
+
+
+def calibrate_with(env, cwd, *arguments, answers=""):
+    """In a process of its own, whose sound library sees `env`."""
+    command = [sys.executable, "-m", "tactometry", "calibrate", *map(str, arguments)]
+    return subprocess.run(
+        command, cwd=cwd, env=env, input=answers, capture_output=True, text=True, timeout=LONGEST_PROGRAM_S, check=False
+    )
+
+
+@pytest.fixture
+def calibrate(tmp_path, monkeypatch, capsys):
+    def run(*arguments, answers=""):
+        monkeypatch.setattr("sys.stdin", io.StringIO(answers))
+        status, said, out = call(capsys, "calibrate", *arguments)
+        return subprocess.CompletedProcess(arguments, status, out, said)
+
+    monkeypatch.chdir(tmp_path)
+    return run
