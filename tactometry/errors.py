@@ -156,16 +156,18 @@ def rewording(tell: Callable[[str], str]) -> Iterator[None]:
         raise InvalidParameter(tell(str(error))) from None
 
 
-def nearest(found: str, names: Iterable[str]) -> str:
-    """A hint for a mistyped name.
+def nearest(found: str, names: Iterable[str], n: int = 1) -> str:
+    """A hint for a mistyped name: at most `n` that are like it.
 
     >>> nearest("procedur", ["procedure", "task"])
     "; did you mean 'procedure'?"
+    >>> nearest("hint_fil", ["hint_fill", "hint_end", "agree", "hint_fill_line"], 2)
+    "; did you mean 'hint_fill' or 'hint_fill_line'?"
     >>> nearest("zzz", ["procedure", "task"])
     ''
     """
-    close = difflib.get_close_matches(found[:LONGEST_WORD], list(names), n=1)
-    return f"; did you mean {close[0]!r}?" if close else ""
+    close = difflib.get_close_matches(found[:LONGEST_WORD], list(names), n=n)
+    return f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
 
 
 def count_of(n: int, noun: str) -> str:

@@ -70,9 +70,11 @@ class Strongest:
 
 @dataclass(frozen=True)
 class Experiment(SessionPlan):
-    """A study that is wired: every table built once, every cell's stimulus named, every level within the limits."""
+    """A study that is wired: every table built once, every cell's stimulus named, every level within the limits;
+    `where` is its name or file, as refusals call it."""
 
     people: Population
+    where: str
 
     @property
     def task(self) -> Task:
@@ -299,7 +301,7 @@ def wire(
         If a table holds what its kind does not know, or a level would pass a limit; `where` opens the sentence.
     """
     with rewording(lambda words: f"{where}, {words}"):
-        experiment = _build(study, code_from, simulated=simulated, plays=plays)
+        experiment = _build(study, where, code_from, simulated=simulated, plays=plays)
         _check_forces(experiment)
         _check_places(experiment)
         for strongest in experiment.strongest():
@@ -310,7 +312,7 @@ def wire(
         return experiment
 
 
-def _build(study: Study, code_from: Path | None, *, simulated: bool, plays: bool) -> Experiment:
+def _build(study: Study, where: str, code_from: Path | None, *, simulated: bool, plays: bool) -> Experiment:
     table = task_of(study)
     cells = dict(_cells(Wiring(study, code_from, plays=plays), _tracks_per_cell(study, table)))
     crossing_of(study, table.over, study.factors)  # refuses an order that the design cannot have
@@ -318,7 +320,7 @@ def _build(study: Study, code_from: Path | None, *, simulated: bool, plays: bool
     questionnaires_of(study.forms)  # those that nothing asks must be sound too
     choice_forms_of(study.forms)
     people = population_of(study.observer, "observer", code_from if simulated else None)
-    experiment = Experiment(study, table, cells, practice_of(study.practice), forms, people)
+    experiment = Experiment(study, table, cells, practice_of(study.practice), forms, people, where)
     people.check(_levels_of(cells), "observer")
     if people.raters is not None:
         people.raters.check(_levels_of(cells), dimensions_of(experiment.questionnaires), "observer.raters")

@@ -33,13 +33,22 @@ def with_forms(content: bytes, path: Path) -> bytes:
     for name, form in named.items():
         with errors_in(path):
             check_keys(form, [PATH], f"forms.{name}")
-            expect(isinstance(form[PATH], str), f"forms.{name}.{PATH}", repr(form[PATH]), "a text, the name of a file")
+            _check_path(path.parent, form[PATH], f"forms.{name}.{PATH}")
         document["forms"][name] = _table_of_file(path.parent / form[PATH], name)
     return tomlkit.dumps(document).encode()
 
 
 def _is_named(form: object) -> bool:
     return isinstance(form, Mapping) and PATH in form
+
+
+def _check_path(folder: Path, named: object, where: str) -> None:
+    """Refuse what names no file: a folder, or nothing at all, which is the folder of the study."""
+    expect(isinstance(named, str), where, repr(named), "a text, the name of a file")
+    is_folder = not str(named).strip() or (folder / str(named)).is_dir()
+    what = "a folder" if str(named).strip() else "no name"
+    expected = "the name of a file with a questionnaire, as seen from the study file"
+    expect(not is_folder, where, f"{named!r}, {what}", expected)
 
 
 def _table_of_file(path: Path, name: str) -> dict[str, Any]:

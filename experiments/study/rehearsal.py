@@ -10,7 +10,7 @@ from tactometry.choice_form import ChoiceForm
 from tactometry.errors import InvalidParameter, nearest, rewording
 from tactometry.protocols.session import pages
 from tactometry.questionnaire import Questionnaire
-from tactometry.rigs.texts import Texts, languages, texts_in
+from tactometry.rigs.texts import LIST, N_NEAREST, Texts, languages, texts_in
 from tactometry.session.request import Show
 
 from .experiment import Experiment
@@ -30,6 +30,11 @@ def rehearse(experiment: Experiment) -> None:
         If a key of the task has no effect, or a text has the name of none or cannot be filled on a page that will show
         it.
     """
+    with rewording(lambda words: f"{experiment.where}, {words}"):
+        _rehearse(experiment)
+
+
+def _rehearse(experiment: Experiment) -> None:
     _refuse_idle(experiment)
     study = experiment.study
     shown = {page.message for page in _pages(experiment)} | WITHIN_BLOCKS if study.images else set()
@@ -51,7 +56,7 @@ def _rehearse_texts(
     levels = {level for levels in experiment.study.factors.values() for level in levels if isinstance(level, str)}
     names = sorted({*known.messages, *known.labels, *levels})
     for name in own:
-        expected = f"one of {', '.join(names)}{nearest(name, names)}"
+        expected = f"a name in {LIST}, or a level that is a text{nearest(name, names, N_NEAREST)}"
         expect(name in names, f"{where}.{name}", "a text that no page shows", expected)
     shown = set()
     for page in _pages(experiment) if own else ():
@@ -115,13 +120,12 @@ def rehearse_forms(experiment: Experiment, language: str) -> None:
     InvalidParameter
         If a questionnaire has none, or a prompt has none and none in English, which would stand in their place.
     """
-    for where, words in _prompts(experiment).items():
-        expected = f"one of {', '.join(words)}; choose that language on the bench, or add the words"
-        expect(language in words or "en" in words, where, f"no words in {language!r}", expected)
     asked: tuple[Questionnaire | ChoiceForm, ...] = (*experiment.questionnaires, *experiment.choices)
-    for form in asked:
-        known = f"one of {', '.join(form.languages)}; choose that language on the bench, or add the words"
-        expect(language in form.languages, f"questionnaire {form.name}", f"no words in {language!r}", known)
+    forms = {f"questionnaire {form.name}": (form.languages, language in form.languages) for form in asked}
+    prompts = {where: (words, language in words or "en" in words) for where, words in _prompts(experiment).items()}
+    for where, (known, has_words) in (prompts | forms).items():
+        expected = f"one of {', '.join(known)}; choose that language on the bench, or add the words"
+        expect(has_words, f"{experiment.where}, {where}", f"no words in {language!r}", expected)
 
 
 def flaw(experiment: Experiment, root: Path) -> str | None:
@@ -137,8 +141,6 @@ def flaw(experiment: Experiment, root: Path) -> str | None:
     except InvalidParameter as error:
         if not (root / "study.toml").exists():
             raise
-        shown = (
-            "; the shipped text is shown in its place" if str(error).startswith(("texts: ", "translations.")) else ""
-        )
-        return f"{error}{shown}"
+        is_text = str(error).startswith((f"{experiment.where}, texts: ", f"{experiment.where}, translations."))
+        return f"{error}{'; the shipped text is shown in its place' if is_text else ''}"
     return None

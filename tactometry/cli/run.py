@@ -127,6 +127,7 @@ def _report(root: Path, recorded: Recorded) -> int:
         "data_set": str(root),
         "trials_file": str(recorded.trials),
         "trials": recorded.n_trials,
+        "presentations": recorded.tally.n_presented,
         "not_valid": recorded.tally.n_invalid,
         "ended": counts,
     }

@@ -285,7 +285,7 @@ class OpenSession:
         lost = [line.decode("utf-8", "backslashreplace") for line in rows if line not in known]
         if lost:
             self.journal.keep(
-                after_trials=self.tally.n_trials, file=path.name, header=header.decode("utf-8", "replace"), rows=lost
+                after_trials=self.tally.n_presented, file=path.name, header=header.decode("utf-8", "replace"), rows=lost
             )
             it_is = "it is" if len(lost) == 1 else "they are"
             self._repaired.append(

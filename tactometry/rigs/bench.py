@@ -87,7 +87,7 @@ class Bench(DeviceRig):
             self._dry_run(request)
         self._supervisor.under_way = True
         level = "blank" if request.level is None else f"{request.level:g}"
-        self._terminal.add(f"trial {self._tally.n_trials + 1}: {request.stimulus} {level}")
+        self._terminal.add(f"trial {self._tally.n_presented + 1}: {request.stimulus} {level}")
         course = self._course(request, "" if self._lost is None else f"lost_{self._lost}")
         felt, gate_delay_s = course.carry_out(self._signal(request))
         self._trial_log.note_decision(gate_delay_s)
@@ -261,9 +261,9 @@ class Bench(DeviceRig):
         self._supervisor.end_trial(trial)
         self._lost = trial.invalid_reason
         before, self._tally = self._tally, self._tally.after(trial)
-        if self._tally.n_trials > before.n_trials:  # not each item of a questionnaire
+        if self._tally.n_presented > before.n_presented:  # not each item of a questionnaire
             response = "no answer, " if trial.response is None else f"{trial.response}, "
-            self._terminal.add(f"{'' if trial.task == 'rating' else response}{outcome(trial, self._tally.n_trials)}")
+            self._terminal.add(f"{'' if trial.task == 'rating' else response}{outcome(trial, self._tally.n_presented)}")
         self._terminal.end_line()
         if request.aborted:
             self._terminal.tell(f"! {request.aborted}")

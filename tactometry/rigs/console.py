@@ -109,7 +109,7 @@ class Console(DeviceRig):
 
     def _present(self, what: str, interval: int | None) -> None:
         self._terminal.tell(
-            f"[trial {self._tally.n_trials + 1}] {what}" + (f", interval {interval}" if interval else "")
+            f"[trial {self._tally.n_presented + 1}] {what}" + (f", interval {interval}" if interval else "")
         )
 
     def _play(self, request: Play) -> Played:
@@ -139,7 +139,7 @@ class Console(DeviceRig):
         labels = [self._texts.label(label) for label in request.labels]
         words = ", ".join(f"{n} = {label}" for n, label in zip(request.options, labels, strict=True))
         question = self._texts.message(request.question)
-        prompt = f"[trial {self._tally.n_trials + 1}] {question} ({words}):"
+        prompt = f"[trial {self._tally.n_presented + 1}] {question} ({words}):"
         return Chosen(*self._ask(prompt, lambda line: _option(line, request.options, labels)))
 
     def _rate(self, request: Rate) -> Rated:
@@ -194,7 +194,7 @@ class Console(DeviceRig):
         self._supervisor.end_trial(request.trial)
         before, self._tally = self._tally, self._tally.after(request.trial)
         if self._tally.n_invalid > before.n_invalid:
-            self._terminal.tell(f"[trial {self._tally.n_trials}] {outcome(request.trial, self._tally.n_trials)}")
+            self._terminal.tell(f"[trial {self._tally.n_presented}] {outcome(request.trial, self._tally.n_presented)}")
         if request.aborted:
             self._terminal.tell(f"! {request.aborted}")
         return self._done_between()

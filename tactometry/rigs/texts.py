@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
+from typing import Final
 
 from ..arguments.require import expect, one_of
 from ..errors import InvalidParameter, nearest
@@ -16,6 +17,9 @@ from .images import PageImage
 _WIDE = re.compile(r"\d{4}")
 FOLDER = Path(__file__).parent
 PREFIX, SUFFIX = "messages_", ".toml"
+LIST: Final = "the list of [texts] in docs/studies.md"
+N_NEAREST: Final = 3
+"""So many names like one that is not known are told: there are a hundred."""
 
 
 @cache
@@ -79,8 +83,8 @@ class Texts:
         """
         if name not in self.messages:
             raise InvalidParameter(
-                f"message {name!r}: found no text of this name, expected one in the study's texts or one of "
-                f"{', '.join(sorted(self.messages))}{nearest(name, self.messages)}"
+                f"message {name!r}: found no text of this name, expected one in the study's texts or a name in {LIST}"
+                f"{nearest(name, self.messages, N_NEAREST)}"
             )
         try:
             return _fill_in(name, self.messages[name], values or {})

@@ -95,10 +95,14 @@ class TrackProgress:
         return tuple(found)
 
     @property
+    def n_attempts(self) -> int:
+        """How often the trial that was presented last was asked."""
+        return self.presented[-1].attempt if self.presented else 0
+
+    @property
     def n_lost(self) -> int:
         """What counts towards its end: presentations that were not valid, in a row or of one trial."""
-        last = self.presented[-1] if self.presented else None
-        return max(self.n_invalid_in_a_row, last.attempt) if last is not None and self.n_invalid_in_a_row else 0
+        return max(self.n_invalid_in_a_row, self.n_attempts) if self.n_invalid_in_a_row else 0
 
     def warning(self, n_attempts: int | None) -> str | None:
         """What is to be said before it is aborted.
@@ -108,12 +112,17 @@ class TrackProgress:
         'the last touch did not count: 2 more abort this condition'
         >>> TrackProgress().after(lost, aborted=False).warning(5) is None
         True
+        >>> TrackProgress().after(replace(lost, attempt=4), aborted=False).warning(5)
+        'one trial did not count in 4 attempts: 1 more aborts this condition'
         """
         n_left = 0 if n_attempts is None else n_attempts - self.n_lost
         if self.aborted or not self.n_lost or not 0 < n_left <= NEAR:
             return None
         whose = "the last touch" if self.n_lost == 1 else f"the last {self.n_lost} touches"
-        return f"{whose} did not count: {n_left} more abort{'s' if n_left == 1 else ''} this condition"
+        in_a_row = f"{whose} did not count"
+        of_one = f"one trial did not count in {self.n_attempts} attempts"
+        lost = in_a_row if self.n_invalid_in_a_row >= self.n_attempts else of_one
+        return f"{lost}: {n_left} more abort{'s' if n_left == 1 else ''} this condition"
 
 
 @dataclass(frozen=True)
@@ -123,7 +132,7 @@ class Progress:
     Parameters
     ----------
     tally : Tally
-        Trials, those that are not valid, answers to questionnaires.
+        Presentations, those that are not valid, answers to questionnaires.
     n_parts, part : int
         How many parts the session has, and the number of the present one, from 1; 0: not begun.
     page : str or None
@@ -226,7 +235,7 @@ class Progress:
             at_s=max(self.at_s, at_s),
             aborted=self.aborted if aborted is None else (*self.aborted, aborted),
         )
-        is_new = state.tally.n_trials > self.tally.n_trials
+        is_new = state.tally.n_presented > self.tally.n_presented
         return state if trial.is_form else state._presented(trial, aborted, at_s, is_new=is_new)
 
     def _changed(self, request: Intervene) -> "Progress":

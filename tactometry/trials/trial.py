@@ -135,20 +135,27 @@ def outcome(trial: Trial, n_told: int) -> str:
 
 @dataclass(frozen=True)
 class Tally:
-    """What was counted of rows: the rows of one trial are one trial, answers to questionnaires on their own are none.
+    """What was counted of rows: the rows of one presentation are one, those of one trial that was asked again are one
+    trial, answers to questionnaires on their own are none.
 
     Examples
     --------
     >>> item = Trial(1, 1, {}, "sus", 20.0, "dB", "rating", 3.0, item="SUS1")
     >>> rows = [item, replace(item, item="SUS2"), replace(item, attempt=2, valid=False), replace(item, level=None)]
     >>> str(tally(rows))
-    '2 trials, 1 of them not valid, and 1 answer to questionnaires'
+    '1 trial in 2 presentations, 1 of them not valid, and 1 answer to questionnaires'
     """
 
-    n_trials: int = 0
+    n_presented: int = 0
     n_invalid: int = 0
     n_answers: int = 0
     last: Key | None = None
+    n_again: int = 0
+
+    @property
+    def n_trials(self) -> int:
+        """Trials, however often each was presented."""
+        return self.n_presented - self.n_again
 
     def after(self, trial: Trial) -> "Tally":
         """With another row."""
@@ -156,12 +163,14 @@ class Tally:
             return replace(self, n_answers=self.n_answers + 1)
         if trial.key == self.last:
             return self
-        return Tally(self.n_trials + 1, self.n_invalid + (not trial.valid), self.n_answers, trial.key)
+        n_invalid, n_again = self.n_invalid + (not trial.valid), self.n_again + (trial.attempt > 1)
+        return Tally(self.n_presented + 1, n_invalid, self.n_answers, trial.key, n_again)
 
     def __str__(self) -> str:
         invalid = f", {self.n_invalid} of them not valid" if self.n_invalid else ""
         answers = f", and {count_of(self.n_answers, 'answer')} to questionnaires" if self.n_answers else ""
-        return f"{count_of(self.n_trials, 'trial')}{invalid}{answers}"
+        presented = f" in {count_of(self.n_presented, 'presentation')}" if self.n_again else ""
+        return f"{count_of(self.n_trials, 'trial')}{presented}{invalid}{answers}"
 
 
 def tally(trials: Iterable[Trial]) -> Tally:

@@ -62,7 +62,9 @@ def test_a_prompt_without_words_for_the_language_of_the_bench_is_refused(own, tm
     own.write_text(own.read_text("utf-8").replace('{ en = "Was there a buzz?", fr', "{ fr"), "utf-8")
     status, said, _ = call(capsys, "run", own, "--participant", "P01", "--rig", "console", "--out", tmp_path / "d")
     assert status == 2
-    assert "task.prompt: found no words in 'en', expected one of fr, de; choose that language on the bench" in said
+    assert (
+        f"{own}, task.prompt: found no words in 'en', expected one of fr, de; choose that language on the bench" in said
+    )
     assert not (tmp_path / "d").exists()
 
 
@@ -97,6 +99,17 @@ def test_a_file_that_is_no_questionnaire_is_refused_by_its_name(own, tmp_path, c
     [
         ('path = "roughness.toml"', 'path = "roughness.toml"\nlow = 1.0', "forms.roughness.low: found an unknown key"),
         ('path = "roughness.toml"', "path = 3", "forms.roughness.path: found 3, expected a text, the name of a file"),
+        (
+            'path = "roughness.toml"',
+            'path = " "',
+            "forms.roughness.path: found ' ', no name, expected the name of a file",
+        ),
+        (
+            'path = "roughness.toml"',
+            'path = ""',
+            "forms.roughness.path: found '', no name, expected the name of a file",
+        ),
+        ('path = "roughness.toml"', 'path = "."', "forms.roughness.path: found '.', a folder, expected the name of"),
         ('prompt = "The sheet', 'prompt = " " # "The sheet', "inquiries.rough.prompt: found a text that says nothing"),
     ],
 )
@@ -104,4 +117,5 @@ def test_a_table_that_names_no_file_or_says_nothing_is_refused(own, tmp_path, ca
     own.write_text(own.read_text("utf-8").replace(old, new), "utf-8")
     status, said, _ = call(capsys, "run", own, "--participant", "P01", "--dry-run", "--rig", "simulated")
     assert status == 2
+    assert said.startswith(f"tactometry: {own}, ")
     assert message in said

@@ -31,10 +31,10 @@ FLAWS = {
         '[texts]\nrest = "{block}"\n',
         "texts: message 'rest': found a place that cannot be filled",
     ),
-    "no such text": ('[texts]\nende = "Bye"\n', "texts.ende: found a text that no page shows, expected one of"),
+    "no such text": ('[texts]\nende = "Bye"\n', "texts.ende: found a text that no page shows, expected a name in"),
     "no such text in a translation": (
         '[translations.fr]\nende = "Fin"\n',
-        "translations.fr.ende: found a text that no page shows, expected one of",
+        "translations.fr.ende: found a text that no page shows, expected a name in",
     ),
     "unknown place in a translation": (
         '[translations.fr]\nend = "{nope}"\n',
@@ -84,8 +84,15 @@ def test_a_text_that_cannot_be_shown_is_refused_before_the_first_trial(tmp_path,
     }
     status, said, out = call(capsys, *words[command])
     assert (status, out) == (2, "")
-    assert message in said
+    assert said.startswith(f"tactometry: {path}, {message}")
     assert [each.name for each in tmp_path.iterdir()] == ["s.toml"]
+
+
+def test_the_names_like_one_that_is_not_known_are_told_and_not_all(tmp_path, capsys):
+    path = written(tmp_path, '[texts]\nhint_chose = "A key"\n')
+    _, said, _ = call(capsys, "run", path, "--participant", "P01", "--rig", "simulated", "--dry-run")
+    assert said.endswith("or a level that is a text; did you mean 'hint_choose' or 'hint_continue' or 'hint_end'?")
+    assert len(said) < 300 + len(str(path))
 
 
 @pytest.mark.parametrize(
@@ -104,7 +111,7 @@ def test_a_key_that_does_nothing_is_refused(tmp_path, capsys, key, message):
     path.write_text(TUTORIAL.replace("catch_rate = 0.2", key), "utf-8")
     status, said, _ = call(capsys, "run", path, "--participant", "P01", "--dry-run")
     assert status == 2
-    assert message in said
+    assert said.startswith(f"tactometry: {path}, {message}")
 
 
 @pytest.mark.parametrize("key", ["title", "description"])
@@ -166,7 +173,9 @@ def test_a_questionnaire_without_words_in_the_language_of_the_bench_is_refused_a
     for more in (["--rig", "console"], ["--rig", "bench"], ["--dry-run"]):
         status, said, _ = call(capsys, *words, "--bench", bench, *more)
         assert status == 2
-        assert re.search("questionnaire mine: found no words in 'fr', expected one of en; choose that language", said)
+        assert re.search(
+            "s.toml, questionnaire mine: found no words in 'fr', expected one of en; choose that language", said
+        )
     assert call(capsys, *words, "--bench", bench, "--rig", "simulated")[0] == 0
 
 

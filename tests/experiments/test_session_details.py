@@ -76,12 +76,17 @@ def test_resuming_a_complete_session_changes_nothing(lived):
     before = contents(lived)
     recorded = live(lived, resume=True)
     assert contents(lived) == before
-    assert recorded.n_trials == recorded.n_resumed == len(read(journal_of(lived)).trials)
+    rows = read(journal_of(lived)).trials
+    assert recorded.n_trials == recorded.n_resumed == len({row.trial for row in rows})
+    assert recorded.tally.n_presented == len(rows)
 
 
 def test_the_trials_of_a_sitting_are_counted(tmp_path):
     recorded = live(tmp_path)
-    assert recorded.n_trials == recorded.trials.read_bytes().count(b"\n") - 1
+    assert recorded.tally.n_presented == recorded.trials.read_bytes().count(b"\n") - 1
+    assert recorded.n_trials == recorded.tally.n_presented - sum(
+        row.attempt > 1 for row in read(journal_of(tmp_path)).trials
+    )
     assert recorded.n_resumed == 0
 
 

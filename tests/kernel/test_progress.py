@@ -39,7 +39,7 @@ def test_every_recorded_session_is_counted_as_its_tally_counts_it(path):
     recording = read(path)
     state = progress_of(recording)
     assert state.tally == tally(recording.trials)
-    assert sum(len(track.presented) for track in state.tracks.values()) == state.tally.n_trials
+    assert sum(len(track.presented) for track in state.tracks.values()) == state.tally.n_presented
     assert state.over == recording.complete
 
 
@@ -121,6 +121,20 @@ def test_a_valid_touch_ends_the_warning():
     for attempt in range(1, 5):
         state = state.after(Record(trial(1, valid=False, attempt=attempt)), Done(float(attempt)))
     assert state.after(Record(trial(1, attempt=5)), Done(5.0)).warning([PartAhead(n_attempts=5)]) is None
+
+
+def test_attempts_at_one_trial_with_valid_touches_between_are_told_as_such():
+    """As under constant stimuli, where what is owed waits for the end of the block."""
+    parts, state = [PartAhead(n_attempts=5)], Progress().after(Show("block", {"block": 1, "n_blocks": 1}), Done(0.0))
+    warnings = []
+    for attempt in range(1, 5):
+        for row in (trial(2), trial(1, valid=False, attempt=attempt)):
+            state = state.after(Record(row), Done(float(attempt)))
+        warnings.append(state.warning(parts))
+    assert warnings[2:] == [
+        "one trial did not count in 3 attempts: 2 more abort this condition",
+        "one trial did not count in 4 attempts: 1 more aborts this condition",
+    ]
 
 
 def test_a_block_that_was_left_warns_no_more():

@@ -69,6 +69,17 @@ def test_where_no_block_came_to_its_end_the_advice_is_another(tmp_path, capsys):
     assert (said["ended"], said["not_valid"]) == ({"aborted": 2}, 2)
 
 
+def test_the_summary_counts_trials_however_often_each_was_presented(tmp_path, capsys):
+    patient = {"n_attempts = 2": "n_attempts = 9", **SHAKY}
+    _, _, out = run(capsys, tmp_path, **patient)
+    rows = [row for row in trial_rows(tmp_path / "d") if row["task"] == "yes_no"]
+    n_trials = len({(row["block"], row["trial"]) for row in rows})
+    assert n_trials < len(rows)
+    assert f"{n_trials} trials in {len(rows)} presentations, " in out
+    said = json.loads(run(capsys, tmp_path, "--session", "1", "--resume", "--json", **patient)[2])
+    assert (said["trials"], said["presentations"]) == (n_trials, len(rows))
+
+
 def test_what_a_resumed_session_lost_of_its_table_of_events_is_written_anew(tmp_path, capsys):
     run(capsys, tmp_path)
     events = event_rows(tmp_path / "d")
@@ -141,6 +152,6 @@ def test_a_questionnaire_by_condition_is_analysed_by_condition(asked, capsys):
 def test_answers_to_questionnaires_are_no_trials(asked):
     recording = recording_of(asked)
     assert len(recording.trials) == 10 + 2 * 2 + 10
-    assert (tally(recording.trials).n_trials, tally(recording.trials).n_answers) == (10, 14)
+    assert (tally(recording.trials).n_presented, tally(recording.trials).n_answers) == (10, 14)
     records = [request for request, _ in recording.entries if isinstance(request, Record)]
     assert not any(request.aborted for request in records)
