@@ -1,19 +1,15 @@
 """What a bench file says of devices: read strictly, imported when named, refused when old."""
 
-import json
 import math
-import re
 import subprocess
 import sys
-import tomllib
 from datetime import date
 
 import msgspec
 import numpy as np
 import pytest
-from benches import gain_table, gain_toml
+from benches import gain_toml
 from command_line import call
-from places import DOCS
 
 from tactometry.devices.outputs.audio import AudioSettings
 from tactometry.devices.outputs.gain import Gain
@@ -29,9 +25,6 @@ from tactometry.experiments.bench.bench_file import (
     load_bench,
     parse_bench,
 )
-from tactometry.experiments.bench.preflight import _strongest
-from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.study_file import builtin, load
 from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
 from tactometry.signal import Signal
@@ -167,128 +160,6 @@ def test_an_age_below_0_is_refused_with_the_file(tmp_path, age, owner):
         read(tmp_path, WHOLE.replace(f"max_age_days = {age}", "max_age_days = -3"))
 
 
-OUTPUTS = {
-    "audio": {"kind": "audio", "device": "Interface", "rate_hz": 192e3},
-    "packed": {"kind": "packed", "path": "board", "n_channels": 32, "rate_hz": 1e6},
-    "ni": {"kind": "ni", "channels": ["Dev1/ao0"], "rate_hz": 1e5},
-}
-CHAINS = {"audio": "audio Interface, int32", "packed": "packed board", "ni": "ni Dev1/ao0, 10 V"}
-FORCE = {
-    "sensors": {"hand": {"kind": "lsl", "stream": "force", "rate_hz": 1e3}},
-    "force": {"sensor": "hand", "newtons_per_count": 0.01},
-}
-
-
-def bench_of(kind, gain=None, output=None, **more):
-    table = {**OUTPUTS[kind], **({} if gain is None else {"gain": gain}), **(output or {})}
-    return parse_bench({"output": table, **(more or FORCE)})
-
-
-per_kind = pytest.mark.parametrize("kind", OUTPUTS)
-
-
-@per_kind
-def test_an_output_that_leads_to_an_amplifier_has_its_gain_in_the_file(tmp_path, capsys, kind):
-    """What reaches the load for a sample of 1 is never guessed."""
-    with pytest.raises(
-        InvalidParameter, match=r"^output\.gain: found none, expected .*tactometry calibrate gain; nothing"
-    ):
-        bench_of(kind)
-    for name in ("volts_per_unit", "amplifier_gain"):
-        gain = {key: value for key, value in gain_table(CHAINS[kind]).items() if key != name}
-        with pytest.raises(InvalidParameter, match=rf"^output\.gain\.{name}: found no such key, expected a number"):
-            bench_of(kind, gain)
-    with pytest.raises(InvalidParameter, match=r"^output\.gain: found none"):
-        bench_of(kind, gain_table(CHAINS[kind])).output.settings.driver(None)
-    rows = "".join(f"{key} = {json.dumps(value)}\n" for key, value in OUTPUTS[kind].items())
-    (tmp_path / "bench.toml").write_text(f"[output]\n{rows}", encoding="utf-8")
-    to = ["--bench", tmp_path / "bench.toml", "--out", tmp_path / "d"]
-    status, said, _ = call(capsys, "run", "tutorial", "--participant", "P01", *to)
-    assert (status, "output.gain: found none" in said, said.count("\n")) == (2, True, 0)
-
-
-@per_kind
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        ({"measured_on": None}, r"\.measured_on: found none, expected the day of its measurement"),
-        ({"measured_by": None}, r"\.measured_by: found none, expected who did"),
-        ({"measured_by": ""}, r"\.measured_by: found none, expected who did"),
-        ({"measured_with": None}, r"\.measured_with: found none, expected the output"),
-        ({"measured_with": "audio Interface, int16"}, r"\.measured_with: found 'audio Interface, int16', expected '"),
-        (
-            {"system_volume": 0.5},
-            r"\.system_volume: found a gain of a volume of 50 %, expected one of a volume that is",
-        ),
-        (
-            {"measured_on": date(2025, 11, 20)},
-            ": found a calibration of 2025-11-20, 366 days old, expected at most 365",
-        ),
-    ],
-)
-def test_a_gain_is_dated_signed_and_bound_to_its_output(kind, change, message):
-    gain = {
-        key: value
-        for key, value in {**gain_table(CHAINS[kind]), "measured_on": TODAY, **change}.items()
-        if value is not None
-    }
-    with pytest.raises(DeviceFailed, match=rf"^output\.gain{message}.*nothing was played"):
-        bench_of(kind, gain).devices(STUDY, TODAY)
-
-
-@per_kind
-def test_a_measured_gain_is_taken_on_the_last_day_of_its_age(kind):
-    gain = {**gain_table(CHAINS[kind]), "measured_on": date(2025, 11, 21)}
-    assert bench_of(kind, gain).devices(STUDY, TODAY).output.driver.full_scale_v == 100.0
-
-
-def test_what_writes_files_needs_no_gain():
-    for table in ({"kind": "file", "folder": "x"}, {"kind": "null"}, {}):
-        assert parse_bench({"output": table}).devices(STUDY, TODAY).output.driver.connected is False
-
-
-@pytest.mark.parametrize("device", ["", " ", "default", "Default", "sysdefault"])
-def test_a_sound_card_has_a_name(device):
-    for tables in (
-        {"output": {**OUTPUTS["audio"], "device": device}},
-        {"sensors": {"s": {**OUTPUTS["audio"], "device": device}}},
-    ):
-        with pytest.raises(InvalidParameter, match=r"\.device: found .*, expected the name of a card"):
-            parse_bench(tables)
-    with pytest.raises(InvalidParameter, match=r"^output\.device: found no such key, expected a text"):
-        parse_bench({"output": {"kind": "audio", "rate_hz": 192e3}})
-
-
-RECORDED = {"hand": {"kind": "recorded", "path": "old.csv", "rate_hz": 1e3}}
-
-
-@per_kind
-def test_what_is_touched_is_gated_by_a_sensor_that_knows_of_the_finger(kind):
-    gain = {**gain_table(CHAINS[kind]), "measured_on": TODAY}
-    alone = bench_of(kind, gain, screen={})
-    with pytest.raises(InvalidParameter, match=r"^force: found none, expected the sensor .*ungated = true in .output"):
-        alone.devices(STUDY, TODAY)
-    assert alone.devices(STUDY, TODAY, touched=False).force is None
-    recorded = bench_of(kind, gain, sensors=RECORDED, force=FORCE["force"])
-    with pytest.raises(InvalidParameter, match=r"^force\.sensor: found 'hand', a recording, which knows of no finger"):
-        recorded.devices(STUDY, TODAY)
-    with pytest.raises(InvalidParameter, match=r"^output\.ungated: found true beside .force., expected one of them"):
-        bench_of(kind, gain, {"ungated": True}).devices(STUDY, TODAY)
-
-
-@per_kind
-def test_what_is_ungated_is_told(kind):
-    ungated = bench_of(kind, {**gain_table(CHAINS[kind]), "measured_on": TODAY}, {"ungated": True}, screen={})
-    devices = ungated.devices(STUDY, TODAY)
-    assert ungated.cautions == ("bench file, output.ungated = true: nothing stops the output when the finger leaves",)
-    assert device_facts(ungated, devices)["output_ungated"] is True
-
-
-def test_a_recording_may_gate_what_leads_nowhere():
-    bench = parse_bench({"sensors": RECORDED, "force": FORCE["force"]})
-    assert bench.devices(STUDY, TODAY).force.name == "recorded old.csv"
-
-
 def test_packed_streams_have_no_ramps(tmp_path):
     board = '[output]\nkind = "packed"\npath = "board"\nn_channels = 32\nrate_hz = 1e6\n' + gain_toml("packed board")
     assert read(tmp_path, board).output.ramp_s == 0.0
@@ -389,67 +260,6 @@ def test_a_channel_is_one_of_its_sensor(tmp_path, change, message):
     assert change[0] in WHOLE
     with pytest.raises(InvalidParameter, match=message):
         read(tmp_path, WHOLE.replace(*change)).devices(STUDY, TODAY)
-
-
-PAGE = (DOCS / "devices.md").read_text(encoding="utf-8")
-BENCHES = re.findall(r"```toml\n(.*?)```", PAGE, re.S)
-CLAIMS = re.findall(r"^\| ((?:`[a-z-]+`(?:, )?)+) \| the one.* \| (?:`(.*)`)? ?\|$", PAGE, re.M)
-CLAIMED = [
-    (study, bench, line)
-    for bench, (studies, line) in zip(BENCHES, CLAIMS, strict=True)
-    for study in re.findall(r"`(.*?)`", studies)
-]
-
-
-def test_every_built_in_study_has_its_bench_in_the_docs():
-    on_cards = ["time-reversal-threshold", "time-reversal-patterns", "force-loss"]
-    assert [study for study, _, _ in CLAIMED] == [
-        *("tutorial", "electrovibration-threshold", "grating-roughness"),
-        *on_cards,
-        "time-reversal-localisation",
-        *on_cards,
-        "hybrid-button",
-    ]
-    assert set(builtin()) == {study for study, _, _ in CLAIMED}
-    assert [parse_bench(tomllib.loads(text)).devices(STUDY, TODAY).output.name.split()[0] for text in BENCHES] == [
-        "audio",
-        "ni",
-        "packed",
-    ]
-
-
-def each_study_at_once(claimed):
-    """The first bench of each study; its others in `make check`."""
-    seen = [study for study, _, _ in claimed]
-    marks = [pytest.mark.slow if study in seen[:place] else () for place, study in enumerate(seen)]
-    return [pytest.param(*case, marks=mark) for case, mark in zip(claimed, marks, strict=True)]
-
-
-@pytest.mark.parametrize(("study", "text", "line"), each_study_at_once(CLAIMED))
-def test_a_bench_of_the_docs_runs_the_studies_that_it_claims(tmp_path, capsys, study, text, line):
-    """As a user goes: a copy of the study, the line that the page says, a dry run, and what check looks at."""
-    (tmp_path / "bench.toml").write_text(text, encoding="utf-8")
-    assert call(capsys, "new", study, "--out", tmp_path / "mine.toml")[0] == 0
-    mine = (tmp_path / "mine.toml").read_text(encoding="utf-8")
-    (tmp_path / "mine.toml").write_text(mine.replace("[stimulus]\n", f"[stimulus]\n{line}\n"), encoding="utf-8")
-    at = [tmp_path / "mine.toml", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "d"]
-    assert call(capsys, "run", *at, "--participant", "P01", "--dry-run")[0] == 0
-    bench, experiment = load_bench(tmp_path / "bench.toml"), wire(load(str(at[0]))[0], study)
-    output = bench.devices(experiment.study.limits, TODAY).output
-    findings = list(_strongest(output, experiment, bench))
-    assert len(findings) >= 1
-    assert [each for each in findings if not each.fine] == []
-
-
-def test_without_the_line_of_the_docs_a_study_is_refused_with_the_remedy(tmp_path):
-    bench, experiment = parse_bench(tomllib.loads(BENCHES[0])), wire(load("tutorial")[0], "tutorial")
-    findings = list(_strongest(bench.devices(experiment.study.limits, TODAY).output, experiment, bench))
-    assert len(findings) == 2
-    for each in findings:
-        assert (
-            "with rate_hz 20000, expected 192000; state that rate_hz in the study's [stimulus] (or its setup)"
-            in each.found
-        )
 
 
 def test_reading_a_bench_file_loads_no_device_library(tmp_path):

@@ -1,0 +1,80 @@
+"""The benches of docs/devices.md run the studies that the page says they run."""
+
+import re
+import tomllib
+from datetime import date
+
+import pytest
+from command_line import call
+from places import DOCS
+
+from tactometry.experiments.bench.bench_file import (
+    load_bench,
+    parse_bench,
+)
+from tactometry.experiments.bench.preflight import _strongest
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import builtin, load
+from tactometry.safety.limits import Limits
+
+STUDY = Limits(200.0)
+TODAY = date(2026, 11, 21)
+PAGE = (DOCS / "devices.md").read_text(encoding="utf-8")
+BENCHES = re.findall(r"```toml\n(.*?)```", PAGE, re.S)
+CLAIMS = re.findall(r"^\| ((?:`[a-z-]+`(?:, )?)+) \| the one.* \| (?:`(.*)`)? ?\|$", PAGE, re.M)
+CLAIMED = [
+    (study, bench, line)
+    for bench, (studies, line) in zip(BENCHES, CLAIMS, strict=True)
+    for study in re.findall(r"`(.*?)`", studies)
+]
+
+
+def test_every_built_in_study_has_its_bench_in_the_docs():
+    on_cards = ["time-reversal-threshold", "time-reversal-patterns", "force-loss"]
+    assert [study for study, _, _ in CLAIMED] == [
+        *("tutorial", "electrovibration-threshold", "grating-roughness"),
+        *on_cards,
+        "time-reversal-localisation",
+        *on_cards,
+        "hybrid-button",
+    ]
+    assert set(builtin()) == {study for study, _, _ in CLAIMED}
+    assert [parse_bench(tomllib.loads(text)).devices(STUDY, TODAY).output.name.split()[0] for text in BENCHES] == [
+        "audio",
+        "ni",
+        "packed",
+    ]
+
+
+def each_study_at_once(claimed):
+    """The first bench of each study; its others in `make check`."""
+    seen = [study for study, _, _ in claimed]
+    marks = [pytest.mark.slow if study in seen[:place] else () for place, study in enumerate(seen)]
+    return [pytest.param(*case, marks=mark) for case, mark in zip(claimed, marks, strict=True)]
+
+
+@pytest.mark.parametrize(("study", "text", "line"), each_study_at_once(CLAIMED))
+def test_a_bench_of_the_docs_runs_the_studies_that_it_claims(tmp_path, capsys, study, text, line):
+    """As a user goes: a copy of the study, the line that the page says, a dry run, and what check looks at."""
+    (tmp_path / "bench.toml").write_text(text, encoding="utf-8")
+    assert call(capsys, "new", study, "--out", tmp_path / "mine.toml")[0] == 0
+    mine = (tmp_path / "mine.toml").read_text(encoding="utf-8")
+    (tmp_path / "mine.toml").write_text(mine.replace("[stimulus]\n", f"[stimulus]\n{line}\n"), encoding="utf-8")
+    at = [tmp_path / "mine.toml", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "d"]
+    assert call(capsys, "run", *at, "--participant", "P01", "--dry-run")[0] == 0
+    bench, experiment = load_bench(tmp_path / "bench.toml"), wire(load(str(at[0]))[0], study)
+    output = bench.devices(experiment.study.limits, TODAY).output
+    findings = list(_strongest(output, experiment, bench))
+    assert len(findings) >= 1
+    assert [each for each in findings if not each.fine] == []
+
+
+def test_without_the_line_of_the_docs_a_study_is_refused_with_the_remedy(tmp_path):
+    bench, experiment = parse_bench(tomllib.loads(BENCHES[0])), wire(load("tutorial")[0], "tutorial")
+    findings = list(_strongest(bench.devices(experiment.study.limits, TODAY).output, experiment, bench))
+    assert len(findings) == 2
+    for each in findings:
+        assert (
+            "with rate_hz 20000, expected 192000; state that rate_hz in the study's [stimulus] (or its setup)"
+            in each.found
+        )

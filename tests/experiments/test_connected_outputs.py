@@ -1,0 +1,138 @@
+"""An output that leads to an amplifier: its gain is measured, dated and its own, and a finger is known of."""
+
+import json
+from datetime import date
+
+import pytest
+from benches import gain_table
+from command_line import call
+
+from tactometry.errors import DeviceFailed, InvalidParameter
+from tactometry.experiments.bench.bench_file import (
+    device_facts,
+    parse_bench,
+)
+from tactometry.safety.limits import Limits
+
+STUDY = Limits(200.0)
+TODAY = date(2026, 11, 21)
+OUTPUTS = {
+    "audio": {"kind": "audio", "device": "Interface", "rate_hz": 192e3},
+    "packed": {"kind": "packed", "path": "board", "n_channels": 32, "rate_hz": 1e6},
+    "ni": {"kind": "ni", "channels": ["Dev1/ao0"], "rate_hz": 1e5},
+}
+CHAINS = {"audio": "audio Interface, int32", "packed": "packed board", "ni": "ni Dev1/ao0, 10 V"}
+FORCE = {
+    "sensors": {"hand": {"kind": "lsl", "stream": "force", "rate_hz": 1e3}},
+    "force": {"sensor": "hand", "newtons_per_count": 0.01},
+}
+
+
+def bench_of(kind, gain=None, output=None, **more):
+    table = {**OUTPUTS[kind], **({} if gain is None else {"gain": gain}), **(output or {})}
+    return parse_bench({"output": table, **(more or FORCE)})
+
+
+per_kind = pytest.mark.parametrize("kind", OUTPUTS)
+
+
+@per_kind
+def test_an_output_that_leads_to_an_amplifier_has_its_gain_in_the_file(tmp_path, capsys, kind):
+    """What reaches the load for a sample of 1 is never guessed."""
+    with pytest.raises(
+        InvalidParameter, match=r"^output\.gain: found none, expected .*tactometry calibrate gain; nothing"
+    ):
+        bench_of(kind)
+    for name in ("volts_per_unit", "amplifier_gain"):
+        gain = {key: value for key, value in gain_table(CHAINS[kind]).items() if key != name}
+        with pytest.raises(InvalidParameter, match=rf"^output\.gain\.{name}: found no such key, expected a number"):
+            bench_of(kind, gain)
+    with pytest.raises(InvalidParameter, match=r"^output\.gain: found none"):
+        bench_of(kind, gain_table(CHAINS[kind])).output.settings.driver(None)
+    rows = "".join(f"{key} = {json.dumps(value)}\n" for key, value in OUTPUTS[kind].items())
+    (tmp_path / "bench.toml").write_text(f"[output]\n{rows}", encoding="utf-8")
+    to = ["--bench", tmp_path / "bench.toml", "--out", tmp_path / "d"]
+    status, said, _ = call(capsys, "run", "tutorial", "--participant", "P01", *to)
+    assert (status, "output.gain: found none" in said, said.count("\n")) == (2, True, 0)
+
+
+@per_kind
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        ({"measured_on": None}, r"\.measured_on: found none, expected the day of its measurement"),
+        ({"measured_by": None}, r"\.measured_by: found none, expected who did"),
+        ({"measured_by": ""}, r"\.measured_by: found none, expected who did"),
+        ({"measured_with": None}, r"\.measured_with: found none, expected the output"),
+        ({"measured_with": "audio Interface, int16"}, r"\.measured_with: found 'audio Interface, int16', expected '"),
+        (
+            {"system_volume": 0.5},
+            r"\.system_volume: found a gain of a volume of 50 %, expected one of a volume that is",
+        ),
+        (
+            {"measured_on": date(2025, 11, 20)},
+            ": found a calibration of 2025-11-20, 366 days old, expected at most 365",
+        ),
+    ],
+)
+def test_a_gain_is_dated_signed_and_bound_to_its_output(kind, change, message):
+    gain = {
+        key: value
+        for key, value in {**gain_table(CHAINS[kind]), "measured_on": TODAY, **change}.items()
+        if value is not None
+    }
+    with pytest.raises(DeviceFailed, match=rf"^output\.gain{message}.*nothing was played"):
+        bench_of(kind, gain).devices(STUDY, TODAY)
+
+
+@per_kind
+def test_a_measured_gain_is_taken_on_the_last_day_of_its_age(kind):
+    gain = {**gain_table(CHAINS[kind]), "measured_on": date(2025, 11, 21)}
+    assert bench_of(kind, gain).devices(STUDY, TODAY).output.driver.full_scale_v == 100.0
+
+
+def test_what_writes_files_needs_no_gain():
+    for table in ({"kind": "file", "folder": "x"}, {"kind": "null"}, {}):
+        assert parse_bench({"output": table}).devices(STUDY, TODAY).output.driver.connected is False
+
+
+@pytest.mark.parametrize("device", ["", " ", "default", "Default", "sysdefault"])
+def test_a_sound_card_has_a_name(device):
+    for tables in (
+        {"output": {**OUTPUTS["audio"], "device": device}},
+        {"sensors": {"s": {**OUTPUTS["audio"], "device": device}}},
+    ):
+        with pytest.raises(InvalidParameter, match=r"\.device: found .*, expected the name of a card"):
+            parse_bench(tables)
+    with pytest.raises(InvalidParameter, match=r"^output\.device: found no such key, expected a text"):
+        parse_bench({"output": {"kind": "audio", "rate_hz": 192e3}})
+
+
+RECORDED = {"hand": {"kind": "recorded", "path": "old.csv", "rate_hz": 1e3}}
+
+
+@per_kind
+def test_what_is_touched_is_gated_by_a_sensor_that_knows_of_the_finger(kind):
+    gain = {**gain_table(CHAINS[kind]), "measured_on": TODAY}
+    alone = bench_of(kind, gain, screen={})
+    with pytest.raises(InvalidParameter, match=r"^force: found none, expected the sensor .*ungated = true in .output"):
+        alone.devices(STUDY, TODAY)
+    assert alone.devices(STUDY, TODAY, touched=False).force is None
+    recorded = bench_of(kind, gain, sensors=RECORDED, force=FORCE["force"])
+    with pytest.raises(InvalidParameter, match=r"^force\.sensor: found 'hand', a recording, which knows of no finger"):
+        recorded.devices(STUDY, TODAY)
+    with pytest.raises(InvalidParameter, match=r"^output\.ungated: found true beside .force., expected one of them"):
+        bench_of(kind, gain, {"ungated": True}).devices(STUDY, TODAY)
+
+
+@per_kind
+def test_what_is_ungated_is_told(kind):
+    ungated = bench_of(kind, {**gain_table(CHAINS[kind]), "measured_on": TODAY}, {"ungated": True}, screen={})
+    devices = ungated.devices(STUDY, TODAY)
+    assert ungated.cautions == ("bench file, output.ungated = true: nothing stops the output when the finger leaves",)
+    assert device_facts(ungated, devices)["output_ungated"] is True
+
+
+def test_a_recording_may_gate_what_leads_nowhere():
+    bench = parse_bench({"sensors": RECORDED, "force": FORCE["force"]})
+    assert bench.devices(STUDY, TODAY).force.name == "recorded old.csv"
