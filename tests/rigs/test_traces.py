@@ -7,30 +7,22 @@ import shlex
 import shutil
 import subprocess
 import sys
-from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from benches import FILE_BENCH, UDP_HAND
-from bids import VALIDATOR, issues_of
 from command_line import call, output
 from emulated import Emulator, wait_for
 from kept_events import Kept
-from places import RECORDED
 from study_texts import tutorial_in
-from tables import rows_of, trial_rows
+from tables import trial_rows
 
-from tactometry.experiments.data_sets.export import export
-from tactometry.experiments.data_sets.figures import heading, speed_of
-from tactometry.experiments.data_sets.touch_courses import touch_courses
-from tactometry.experiments.data_sets.traces import TouchTrace, read_traces, touches
+from tactometry.experiments.data_sets.traces import read_traces
 from tactometry.experiments.data_sets.validation import validate
-from tactometry.records.journal import Entry, checksum, encode, read
+from tactometry.records.journal import checksum, encode
 from tactometry.rigs.touch.tracer import Tracer
 from tactometry.session.answer import Adjusted, Done
-from tactometry.session.intervention import Intervention
-from tactometry.session.request import Intervene
 
 SHORT = {
     "frequency_hz = [60, 240]": "frequency_hz = [60]",
@@ -250,118 +242,6 @@ def test_what_was_said_before_a_touch_does_not_belong_to_it():
     assert (kind, table.tolist(), len(kept.trace)) == ("force", [[1.5, 6.0]], 1)
 
 
-def test_show_tells_and_draws_what_happened_in_a_trial(recorded, tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    (row, *_) = trial_rows(recorded)
-    said = output(capsys, "show", recorded, "--trial", 1)
-    assert f"onset_s             {row['onset_s']}" in said
-    assert "amplitude_modulated, frequency_hz=60: 34 dB re 1 V" in said
-    assert (tmp_path / "trial-1.png").read_bytes().startswith(b"\x89PNG")
-    told = json.loads(output(capsys, "show", recorded, "--trial", 1, "--figure", "t.svg", "--json"))
-    drawn = (tmp_path / "t.svg").read_text("utf-8")
-    for words in ("Force (N)", "Place (mm)", "Speed (mm/s)", "Emitted (V)", "Time from the onset (s)"):
-        assert words in drawn
-    for words in ("force to hold", "gate opens", "onset", "stimulus", "emitted (envelope)"):
-        assert words in drawn
-    touch, *_ = told["touches"]
-    assert touch["n_samples_force"] == len(read_traces(recorded, 1)[0].force.times_s)
-    assert touch["gate_s"] <= touch["onset_s"]
-    assert told["figure"] == "t.svg"
-
-
-def test_show_of_what_is_no_data_set_says_what_it_expects(tmp_path, capsys):
-    for path in (tmp_path, tmp_path / "nope"):
-        status, said, _ = call(capsys, "show", path, "--trial", 1)
-        assert (status, said.count("\n")) == (2, 0)
-        assert f"{path}: found no journal, expected a data set with journals/*.jsonl" in said
-
-
-def test_show_says_which_trial_and_whose_it_wants(recorded, capsys, tmp_path):
-    status, errors, _ = call(capsys, "show", recorded, "--trial", 99)
-    assert status == 2
-    assert "trial: found 99, expected one of participant-P01_session-1_study-tutorial, from 1 to 2" in errors
-    status, errors, _ = call(capsys, "show", recorded, "--trial", 1, "--participant", "P02")
-    assert (status, "found 0 sessions of P02, expected one; say which" in errors) == (2, True)
-    assert call(capsys, "show", recorded, "--trial", 1, "--figure", tmp_path / "t.doc")[0] == 2
-
-
-def test_of_simulated_trials_and_blanks_show_draws_what_is_known(tmp_path, capsys, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    output(capsys, "simulate", "tutorial", "--participants", 1, "--seed", 1, "--out", "d")
-    blank = next(row for row in trial_rows(tmp_path / "d") if row["catch"] == "1")
-    assert "blank" in output(capsys, "show", "d", "--trial", blank["trial"])
-    assert (tmp_path / f"trial-{blank['trial']}.png").stat().st_size > 1000
-
-
-def test_the_speed_of_a_figure_is_that_of_the_gate(recorded):
-    touch, *_ = read_traces(recorded, 1)
-    times_s, speeds = speed_of(touch.position)
-    assert np.all(np.diff(times_s) > 0)
-    np.testing.assert_allclose(speeds, 1000 * METRES_PER_COUNT, rtol=0.2)  # a busy sender is late at times
-
-
-@pytest.mark.skipif(VALIDATOR is None, reason="no bids-validator-deno: pip install bids-validator-deno")
-def test_bids_has_the_force_as_physio_and_the_place_as_motion(recorded, tmp_path):
-    export(recorded, "bids", tmp_path / "bids", ["Ada Lovelace", "Alan Turing"])
-    found = [issue for issue in issues_of(tmp_path / "bids")["issues"] if "events.tsv" not in issue["location"]]
-    assert {issue["severity"] for issue in found} <= {"warning"}
-    # of a motion it recommends a text that no journal holds
-    assert {issue.get("subCode", issue["code"]) for issue in found} <= {"TaskDescription"}
-
-
-def test_every_sample_is_exported_with_its_stamp(recorded, tmp_path):
-    import pandas as pd
-
-    export(recorded, "bids", tmp_path / "bids")
-    export(recorded, "psych-ds", tmp_path / "psych")
-    trials = dict.fromkeys(int(row["trial"]) for row in trial_rows(recorded))
-    all_touches = [touch for trial in trials for touch in read_traces(recorded, trial)]
-    stamps_s = np.concatenate([touch.force.times_s for touch in all_touches])
-    folder = tmp_path / "bids" / "sub-P01" / "ses-1"
-    [physio] = folder.glob("beh/*_recording-force_physio.tsv.gz")
-    explained = json.loads(physio.with_name(physio.name.replace(".tsv.gz", ".json")).read_text("utf-8"))
-    even = pd.read_csv(physio, sep="\t", header=None, names=explained["Columns"])
-    places_s = explained["StartTime"] + np.arange(len(even)) / explained["SamplingFrequency"]
-    known = even["time_s"].notna()
-    # each sample is within half a period of its place; two that came for one place are one there
-    assert np.abs(even["time_s"] - places_s)[known].max() <= 0.5 / explained["SamplingFrequency"] + 1e-6
-    assert set(even["time_s"][known]) <= set(stamps_s.round(6))
-    assert known.sum() >= 0.9 * len(stamps_s)
-    [motion] = folder.glob("motion/*_motion.tsv")
-    places = pd.read_csv(motion, sep="\t", header=None).to_numpy()
-    np.testing.assert_array_equal(places[:, 0], np.concatenate([touch.position.times_s for touch in all_touches]))
-    [table] = (tmp_path / "psych").glob("data/*description-force_data.csv")
-    rows = pd.read_csv(table)
-    np.testing.assert_array_equal(rows["time_s"], stamps_s)
-    assert rows["trial"].tolist() == [touch.trial.trial for touch in all_touches for _ in touch.force.times_s]
-    described = json.loads((tmp_path / "psych" / "dataset_description.json").read_text())["variableMeasured"]
-    assert set(rows.columns) <= {variable["name"] for variable in described}
-
-
-def test_a_report_shows_how_force_and_speed_went_around_the_onset(copied, tmp_path, capsys):
-    output(capsys, "analyse", copied, "--report", tmp_path / "r.html")
-    table = rows_of(tmp_path / "r_tables" / "touches.csv")
-    n_valid = sum(row["valid"] == "1" for row in trial_rows(copied))
-    force = [row for row in table if row["quantity"] == "force_n"]
-    assert {(row["target"], row["band_low"], row["band_high"]) for row in force} == {("1.0", "0.8", "1.2")}
-    after = [row for row in force if 0.0 <= float(row["time_s"]) <= 0.08]
-    assert {(row["low"], row["median"], row["high"]) for row in after} == {("1.0", "1.0", "1.0")}
-    assert {row["n_touches"] for row in after} == {str(n_valid)}
-    assert {row["band_low"] for row in table if row["quantity"] == "speed_m_per_s"} == {""}  # it was not gated
-    page = (tmp_path / "r.html").read_text("utf-8")
-    assert "Applied force around the onset of the stimulus, in valid touches" in page
-    assert "cannot be read" not in page
-
-
-def test_touches_whose_samples_are_gone_are_counted(copied):
-    (path,) = (copied / "traces").glob("*_physio.tsv.gz")
-    path.write_bytes(path.read_bytes()[:-1])
-    n_valid = sum(row["valid"] == "1" for row in trial_rows(copied))
-    courses = touch_courses(copied)
-    assert set(courses["n_unread"]) == {1}
-    assert courses["n_touches"].max() == n_valid - 1
-
-
 FILL_DISK = """
 import io, sys, shutil
 from tactometry.cli import main
@@ -406,14 +286,3 @@ def test_a_real_disk_that_fills_costs_no_trial_and_one_sentence(tmp_path, capsys
     assert len(rows) > n_before >= 3
     assert validate(tmp_path / "kept").defects == ()
     assert all(len(touch.force.times_s) for row in rows for touch in read_traces(tmp_path / "kept", int(row["trial"])))
-
-
-def test_a_touch_whose_trial_was_taken_back_is_told_as_such():
-    (journal,) = (RECORDED / "format-2-traces-console" / "journals").glob("*.jsonl")
-    recording = read(journal)
-    first, second = touches(recording)
-    taken_back = Entry(Intervene(Intervention("invalidate", first.trial.key), "", (first.trial.key,)), Done(9.0))
-    again = list(touches(replace(recording, lines=(*recording.lines, taken_back))))
-    assert [touch.trial.valid for touch in (first, second, *again)] == [True, True, False, True]
-    drawn = TouchTrace(again[0].trial, again[0].request, again[0].answer, None, None, None)
-    assert heading(drawn).endswith("not valid: as the experimenter wanted")
