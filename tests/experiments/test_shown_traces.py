@@ -129,7 +129,8 @@ def test_a_report_shows_how_force_and_speed_went_around_the_onset(copied, tmp_pa
     # its two touches were of 1.04 N and 1 N: the 5th, the 50th and the 95th percentile
     assert {(row["low"], row["median"], row["high"]) for row in after} == {("1.002", "1.02", "1.038")}
     assert {row["n_touches"] for row in after} == {str(n_valid)}
-    assert {row["band_low"] for row in table if row["quantity"] == "speed_m_per_s"} == {""}  # it was not gated
+    speed = [row for row in table if row["quantity"] == "speed_m_per_s"]
+    assert {(row["target"], row["band_low"], row["band_high"]) for row in speed} == {("0.05", "0.035", "0.065")}
     page = (tmp_path / "r.html").read_text("utf-8")
     assert "Applied force around the onset of the stimulus, in valid touches" in page
     assert "cannot be read" not in page

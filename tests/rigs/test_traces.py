@@ -18,6 +18,7 @@ from kept_events import Kept
 from study_texts import tutorial_in
 from tables import trial_rows
 
+from tactometry.experiments.data_sets.touch_courses import touch_courses
 from tactometry.experiments.data_sets.traces import read_traces
 from tactometry.experiments.data_sets.validation import validate
 from tactometry.records.journal import checksum, encode
@@ -106,6 +107,13 @@ def test_what_the_row_says_of_a_touch_follows_from_its_trace(recorded):
         held = (times_s <= touch.answer.gate_s) & (times_s >= touch.answer.gate_s - touch.request.hold_s)
         assert np.min(np.abs(times_s - touch.answer.gate_s)) <= 1e-6
         assert np.all(forces_n[held] == 1.0)
+
+
+def test_a_speed_that_was_not_gated_has_no_band(recorded):
+    courses = touch_courses(recorded)
+    speeds = courses[courses["quantity"] == "speed_m_per_s"]
+    assert len(speeds) > 1
+    assert speeds[["band_low", "band_high"]].isna().all(axis=None)
 
 
 def test_what_was_emitted_is_computed_from_the_study_and_known_by_its_digest(recorded, copied, capsys, tmp_path):
