@@ -1,10 +1,13 @@
-"""Tables by condition, a row for each combination of values of some columns; a mean with its t-interval."""
+"""Tables by condition, a row for each combination of values of some columns; a mean with its t-interval, a rate with
+Wilson's."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import pandas as pd
+from numpy.typing import ArrayLike
+from scipy.special import ndtri
 from scipy.stats import t as student
 
 from .arrays import RELATIVE_ZERO, Array, size_of
@@ -55,3 +58,20 @@ def mean_with_interval(values: Array, interval: float = INTERVAL) -> dict[str, o
     half = float(student.ppf((1 + interval) / 2, n - 1)) * sd / float(np.sqrt(n))
     values_by_name = {"mean": mean, "mean_low": mean - half, "mean_high": mean + half, "sd": sd}
     return {name: value * size for name, value in values_by_name.items()}
+
+
+def rate_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = INTERVAL) -> tuple[Array, Array]:
+    """Both ends of Wilson's interval of rates, NaN of no trial (Wilson 1927, Journal of the American Statistical
+    Association 22, 209-212). Unlike Wald's it has a length at rates of 0 and 1, and it holds the rate.
+
+    >>> [end.round(3).tolist() for end in rate_interval([0, 5, 10], [10, 10, 10])]
+    [[0.0, 0.237, 0.722], [0.278, 0.763, 1.0]]
+    """
+    k, n = (np.asarray(counts, dtype=np.float64) for counts in (n_yes, n_trials))
+    z = float(ndtri((1 + interval) / 2))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        rate = k / n
+        middle = (rate + z**2 / (2 * n)) / (1 + z**2 / n)
+        half = z * np.sqrt(rate * (1 - rate) / n + (z / (2 * n)) ** 2) / (1 + z**2 / n)
+    # By rounding an end may miss a rate of exactly 0 or 1, and a bar of an error has no negative length.
+    return np.minimum(middle - half, rate), np.maximum(middle + half, rate)

@@ -3,7 +3,7 @@
 import hashlib
 import platform
 
-DISTRIBUTIONS = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "msgspec", "psychopy")
+DISTRIBUTIONS = ("tactometry", "numpy", "scipy", "pandas", "msgspec", "psychopy")
 
 
 def versions() -> dict[str, str]:

@@ -6,7 +6,7 @@ from itertools import combinations
 
 import numpy as np
 import pandas as pd
-from scipy.stats import rankdata
+from scipy.stats import chi2, rankdata
 
 from tactometry.arguments.require import expect
 from tactometry.errors import nearest
@@ -23,6 +23,8 @@ DIGITS = 9
 def friedman(table: pd.DataFrame, *, dependent: str, factor: str, subject: str) -> pd.DataFrame:
     """Friedman's test of one factor, with Kendall's W: chi2 / (n (k - 1)). Other columns are averaged over.
 
+    Ties count as in Conover (1999), Practical Nonparametric Statistics, section 5.8: by the spread that the ranks have.
+
     Raises
     ------
     InvalidParameter
@@ -33,16 +35,14 @@ def friedman(table: pd.DataFrame, *, dependent: str, factor: str, subject: str) 
     >>> friedman(table, dependent="y", factor="force_n", subject="who").round(4).values.tolist()
     [['force_n', 0.95, 2, 7.6, 0.0224, 4]]
     """
-    import pingouin
-
     design = within_design(table, dependent=dependent, within=factor, subject=subject, where="friedman")
     values = _rounded(design.values)
     refuse_alike((np.ptp(values, axis=1) > 0).any(), dependent, "all ranks are tied")
-    wide = pd.DataFrame(values, columns=[str(place) for place in range(values.shape[1])])
-    row = pingouin.friedman(wide).iloc[0]
-    w, q, p = (float(row[name]) for name in ("W", "Q", "p_unc"))
+    df = values.shape[1] - 1
+    ranks = rankdata(values, axis=1) - (values.shape[1] + 1) / 2
+    q = df * float((ranks.sum(axis=0) ** 2).sum() / (ranks**2).sum())
     columns = ["Source", "W", "ddof1", "Q", "p_unc", "n"]
-    result = pd.DataFrame([[factor, w, values.shape[1] - 1, q, p, design.n]], columns=columns)
+    result = pd.DataFrame([[factor, q / (design.n * df), df, q, float(chi2.sf(q, df)), design.n]], columns=columns)
     result.attrs["notes"] = list(design.notes)
     return result
 

@@ -10,9 +10,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike
-from statsmodels.stats.proportion import proportion_confint
 
 from ..arrays import Array
+from ..means import rate_interval
 from ..tasks.cell import Estimate
 from ..tasks.kinds import CURVES
 from ..threshold.status import Status
@@ -134,7 +134,7 @@ def _draw_rates(axes: "Axes", panels: Sequence[Panel]) -> None:
     bars, dots, areas = [], [], []
     for panel in panels:
         x, (k, n) = panel.x(panel.estimate.cell.levels), panel.counts
-        low, high = (panel.y(ends) for ends in proportion_confint(k, n, method="wilson"))
+        low, high = (panel.y(ends) for ends in rate_interval(k, n))
         bars += [[(at, start), (at, stop)] for at, start, stop in zip(x, low, high, strict=True)]
         dots.append(np.stack([x, panel.y(k / n)]))
         areas.append(3 + 14 * n / n.max())

@@ -13,7 +13,7 @@ from ..tasks.kinds import CURVES, RESULTS
 from ..tasks.localisation import OF_PARTICIPANTS
 from ..wording import PROCEDURES
 
-PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "statsmodels", "pingouin", "matplotlib")
+PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "matplotlib")
 SHAPES = {
     "normal": "cumulative normal function of the level",
     "gumbel": "Gumbel function of the level (a Weibull function of the amplitude)",
@@ -64,10 +64,7 @@ SIMPLE = (
 PAIRS = "paired t-tests with an error of each pair's own"
 GROUPS = "Welch's t-tests between groups"
 CENSORED_PAIRS = "contrasts of this model with an error of each pair's own"
-BAYES = (
-    "Rouder et al. 2009; by pingouin, Vallat 2018, and by a sum over the logarithm of g where that fails, beyond |t| "
-    "of 100 or likelihoods apart by exp(600)"
-)
+BAYES = "Rouder et al. 2009"
 REFERENCES = (
     "Moscatelli, A., Mezzetti, M., & Lacquaniti, F. (2012). Modeling psychophysical data at the "
     "population-level: The generalized linear mixed model. Journal of Vision, 12(11), 26.",
@@ -82,7 +79,6 @@ REFERENCES = (
     "Morey, R. D. (2008). Confidence intervals from normalized data: A correction to Cousineau (2005). Tutorials in "
     "Quantitative Methods for Psychology, 4, 61-64.",
     "Tobin, J. (1958). Estimation of relationships for limited dependent variables. Econometrica, 26, 24-36.",
-    "Vallat, R. (2018). Pingouin: statistics in Python. Journal of Open Source Software, 3(31), 1026.",
     "Steiger, J. H. (2004). Beyond the F test: Effect size confidence intervals and tests of close fit in the "
     "analysis of variance and contrast analysis. Psychological Methods, 9, 164-182.",
     "Rouder, J. N., Speckman, P. L., Sun, D., Morey, R. D., & Iverson, G. (2009). Bayesian t tests for "

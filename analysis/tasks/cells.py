@@ -6,12 +6,11 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from statsmodels.stats.proportion import proportion_confint
 
 from tactometry.trials.tasks import tasks_with_level
 
 from ..arrays import Array
-from ..means import parts
+from ..means import parts, rate_interval
 from ..reading.rows import bad_cell, correctness, delivered_level, is_catch, numbers_of
 from ..reading.trials import Trials
 from ..threshold.fitting import ThresholdFit, fit_many
@@ -178,11 +177,8 @@ def detection_rates(counts: pd.DataFrame, factors: Sequence[str]) -> pd.DataFram
     levels, n_trials = (table[name].to_numpy(dtype=float) for name in ("level", "n_trials"))
     table["level"] = _classes(levels, n_trials)
     rates = table.groupby([*factors, "task", "level"], sort=True, observed=True).sum().reset_index()
-    # Unlike Wald's, Wilson's interval has a length at rates of 0 and 1.
-    low, high = proportion_confint(rates["n_yes"], rates["n_trials"], method="wilson")
-    rate = rates["n_yes"] / rates["n_trials"]
-    # Wilson's ends may miss a rate of exactly 0 or 1 by rounding, and a bar of an error has no negative length.
-    return rates.assign(rate=rate, rate_low=np.minimum(low, rate), rate_high=np.maximum(high, rate))
+    low, high = rate_interval(rates["n_yes"], rates["n_trials"])
+    return rates.assign(rate=rates["n_yes"] / rates["n_trials"], rate_low=low, rate_high=high)
 
 
 def _classes(levels: Array, weights: Array) -> Array:

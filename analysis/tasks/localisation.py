@@ -10,9 +10,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from statsmodels.stats.proportion import proportion_confint
 
-from ..means import MEAN, by_condition, mean_row, parts as split
+from ..means import MEAN, by_condition, mean_row, parts as split, rate_interval
 from ..reading.rows import correctness, numbers_of
 from ..threshold.fitting import fit_many
 from ..threshold.result import ThresholdFit
@@ -70,9 +69,8 @@ def right_answers(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     counts = _counts(judged, [*conditions_of(judged, factors), *_distance(judged)])
     if counts.empty:
         return counts
-    low, high = proportion_confint(counts["n_correct"], counts["n_trials"], method="wilson")
-    rate = counts["n_correct"] / counts["n_trials"]
-    return counts.assign(rate=rate, rate_low=np.minimum(low, rate), rate_high=np.maximum(high, rate))
+    low, high = rate_interval(counts["n_correct"], counts["n_trials"])
+    return counts.assign(rate=counts["n_correct"] / counts["n_trials"], rate_low=low, rate_high=high)
 
 
 def rates_of_participants(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:

@@ -25,11 +25,13 @@ from ..means import parts
 from ..reading.rows import no_column, numbers_of, place_of
 from ..reading.trials import Trials
 from ..wording import level_of
+from .answer_odds import logistic_fit
 from .task_analysis import Results, TaskAnalysis
 
 Texts = NDArray[np.str_]
 
 TASK, ORDER = "preference", "first of the pair"
+ALWAYS_FIRST = "which of a pair came first decided what was preferred: no finite worths"
 ROBUST_FROM = 5
 """Participants from which standard errors count that the answers of one person are alike."""
 
@@ -46,7 +48,7 @@ class Worths:
     `worths` has a row per item: `item, n_pairs, n_preferred, worth, standard_error, low, high`; worths are logarithms
     of odds with mean 0, missing unless the status is ``ok``. `order` is how much the first of a pair gains, with the
     same columns. `disconnected`: some items were never preferred to some others, directly or through others, so that
-    worths have no finite maximum (Ford 1957); `note` says which.
+    worths have no finite maximum (Ford 1957), or the order of a pair decided; `note` says which.
     """
 
     worths: pd.DataFrame
@@ -112,14 +114,21 @@ def bradley_terry(
     counts = pd.DataFrame({"item": items.tolist(), **numbers})
     note = _gap(items, winner, loser)
     if note:
-        nothing = dict.fromkeys(("worth", "standard_error", "low", "high"), np.nan)
-        return Worths(counts.assign(**nothing), pd.DataFrame([nothing]), WorthStatus.DISCONNECTED, note)
-    worth, error, df = _fit_worths(places, answer == 1, participants)
+        return _without_worths(counts, note)
+    fitted = _fit_worths(places, answer == 1, participants)
+    if fitted is None:
+        return _without_worths(counts, ALWAYS_FIRST)
+    worth, error, df = fitted
     tail = (1 + interval) / 2
     reach = error * float(norm.ppf(tail) if np.isinf(df) else student.ppf(tail, df))
     table = pd.DataFrame({"worth": worth, "standard_error": error, "low": worth - reach, "high": worth + reach})
     worths = pd.concat([counts, table.iloc[:-1]], axis=1)
     return Worths(worths, table.iloc[-1:].reset_index(drop=True), WorthStatus.OK, "")
+
+
+def _without_worths(counts: pd.DataFrame, note: str) -> Worths:
+    nothing = dict.fromkeys(("worth", "standard_error", "low", "high"), np.nan)
+    return Worths(counts.assign(**nothing), pd.DataFrame([nothing]), WorthStatus.DISCONNECTED, note)
 
 
 def _check(a: Texts, b: Texts, answer: NDArray[Any], participants: Sequence[str] | None) -> None:
@@ -145,11 +154,9 @@ def _gap(items: Texts, winner: Indices, loser: Indices) -> str:
 
 def _fit_worths(
     places: Indices, prefers_first: Bools, participants: Sequence[str] | None
-) -> tuple[Array, Array, float]:
+) -> tuple[Array, Array, float] | None:
     """Worths and the order's effect (n_items + 1,) with standard errors, and degrees of freedom (infinite: normal) of
-    pairs of the items at these places (2, n_trials)."""
-    import statsmodels.api as sm
-
+    pairs of the items at these places (2, n_trials); None where the order parts the answers."""
     n_items = int(places.max()) + 1
     # worths have the mean 0: that of the last item is the opposite of the sum of the others
     basis = np.vstack([np.eye(n_items - 1), np.full(n_items - 1, -1.0)])
@@ -158,13 +165,13 @@ def _fit_worths(
     people = np.zeros(n_trials) if participants is None else np.asarray(participants, dtype=str)
     codes, _ = pd.factorize(people)
     n = int(codes.max()) + 1
-    robust = {"cov_type": "cluster", "cov_kwds": {"groups": codes}} if n >= ROBUST_FROM else {}
-    fit = sm.GLM(prefers_first.astype(float), design, family=sm.families.Binomial()).fit(tol=1e-12, **robust)
+    fitted = logistic_fit(design, prefers_first, codes if n >= ROBUST_FROM else None)
+    if fitted is None:
+        return None
     whole = np.zeros((n_items + 1, n_items))
     whole[:-1, :-1], whole[-1, -1] = basis, 1.0
-    covariance = whole @ np.asarray(fit.cov_params()) @ whole.T
-    df = n - 1 if robust else np.inf
-    return whole @ np.asarray(fit.params), np.sqrt(np.diagonal(covariance)), df
+    covariance = whole @ fitted[1] @ whole.T
+    return whole @ fitted[0], np.sqrt(np.diagonal(covariance)), n - 1 if n >= ROBUST_FROM else np.inf
 
 
 def preference_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:

@@ -158,6 +158,8 @@ def test_refuses_a_pair_with_a_hole(published) -> None:
 @pytest.mark.parametrize(
     ("t", "sizes", "bf10"),
     [
+        (0.0, (2,), 0.523198073620),
+        (1e20, (2,), 37.0951283346),
         (562.0, (3,), 387.777239921),
         (-3160.0, (3,), 2182.69374081),
         (1e6, (4,), 188034794836.0),
@@ -171,7 +173,7 @@ def test_bayes_factors_of_large_t_are_those_of_more_digits(t, sizes, bf10) -> No
     assert bayes_factor(t, *sizes) == pytest.approx(bf10, rel=1e-9)
 
 
-@pytest.mark.parametrize("t", [99.99, 100.01])
+@pytest.mark.parametrize("t", [0.0, -0.3, 2.5, 30.0, 100.0])
 def test_bayes_factors_are_pingouins_until_it_misses_the_peak(t) -> None:
     for sizes in ((3,), (24,), (2, 2), (5, 12)):
         peer = pingouin.bayesfactor_ttest(t, *sizes, paired=len(sizes) == 1)
@@ -280,6 +282,15 @@ def test_friedman_counts_ties_as_ties() -> None:
     peer = stats.friedmanchisquare(*np.array(exact).T)
     assert exact[0][1] == exact[0][2]
     assert (row["Q"], row["p_unc"]) == pytest.approx((peer.statistic, peer.pvalue))
+
+
+@pytest.mark.parametrize("n_levels", [2, 3, 7])
+def test_friedman_of_many_ties_equals_pingouin(n_levels) -> None:
+    values = np.random.default_rng().integers(0, 3, (11, n_levels)).astype(float)
+    values[0] = np.arange(n_levels)
+    row = friedman(any_table(values), dependent="y", factor="force", subject="subject").iloc[0]
+    peer = pingouin.friedman(pd.DataFrame(values, columns=[f"c{k}" for k in range(n_levels)])).iloc[0]
+    assert (row["W"], row["Q"], row["p_unc"]) == pytest.approx((peer["W"], peer["Q"], peer["p_unc"]), rel=1e-9)
 
 
 def test_friedman_refuses_values_that_are_all_tied() -> None:
