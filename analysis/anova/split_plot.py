@@ -199,7 +199,7 @@ def hedges_g(first: Array, second: Array) -> float:
     Journal of Educational Statistics 6, 107-128, eq. 7).
 
     >>> round(hedges_g(np.array([1.0, 2, 3]), np.array([2.0, 3, 5])), 3)
-    0.829
+    0.826
     """
     df = len(first) + len(second) - 2
     pooled = ((len(first) - 1) * first.var(ddof=1) + (len(second) - 1) * second.var(ddof=1)) / df
