@@ -116,6 +116,8 @@ def shades(n: int) -> Sequence[tuple[float, float, float, float]]:
 
 LOG_RANGE = 4.0
 SPREAD, MOST_SPREAD = 0.18, 0.7
+STEP_ALONE = 1.0
+"""The step of an axis with one place."""
 
 
 @dataclass(frozen=True)
@@ -141,12 +143,12 @@ class FactorAxis:
         axes.set_xlabel("" if self.along is None else title_of(self.along))
         if not all(isinstance(level, int | float | np.number) for level in levels):
             axes.set_xticks(range(len(levels)), [str(level) for level in levels])
-            return {level: float(n) for n, level in enumerate(levels)}
+            return _centred(axes, {level: float(n) for n, level in enumerate(levels)})
         if levels[0] > 0 and levels[-1] / levels[0] > LOG_RANGE:
             axes.set_xscale("log")
             axes.xaxis.set_minor_locator(NullLocator())  # no ticks but those of the levels
         axes.set_xticks([float(level) for level in levels], [f"{level:g}" for level in levels])
-        return {level: float(level) for level in levels}
+        return _centred(axes, {level: float(level) for level in levels})
 
     def x(self, rows: pd.DataFrame, where: Mapping[object, float]) -> Array:
         """Where these rows lie."""
@@ -157,6 +159,14 @@ class FactorAxis:
         """A part of the table for each value of the factor along x, with its name and colour."""
         groups = series(table, [self.along] if self.along else [])
         return ((name, rows, colour) for (name, rows), colour in zip(groups, shades(len(groups)), strict=True))
+
+
+def _centred(axes: "Axes", where: dict[object, float]) -> dict[object, float]:
+    """One place alone in the middle of its axis: what lies a little beside it would else take the other end."""
+    if len(where) == 1:
+        (x,) = where.values()
+        axes.set_xlim(x - STEP_ALONE / 2, x + STEP_ALONE / 2)
+    return where
 
 
 def series(table: pd.DataFrame, names: Sequence[str]) -> list[tuple[str, pd.DataFrame]]:
@@ -197,7 +207,7 @@ def shift(place: float, n: int, where: dict[object, float], *, log: bool) -> dic
     offset = (place - (n - 1) / 2) * min(SPREAD, MOST_SPREAD / n)
     spots = np.array(list(where.values()))
     scaled = np.log(spots) if log else spots
-    step = min(np.diff(np.sort(scaled)), default=1.0)
+    step = min(np.diff(np.sort(scaled)), default=STEP_ALONE)
     moved = scaled + offset * step
     return dict(zip(where, (np.exp(moved) if log else moved).tolist(), strict=True))
 

@@ -14,7 +14,7 @@ from tactometry.records.head import Head, differences
 
 from .origin import SessionKey
 
-TOLD: Final = ("remark", "pause", "repeat", "stop", "abort", "intervention")
+TOLD: Final = ("remark", "pause", "repeat", "stop", "abort", "order", "intervention")
 """Kinds of events that a reader should know of."""
 EVENT_COLUMNS: Final = ("participant", "session", "onset", "trial_type", "text")
 
@@ -53,9 +53,18 @@ def _told(file: Path) -> pd.DataFrame:
         told = events[events["trial_type"].isin(TOLD)]
         keys = keys_of(file.stem)
         told = told.assign(
-            participant=keys["participant"], session=int(keys["session"]), onset=told["onset"].astype(float)
+            participant=keys["participant"],
+            session=int(keys["session"]),
+            onset=told["onset"].astype(float),
+            text=_words(told),
         )
         return told[list(EVENT_COLUMNS)]
     except (KeyError, ValueError, OSError) as damage:
         names = ", ".join(EVENT_COLUMNS[2:])
         raise InvalidFile(f"{file}: found no events ({damage}), expected the columns {names}") from None
+
+
+def _words(told: pd.DataFrame) -> pd.Series:
+    """What is said of each event; of an order that a trial does not count, which."""
+    of_trial = (told["trial_type"] == "order") & (told["trial"] != "n/a")
+    return told["text"].where(~of_trial, told["text"] + " trial " + told["trial"])

@@ -301,9 +301,14 @@ def _censoring_text(n: int) -> str:
 
 
 def alpha_sentences(consistency: pd.DataFrame, factors: Sequence[str]) -> list[str]:
-    """Cronbach's alpha of each row of `consistency`."""
+    """Cronbach's alpha of each row of `consistency`.
+
+    >>> row = {"frequency_hz": 60.0, "dimension": "PQ", "alpha": None, "note": "fewer than three participants"}
+    >>> alpha_sentences(pd.DataFrame([row]), ["frequency_hz"])
+    ["60 Hz, PQ: no Cronbach's alpha (fewer than three participants)"]
+    """
     return [
-        f"{' '.join(str(row[name]) for name in (*factors, 'dimension'))}: {_alpha_text(row)}"
+        f"{', '.join([*(value_of(name, row[name]) for name in factors), row['dimension']])}: {_alpha_text(row)}"
         for _, row in consistency.iterrows()
     ]
 

@@ -5,9 +5,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-import tomlkit
-from tomlkit.exceptions import TOMLKitError
-
 from tactometry.arguments.require import expect
 from tactometry.config.strict import as_table
 from tactometry.config.toml import LARGEST_FILE, errors_in, read_table
@@ -46,6 +43,8 @@ def with_values(text: str, name: str, values: Mapping[str, object]) -> str:
     [screen]
     height_m = 0.298  # by ruler
     """
+    import tomlkit
+
     line_end = "\r\n" if "\r\n" in text else "\n"
     document = tomlkit.parse(text.replace("\r\n", "\n"))
     table: Any = document
@@ -81,6 +80,8 @@ def write_values(path: Path, name: str, values: Mapping[str, object]) -> None:
 
 def _edited(before: str, name: str, values: Mapping[str, object]) -> str:
     """As `with_values`; what the editor of TOML cannot do to a file is told, and that it does no more is looked at."""
+    from tomlkit.exceptions import TOMLKitError
+
     wanted = _without_none({**_within(tomllib.loads(before), name), **values})
     try:
         after = with_values(before, name, values)
@@ -103,5 +104,7 @@ def _without_none(values: Mapping[str, object]) -> dict[str, object]:
 
 
 def _item(value: object) -> Any:
+    import tomlkit
+
     plain: Any = list(value) if isinstance(value, tuple) else value
     return tomlkit.item(plain)

@@ -22,6 +22,8 @@ from .experiment import Experiment
 from .felt_scene import FeltScene
 
 WIDTH = 100
+SLIDING_M_PER_S = 0.05
+"""Of a finger that moves at all, where a study asks for one at rest."""
 LONGEST_S = 1.0
 """An effect that is left out is computed if it takes no longer than this (predicted)."""
 
@@ -74,19 +76,26 @@ class FeltEffects:
     predicted_error: str
     sensation_db: float
     rests_on: tuple[str, ...] = ()
+    finger_rests: bool = False
+    """Whether that is why nothing is felt."""
 
     @property
     def lines(self) -> list[str]:
         """In words, no line longer than 100 columns."""
-        level_db = round(self.sensation_db, 1) + 0.0  # no -0.0
         paragraphs = (
-            f"felt of {self.stimulus} at {self.level}: {level_db:.1f} dB above threshold, through "
+            f"felt of {self.stimulus} at {self.level}: {self._sensation_words} through "
             f"{', '.join(self.felt)} (predicted error {self.predicted_error})",
             f"left out, and what it would change: {'; '.join(effect.words for effect in self.left_out) or 'nothing'}",
             f"taken for granted: {'; '.join(self.assumed) or 'nothing'}",
             f"the level rests on {'; '.join(self.rests_on) or 'no number of the scene'}",
         )
         return [line for text in paragraphs for line in textwrap.wrap(text, WIDTH, subsequent_indent="    ")]
+
+    @property
+    def _sensation_words(self) -> str:
+        if self.sensation_db == -inf:
+            return f"not felt{': the finger rests' if self.finger_rests else ''};"
+        return f"{round(self.sensation_db, 1) + 0.0:.1f} dB above threshold,"  # no -0.0
 
 
 def felt_effects(experiment: Experiment) -> list[FeltEffects]:
@@ -115,7 +124,16 @@ def _explanation(cell: WiredCell, scene: Scene, level: float) -> FeltEffects:
         error_in_words(felt.resolve()),
         felt_db,
         felt.rests_on(),
+        finger_rests=felt_db == -inf and _is_felt_in_motion(cell, scene, level, contact),
     )
+
+
+def _is_felt_in_motion(cell: WiredCell, scene: Scene, level: float, contact: Contact) -> bool:
+    """Whether a finger that slides feels what one at rest does not."""
+    if contact.speed_m_per_s:
+        return False
+    sliding = replace(contact, speed_m_per_s=SLIDING_M_PER_S)
+    return scene.sensation(_played(cell, level, SLIDING_M_PER_S), sliding) > -inf
 
 
 def contact_of(cell: WiredCell) -> Contact:
@@ -158,12 +176,15 @@ def _change(scene: Scene, effect_class: type[Effect], signal: Signal, contact: C
         if added in with_it.felt().off():
             return LeftOut(kind, instead_of, why="nothing that is felt needs it")
         predicted_s = with_it.felt().resolve().predicted_s
-        change_db = with_it.sensation(signal, contact) - felt_db if predicted_s <= LONGEST_S else inf
+        if predicted_s > LONGEST_S:
+            return LeftOut(kind, instead_of, why="not computed")
+        with_it_db = with_it.sensation(signal, contact)
     except InvalidParameter:
         return LeftOut(kind, instead_of, why="does not go with the others")
-    return (
-        LeftOut(kind, instead_of, change_db) if abs(change_db) < inf else LeftOut(kind, instead_of, why="not computed")
-    )
+    if -inf in (felt_db, with_it_db):  # no difference that is a number
+        felt_with_it = "not felt with it" if with_it_db == -inf else "felt with it"
+        return LeftOut(kind, instead_of, why=f"{felt_with_it} either" if felt_db == with_it_db else felt_with_it)
+    return LeftOut(kind, instead_of, with_it_db - felt_db)
 
 
 def _exclude(surface: Surface, effect: Effect, other: type[Effect]) -> bool:

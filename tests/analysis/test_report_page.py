@@ -187,6 +187,16 @@ def test_dots_lie_beside_bars_and_between_series() -> None:
     assert np.min(np.abs(np.subtract.outer(np.asarray(dots.get_xdata(), float), range(3)))) * width > 4.0
 
 
+@pytest.mark.parametrize("level", [60.0, "P0"])
+def test_one_condition_lies_in_the_middle_with_its_dots_beside_it(level) -> None:
+    means = pd.DataFrame({"x_hz": [level], "mean": [1.0], "mean_low": [0.5], "mean_high": [3.5]})
+    (axes,) = threshold_figure(means, pd.DataFrame({"x_hz": level, "x": range(3)}), ["x_hz"], "x", "x").figure.axes
+    (place,), (low, high) = axes.get_xticks(), axes.get_xlim()
+    assert (place - low) / (high - low) == pytest.approx(0.5)
+    dots = next(line for line in axes.lines if line.get_marker() == ".")
+    assert 0.0 < (np.asarray(dots.get_xdata(), float)[0] - place) / (high - low) < 0.2
+
+
 @pytest.mark.parametrize("n", [1, 3, 10])
 @pytest.mark.parametrize("log", [False, True])
 def test_series_of_neighbours_do_not_meet(n, log) -> None:

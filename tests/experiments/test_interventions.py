@@ -118,6 +118,15 @@ def test_the_report_tells_what_the_experimenter_did(wanted):
     assert all(f">{said}</td>" in page for said in SAID)
 
 
+def test_the_report_names_each_order_before_what_came_of_it(wanted):
+    course = analyse(wanted[0]).table("happenings")
+    told = [text for kind, text in zip(course["trial_type"], course["text"], strict=True) if kind == "order"]
+    assert told == ["invalidate trial 2", "rest", "skip", "invalidate trial 13", "end"]
+    assert [
+        text for kind, text in zip(course["trial_type"], course["text"], strict=True) if kind == "intervention"
+    ] == SAID
+
+
 def told(root):
     """All but the times of the rows."""
     timed = ("onset_s", "latency_s", "timestamp_utc")

@@ -93,6 +93,17 @@ def test_a_study_tells_the_effects_of_its_default_scene():
     assert felt.felt == (*LEAKY, "skin_mobility", "sensitivity")
 
 
+def test_what_a_finger_at_rest_does_not_feel_is_said_in_words():
+    at_rest = TUTORIAL.replace('kind = "slide"', 'kind = "press"').replace('speed_m_per_s = "50 mm/s"\n', "")
+    (told,) = felt_effects(wired(at_rest))
+    text = " ".join(" ".join(told.lines).split())
+    assert "1 N, at rest: not felt: the finger rests; through skin_leakage" in text
+    assert "weber_fraction (not felt with it either)" in text
+    assert "inf" not in text
+    (sliding,) = felt_effects(wired(TUTORIAL))
+    assert not sliding.finger_rests
+
+
 def test_each_effect_of_a_scene_is_felt():
     plain_db = felt_db(scene())
     masked_db = felt_db(scene(*EFFECT_LINES.values(), '{ kind = "masking", level_db_re_threshold = 25.0 }'))

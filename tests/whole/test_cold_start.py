@@ -13,18 +13,21 @@ from tactometry.stimuli.electrovibration.skin.stack import _zero
 from tactometry.stimuli.perception.detection import blackman_harris
 
 DRAWING_AND_TABLES = {"matplotlib", "pandas", "statsmodels", "pingouin"}
+EDITOR = "tomlkit"
+"""Edits a file: `calibrate --write` needs it, and a study that names a form by its file."""
 RECORDED = str(Path(__file__).parents[1] / "recorded" / "electrovibration-threshold")
 DRY_RUN = ("run", "electrovibration-threshold", "--participant", "P01", "--dry-run")
 SIMULATE = ("simulate", "tutorial", "--participants", "1", "--seed", "1", "--out", "made")
 NEVER = {
-    ("--help",): {*DRAWING_AND_TABLES, "numba", "scipy", "numpy"},
+    ("--help",): {*DRAWING_AND_TABLES, EDITOR, "numba", "scipy", "numpy"},
+    ("calibrate", "--help"): {EDITOR},
     ("studies",): {*DRAWING_AND_TABLES, "numba", "scipy"},
     ("scene", "electrovibration-panel"): {*DRAWING_AND_TABLES, "numba", "scipy"},
     ("scene", "a4-screen"): {*DRAWING_AND_TABLES, "numba", "scipy"},
     ("validate", RECORDED): {*DRAWING_AND_TABLES, "numba", "scipy"},
     ("replay", RECORDED): {*DRAWING_AND_TABLES, "numba", "scipy"},
-    DRY_RUN: {*DRAWING_AND_TABLES, "scipy.signal", "scipy.optimize", "scipy.stats", "scipy.special"},
-    SIMULATE: {*DRAWING_AND_TABLES, "numba", "scipy.linalg"},
+    DRY_RUN: {*DRAWING_AND_TABLES, EDITOR, "scipy.signal", "scipy.optimize", "scipy.stats", "scipy.special"},
+    SIMULATE: {*DRAWING_AND_TABLES, EDITOR, "numba", "scipy.linalg"},
 }
 ASK = """
 import json, sys

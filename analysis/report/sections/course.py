@@ -25,6 +25,8 @@ def _blocks(analysis: Analysis) -> Blocks:
     n_happenings = len(analysis.table("happenings"))
     if n_happenings:
         yield Heading("What happened in them")
+        if "order" in set(analysis.table("happenings")["trial_type"]):
+            yield Lead("An order is what the experimenter asked for, an intervention what came of it.")
         listed = _table(analysis, "happenings")
         yield listed if n_happenings <= MOST_OPEN else Details(f"All {n_happenings} events", (listed,))
 
