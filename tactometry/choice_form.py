@@ -7,10 +7,10 @@ A file in `tactometry/questionnaires/choices/` is such a form, or a table `[form
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib.resources import files
 from typing import Any, Final
 
 from .arguments.require import expect, first_repeat, one_of, some
+from .config.shipped import load_shipped, shipped_in
 from .config.strict import build
 from .config.toml import errors_in, table_of
 from .errors import InvalidParameter
@@ -24,8 +24,7 @@ MOST_CODE: Final = 9
 """Each option has a digit of its own. Years of birth or of age, which could tell who someone is, have not enough."""
 SAY: Final = "say_number"
 """The label of the wish to answer by a number."""
-_FOLDER = files("tactometry.questionnaires.choices")
-_SUFFIX = ".toml"
+FOLDER: Final = "tactometry.questionnaires.choices"
 
 
 @dataclass(frozen=True)
@@ -170,8 +169,7 @@ def shipped_choices() -> tuple[str, ...]:
     >>> shipped_choices()
     ('demographics',)
     """
-    names = (entry.name for entry in _FOLDER.iterdir())
-    return tuple(sorted(name.removesuffix(_SUFFIX) for name in names if name.endswith(_SUFFIX)))
+    return shipped_in(FOLDER)
 
 
 @cache
@@ -183,8 +181,10 @@ def load(name: str) -> ChoiceForm:
     InvalidParameter
         If there is none of that name.
     """
-    one_of("form", name, shipped_choices())
-    where = f"form {name}"
-    table = table_of((_FOLDER / f"{name}{_SUFFIX}").read_bytes(), where, "a form")
+    return load_shipped(FOLDER, name, "form", _parse)
+
+
+def _parse(content: bytes, where: str) -> ChoiceForm:
+    table = table_of(content, where, "a form")
     with errors_in(where):
         return choice_form_of(table, "")

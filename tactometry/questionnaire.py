@@ -9,16 +9,16 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from importlib.resources import files
-from typing import Any, Self
+from typing import Any, Final, Self
 
 from .arguments.require import expect, first_repeat, lookup, one_of, some, whole
 from .choice_form import is_choices
+from .config.shipped import load_shipped, shipped_in
 from .config.strict import build
 from .config.toml import errors_in, table_of
 from .errors import InvalidParameter
 
-SUFFIX = ".toml"
+FOLDER: Final = "tactometry.questionnaires"
 
 
 @dataclass(frozen=True)
@@ -279,8 +279,7 @@ def shipped_names() -> tuple[str, ...]:
     >>> "attrakdiff" in shipped_names()
     True
     """
-    names = (entry.name for entry in files("tactometry.questionnaires").iterdir())
-    return tuple(sorted(name.removesuffix(SUFFIX) for name in names if name.endswith(SUFFIX)))
+    return shipped_in(FOLDER)
 
 
 @cache
@@ -292,5 +291,4 @@ def load(name: str) -> Questionnaire:
     InvalidParameter
         If there is none of that name.
     """
-    one_of("questionnaire", name, shipped_names())
-    return parse((files("tactometry.questionnaires") / f"{name}{SUFFIX}").read_bytes(), f"questionnaire {name}")
+    return load_shipped(FOLDER, name, "questionnaire", parse)
