@@ -122,7 +122,7 @@ def key_to_record_s(
     onset_s = screen.present(page)
     while len(delays_s) < n_keys and time.perf_counter() < onset_s + within_s:
         for event in screen.events():
-            if isinstance(event, KeyDown) and event.at_s >= onset_s:
+            if isinstance(event, KeyDown) and event.at_s >= screen.offered_s:
                 record()
                 delays_s.append(time.perf_counter() - event.at_s)
         screen.refresh(page)

@@ -16,6 +16,7 @@ from typing import Any, Self
 import numpy as np
 
 from ..arguments.require import expect
+from ..devices.clock_map import offset_of
 from ..errors import DeviceFailed
 from ..session.request import Facts
 from .displays import ConnectedScreen, check_screen, connected_screens
@@ -157,7 +158,7 @@ class Window(Display):
         self._pressed: list[Input] = []
         self._begun_y = 0.0
         self._intervals_s: list[float] = []
-        self._flipped_s = time.perf_counter()
+        self._offered_s = self._flipped_s = time.perf_counter()
         self._pacer = Pacer(self._rhythm())
 
     def _rhythm(self) -> Rhythm:
@@ -202,8 +203,15 @@ class Window(Display):
     def present(self, page: Page) -> float:
         self._draw(page)
         self._window.mouseVisible = bool(page.buttons)
+        self._psychopy.pyglet.gl.glFinish()  # in software drawing takes a while, in which the page before is seen
+        self._window.winHandle.dispatch_events()  # its clicks have their stamps of now
+        self._offered_s = time.perf_counter()
         self._flipped_s = self._flip()
         return self._flipped_s
+
+    @property
+    def offered_s(self) -> float:
+        return self._offered_s
 
     def refresh(self, page: Page) -> float:
         self._draw(page)
@@ -263,7 +271,7 @@ class Window(Display):
         return intervals_s
 
     def clock_offset_s(self) -> float:
-        return time.perf_counter() - float(self._psychopy.logging.defaultClock.getTime())
+        return offset_of(self._psychopy.logging.defaultClock.getTime)
 
     def close(self) -> None:
         self._opened.close()

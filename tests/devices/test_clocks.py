@@ -8,7 +8,7 @@ import pytest
 from hard_cases import exact_case
 from hypothesis import given, strategies as st
 
-from tactometry.devices.clock_map import ClockMap
+from tactometry.devices.clock_map import ClockMap, offset_of
 from tactometry.devices.sensors.counted_samples import CountedSamples
 from tactometry.devices.sensors.reader import AHEAD_S, LATE_FOR_S, LATE_S, Arrivals, Reader, SampleBlock, Source
 from tactometry.errors import DeviceFailed
@@ -224,3 +224,15 @@ def test_what_was_opened_of_a_source_that_does_not_open_is_let_go():
     with pytest.raises(DeviceFailed, match="half: found a failure .*No such device"):
         Reader(source).open()
     assert source.n_let_go == 1
+
+
+def test_a_clock_is_told_from_ours_though_the_program_is_stopped_while_it_is_read():
+    """All readings but one, and each on one side."""
+    pauses_s = iter([0.05, 0.05, 0.0, 0.05, 0.05])
+
+    def theirs_s():
+        read_s = time.perf_counter() - 100.0
+        time.sleep(next(pauses_s))
+        return read_s
+
+    assert offset_of(theirs_s) == pytest.approx(100.0, abs=0.01)

@@ -64,5 +64,10 @@ class Hands:
         image = self._display.screen().root.get_image(0, 0, width, height, self._X.ZPixmap, 0xFFFFFFFF)
         return np.frombuffer(image.data, np.uint8).reshape(height, width, 4)[..., 2::-1]
 
+    def sees_at(self, x_px, y_px):
+        """One pixel of the screen, as (red, green, blue): much faster than all of them."""
+        image = self._display.screen().root.get_image(x_px, y_px, 1, 1, self._X.ZPixmap, 0xFFFFFFFF)
+        return tuple(image.data[2::-1])
+
     def close(self):
         self._display.close()

@@ -103,7 +103,7 @@ class Finger:
         self._acted_on = None
         self._acted_s = 0.0
         self._counts, self._played, self._letting_go, self._held_since_s = 0.0, False, False, None
-        self._pursuit, self._by_pointer = Pursuit(), False
+        self._pursuit, self._by_pointer, self._confirms = Pursuit(), False, False
 
     def sit(self, process, until=lambda finger: False):
         """Take part until the process ends, or, before it acts, something is seen: whether it was."""
@@ -225,14 +225,23 @@ class Finger:
         return True
 
     def _enter(self, seen):
-        del seen
+        """A number, and Return once it stands there: a busy machine may show it for a while after that, and a page with
+        another number would be taken for a new one."""
+        if seen.typed:
+            return self._confirm_number()
         self._note("number")
         number = int(self._rng.integers(1, 100))
         self.said.append(Said("number", number))
         for digit in str(number):
             self._hands.tap(digit)
-        self._hands.tap("Return")
+        self._confirms = True
         return True
+
+    def _confirm_number(self):
+        if self._confirms:
+            self._hands.tap("Return")
+        acted, self._confirms = self._confirms, False
+        return acted
 
     def _confirm(self, seen):
         del seen

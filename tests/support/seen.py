@@ -82,6 +82,7 @@ class Seen:
     choices: tuple[Body, ...] = ()
     keys: tuple[str, ...] = ()
     boxes: tuple[Body, ...] = ()
+    typed: bool = False
     rows: tuple[tuple[Body, ...], ...] = ()
     marked: tuple[int | None, ...] = ()
     words: bool = False
@@ -146,6 +147,7 @@ def see(picture):
         choices=choices,
         keys=tuple(_key(picture, pixels, box) for box in choices),
         boxes=tuple(body for body in boxes if body not in choices),
+        typed=_typed(pixels, boxes),
         rows=rows,
         marked=_marked(pixels, rows),
         words=any(body.height < 0.06 * height_px for body in bodies(pixels == INK_LIKE)),
@@ -227,6 +229,14 @@ def _marked(pixels, rows):
         return pixels[y, x] == YELLOW_LIKE
 
     return tuple(next((k for k, ring in enumerate(row) if dotted(ring)), None) for row in rows)
+
+
+def _typed(pixels, boxes):
+    """Whether something stands in the widest box, that of a number."""
+    if not boxes:
+        return False
+    box = max(boxes, key=lambda body: body.width)
+    return bool((pixels[box.y0 + EDGE_PX : box.y1 - EDGE_PX, box.x0 + EDGE_PX : box.x1 - EDGE_PX] == INK_LIKE).any())
 
 
 def _key(picture, pixels, box):

@@ -11,7 +11,8 @@ import numpy as np
 
 from ...arguments.require import positive
 from ...errors import DeviceFailed, attempt, library_needed
-from .reader import POLL_S, SampleBlock, SensorSettings, Source, now_s
+from ..clock_map import offset_of
+from .reader import POLL_S, SampleBlock, SensorSettings, Source
 
 LONGEST_SEARCH_S = 5.0
 OTHERS_WITHIN_S = 0.5
@@ -79,7 +80,7 @@ class LslSource(Source):
             inlet.open_stream(timeout=LONGEST_SEARCH_S)
             self._correction_s = inlet.time_correction(timeout=LONGEST_SEARCH_S)
             inlet.flush()  # what has waited is not of now
-        self._offset_s = _offset_s(pylsl)
+        self._offset_s = offset_of(pylsl.local_clock, 20)  # both are steady
         self._opened.callback(inlet.close_stream)
         self._inlet, self._source_id = inlet, self._source_id or info.source_id() or None
 
@@ -119,15 +120,6 @@ class LslSource(Source):
         if not stamps_s:
             return None
         return SampleBlock(np.array(stamps_s) + self._offset_s, np.array(samples, dtype=np.float64))
-
-
-def _offset_s(pylsl: Any) -> float:
-    """Our clock minus LSL's, both steady, by the quickest of some readings."""
-    readings = []
-    for _ in range(20):
-        before_s, theirs_s, after_s = now_s(), pylsl.local_clock(), now_s()
-        readings.append((after_s - before_s, (before_s + after_s) / 2 - theirs_s))
-    return float(min(readings)[1])
 
 
 @functools.cache

@@ -199,6 +199,12 @@ class Display:
         del page
         return time.perf_counter()
 
+    @property
+    def offered_s(self) -> float:
+        """When the page that stands was ready to be shown, just before it could be seen: what is pressed later may
+        answer it. Its flip is stamped behind that, by how much only the system knows."""
+        return 0.0
+
     def refresh(self, page: Page) -> float:
         """Show the next frame of the page: the time of the flip."""
         time.sleep(self.period_s)

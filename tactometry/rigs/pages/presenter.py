@@ -38,7 +38,9 @@ def reason_to_end(events: tuple[Input, ...]) -> str | None:
 def linger(screen: Display, page: Page, longest_s: float) -> None:
     """Show a last page until something is pressed, or closed, or for `longest_s`."""
     shown_s = screen.present(page)
-    while time.perf_counter() < shown_s + longest_s and not any(event.at_s > shown_s for event in screen.events()):
+    while time.perf_counter() < shown_s + longest_s and not any(
+        event.at_s > screen.offered_s for event in screen.events()
+    ):
         screen.refresh(page)
 
 
@@ -77,18 +79,19 @@ class Presenter:
     ) -> tuple[S, float, float]:
         """Show the view of a state that answers change until one settles it: the state, onset and end.
 
-        What was pressed before the onset is no answer; after a pause the page comes again, with another onset.
+        What was pressed before the page could be seen is no answer; what was pressed then, but before its onset is
+        stamped, is one at the onset. After a pause the page comes again, with another onset.
         """
         page = view(state)
         onset_s = self.screen.present(page)
         while True:
             each_frame(state)
             for event in self._events():
-                answer = page.answer(event) if event.at_s >= onset_s else None
+                answer = page.answer(event) if event.at_s >= self.screen.offered_s else None
                 if answer is not None:
                     state, settled = after(state, answer)
                     if settled:
-                        return state, onset_s, event.at_s
+                        return state, onset_s, max(event.at_s, onset_s)
                     page = view(state)
             if self.paused_until_s > onset_s:  # answers from before the pause, and its length, do not count
                 onset_s = self.screen.present(page)

@@ -1,6 +1,5 @@
 """Before the first touch of a kind its page is explained by a picture and tried without a stimulus."""
 
-import time
 from dataclasses import replace
 
 import pytest
@@ -38,7 +37,6 @@ class Leaving:
         return shown_s
 
     def _leave(self):
-        time.sleep(0.2)  # the stamp of a key may be some milliseconds early: before the page it would be no answer
         self._hands.tap("space")
 
 

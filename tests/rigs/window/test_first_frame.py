@@ -1,0 +1,85 @@
+"""What is pressed as soon as a page can be seen is an answer, however late the program knows that it stands there."""
+
+import os
+import subprocess
+import sys
+import time
+
+import pytest
+from patience import LONGEST_WAIT_S
+
+from tactometry.rigs.bench import Bench
+from tactometry.rigs.device_rig import Equipment
+from tactometry.rigs.pages.page import PAPER
+from tactometry.rigs.texts import texts_in
+from tactometry.session.request import Choose, Enter, Wait
+
+N_PAGES, PATIENCE_S = 50, 5.0
+HOW_MUCH, FELT, BETWEEN = Enter("force", 0.0), Choose("felt", (0, 1), ("no", "yes")), Wait(0.01)
+OF_NUMBER_PX = (640, 164)
+"""On the line of the box in which a number stands; nothing is there on the page between."""
+OF_NO = (-0.23, -0.06)
+"""In the box of an answer, heights of the screen from its middle."""
+
+
+@pytest.fixture
+def bench(watched, output):
+    rig = Bench(watched, Equipment(output, {}), texts_in("en", {"force": "How much?"}))
+    yield rig
+    rig.close()
+
+
+@pytest.fixture(autouse=True, params=["quiet", pytest.param("busy", marks=pytest.mark.slow)])
+def machine(request):
+    """As it is, or with more to do than it has cores."""
+    n_busy = (os.cpu_count() or 1) + 1 if request.param == "busy" else 0
+    busy = [subprocess.Popen([sys.executable, "-c", "while True: pass"]) for _ in range(n_busy)]
+    yield
+    for process in busy:
+        process.kill()
+        process.wait()
+
+
+def stands(hands, *, within_s=LONGEST_WAIT_S, wanted=True):
+    """Whether the page of a number is there within some time; or is not, if that is wanted."""
+    deadline_s = time.perf_counter() + within_s
+    paper = tuple(bytes.fromhex(PAPER[1:]))
+    while (hands.sees_at(*OF_NUMBER_PX) != paper) != wanted:
+        if time.perf_counter() > deadline_s:
+            return not wanted
+    return wanted
+
+
+def type_number(hands, number):
+    """At the first sight of the page; where that stays, which loses keys, 0 follows."""
+    assert stands(hands)
+    for key in (*str(number), "Return"):
+        hands.tap(key, hold_s=0.0)
+    while stands(hands, within_s=PATIENCE_S, wanted=False):
+        hands.tap("0")
+        hands.tap("Return")
+
+
+def test_a_number_that_is_typed_as_its_page_appears_is_whole(bench, hands, in_background):
+    said = [12 + n for n in range(N_PAGES)]
+
+    def type_all():
+        for number in said:
+            type_number(hands, number)
+
+    bench.answer(BETWEEN)
+    in_background(type_all)
+    entered = []
+    for _ in said:
+        entered.append(bench.answer(HOW_MUCH))
+        bench.answer(BETWEEN)
+    assert [each.value for each in entered] == said
+    assert min(each.latency_s for each in entered) >= 0.0
+
+
+def test_a_touch_before_the_question_is_no_answer_to_it(bench, hands, participant):
+    """It waits in the queue of the window until the next page comes."""
+    bench.answer(BETWEEN)
+    hands.touch(*OF_NO)
+    participant.answers(0.3, "y")
+    assert bench.answer(FELT).option == 1
