@@ -10,7 +10,7 @@ from datetime import date
 
 import numpy as np
 import pytest
-from benches import UDP_HAND, gain_toml
+from benches import PRESSED_ELECTRODE, gain_toml
 from emulated import Emulator, wait_for
 from force_bench import BENCH, N_TRIALS, study_in
 from tables import trial_rows
@@ -94,38 +94,13 @@ def follow(terminal, seen):
             os.write(terminal, orders.pop(0)[1].encode())
 
 
-NETWORK = (
-    """
-[screen]
-fullscreen = false
-dry_run = false
-[output]
-kind = "file"
-folder = "{folder}"
-[output.load]
-kind = "electrode"
-capacitance_f = "1 nF"
-[output.gain]
-volts_per_unit = 100.0
-amplifier_gain = 1.0
-[limits]
-voltage_peak_v = 80.0
-duration_s = 30.0
-current_peak_a = "1 mA"
-duty = 0.8
-session_s = "1 h"
-"""
-    + UDP_HAND
-    + "release = false\n"
-)
-
-
 def test_a_network_sensor_that_dies_in_a_trial_pauses_the_session_until_it_is_back(display, tmp_path, in_background):
     """The trial in which it died is not valid, and is asked again."""
     study, device = study_in(tmp_path, n_trials=1), Emulator("udp", tmp_path, profile="1:100")
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"1 s"'), encoding="utf-8")
     played, data = tmp_path / "played", tmp_path / "data"
-    (tmp_path / "bench.toml").write_text(NETWORK.format(folder=played, port=device.udp_port), encoding="utf-8")
+    bench = PRESSED_ELECTRODE.format(folder=played, port=device.udp_port)
+    (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
     process = tactometry(
         "run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", data, env=os.environ
     )

@@ -50,6 +50,32 @@ duty_window_s = {window_s}
 session_s = "1 h"
 """
 
+PRESSED_ELECTRODE = (
+    """
+[screen]
+fullscreen = false
+dry_run = false
+[output]
+kind = "file"
+folder = "{folder}"
+[output.load]
+kind = "electrode"
+capacitance_f = "1 nF"
+[output.gain]
+volts_per_unit = 100.0
+amplifier_gain = 1.0
+[limits]
+voltage_peak_v = 80.0
+duration_s = 30.0
+current_peak_a = "1 mA"
+duty = 0.8
+session_s = "1 h"
+"""
+    + UDP_HAND
+    + "release = false\n"
+)
+"""A file in the place of an amplifier and its electrode, and a force that comes in datagrams."""
+
 
 def file_bench(folder, duty, window_s=60):
     """A bench file whose output writes into the folder `played` beside it."""
