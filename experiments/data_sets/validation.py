@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
-from tactometry.errors import InvalidFile, TactometryError
+from tactometry.errors import InvalidFile, TactometryError, count_of
 from tactometry.files.durable import drafts, files_in, read_file
 from tactometry.provenance import sha256
 from tactometry.records.agreement import REBUILD
@@ -25,6 +25,7 @@ from tactometry.trials.trial import tally
 
 from ..study.experiment import Experiment, wire
 from ..study.study_file import parse
+from .erasure_record import RECORD, read_erasures
 from .positions import positions_defects
 from .session_files import OTHER_STUDY, derived_defects, has_rows, header_of, n_rows, name_defect, trials_defects
 from .traces import trace_defects
@@ -68,7 +69,8 @@ def _data_set(root: Path) -> Soundness:
     files, journals = files_in(root / "data", "*.csv"), sessions(root)
     contents = {file: content for file in files if (content := _read(file, f"data/{file.name}", unsound)) is not None}
     unsound += _with_unreadable(root, NAME, _description(root, contents))
-    if not files:
+    n_erased = _erasures(root, unsound, notes)
+    if not files and not n_erased:
         unsound.append(Defect("data", None, "found no trials file, expected at least one"))
     stems = [path.stem for path in journals]
     for file, content in contents.items():
@@ -122,6 +124,24 @@ def _drafts(root: Path) -> Iterator[str]:
         for path in drafts(folder):
             way = "remove it" if folder == root else "tactometry rebuild removes it"
             yield f"{path.relative_to(root)}: a draft that an interruption left; {way}"
+
+
+def _erasures(root: Path, unsound: list[Defect], notes: list[str]) -> int:
+    """How many participants were erased; one whose erasure was interrupted is a defect."""
+    try:
+        erasures = read_erasures(root)
+    except InvalidFile as error:
+        unsound.append(Defect(RECORD, None, str(error).removeprefix(f"{root / RECORD}").lstrip(":, ")))
+        return 0
+    for number, erasure in enumerate(erasures, 1):
+        who = erasure.participant
+        if erasure.finished_utc is None:
+            text = f"found that {who} was not erased to the end, expected it done; say tactometry erase again"
+            unsound.append(Defect(RECORD, number, text))
+        else:
+            sessions_of = count_of(erasure.n_sessions, "session")
+            notes.append(f"{RECORD}: {who} ({sessions_of}) was erased at {erasure.finished_utc}")
+    return len(erasures)
 
 
 def _study(root: Path, unsound: list[Defect]) -> Experiment | None:

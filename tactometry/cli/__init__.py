@@ -30,6 +30,7 @@ COMMANDS = {
     "calibrate": ("tactometry.cli.calibrate:command", "Output gain, force sensor, display, impulse responses."),
     "check": ("tactometry.cli.check:command", "Before a session: display, devices, limits, disk, threads."),
     "export": ("tactometry.cli.data_sets:export", "The data set for other programs: BIDS, PsychoPy, R."),
+    "erase": ("tactometry.cli.erase:command", "Erase one participant, with a record that it was done."),
     "scene": ("tactometry.cli.scene:command", "The physics of a scene: only what is called for, as finely as asked."),
     "cost": ("tactometry.cli.cost:command", "What accuracy costs in time, emission and trials."),
     "reproduce": ("tactometry.cli.reproduce:command", "The thesis's tables, figures and findings, made anew."),
@@ -75,6 +76,13 @@ _ENDING = [signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [
 """What ends a command in good order: also a terminal that is closed, unless it is to be outlived (nohup)."""
 
 
+_IS_SAFE = "what was recorded is safe"
+_WAYS_ON = {
+    **dict.fromkeys(("run", "simulate", "power", "validate-method"), f"{_IS_SAFE}: go on with --resume"),
+    "erase": "say it again: what was begun is finished",
+}
+
+
 def _terminate(number: int, frame: FrameType | None) -> None:
     del frame
     raise SystemExit(128 + number)
@@ -90,8 +98,7 @@ def main(arguments: list[str] | None = None) -> None:
         with private():
             status = tactometry.main(words or ["--help"], prog_name="tactometry", standalone_mode=False)
     except (click.Abort, KeyboardInterrupt):
-        way = ": go on with --resume" if words[:1] in (["run"], ["simulate"], ["power"], ["validate-method"]) else ""
-        status = _complain(f"interrupted; what was recorded is safe{way}", 130)
+        status = _complain(f"interrupted; {_WAYS_ON.get(''.join(words[:1]), _IS_SAFE)}", 130)
     except click.ClickException as error:
         status = _complain(f"{_where(error)}{error.format_message()}", 2)
     except TactometryError as error:

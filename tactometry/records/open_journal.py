@@ -1,7 +1,8 @@
 """A journal that is open for writing: appended to, and repaired where an interruption left it."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, Final
@@ -150,6 +151,21 @@ def _is_kept(kinds: tuple[type[Request[Any]], ...], line: Line) -> bool:
 def _is_consent(request: Request[Any]) -> bool:
     """Whether it asks for what nobody is asked twice, though it is no trial."""
     return isinstance(request, Choose) and request.question == CONSENT
+
+
+@contextmanager
+def held(journals: Iterable[Path]) -> Iterator[None]:
+    """Journals that no other process writes meanwhile.
+
+    Raises
+    ------
+    SessionInUse
+        If another one does.
+    """
+    with ExitStack() as stack:
+        for path in journals:
+            stack.callback(os.close, _open_locked(path))
+        yield
 
 
 def _open_locked(path: Path) -> int:

@@ -1,0 +1,154 @@
+"""Erase one participant from a data set; others' files stay as they are, byte for byte.
+
+What is to go is written down and put on the disk before the first file goes, so that one who was killed says it again
+and it finishes. Orders of other participants stand: they follow from each one's own number.
+"""
+
+import os
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import Final
+
+from tactometry import __version__
+from tactometry.arguments.require import expect
+from tactometry.errors import InvalidFile, InvalidParameter, attempt, nearest
+from tactometry.files.durable import drafts, sync_folder
+from tactometry.records.data_set import keys_of, sessions
+from tactometry.records.description import NAME
+from tactometry.records.open_journal import held
+from tactometry.trials.cell_rules import PARTICIPANT
+
+from .erasure_plan import PARTS, Left, Plan, plan
+from .erasure_record import RECORD, Erasure, read_erasures, unfinished, write_erasures
+
+UNREACHED: Final = (
+    "not reached: backups, copies elsewhere, the history of git, the list of codes and names; and no program can "
+    "promise that an SSD overwrites what it erases: keep data on an encrypted disk"
+)
+
+
+@dataclass(frozen=True)
+class Erased:
+    """What was erased, or would be: names of files within the data set. `erasure` is None where nothing was done."""
+
+    participant: str
+    n_sessions: int
+    own: tuple[str, ...]
+    derived: tuple[str, ...]
+    left: tuple[Left, ...]
+    erasure: Erasure | None = None
+    not_reached: str = UNREACHED
+
+    @property
+    def is_free(self) -> bool:
+        """Whether nothing that is left names the participant."""
+        return not any(left.names for left in self.left)
+
+
+def find(root: Path, participant: str) -> Erased:
+    """What would be erased.
+
+    Raises
+    ------
+    InvalidFile
+        If the folder is no data set, or something in it may not be read.
+    InvalidParameter
+        If it holds nothing of the participant.
+    """
+    return _told(root, participant, _plan(root, participant))
+
+
+def erase(root: Path, participant: str) -> Erased:
+    """Erase all that a data set holds of a participant, and record that it was done.
+
+    Raises
+    ------
+    InvalidFile, InvalidParameter
+        As `find`.
+    SessionInUse
+        If a session of the participant is running; nothing was erased.
+    DeviceFailed
+        If a file can't be erased; say it again when that is mended.
+    """
+    with held(_plan(root, participant).journals):
+        found = _plan(root, participant)
+        told, begun = _told(root, participant, found), _begin(root, participant, found)
+        _remove(found.files if os.name == "posix" else (*found.derived, *found.own))
+    _remove(found.journals)  # elsewhere a file that is open can't be erased
+    _remove_empty(root, {*found.files, *(root / name for name in begun.files)})
+    done = replace(begun, finished_utc=_now(), files=())
+    write_erasures(root, [done if erasure == begun else erasure for erasure in read_erasures(root)])
+    _remove(drafts(root, RECORD))  # of the record, where it was killed
+    return replace(told, n_sessions=done.n_sessions, erasure=done)
+
+
+def _plan(root: Path, participant: str) -> Plan:
+    expect(PARTICIPANT.fullmatch(participant) is not None, "--participant", repr(participant), "a code such as P01")
+    is_set = (root / NAME).is_file() and ((root / "journals").is_dir() or (root / "data").is_dir())
+    expect(is_set, root, f"no {NAME} with data or journals", "the folder of a data set", InvalidFile)
+    erasures = read_erasures(root)
+    begun = unfinished(erasures, participant)
+    found = plan(root, participant, begun.files if begun else ())
+    if not found.own and not found.journals and begun is None:
+        raise InvalidParameter(_nothing(root, participant, erasures))
+    return found
+
+
+def _nothing(root: Path, participant: str, erasures: Iterable[Erasure]) -> str:
+    """Why there is nothing to erase."""
+    times = [erasure.finished_utc for erasure in erasures if erasure.participant == participant]
+    if times:
+        return f"--participant: found that {participant} was erased at {times[-1]}, expected one who has data in {root}"
+    files = [*sessions(root), *(root / "data").glob("*.csv")]
+    codes = sorted({code for path in files if (code := keys_of(path.stem).get("participant"))})
+    known = f"{', '.join(codes) or 'those who have data, and nobody has'}{nearest(participant, codes)}"
+    return f"--participant: found nothing of {participant!r} in {root}, expected one of {known}"
+
+
+def _told(root: Path, participant: str, found: Plan) -> Erased:
+    own, derived = _names(root, (*found.own, *found.journals)), _names(root, found.derived)
+    return Erased(participant, len(found.journals), own, derived, found.left)
+
+
+def _names(root: Path, paths: Iterable[Path]) -> tuple[str, ...]:
+    return tuple(path.relative_to(root).as_posix() for path in sorted(paths))
+
+
+def _begin(root: Path, participant: str, found: Plan) -> Erasure:
+    """Write down what is to go; an erasure that was interrupted goes on under its own line, with what it began with."""
+    erasures = read_erasures(root)
+    before = unfinished(erasures, participant)
+    if before is not None:
+        return before
+    files = _names(root, found.files)
+    begun = Erasure(participant, _now(), __version__, len(found.journals), len(files), files=files)
+    write_erasures(root, [*erasures, begun])
+    return begun
+
+
+def _now() -> str:
+    return datetime.now(UTC).isoformat(timespec="seconds")
+
+
+def _remove(files: Iterable[Path]) -> None:
+    """Remove files, and have it on the disk."""
+    files = tuple(files)
+    for path in files:
+        with attempt(path, "cannot be erased", "permission; mend that and say it again: it goes on"):
+            path.unlink(missing_ok=True)
+    for folder in sorted({path.parent for path in files}):
+        if folder.is_dir():
+            sync_folder(folder)
+
+
+def _remove_empty(root: Path, files: Iterable[Path]) -> None:
+    """Remove the folders that are empty now, but for those that a data set has."""
+    kept = {root, *(root / part for part in PARTS)}
+    within = [path for path in files if ".." not in path.parts]
+    folders = {folder for path in within for folder in path.parents if folder.is_relative_to(root)}
+    for folder in sorted(folders - kept, key=lambda path: len(path.parts), reverse=True):
+        with suppress(OSError):  # it holds something else
+            folder.rmdir()

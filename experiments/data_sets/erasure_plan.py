@@ -1,0 +1,228 @@
+"""Which files of a data set hold something of one participant.
+
+Three kinds. *Own* files are named for the participant, or are a journal of theirs under another name. *Derived* files
+were made from the trials of several: reports, tables, figures, exports. All of them go, as a mean holds whoever entered
+it, and are made anew from who remains. What somebody else put into the folder stays, and is told where it names the
+code.
+"""
+
+import os
+import re
+from collections.abc import Collection, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from tactometry.errors import InvalidFile
+from tactometry.files.durable import drafts, read_file
+from tactometry.records.data_set import keys_of
+from tactometry.records.description import NAME
+from tactometry.records.head import heads
+from tactometry.records.traces import FOLDER
+
+from .erasure_record import RECORD
+
+STUDY: Final = "study.toml"
+PARTS: Final = ("data", "journals", FOLDER)
+"""The folders that recorded sessions are in."""
+DERIVED: Final = frozenset((".csv", ".gz", ".htm", ".html", ".json", ".jsonl", ".pdf", ".png", ".svg", ".tsv"))
+"""How names of files end that `analyse`, `show` and `export` write; scripts and notes of people end otherwise."""
+EXPORTED: Final = frozenset(("README.md", "CHANGES.md", "columns.toml", "trials.R"))
+"""What `export` writes besides."""
+_FIGURE: Final = (".csv", ".png", ".svg")
+_OF_TRIAL: Final = re.compile(r"trial-\d+\.(png|pdf|svg)")
+_BEGINNINGS: Final = {NAME: b"", "columns.toml": b"# tactometry analyse", "trials.R": b"# Reads trials.csv"}
+"""Files by which the folder of an export is known, and how they begin."""
+_KEYS: Final = ("participant", "subject", "sub")
+
+
+@dataclass(frozen=True)
+class Left:
+    """A file that stays although it may hold something of the participant; `names` if the code stands in it."""
+
+    file: str
+    why: str
+    names: bool
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What is to be erased: `own` and `derived` files, and what stays and is to be looked at."""
+
+    journals: tuple[Path, ...]
+    own: tuple[Path, ...]
+    derived: tuple[Path, ...]
+    left: tuple[Left, ...]
+
+    @property
+    def files(self) -> tuple[Path, ...]:
+        """All that goes, journals last: while one is there, the others can be found and made anew."""
+        return (*self.derived, *self.own, *self.journals)
+
+
+def plan(root: Path, code: str, begun: Collection[str] = ()) -> Plan:
+    """What is to be erased of the participant `code`; `begun` are names that an interrupted erasure had to erase.
+
+    Raises
+    ------
+    InvalidFile
+        If something in the folder may not be read.
+    """
+    files = list(_walk(root))
+    own = [path for path in files if _is_own(root, path, code)]
+    of_others = [path for path in files if path not in own and _is_of_set(root, path)]
+    beside = {path: _content(path) for path in files if path not in own and path not in of_others}
+    derived = set(_derived(root, code, beside)) | {path for path in beside if _name(root, path) in begun}
+    stays = {path: content for path, content in beside.items() if path not in derived}
+    return Plan(
+        tuple(path for path in own if _is_journal(root, path)),
+        tuple(path for path in own if not _is_journal(root, path)),
+        tuple(sorted(derived)),
+        (*_left_beside(root, code, stays), *_left_of_others(root, code, of_others), *_other_sets(root, code)),
+    )
+
+
+def _name(root: Path, path: Path) -> str:
+    return path.relative_to(root).as_posix()
+
+
+def _walk(root: Path) -> Iterator[Path]:
+    """Every file and link of a data set, sorted; not those of hidden folders, and of data sets of their own within."""
+    for folder, folders, files in os.walk(root, onerror=_refuse):
+        here = Path(folder)
+        folders[:] = sorted(name for name in folders if not name.startswith(".") and not _is_a_set(here / name))
+        links = [name for name in folders if (here / name).is_symlink()]
+        yield from (here / name for name in sorted([*files, *links]))
+
+
+def _refuse(error: OSError) -> None:
+    raise InvalidFile(f"{error.filename}: cannot be read ({error.strerror}), expected a folder to read")
+
+
+def _is_a_set(folder: Path) -> bool:
+    return (folder / "journals").is_dir()
+
+
+def is_named_for(name: str, code: str) -> bool:
+    """Whether a path, in its folders or its file, has the participant's code under a key of Psych-DS or BIDS.
+
+    >>> is_named_for("data/participant-P1_session-1_study-a_data.csv", "P1"), is_named_for("bids/sub-P10/x.tsv", "P1")
+    (True, False)
+    """
+    keys = "|".join(_KEYS)
+    return re.search(rf"(?:^|[/._])(?:{keys})-{re.escape(code)}(?=[/._]|$)", name) is not None
+
+
+def _is_own(root: Path, path: Path, code: str) -> bool:
+    return is_named_for(_name(root, path), code) or (_is_journal(root, path) and _whose(path) == code)
+
+
+def _is_journal(root: Path, path: Path) -> bool:
+    return path.parent == root / "journals" and path.suffix == ".jsonl" and "_interruptions" not in path.stem
+
+
+def _whose(journal: Path) -> str | None:
+    """The participant that the head of a journal names."""
+    with suppress(InvalidFile):
+        return next((head.participant for head in heads(journal)), None)
+    return None
+
+
+def _is_of_set(root: Path, path: Path) -> bool:
+    """Whether it is a file that all share, or one of another participant's session."""
+    if path.parent == root:
+        return path.name in (NAME, STUDY, RECORD) or path in drafts(root, RECORD)
+    return path.parent.parent == root and path.parent.name in PARTS and "participant" in keys_of(path.stem.lstrip("."))
+
+
+def _content(path: Path) -> bytes:
+    return b"" if path.is_symlink() else read_file(path, "a file to search")
+
+
+def says(content: bytes, code: str) -> bool:
+    """Whether the code stands in it as a word of its own.
+
+    >>> says(b"sub-P1,3", "P1"), says(b"P10,3", "P1")
+    (True, False)
+    """
+    # behind a line break or a tabulator that JSON writes as two letters too
+    word = rf"(?:(?<![A-Za-z0-9])|(?<=\\[nrt])){re.escape(code)}(?![A-Za-z0-9])"
+    return re.search(word.encode(), content) is not None
+
+
+def _derived(root: Path, code: str, beside: Mapping[Path, bytes]) -> Iterator[Path]:
+    """Reports, tables, figures and exports."""
+    outputs = {path for path in beside if path.suffix.lower() in DERIVED}
+    naming = {path for path in outputs if says(beside[path], code) or says(path.name.encode(), code)}
+    reports = {path for path in outputs if path.with_name(f"{path.stem}_tables").is_dir()}
+    stems = {path.with_suffix("") for path in naming | reports}
+    folders = {path.parent for path in naming} | {path.with_name(f"{path.stem}_tables") for path in reports}
+    folders |= {path.parent for path in outputs if all(path.with_suffix(end) in outputs for end in _FIGURE)}
+    exports = tuple(_exports(root, beside))
+    for path in beside:
+        in_export = any(path.is_relative_to(folder) for folder in exports)
+        of_folder = in_export or path.parent in folders - {root} or _OF_TRIAL.fullmatch(path.name)
+        is_output = path in outputs and (of_folder or path.with_suffix("") in stems)
+        if is_output or (in_export and path.name in EXPORTED):
+            yield path
+
+
+def _exports(root: Path, beside: Mapping[Path, bytes]) -> Iterator[Path]:
+    """The folders below a data set that `tactometry export` wrote."""
+    for path, content in beside.items():
+        if path.name in _BEGINNINGS and content.startswith(_BEGINNINGS[path.name]) and path.parent != root:
+            yield path.parent
+
+
+def _left_beside(root: Path, code: str, stays: Mapping[Path, bytes]) -> Iterator[Left]:
+    """What others wrote, and what cannot be searched."""
+    for path, content in stays.items():
+        name = _name(root, path)
+        lines = [n for n, line in enumerate(content.split(b"\n"), 1) if says(line, code)]
+        if lines:
+            yield Left(name, f"names {code} in line {lines[0]}; edit or remove it", names=True)
+        elif says(name.encode(), code):
+            yield Left(name, f"is named for {code}; look at it", names=True)
+        elif path.is_symlink():
+            yield Left(name, "is a link that leads elsewhere; look there", names=False)
+        elif not _is_text(content):
+            yield Left(name, "is no text to search; look at it", names=False)
+
+
+def _is_text(content: bytes) -> bool:
+    try:
+        return "\0" not in content.decode()
+    except UnicodeDecodeError:
+        return False
+
+
+def _left_of_others(root: Path, code: str, of_others: Collection[Path]) -> Iterator[Left]:
+    """What the files of others, which stay as they are byte for byte, say of the participant: remarks, strange rows."""
+    study = root / STUDY
+    is_word_of_study = study in of_others and says(_content(study), code)
+    for path in of_others:
+        name, content = _name(root, path), _content(path)
+        lines = content.split(b"\n")
+        if path.suffix == ".csv":
+            places = [n for n, line in enumerate(lines, 1) if line.startswith(f"{code},".encode())]
+        elif path.suffix == ".jsonl" and path.parent != root:
+            places = [n for n, line in enumerate(lines, 1) if line.startswith(b'{"event":') and says(line, code)]
+        elif path.name.endswith("_events.tsv") or (path.name == NAME and not is_word_of_study):
+            places = [n for n, line in enumerate(lines, 1) if says(line, code)]
+        else:
+            continue
+        if places:
+            yield Left(name, f"names {code} in line {places[0]}", names=True)
+
+
+def _other_sets(root: Path, code: str) -> Iterator[Left]:
+    """Data sets of their own within the folder that hold the participant too."""
+    for folder, folders, _ in os.walk(root):
+        within = [
+            Path(folder) / name for name in folders if not name.startswith(".") and _is_a_set(Path(folder) / name)
+        ]
+        folders[:] = [name for name in folders if not name.startswith(".") and Path(folder) / name not in within]
+        for other in within:
+            if any(is_named_for(path.name, code) for path in other.rglob("*")):
+                yield Left(_name(root, other), f"is a data set of its own; tactometry erase {other} too", names=True)

@@ -1,0 +1,337 @@
+"""One participant is erased from a data set: nothing of them is left, others' files stand, and a record says so."""
+
+import json
+import shutil
+from contextlib import suppress
+from pathlib import Path
+
+import pytest
+from command_line import call, output
+from hypothesis import given, strategies as st
+from places import RECORDED
+
+from tactometry.experiments.data_sets.erasing import erase, find
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.records.data_set import Session, participants
+from tactometry.records.open_journal import Journal
+
+DATA_SETS = sorted(path.name for path in RECORDED.iterdir() if path.is_dir())
+RECORD = "erasures.jsonl"
+FORMS = ("bids", "jspsych", "psych-ds", "psychopy", "r")
+CODES = st.from_regex(r"[A-Za-z0-9]{1,8}", fullmatch=True)
+
+
+@pytest.fixture(scope="module")
+def studied(tmp_path_factory):
+    """Three participants with report and every export within the folder; a code that is nowhere by chance."""
+    root = tmp_path_factory.mktemp("studied") / "d"
+    for code, seed in (("P01", 1), ("QX7", 2), ("P03", 3)):
+        words = ("run", "tutorial", "--participant", code, "--number", seed, "--rig", "simulated", "--seed", seed)
+        assert called(*words, "--out", root) == 0
+    assert called("analyse", root, "--report", root / "report.html") == 0
+    for form in FORMS:
+        assert called("export", root, "--to", form, "--out", root / "exports" / form) == 0
+    return root
+
+
+def called(*words):
+    from tactometry.cli import main
+
+    with pytest.raises(SystemExit) as ended:
+        main(list(map(str, words)))
+    return ended.value.code
+
+
+@pytest.fixture
+def copied(studied, tmp_path):
+    return Path(shutil.copytree(studied, tmp_path / "d"))
+
+
+@pytest.fixture
+def two(studied, tmp_path):
+    """As `copied`, of what was recorded alone."""
+    only = shutil.ignore_patterns("report*", "exports")
+    return Path(shutil.copytree(studied, tmp_path / "d", ignore=only))
+
+
+def tree(root):
+    return {path.relative_to(root).as_posix(): path.read_bytes() for path in root.rglob("*") if path.is_file()}
+
+
+def recorded_of(files, code):
+    """What was recorded of a participant."""
+    parts = ("data/", "journals/", "traces/")
+    return {name: content for name, content in files.items() if name.startswith(parts) and f"-{code}_" in name}
+
+
+def test_nothing_of_the_participant_is_left_and_others_stand_byte_for_byte(capsys, copied):
+    before = tree(copied)
+    told = json.loads(output(capsys, "erase", copied, "--participant", "QX7", "--yes", "--json"))
+    after = tree(copied)
+    of_record = after.pop(RECORD)
+    assert not any("QX7" in path.relative_to(copied).as_posix() for path in copied.rglob("*"))
+    assert not [name for name, content in after.items() if b"QX7" in content]
+    assert b"QX7" in of_record
+    for code in ("P01", "P03"):
+        assert recorded_of(after, code) == recorded_of(before, code) != {}
+    shared = ("dataset_description.json", "study.toml")
+    assert all(after[name] == before[name] for name in shared)
+    assert {*told["own"], *told["derived"]} == before.keys() - after.keys()
+    assert validate(copied).defects == ()
+
+
+def test_what_was_derived_from_all_is_erased_and_can_be_made_anew(capsys, copied):
+    said = output(capsys, "erase", copied, "--participant", "QX7", "--yes")
+    assert "make anew" in said
+    assert sorted(path.name for path in copied.iterdir()) == sorted(
+        ("data", "dataset_description.json", RECORD, "journals", "study.toml")
+    )
+    output(capsys, "export", copied, "--to", "r", "--out", copied / "exports" / "r")
+    assert "QX7" not in (copied / "exports" / "r" / "trials.csv").read_text("utf-8")
+
+
+def test_figures_that_name_nobody_hold_the_participant_too(two):
+    """A mean of all, the figure of one trial: none says whose it is."""
+    figures, drawn = two / "figures", ("force.csv", "force.png", "force.svg")
+    figures.mkdir()
+    for name in drawn:
+        (figures / name).write_text("force_n\n1\n")
+    (two / "trial-17.png").write_bytes(b"\x89PNG")
+    (two / "setup.png").write_bytes(b"\x89PNG")
+    assert erase(two, "QX7").derived == (*(f"figures/{name}" for name in drawn), "trial-17.png")
+    assert not figures.exists()
+    assert (two / "setup.png").exists()
+
+
+def test_the_record_says_whom_when_by_what_and_how_much(two):
+    done = erase(two, "QX7")
+    line = json.loads((two / RECORD).read_text("utf-8"))
+    assert (line["participant"], line["n_sessions"], line["n_files"], line["files"]) == ("QX7", 1, 3, [])
+    assert line["begun_utc"] <= line["finished_utc"] == done.erasure.finished_utc
+    assert line["version"]
+    assert any("QX7 (1 session) was erased" in note for note in validate(two).notes)
+
+
+def test_a_dry_run_lists_what_would_go_and_changes_nothing(capsys, two):
+    before = tree(two)
+    said = output(capsys, "erase", two, "--participant", "QX7", "--dry-run")
+    assert tree(two) == before
+    assert all(name in said for name in recorded_of(before, "QX7"))
+    assert "P01" not in said
+
+
+@pytest.mark.parametrize("answer", ["n", ""])
+def test_it_asks_at_a_terminal(capsys, monkeypatch, two, answer):
+    before = tree(two)
+    monkeypatch.setattr("sys.stdin.isatty", lambda: True, raising=False)
+    monkeypatch.setattr("click.termui.visible_prompt_func", lambda _: answer)
+    status, said, out = call(capsys, "erase", two, "--participant", "QX7")
+    assert (status, tree(two)) == (1, before)
+    assert "nothing was erased" in out + said
+
+
+def test_without_a_terminal_it_wants_a_word(capsys, two):
+    before = tree(two)
+    status, said, _ = call(capsys, "erase", two, "--participant", "QX7")
+    assert status == 2
+    assert "expected --yes" in said
+    assert tree(two) == before
+
+
+def test_a_session_that_runs_is_not_erased(capsys, two):
+    before = tree(two)
+    journal = Journal(Session("QX7", 1, "tutorial").journal(two), resume=True)
+    try:
+        status, said, _ = call(capsys, "erase", two, "--participant", "QX7", "--yes")
+    finally:
+        journal.close()
+    assert status == 2
+    assert "another process is writing this session" in said
+    assert tree(two) == before
+
+
+class Killed(BaseException):
+    """No handler of errors catches it, as none catches a kill."""
+
+
+def killed_at(monkeypatch, n):
+    """The n-th removal of a file from now on is never made."""
+    left = iter(range(n))
+    unlink = Path.unlink
+
+    def until(path, missing_ok=False):
+        if not path.name.startswith(".") and next(left, None) is None:
+            raise Killed
+        unlink(path, missing_ok=missing_ok)
+
+    monkeypatch.setattr(Path, "unlink", until)
+
+
+@pytest.mark.parametrize("n", range(6))
+def test_killed_before_any_file_it_is_said_again_and_finishes(monkeypatch, two, n):
+    """The table of means alone does not name the participant: the plan on the disk knows it still."""
+    tables = two / "report_tables"
+    tables.mkdir()
+    (two / "report.html").write_text("QX7")
+    (tables / "a.csv").write_text("participant\nQX7\n")
+    (tables / "b.csv").write_text("mean\n1\n")
+    with monkeypatch.context() as patched:
+        killed_at(patched, n)
+        with pytest.raises(Killed):
+            erase(two, "QX7")
+    assert any("not erased to the end" in str(defect) for defect in validate(two).defects)
+    done = erase(two, "QX7")
+    assert (done.erasure.n_sessions, done.erasure.n_files) == (1, 6)
+    assert sorted(participants(two)) == ["P01", "P03"]
+    assert not tables.exists()
+    assert not (two / "report.html").exists()
+    assert validate(two).defects == ()
+    assert len((two / RECORD).read_text("utf-8").splitlines()) == 1
+
+
+def test_a_draft_of_the_record_that_a_kill_left_is_erased_too(two):
+    (two / f".{RECORD}.123").write_text('{"participant":"QX7"}')
+    erase(two, "QX7")
+    assert not (two / f".{RECORD}.123").exists()
+
+
+@pytest.mark.parametrize("name", DATA_SETS)
+def test_what_earlier_versions_recorded_is_erased(tmp_path, name):
+    root = Path(shutil.copytree(RECORDED / name, tmp_path / name))
+    codes = participants(root)
+    for code in codes:
+        erase(root, code)
+    assert not [path for part in ("data", "journals", "traces") for path in (root / part).glob("*")]
+    assert validate(root).defects == ()
+    assert [json.loads(line)["participant"] for line in (root / RECORD).read_text().splitlines()] == codes
+
+
+def test_a_participant_after_an_erasure_gets_the_order_that_they_would_have_got(capsys, studied, two, tmp_path):
+    whole = shutil.copytree(studied, tmp_path / "whole", ignore=shutil.ignore_patterns("report*", "exports"))
+    erase(two, "QX7")
+    for root in (two, whole):
+        words = ("run", "tutorial", "--participant", "P04", "--rig", "simulated", "--seed", 4, "--out", root)
+        output(capsys, *words)
+    assert recorded_of(tree(two), "P04") == recorded_of(tree(whole), "P04") != {}
+
+
+def test_a_journal_under_another_name_is_known_by_its_head(two):
+    journal = Session("QX7", 1, "tutorial").journal(two)
+    shutil.copy(journal, two / "journals" / "copy.jsonl")
+    erase(two, "QX7")
+    assert sorted(path.name for path in (two / "journals").iterdir()) == [
+        Session(code, 1, "tutorial").journal(two).name for code in ("P01", "P03")
+    ]
+
+
+@pytest.mark.parametrize("name", ["notes.md", "scripts/fit.R", "plan.toml"])
+def test_what_people_wrote_stays_and_is_told(capsys, two, name):
+    (two / name).parent.mkdir(exist_ok=True)
+    (two / name).write_text("first\nQX7 was ill\n")
+    status, _, out = call(capsys, "erase", two, "--participant", "QX7", "--yes")
+    assert status == 1
+    assert f"! {name} names QX7 in line 2" in out
+    assert (two / name).exists()
+    assert validate(two).defects == ()
+
+
+def test_what_cannot_be_searched_is_told(two):
+    (two / "fits.rds").write_bytes(b"\x1f\x8b\xff")
+    done = erase(two, "QX7")
+    assert [(left.file, left.names) for left in done.left] == [("fits.rds", False)]
+    assert done.is_free
+
+
+def test_a_remark_about_the_participant_in_a_journal_of_another_is_told(two):
+    journal = Session("P01", 1, "tutorial").journal(two)
+    with journal.open("ab") as file:
+        file.write(b'{"event":"remark","text":"as QX7 did"}\n')
+    before = journal.read_bytes()
+    done = erase(two, "QX7")
+    assert [(left.file, left.names) for left in done.left] == [(f"journals/{journal.name}", True)]
+    assert journal.read_bytes() == before
+
+
+def test_a_data_set_within_the_folder_is_told_and_left(two, studied):
+    within = two / "old"
+    shutil.copytree(studied / "journals", within / "journals")
+    before = tree(within)
+    done = erase(two, "QX7")
+    assert [left.file for left in done.left] == ["old"]
+    assert tree(within) == before
+
+
+def test_a_link_is_erased_and_what_it_leads_to_is_not(two, tmp_path):
+    outside = tmp_path / "kept.csv"
+    outside.write_text("QX7")
+    link = two / "data" / "participant-QX7_session-2_study-tutorial_data.csv"
+    link.symlink_to(outside)
+    erase(two, "QX7")
+    assert not link.is_symlink()
+    assert outside.read_text() == "QX7"
+
+
+def test_a_plan_that_somebody_wrote_erases_nothing_of_others(two, tmp_path):
+    outside = tmp_path / "kept.csv"
+    outside.write_text("1")
+    names = [f"journals/{Session('P01', 1, 'tutorial').stem}.jsonl", "../kept.csv", "study.toml"]
+    forged = {"participant": "QX7", "begun_utc": "2026-01-01", "version": "0", "n_sessions": 1, "n_files": 1}
+    (two / RECORD).write_text(json.dumps(forged | {"files": names}) + "\n")
+    before = recorded_of(tree(two), "P01")
+    erase(two, "QX7")
+    assert recorded_of(tree(two), "P01") == before
+    assert outside.exists()
+    assert (two / "study.toml").exists()
+
+
+def test_who_was_erased_is_not_erased_again(capsys, two):
+    done = erase(two, "QX7")
+    status, said, _ = call(capsys, "erase", two, "--participant", "QX7", "--yes")
+    assert status == 2
+    assert f"QX7 was erased at {done.erasure.finished_utc}" in said
+
+
+@pytest.mark.parametrize(
+    ("code", "sentence"),
+    [("QX8", "did you mean 'QX7'?"), ("../P01", "expected a code such as P01"), ("qx7", "found nothing of 'qx7'")],
+)
+def test_nobody_of_this_code_is_one_sentence(capsys, two, code, sentence):
+    before = tree(two)
+    status, said, _ = call(capsys, "erase", two, "--participant", code, "--yes")
+    assert status == 2
+    assert sentence in said
+    assert tree(two) == before
+
+
+def test_a_folder_that_is_no_data_set_is_refused(capsys, tmp_path):
+    status, said, _ = call(capsys, "erase", tmp_path, "--participant", "P01", "--yes")
+    assert status == 2
+    assert "expected the folder of a data set" in said
+
+
+def test_a_damaged_record_is_a_defect_and_refused(capsys, two):
+    (two / RECORD).write_text("{}\n")
+    assert any(RECORD in str(defect) for defect in validate(two).defects)
+    status, said, _ = call(capsys, "erase", two, "--participant", "QX7", "--yes")
+    assert status == 2
+    assert f"{RECORD}, line 1: found no erasure" in said
+
+
+@given(code=CODES, others=st.lists(CODES, max_size=3))
+def test_of_any_codes_those_of_others_stand(tmp_path_factory, code, others):
+    """Of `1` and `11`, `P` and `P1`: whoever's name is the beginning of another's."""
+    root = tmp_path_factory.mktemp("codes")
+    (root / "dataset_description.json").write_text("{}")
+    whose = {each.casefold(): each for each in (*others, f"{code}1", code)}.values()
+    for each in whose:
+        session = Session(each, 1, "a-study")
+        for path in (session.journal(root), session.trials(root)):
+            path.parent.mkdir(exist_ok=True)
+            path.write_bytes(f"participant\n{each},1\n".encode())
+    kept = {name: content for name, content in tree(root).items() if f"participant-{code}_" not in name}
+    assert not find(root, code).derived
+    with suppress(FileNotFoundError):
+        erase(root, code)
+    left = tree(root)
+    assert left.pop(RECORD)
+    assert left == kept
