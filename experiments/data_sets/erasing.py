@@ -21,7 +21,7 @@ from tactometry.records.description import NAME
 from tactometry.records.open_journal import held
 from tactometry.trials.cell_rules import PARTICIPANT
 
-from .erasure_plan import PARTS, Left, Plan, plan
+from .erasure_plan import PARTS, ErasurePlan, Left, plan
 from .erasure_record import RECORD, Erasure, read_erasures, unfinished, write_erasures
 
 UNREACHED: Final = (
@@ -85,7 +85,7 @@ def erase(root: Path, participant: str) -> Erased:
     return replace(told, n_sessions=done.n_sessions, erasure=done)
 
 
-def _plan(root: Path, participant: str) -> Plan:
+def _plan(root: Path, participant: str) -> ErasurePlan:
     expect(PARTICIPANT.fullmatch(participant) is not None, "--participant", repr(participant), "a code such as P01")
     is_set = (root / NAME).is_file() and ((root / "journals").is_dir() or (root / "data").is_dir())
     expect(is_set, root, f"no {NAME} with data or journals", "the folder of a data set", InvalidFile)
@@ -108,7 +108,7 @@ def _nothing(root: Path, participant: str, erasures: Iterable[Erasure]) -> str:
     return f"--participant: found nothing of {participant!r} in {root}, expected one of {known}"
 
 
-def _told(root: Path, participant: str, found: Plan) -> Erased:
+def _told(root: Path, participant: str, found: ErasurePlan) -> Erased:
     own, derived = _names(root, (*found.own, *found.journals)), _names(root, found.derived)
     return Erased(participant, len(found.journals), own, derived, found.left)
 
@@ -117,7 +117,7 @@ def _names(root: Path, paths: Iterable[Path]) -> tuple[str, ...]:
     return tuple(path.relative_to(root).as_posix() for path in sorted(paths))
 
 
-def _begin(root: Path, participant: str, found: Plan) -> Erasure:
+def _begin(root: Path, participant: str, found: ErasurePlan) -> Erasure:
     """Write down what is to go; an erasure that was interrupted goes on under its own line, with what it began with."""
     erasures = read_erasures(root)
     before = unfinished(erasures, participant)

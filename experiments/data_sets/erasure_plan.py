@@ -47,7 +47,7 @@ class Left:
 
 
 @dataclass(frozen=True)
-class Plan:
+class ErasurePlan:
     """What is to be erased: `own` and `derived` files, and what stays and is to be looked at."""
 
     journals: tuple[Path, ...]
@@ -61,7 +61,7 @@ class Plan:
         return (*self.derived, *self.own, *self.journals)
 
 
-def plan(root: Path, code: str, begun: Collection[str] = ()) -> Plan:
+def plan(root: Path, code: str, begun: Collection[str] = ()) -> ErasurePlan:
     """What is to be erased of the participant `code`; `begun` are names that an interrupted erasure had to erase.
 
     Raises
@@ -75,7 +75,7 @@ def plan(root: Path, code: str, begun: Collection[str] = ()) -> Plan:
     beside = {path: _content(path) for path in files if path not in own and path not in of_others}
     derived = set(_derived(root, code, beside)) | {path for path in beside if _name(root, path) in begun}
     stays = {path: content for path, content in beside.items() if path not in derived}
-    return Plan(
+    return ErasurePlan(
         tuple(path for path in own if _is_journal(root, path)),
         tuple(path for path in own if not _is_journal(root, path)),
         tuple(sorted(derived)),
