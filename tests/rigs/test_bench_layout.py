@@ -1,11 +1,14 @@
 """Pages as values: what they answer, and that nothing lies outside of the screen."""
 
+from itertools import combinations
+
 import pytest
 from hypothesis import given, strategies as st
 
 from tactometry.rigs.keyboard import FreshPresses
 from tactometry.rigs.pages import layout
 from tactometry.rigs.pages.page import Box, Click, Disc, KeyDown, Page
+from tactometry.rigs.texts import texts_in
 from tactometry.session.answer_rules import value_at
 
 ASPECTS = [4 / 3, 16 / 10, 16 / 9, 21 / 9]
@@ -51,6 +54,29 @@ def test_no_two_buttons_overlap(aspect):
                 apart_x = abs(one.x - other.x) - (one.width + other.width) / 2
                 apart_y = abs(one.y - other.y) - (one.height + other.height) / 2
                 assert max(apart_x, apart_y) > -1e-9, (one, other)
+
+
+US_KEY_OF = {
+    "US": {},
+    "German": {"y": "z", "z": "y"},
+    "French": {"a": "q", "q": "a", "w": "z", "z": "w", "m": "semicolon"},
+}
+"""Where a letter lies that is printed on another keyboard, by the name that the key has on a US one."""
+
+
+@pytest.mark.parametrize("keyboard", US_KEY_OF)
+def test_the_key_with_the_letter_that_is_shown_gives_the_answer_on_every_keyboard(keyboard):
+    for first, second in combinations("abcdefghijklmnopqrstuvwxyz", 2):
+        page = layout.question_page("?", (0, 1), (first * 2, second * 2), "hint", 1.6)
+        for button in page.buttons:
+            shown = button.keys[0]
+            assert page.answer(KeyDown(US_KEY_OF[keyboard].get(shown, shown), 0.0)) == button.answer
+
+
+def test_yes_and_no_are_shown_by_their_letters_in_every_language():
+    for language, shown in (("en", "ny"), ("fr", "no"), ("de", "nj")):
+        labels = [texts_in(language, {}).label(word) for word in ("no", "yes")]
+        assert [keys[0] for keys in layout.option_keys((0, 1), labels)] == list(shown)
 
 
 @pytest.mark.parametrize("aspect", ASPECTS)

@@ -3,6 +3,7 @@
 import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 from ...session.request import Adjust
 from .page import ACCENT, EDGE, GOOD, INK, PAPER, QUIET, Answer, Box, Button, Disc, Item, Page, Picture, Text
@@ -20,6 +21,8 @@ TALLEST = 0.4
 """An image on a page of text."""
 LIST_TOP, LIST_HEIGHT, LEAST_ROWS = 0.28, 0.62, 6
 """Where options stand one below the other; fewer are no higher than so many."""
+ELSEWHERE: Final = {"a": ("q",), "m": ("semicolon",), "q": ("a",), "w": ("z",), "y": ("z",), "z": ("y", "w")}
+"""Letters that lie where a US keyboard has other keys: on a German or Swiss one (QWERTZ), on a French one (AZERTY)."""
 CONTINUE_KEYS = ("space", "return", "num_enter")
 LEFT, RIGHT, UP, DOWN, CONFIRM = "left", "right", "up", "down", "confirm"
 FIRST, LAST = "first place", "last place"
@@ -144,17 +147,26 @@ def _list_row(button: Button, label: str) -> list[Item]:
 
 
 def option_keys(options: Sequence[int], labels: Sequence[str]) -> list[tuple[str, ...]]:
-    """The keys of each option, the shown one first: the label's first letter if it is its own, the digit.
+    """The keys of each option, the shown one first: the label's first letter if it is its own on each keyboard, the
+    digit.
 
     >>> option_keys((0, 1), ("no", "yes"))
-    [('n', '0', 'num_0'), ('y', '1', 'num_1')]
-    >>> option_keys((1, 2), ("first", "final"))
+    [('n', '0', 'num_0'), ('y', 'z', '1', 'num_1')]
+    >>> option_keys((1, 2), ("first", "final")) == option_keys((1, 2), ("yes", "zero"))
+    True
+    >>> option_keys((1, 2), ("yes", "zero"))
     [('1', 'num_1'), ('2', 'num_2')]
     """
-    letters = [_first_letter(label) for label in labels]
-    distinct = len(set(letters)) == len(letters) and "" not in letters
+    letters = [_letter_keys(label) for label in labels]
+    distinct = all(letters) and len({key for keys in letters for key in keys}) == sum(map(len, letters))
     digits = [(str(option), f"num_{option}") if 0 <= option <= 9 else () for option in options]
-    return [(letter, *digit) if distinct else digit for letter, digit in zip(letters, digits, strict=True)]
+    return [(*keys, *digit) if distinct else digit for keys, digit in zip(letters, digits, strict=True)]
+
+
+def _letter_keys(label: str) -> tuple[str, ...]:
+    """The first letter of a label, wherever it lies: keys are named by their place on a US keyboard."""
+    letter = _first_letter(label)
+    return (letter, *ELSEWHERE.get(letter, ())) if letter else ()
 
 
 def _first_letter(label: str) -> str:
