@@ -14,7 +14,7 @@ PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist lo
 export PYTHONDONTWRITEBYTECODE :=
 INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
-EXTRAS := window,audio,serial,lsl,ni,watch,cluster,hdf5,film,dev
+EXTRAS := window,audio,serial,lsl,ni,watch,cluster,hdf5,film,docs,dev
 SYSTEM_PACKAGES := xvfb xauth libgl1 libglu1-mesa libfontconfig1 libportaudio2 pulseaudio pulseaudio-utils libasound2-plugins
 PLATFORMS := x86_64-manylinux_2_36 aarch64-apple-darwin x86_64-apple-darwin x86_64-pc-windows-msvc
 PYTHONS := 3.11 3.12
@@ -40,7 +40,7 @@ debian() {
 }
 endef
 
-.PHONY: help demo test soak static check bench pages reproduced validated keys stability constraints platforms clean system
+.PHONY: help demo test soak static check bench docs pages reproduced validated keys stability constraints platforms clean system
 
 help: ## what can be made
 	@sed -nE 's/^([a-z]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 20
@@ -66,21 +66,25 @@ check: static system $(VENV)/.test ## the static checks, then all tests with bra
 bench: system $(VENV)/.test ## every benchmark: ratios measured in one run
 	@for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark; done
 
-pages: $(VENV)/.test ## write docs/cost.md (accuracy), docs/reproduced.md (the thesis) and docs/stability.md (hard cases) anew
-	@$(BIN)/tactometry cost all --page docs/cost.md >/dev/null
+docs: $(VENV)/.test ## build the site into docs/_build/html, without a network; a warning or a dead link fails
+	@$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --nitpicky docs docs/_build/html $(ARGS)
+	echo "The site is docs/_build/html/index.html"
+
+pages: $(VENV)/.test ## write docs/explanation/cost.md (accuracy), docs/explanation/reproduced.md (the thesis) and docs/explanation/stability.md (hard cases) anew
+	@$(BIN)/tactometry cost all --page docs/explanation/cost.md >/dev/null
 	$(MAKE) --no-print-directory reproduced stability
 
-reproduced: $(VENV)/.core ## write docs/reproduced.md: what of the thesis comes out
-	@$(BIN)/tactometry reproduce all --page docs/reproduced.md >/dev/null
+reproduced: $(VENV)/.core ## write docs/explanation/reproduced.md: what of the thesis comes out
+	@$(BIN)/tactometry reproduce all --page docs/explanation/reproduced.md >/dev/null
 
-validated: $(VENV)/.core ## write docs/validated.md anew: our methods, put to known truths; half an hour of two cores
-	@$(BIN)/tactometry validate-method --out docs/.validated --rounds 20 --jobs 2 --page docs/validated.md >/dev/null
+validated: $(VENV)/.core ## write docs/explanation/validated.md anew: our methods, put to known truths; half an hour of two cores
+	@$(BIN)/tactometry validate-method --out docs/.validated --rounds 20 --jobs 2 --page docs/explanation/validated.md >/dev/null
 	@rm -rf docs/.validated
 
-keys: $(VENV)/.core ## write the tables of keys in docs/studies.md and docs/procedures.md anew
+keys: $(VENV)/.core ## write the tables of keys in docs/reference/studies.md and docs/reference/procedures.md anew
 	@$(BIN)/python -m tactometry.experiments.study.key_tables
 
-stability: system $(VENV)/.test ## write docs/stability.md from the hard cases of the tests
+stability: system $(VENV)/.test ## write docs/explanation/stability.md from the hard cases of the tests
 	@$(BIN)/python -m pytest -q --stability
 
 constraints: $(VENV)/.python ## write constraints.txt anew: the newest versions that pyproject.toml admits
@@ -101,7 +105,7 @@ platforms: $(VENV)/.python ## resolve every platform with wheels only (esprima h
 	done; done
 
 clean: ## remove what was made, but not .venv
-	@rm -rf build dist demo htmlcov *.egg-info .coverage .coverage.* .pytest_cache .mypy_cache .ruff_cache \
+	@rm -rf build dist demo docs/_build htmlcov *.egg-info .coverage .coverage.* .pytest_cache .mypy_cache .ruff_cache \
 	    .hypothesis .import_linter_cache
 	find . -name __pycache__ -not -path './$(VENV)/*' -prune -exec rm -rf {} +
 

@@ -1,8 +1,9 @@
 """From trials to estimates, figures and reports.
 
-The whole way is `analyse` and `write_report`; what `tactometry analyse` does beside them is in `docs/analysis.md`. The
-functions below are its steps, each to be had alone: read a table, fit thresholds, compare conditions.
-`docs/analysis.md` names more of them, with their modules.
+The whole way is `analyse` and `write_report`; what `tactometry analyse` does beside them is in
+`docs/reference/analysis.md`. The functions below are its steps, each to be had alone: read a table, fit thresholds,
+compare conditions.
+`docs/reference/analysis.md` names more of them, with their modules.
 
 A name is imported when it is first asked for.
 """

@@ -1,4 +1,6 @@
-"""The tables of docs/analysis.md on statuses: `python benchmarks/census.py --sets 20 --seed 1 --csv outcomes.csv`.
+"""The tables of docs/reference/analysis.md on statuses.
+
+`python benchmarks/census.py --sets 20 --seed 1 --csv outcomes.csv`
 
 `--from outcomes.csv` makes the tables of outcomes kept before.
 """

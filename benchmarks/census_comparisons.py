@@ -1,4 +1,4 @@
-"""The table of docs/analysis.md on comparisons: `python benchmarks/census_comparisons.py --sets 3000 --seed 1`."""
+"""That of docs/reference/analysis.md on comparisons: `python benchmarks/census_comparisons.py --sets 3000 --seed 1`."""
 
 from argparse import ArgumentParser
 

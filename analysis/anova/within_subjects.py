@@ -63,9 +63,9 @@ def repeated_measures(
     Notes
     -----
     Chi and Muller's correction holds 5 % of false alarms best, from few participants and where the contrasts are not
-    spherical (docs/analysis.md has the table). With fewer participants than an effect has contrasts, its error matrix
-    is singular: Mauchly's test does not exist; the corrections hold. `permutation_test` needs none. An effect that is
-    exactly the same in all participants has no error: its F is missing, and a note says so.
+    spherical (docs/reference/analysis.md has the table). With fewer participants than an effect has contrasts, its
+    error matrix is singular: Mauchly's test does not exist; the corrections hold. `permutation_test` needs none. An
+    effect that is exactly the same in all participants has no error: its F is missing, and a note says so.
 
     >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})

@@ -71,8 +71,9 @@ class Status(NotedStatus):
 
 CEILING_WEIGHT, GUESSES_WEIGHT, CONSTANT_WEIGHT = 0.3, 3.5, 0.05
 """Before the data, of a threshold so far below, or above, the levels that they tell nothing, and of no rise at all,
-beside 1 for the curves of the fit. Unverified defaults: with them the census (docs/analysis.md) keeps the shares of
-wrong statuses. Guesses weigh more, because by luck they rise with the level more often than answers at a ceiling do."""
+beside 1 for the curves of the fit. Unverified defaults: with them the census (docs/reference/analysis.md) keeps the
+shares of wrong statuses. Guesses weigh more, because by luck they rise with the level more often than answers at a
+ceiling do."""
 
 TOO_NARROW = ("ml", "map", "profile")
 """Methods whose intervals are known to be too narrow after an adaptive track."""

@@ -1,5 +1,5 @@
 """What becomes of simulated participants' thresholds: statuses, coverage, bias and length of intervals, by procedure,
-task, number of trials and place of the threshold. The tables of docs/analysis.md are made of it
+task, number of trials and place of the threshold. The tables of docs/reference/analysis.md are made of it
 (`python benchmarks/census.py`).
 
 Every participant answers a whole track of the procedure itself; its first n trials are a track of n.

@@ -17,7 +17,7 @@ HEAD = """# What accuracy costs
 ```
 tactometry cost all --out cost            # every ladder: table, cost/cost.csv, a figure each
 tactometry cost skin-propagator
-tactometry cost all --page docs/cost.md   # this page
+tactometry cost all --page docs/explanation/cost.md   # this page
 ```
 
 A ladder is one problem with settings from coarse to fine. Each rung has its error against the stated reference, the

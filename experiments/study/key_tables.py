@@ -1,7 +1,7 @@
 """The tables of a study file by their place, each with the class that reads it; and the same as pages of the docs.
 
-`python -m tactometry.experiments.study.key_tables` (`make keys`) writes them into `docs/studies.md` and
-`docs/procedures.md`.
+`python -m tactometry.experiments.study.key_tables` (`make keys`) writes them into `docs/reference/studies.md` and
+`docs/reference/procedures.md`.
 """
 
 from collections.abc import Iterable, Iterator, Mapping
@@ -131,7 +131,7 @@ def with_tables(page: str, tables: Iterable[tuple[str, KeyTable]], behind: str =
 
 def pages() -> dict[Path, str]:
     """The pages that hold keys, as they should be."""
-    studies, procedures = ROOT / "docs" / "studies.md", ROOT / "docs" / "procedures.md"
+    studies, procedures = (ROOT / "docs" / "reference" / f"{page}.md" for page in ("studies", "procedures"))
     return {
         studies: with_tables(studies.read_text(encoding="utf-8"), study_tables(), _texts_in_words()),
         procedures: with_tables(procedures.read_text(encoding="utf-8"), procedure_tables()),

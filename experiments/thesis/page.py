@@ -11,7 +11,7 @@ HEAD = """# What of the thesis comes out
 ```
 tactometry reproduce all --out reproduced           # CSV of every table and finding, CSV and PNG of every figure
 tactometry reproduce table-4.3 --out reproduced
-tactometry reproduce all --page docs/reproduced.md  # this page
+tactometry reproduce all --page docs/explanation/reproduced.md  # this page
 ```
 
 The thesis is H. Zophoniasson's (2017). Our sources hold its front matter, lists of figures and tables, abstract and
@@ -94,7 +94,7 @@ def _left_out() -> Iterator[str]:
 
 
 def _anchor(name: str) -> str:
-    return name.replace(".", "")
+    return name.replace(".", "").lower()
 
 
 def _section(reproduced: Reproduced) -> Iterator[str]:

@@ -17,7 +17,7 @@ from .images import PageImage
 _WIDE = re.compile(r"\d{4}")
 FOLDER = Path(__file__).parent
 PREFIX, SUFFIX = "messages_", ".toml"
-LIST: Final = "the list of [texts] in docs/studies.md"
+LIST: Final = "the list of [texts] in docs/reference/studies.md"
 N_NEAREST: Final = 3
 """So many names like one that is not known are told: there are a hundred."""
 

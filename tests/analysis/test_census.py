@@ -1,4 +1,4 @@
-"""The operating characteristics of the statuses, in reduced form; in full in the soak, and in docs/analysis.md.
+"""The operating characteristics of the statuses, reduced; in full in the soak, and in docs/reference/analysis.md.
 
 Tolerances are the numbers' own standard errors at 1e-4. Chances of settings differ: a mean of chances below a bound has
 at most the binomial's variance at the bound.
@@ -107,7 +107,7 @@ def command():
 
 def test_the_tables_of_the_docs_are_those_of_the_command(outcomes, command) -> None:
     """Their heads, rows and numbers of tracks; the shares are one run's."""
-    docs = (ROOT / "docs" / "analysis.md").read_text("utf-8")
+    docs = (ROOT / "docs" / "reference" / "analysis.md").read_text("utf-8")
     n_sets = int(re.search(r"python benchmarks/census.py --sets (\d+)", docs)[1])
     whole = len(PROCEDURES) * len(TASKS) - 1
     made = command.table(outcomes, ["place", "n_trials"]).splitlines()

@@ -18,7 +18,7 @@ from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.cli.analyse import command
 from tactometry.errors import InvalidFile
 
-DOCS = DOCS / "analysis.md"
+DOCS = DOCS / "reference" / "analysis.md"
 
 PSYCHOPY = """\
 text,contrast,cond,trials.thisN,key_resp.keys,key_resp.corr,key_resp.rt,participant,session,date,expName

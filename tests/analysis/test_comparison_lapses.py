@@ -1,5 +1,5 @@
 """Just noticeable differences of people who lapse: one rate for both asymptotes, and intervals that hold the truth as
-often as they say, without lapses and with some. In full in the soak, and in docs/analysis.md.
+often as they say, without lapses and with some. In full in the soak, and in docs/reference/analysis.md.
 
 Tolerances are the numbers' own standard errors at 1e-4.
 """

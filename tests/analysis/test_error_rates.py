@@ -58,8 +58,8 @@ def test_false_alarms_of_the_analysis_of_variance_are_4_to_6_percent(design, sce
 
 @pytest.mark.parametrize("scenario", SCENARIOS[:3])
 def test_false_alarms_and_means_with_bounds_are_right_too(scenario) -> None:
-    """A seventh of the values are bounds. False alarms are 4 to 6 % (docs/analysis.md), and the interval of a mean
-    holds it in 94 to 98 %, also in the noisy condition."""
+    """A seventh of the values are bounds. False alarms are 4 to 6 % (docs/reference/analysis.md), and the interval of
+    a mean holds it in 94 to 98 %, also in the noisy condition."""
     n_studies = 3_000 if SOAK else 80
     values = drawn(scenario, 4, (n_studies, N), np.random.default_rng())
     at = float(np.quantile(values[..., 1:], 0.15))

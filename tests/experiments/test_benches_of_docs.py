@@ -1,4 +1,4 @@
-"""The benches of docs/devices.md run the studies that the page says they run."""
+"""The benches of docs/reference/devices.md run the studies that the page says they run."""
 
 import re
 import tomllib
@@ -19,7 +19,7 @@ from tactometry.safety.limits import Limits
 
 STUDY = Limits(200.0)
 TODAY = date(2026, 11, 21)
-PAGE = (DOCS / "devices.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "reference" / "devices.md").read_text(encoding="utf-8")
 BENCHES = re.findall(r"```toml\n(.*?)```", PAGE, re.S)
 CLAIMS = re.findall(r"^\| ((?:`[a-z-]+`(?:, )?)+) \| the one.* \| (?:`(.*)`)? ?\|$", PAGE, re.M)
 CLAIMED = [

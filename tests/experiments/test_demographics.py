@@ -20,7 +20,7 @@ from tactometry.rigs.texts import languages, texts_in
 from tactometry.session.request import ABOUT, Choose
 
 SECTION = (
-    (DOCS / "studies.md").read_text("utf-8").partition("### Consent, and questions about a person")[2]
+    (DOCS / "reference" / "studies.md").read_text("utf-8").partition("### Consent, and questions about a person")[2]
 ).partition("\n### ")[0]
 SHIPPED, OWN = re.findall(r"```toml\n(.*?)```", SECTION, re.S)
 TUTORIAL = builtin()["tutorial"].read_text("utf-8").replace("repeats = 4", "repeats = 1")

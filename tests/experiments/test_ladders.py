@@ -20,7 +20,7 @@ from tactometry.experiments.cost.report import answers, label, table
 from tactometry.experiments.ladders import LADDERS, problem_of
 from tactometry.experiments.ladders.cold import cold_s
 
-PAGE = DOCS / "cost.md"
+PAGE = DOCS / "explanation" / "cost.md"
 N_RUNGS = {} if SOAK else {"group-threshold": 3}
 """In the reduced form, of each contender."""
 

@@ -13,7 +13,9 @@ from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import builtin, load
 
 SECTION = (
-    (DOCS / "studies.md").read_text("utf-8").partition("### A questionnaire, and questions, of one's own")[2]
+    (DOCS / "reference" / "studies.md")
+    .read_text("utf-8")
+    .partition("### A questionnaire, and questions, of one's own")[2]
 ).partition("\n## ")[0]
 TABLES, FORM = re.findall(r"```toml\n(.*?)```", SECTION, re.S)
 TUTORIAL = builtin()["tutorial"].read_text("utf-8")

@@ -20,7 +20,10 @@ from tactometry.experiments.study.study_file import builtin
 from tactometry.stimuli.electrovibration.waveforms.wav_file import WavFile, samples_of
 
 SECTION = (
-    (DOCS / "studies.md").read_text("utf-8").partition("## A file, and code of one's own")[2].partition("\n## ")[0]
+    (DOCS / "reference" / "studies.md")
+    .read_text("utf-8")
+    .partition("## A file, and code of one's own")[2]
+    .partition("\n## ")[0]
 )
 FILE_TABLE, OWN_TABLES = re.findall(r"```toml\n(.*?)```", SECTION, re.S)
 (CODE,) = re.findall(r"```python\n(.*?)```", SECTION, re.S)

@@ -123,7 +123,7 @@ def test_a_stimulus_that_is_measured_takes_no_scene():
 
 
 def test_the_plate_of_the_page_is_felt_loaded_and_not():
-    page = (DOCS / "studies.md").read_text("utf-8").partition("On a plate that focuses")[2]
+    page = (DOCS / "reference" / "studies.md").read_text("utf-8").partition("On a plate that focuses")[2]
     table = page.partition("```toml\n")[2].partition("```")[0]
     told = felt_effects(of_study("time-reversal-threshold", f"\n{table}"))
     assert [one.felt for one in told] == [("focus_detection",)]

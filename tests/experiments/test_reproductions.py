@@ -1,4 +1,4 @@
-"""What `tactometry reproduce` makes of the thesis, and that docs/reproduced.md is what it makes."""
+"""What `tactometry reproduce` makes of the thesis, and that docs/explanation/reproduced.md is what it makes."""
 
 import csv
 import json
@@ -25,7 +25,7 @@ from tactometry.stimuli.electrovibration.figures import force_against_area
 from tactometry.stimuli.time_reversal.fingertip import Fingertip
 from tactometry.stimuli.time_reversal.stimulus.sensation import free_displacement, loaded_displacements
 
-PAGE = DOCS / "reproduced.md"
+PAGE = DOCS / "explanation" / "reproduced.md"
 QUICK = ("table-2.1", "table-4.1", "table-6.1", *(name for name in REPRODUCTIONS if "figure" in name))
 DRAWN_AT_ONCE = ("figure-3.4", "figure-5.8", "figure-6.3", "figure-6.5", "figure-6.6", "figure-6.8", "figure-B.1")
 ONE_IN_THE_THIRD_DIGIT, NO_MORE_THAN_ROUNDING = 0.0101, 1e-9

@@ -273,7 +273,7 @@ def test_a_check_tells_what_is_felt(study):
 
 
 def test_the_table_of_the_page_is_felt():
-    page = (DOCS / "studies.md").read_text("utf-8").partition("## Scenes")[2]
+    page = (DOCS / "reference" / "studies.md").read_text("utf-8").partition("## Scenes")[2]
     table = page.partition("```toml\n")[2].partition("```")[0]
     (felt,) = felt_effects(wired(f"{TUTORIAL}\n{table}"))
     assert felt.felt[-2:] == ("receptors", "masking")

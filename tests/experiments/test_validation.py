@@ -1,5 +1,5 @@
 """`tactometry validate-method`: what departs is seen, nothing depends on where it is computed, nor on interruptions,
-and docs/validated.md is what it makes."""
+and docs/explanation/validated.md is what it makes."""
 
 import copy
 import json
@@ -21,7 +21,7 @@ from tactometry.experiments.validation.page import departures, page
 from tactometry.experiments.validation.run import Chunk, Validated, Validation, path_of, validate
 
 SMALL = Validation(seed=3, n_rounds=2, checks=("comparisons",))
-PAGE, PAGE_SEED, PAGE_ROUNDS = DOCS / "validated.md", 1, 20
+PAGE, PAGE_SEED, PAGE_ROUNDS = DOCS / "explanation" / "validated.md", 1, 20
 
 
 def tables(root):
@@ -238,7 +238,7 @@ def test_the_page_of_the_docs_is_what_the_command_makes():
     assert len(rows) == 2
     assert [row in text for row in rows] == [True, True]
     for figure in (check_of(name).figure for name in CHECKS):
-        assert not figure or (DOCS / "validated" / f"{figure}.svg").exists()
+        assert not figure or (PAGE.parent / "validated" / f"{figure}.svg").exists()
 
 
 @pytest.mark.parametrize("form", ["text", "json"])

@@ -68,7 +68,7 @@ def test_an_absent_file_is_told(tmp_path: Path, what: str) -> None:
         READERS[what](tmp_path / "none.toml")
 
 
-ANALYSIS = (ROOT / "docs" / "analysis.md").read_text("utf-8")
+ANALYSIS = (ROOT / "docs" / "reference" / "analysis.md").read_text("utf-8")
 
 
 def indented(begin: str, end: str) -> str:
@@ -79,7 +79,9 @@ def indented(begin: str, end: str) -> str:
 
 
 SOUND = {
-    "a bench file": re.findall(r"```toml\n(.*?)```", (ROOT / "docs" / "devices.md").read_text("utf-8"), re.DOTALL)[0],
+    "a bench file": re.findall(
+        r"```toml\n(.*?)```", (ROOT / "docs" / "reference" / "devices.md").read_text("utf-8"), re.DOTALL
+    )[0],
     "a column map": indented('missing = ["None"]', "n = 0"),
     "a plan of analysis": indented('primary = "anova"', "force_n = 1.0"),
     "a plate": 'glass = "Borofloat 33"\nlength_m = 0.3\nwidth_m = "210 mm"\nthickness_m = 1e-3\nboundary = "FFFF"\n',

@@ -1,4 +1,4 @@
-"""A folder with the study of docs/psychopy.md and a bench: signals go into a file, a hand presses 1 N."""
+"""A folder with the study of docs/how_to/psychopy.md and a bench: signals go into a file, a hand presses 1 N."""
 
 from benches import PRESSED_ELECTRODE
 from emulated import Emulator
@@ -9,7 +9,7 @@ def hand_and_bench(folder):
     """The hand, to be closed; study, bench and the maps of the page lie in the folder."""
     hand = Emulator("udp", folder, profile="1:100")
     names = ("touch.toml", "columns.toml", "attrakdiff.toml")
-    written = dict(zip(names, blocks("psychopy.md", "toml"), strict=True))
+    written = dict(zip(names, blocks("how_to/psychopy.md", "toml"), strict=True))
     written["bench.toml"] = PRESSED_ELECTRODE.format(folder="played", port=hand.udp_port)
     for name, text in written.items():
         (folder / name).write_text(text, encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Hard cases say what they are: their reference, their bound and the error they saw make docs/stability.md.
+"""Hard cases say what they are: their reference, their bound and the error they saw make docs/explanation/stability.md.
 
 A test calls `hard_case` or `exact_case`; names, references and bounds are literals, so that they can be read without a
 run. `make stability` writes the page from a run of the tests that hold hard cases.
@@ -16,7 +16,7 @@ from places import DOCS, ROOT
 
 TESTS = ROOT / "tests"
 OWN = TESTS / "whole" / "test_stability.py"
-PAGE = DOCS / "stability.md"
+PAGE = DOCS / "explanation" / "stability.md"
 ROOMS = {
     "stimuli/time_reversal/": "Time reversal",
     "stimuli/electrovibration/": "Electrovibration",
@@ -72,7 +72,7 @@ def hard_case(case, found, expected, bound, *, against, floor=0.0):
     assert error <= bound, f"{case}: found an error of {error:.3g}, the bound is {bound:g}"
     before = stated().get(case, np.inf)
     assert error <= max(DRIFT * before, MARGIN * bound, ROUNDING), (
-        f"{case}: found an error of {error:.3g} where docs/stability.md says {before}; run make stability"
+        f"{case}: found an error of {error:.3g} where docs/explanation/stability.md says {before}; run make stability"
     )
     SEEN[case] = max(SEEN.get(case, 0.0), error)
 
@@ -146,7 +146,9 @@ def only_hard_cases(items):
 
 
 def pytest_addoption(parser):
-    parser.addoption("--stability", action="store_true", help="run the hard cases alone, and write docs/stability.md")
+    parser.addoption(
+        "--stability", action="store_true", help="run the hard cases alone, and write docs/explanation/stability.md"
+    )
 
 
 def pytest_sessionfinish(session, exitstatus):

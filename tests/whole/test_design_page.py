@@ -1,4 +1,4 @@
-"""docs/design.md shows the house as it is: every path stands, the picture has the rooms of each wing and no other."""
+"""docs/explanation/design.md shows the house as it is: paths stand, the picture has each wing's rooms and no other."""
 
 import re
 from pathlib import Path
@@ -8,9 +8,9 @@ from places import DOCS, ROOT
 
 from tactometry.cli import COMMANDS
 
-PAGE = (DOCS / "design.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "explanation" / "design.md").read_text(encoding="utf-8")
 PATHS = sorted(set(re.findall(r"`((?:tactometry|stimuli|protocols|analysis|experiments|tests)/[\w/.]*)`", PAGE)))
-PICTURE = (DOCS / "design" / "rooms.svg").read_text(encoding="utf-8")
+PICTURE = (DOCS / "explanation" / "design" / "rooms.svg").read_text(encoding="utf-8")
 WINGS = ("experiments", "protocols", "stimuli", "analysis", "tactometry")
 BOX = re.compile(r'<rect x="([\d.]+)" y="([\d.]+)" width="([\d.]+)" height="([\d.]+)" rx="8"')
 TITLE = re.compile(r'<text x="([\d.]+)" y="([\d.]+)" font-size="16"[^>]*>([\w/]+)')
@@ -58,4 +58,4 @@ def test_the_picture_has_each_command() -> None:
 
 @pytest.mark.parametrize("page", ["README.md", "CONTRIBUTING.md"])
 def test_who_begins_is_led_to_the_page(page: str) -> None:
-    assert "docs/design.md" in (ROOT / page).read_text(encoding="utf-8")
+    assert "docs/explanation/design.md" in (ROOT / page).read_text(encoding="utf-8")

@@ -1,4 +1,4 @@
-"""docs/stability.md says what the tests hold: no case more, none less, and no error above its bound."""
+"""docs/explanation/stability.md says what the tests hold: no case more, none less, and no error above its bound."""
 
 import math
 from collections import Counter

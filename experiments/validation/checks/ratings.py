@@ -106,9 +106,9 @@ def effects(n_sets: int, rng: np.random.Generator) -> pd.DataFrame:
 
 
 _PEOPLE: Final = f"""\
-{N_PARTICIPANTS} simulated people ([observer.raters](people.md)) rate seven patterns by AttrakDiff's 28 word pairs,
-in whole steps: attitudes by person, dimension and pattern, loadings, noise, extremity and acquiescence as in the
-study `time-reversal-patterns`. Pragmatic quality is looked at."""
+{N_PARTICIPANTS} simulated people ([observer.raters](../reference/people.md)) rate seven patterns by AttrakDiff's 28
+word pairs, in whole steps: attitudes by person, dimension and pattern, loadings, noise, extremity and acquiescence as
+in the study `time-reversal-patterns`. Pragmatic quality is looked at."""
 _SETTINGS: Final[Mapping[str, Simulate]] = {"patterns": false_alarms}
 FALSE_ALARMS: Final = Check(
     title="Tests of questionnaires",

@@ -109,7 +109,7 @@ def test_a_threshold_of_force_of_an_older_study_file_holds_at_250_hz() -> None:
     ("law", "voltage_v"), [("parallel_plate", 1.05), ("interface", 0.89), ("total_thickness", 19.8), ("sc_layer", 30.8)]
 )
 def test_each_force_law_has_its_own_threshold_voltage(law: str, voltage_v: float) -> None:
-    """What docs/electrovibration.md states: nothing is set to any of them."""
+    """What docs/reference/electrovibration.md states: nothing is set to any of them."""
     found_db = threshold_db(AmplitudeModulated(frequency_hz=240.0), felt_by(ElectrovibrationSensation(law=law)))
     assert 10 ** (found_db / 20) == pytest.approx(voltage_v, rel=0.01)
 

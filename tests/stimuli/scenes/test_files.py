@@ -76,7 +76,7 @@ def test_a_setting_in_a_file_takes_the_place_of_the_chosen_one_or_is_refused(set
 
 def test_no_error_is_told_of_a_scene_with_a_setting_of_ones_own(capsys, tmp_path):
     """It said "predicted error inf"."""
-    page = (DOCS / "scenes.md").read_text("utf-8")
+    page = (DOCS / "reference" / "scenes.md").read_text("utf-8")
     (tmp_path / "s.toml").write_text(page.partition("```toml\n")[2].partition("```")[0])
     assert status("scene", tmp_path / "s.toml") == 0
     assert "predicted error not known (a setting is given)" in capsys.readouterr().out

@@ -6,14 +6,14 @@ import re
 import pytest
 from places import DOCS
 
-PAGE = (DOCS / "time_reversal.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "reference" / "time_reversal.md").read_text(encoding="utf-8")
 ROWS = re.findall(r"^\| [^|]+ \| (`[^|]+) \| (`[^|]+) \|$", PAGE, re.MULTILINE)
 
 
 def test_the_example_prints_what_the_page_says(capsys):
     example = re.search(r"```python\n(.*?)```", PAGE, re.DOTALL)
     assert example is not None
-    exec(compile(example[1], "docs/time_reversal.md", "exec"), {})
+    exec(compile(example[1], "docs/reference/time_reversal.md", "exec"), {})
     said = re.search(r"# ([0-9.]+ um)$", example[1], re.MULTILINE)
     assert said is not None
     assert capsys.readouterr().out.strip() == said[1]

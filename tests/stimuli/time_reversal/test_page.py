@@ -4,7 +4,7 @@ import re
 
 from places import DOCS
 
-PAGE = (DOCS / "time_reversal.md").read_text(encoding="utf-8")
+PAGE = (DOCS / "reference" / "time_reversal.md").read_text(encoding="utf-8")
 EXAMPLES = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
 
 
@@ -16,7 +16,7 @@ def said(example):
 def test_every_example_prints_what_the_page_says(capsys):
     names = {}
     for example in EXAMPLES:
-        exec(compile(example, "docs/time_reversal.md", "exec"), names)
+        exec(compile(example, "docs/reference/time_reversal.md", "exec"), names)
         assert capsys.readouterr().out.splitlines() == said(example)
 
 

@@ -1,0 +1,32 @@
+"""The site: `make docs` builds it into docs/_build/html, without a network."""
+
+import sys
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent / "_extensions"))
+
+project = "Tactometry"
+author = "the authors of Tactometry"
+copyright = "the authors of Tactometry, GPL-3.0-or-later"  # noqa: A001
+
+extensions = ["myst_parser", "sphinx_design", "sphinx_copybutton", "mathml", "root_pages"]
+exclude_patterns = ["_build", "_extensions", ".validated"]
+nitpicky = True
+
+myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
+myst_heading_anchors = 4
+
+html_theme = "furo"
+html_title = "Tactometry"
+html_math_renderer = "mathml"
+html_static_path = ["_static"]
+html_css_files = ["site.css"]
+html_copy_source = False
+html_show_sourcelink = False
+pygments_style = "tango"
+pygments_dark_style = "github-dark"
+html_theme_options = {"navigation_with_keys": True}
+
+copybutton_prompt_text = r">>> |\.\.\. |\$ "
+copybutton_prompt_is_regexp = True
+copybutton_only_copy_prompt_lines = True

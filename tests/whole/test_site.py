@@ -1,0 +1,52 @@
+"""The site of the docs is whole: no warning, no dead link, and nothing in it that comes from a network."""
+
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from patience import LONGEST_PROGRAM_S
+from places import DOCS
+
+pytest.importorskip("sphinx")
+
+DEAD = """# A page
+
+[gone](gone.md), [no such part](index.md#no-such-part)
+"""
+
+
+def built(docs: Path, out: Path, builder: str) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "sphinx", "-q", "-W", "--keep-going", "-n", "-b", builder, str(docs), str(out)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, timeout=LONGEST_PROGRAM_S)
+
+
+def test_no_page_has_a_warning_or_a_dead_link(tmp_path: Path) -> None:
+    """A picture that is not there, a page that no table of contents leads to, and a heading that is gone, too."""
+    done = built(DOCS, tmp_path, "dummy")
+    assert (done.returncode, done.stderr) == (0, "")
+
+
+def test_a_dead_link_fails(tmp_path: Path) -> None:
+    docs = tmp_path / "docs"
+    docs.mkdir()
+    for part in ("conf.py", "_extensions", "_static"):
+        (docs / part).symlink_to(DOCS / part)
+    (docs / "index.md").write_text(DEAD, encoding="utf-8")
+    done = built(docs, tmp_path / "out", "dummy")
+    assert done.returncode == 1
+    assert "gone.md" in done.stderr
+    assert "no-such-part" in done.stderr
+
+
+@pytest.mark.slow
+def test_no_page_loads_anything_from_a_network(tmp_path: Path) -> None:
+    """Links that a reader may click lead out of the site; scripts, styles, fonts and pictures do not."""
+    assert built(DOCS, tmp_path, "html").returncode == 0
+    pages = {path: path.read_text(encoding="utf-8") for path in tmp_path.rglob("*.html")}
+    styles = [path.read_text(encoding="utf-8") for path in tmp_path.rglob("*.css")]
+    loaded = [found for text in pages.values() for found in re.findall(r'<(?!a )\w[^>]*?(?:src|href)="(\w+:)?//', text)]
+    assert len(pages) > 20
+    assert loaded == []
+    assert [found for text in styles for found in re.findall(r"url\(['\"]?https?:|@import[^;]*https?:", text)] == []
