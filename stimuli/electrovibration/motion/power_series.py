@@ -127,7 +127,7 @@ def _force_series(circuit: CircuitState, layers: Layers, moves: NDArray[np.bool_
     for m in range(n_relax):
         # one that has decayed follows what drives it
         states[m, 0] = circuit.relaxed[m] if moves[m] else slope / rates[m]
-        states[m, 1:] = 0.0
+        states[m, 1:].fill(0.0)
     for n in range(DEGREE + 1):
         for k in range(n_turns):
             voltage[n] += dc_gain * turned[k].real
@@ -181,7 +181,7 @@ def _slip_series(skin: SkinState, contact: ContactConstants, h: float, series: S
 def _stick_series(skin: SkinState, contact: ContactConstants, h: float, series: Series) -> None:
     """The skin goes with the finger."""
     out = series.stretch
-    out[:] = 0.0
+    out.fill(0.0)
     out[0], out[1], out[2] = skin.stretch_m, skin.rate_m_per_s * h, contact.acceleration_m_per_s2 * h * h / 2
 
 
@@ -214,7 +214,7 @@ def _strongest(contact: ContactConstants, force: FloatArray) -> FloatArray:
     loaded[0] += coefficient * contact.force_n
     bare_n = contact.static * contact.force_n
     if contact.gated and bare_n >= loaded[0]:
-        loaded[:] = 0.0
+        loaded.fill(0.0)
         loaded[0] = bare_n
     return loaded
 
@@ -254,18 +254,21 @@ def _after(skin: SkinState, stretch: FloatArray, reached: float, unit_s: float, 
 def _change(skin: SkinState, contact: ContactConstants, events: FloatArray, n: int) -> SkinState:
     """From slip to stick, or from stick to slip where friction pulls, event n: the skin is as fast as the finger."""
     direction = 0.0 if skin.direction != 0 else (1.0 if _holding_friction(skin, contact) > 0 else -1.0)
-    events[n] = skin.time_s, direction
+    events[n, 0], events[n, 1] = skin.time_s, direction
     return SkinState(skin.stretch_m, _speed(contact, skin.time_s), direction, skin.time_s)
 
 
 @compiled
-def _row(skin: SkinState, contact: ContactConstants, series: Series) -> tuple[float, float, float, float, float, float]:
-    """A row of the first result of `flow`."""
+def _note(skin: SkinState, contact: ContactConstants, series: Series, row: FloatArray) -> bool:
+    """Write a row of the first result of `flow`: it is there then."""
     s, rate, direction, force = skin.stretch_m, skin.rate_m_per_s, skin.direction, series.force[0]
     if direction == 0:
-        return s, rate, contact.acceleration_m_per_s2, _holding_friction(skin, contact), force, direction
-    second = (series.push[0] - contact.damping_n_s_per_m * rate - contact.stiffness_n_per_m * s) / contact.mass_kg
-    return s, rate, second, direction * contact.kinetic * (contact.force_n + force), force, direction
+        second, lateral = contact.acceleration_m_per_s2, _holding_friction(skin, contact)
+    else:
+        pull = series.push[0] - contact.damping_n_s_per_m * rate - contact.stiffness_n_per_m * s
+        second, lateral = pull / contact.mass_kg, direction * contact.kinetic * (contact.force_n + force)
+    row[0], row[1], row[2], row[3], row[4], row[5] = s, rate, second, lateral, force, direction
+    return True
 
 
 @compiled
@@ -355,7 +358,7 @@ def _flow(
                 continue  # a step of one that slips may be shorter
             _push_series(skin, contact, series)
             if not noted:
-                out[i], noted = _row(skin, contact, series), True
+                noted = _note(skin, contact, series, out[i])
             if rest <= 0:
                 break
             place = _next_event(skin, contact, unit, series, limit)

@@ -4,6 +4,7 @@ import mpmath as mp
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from numba import njit
 
 from tactometry.stimuli.electrovibration import AmplitudeModulated, Finger, Pieces, Sine, Skin, Step, Trapezoid
 from tactometry.stimuli.electrovibration.attraction.force import force_form
@@ -30,6 +31,7 @@ TONES = {
 }
 T_S = np.linspace(0.0, 0.02, 401)
 LAWS = ["sc_layer", "total_thickness"]
+STATES, MARCH = njit(states), njit(march)
 
 
 def lifted(circuit: Circuit, system: LinearSystem, length_s: float) -> mp.matrix:
@@ -73,8 +75,8 @@ def test_flows_over_two_lengths_make_one_over_both(first_s: float, second_s: flo
 def test_a_state_follows_as_the_compiled_loop_lets_it(pieces: Pieces, law: str) -> None:
     form = force_form(law, Skin(), 1e-4)
     plan = plan_of(Timing(pieces, T_S), form.relaxations, LAG)
-    z = states(heights(pieces), plan)
+    z = STATES(heights(pieces), plan)
     np.testing.assert_allclose(circuit_states(pieces, form.relaxations, plan), z, rtol=0, atol=1e-13 * np.abs(z).max())
-    expected = march(z, form.newton_per_v2, plan)[0, plan.wanted]
+    expected = MARCH(z, form.newton_per_v2, plan)[0, plan.wanted]
     found = first_order_response(pieces, form, LAG, T_S)
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
