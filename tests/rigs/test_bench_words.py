@@ -1,0 +1,137 @@
+"""What the texts say, in every language: words that each must hold, written down beside the files of messages."""
+
+from itertools import combinations
+
+import pytest
+
+from tactometry.rigs.texts import languages, texts_in
+
+COLUMNS = ("en", "de", "fr")
+TABLE = """
+welcome             | welcome finger stop            | willkommen finger aufhören         | bienvenue doigt arrêter
+instructions_yes_no | sometimes nothing whether      | manchmal nichts ob                 | parfois rien si
+instructions_forced_choice | first only guess        | erste nur raten                    | premier seul hasard
+instructions_same_different | same different both    | gleich verschieden beide           | identiques différents deux
+instructions_comparison | stronger twice guess       | stärker zweimal raten              | forte deux devinez
+instructions_magnitude | number strong 0             | zahl stark 0                       | nombre forte 0
+instructions_localisation | where place which        | wo stelle welche                   | où endroit lequel
+instructions_preference | prefer which twice         | lieber was zweimal                 | préférez laquelle deux
+instructions_adjustment | change confirm yourself    | verändern bestätigen selbst        | changez confirmez régler
+instructions_rating | feel first questions wrong     | fühlen zuerst fragen falschen      | touchez d'abord questions
+questions           | questions follow wrong         | folgen fragen falschen             | questions suivent mauvaise
+instructions_measurement | read vibrometer contactor | lesen vibrometer kontaktstift      | lisez vibromètre contacteur
+block               | part ready time                | teil bereit zeit                   | partie temps commencez
+consent             | free stop code name            | freiwillig aufhören code namen     | librement arrêter code nom
+declined            | thank nothing call             | danke nichts rufen                 | merci rien appelez
+agree               | want part                      | möchten teilnehmen                 | voulez participer
+questions_first     | before questions open          | bevor fragen offen                 | avant questions réponse
+practice            | practice not count             | übung nicht zählen                 | entraînement pas comptent
+rest                | rest lift ready                | pause heben bereit                 | pause levez voulez
+pause               | pause lift moment              | pause heben gleich                 | pause levez instant
+resting             | rest lift {left_s}             | pause heben {left_s}               | pause levez {left_s}
+stopped             | stopped kept call              | angehalten gesichert rufen         | arrêt conservées appelez
+dry_run_held        | done now begins                | gemacht jetzt los                  | bien maintenant commence
+dry_run_lost        | practice unclear ask begins    | übung unklar rufen los             | habitude clair demandez
+end                 | all thank lift                 | alles dank heben                   | terminé merci lever
+felt                | did feel something             | haben etwas gespürt                | senti quelque chose
+which_interval      | which interval                 | welchem intervall                  | quel intervalle
+rate                | where scale                    | wo skala                           | où échelle
+adjust              | change until right             | verändern bis stimmt               | changez jusqu'à convienne
+press               | press still                    | drücken still                      | appuyez immobile
+release             | lift then press again          | heben dann wieder                  | levez puis nouveau
+press_force         | press bar between lines        | drücken balken zwischen linien     | appuyez barre entre traits
+slide               | follow dot finger              | folgen punkt finger                | suivez doigt point
+slide_force         | follow dot bar between         | folgen punkt balken zwischen       | suivez point barre entre
+lost_too_light      | light: more bar                | leicht: mehr balken                | léger : plus barre
+lost_too_heavy      | heavy: less bar                | stark: weniger balken              | fort : moins barre
+lost_stopped        | stopped: keep sliding          | still: gleiten                     | arrêté : glissez
+lost_too_slow       | slow: dot                      | langsam: punkt                     | lent : point
+lost_too_fast       | fast: dot not before           | schnell: punkt nicht davor         | rapide : point pas devant
+lost_lifted         | left: keep touching            | abgehoben: liegen                  | levé : gardez posé
+lost_timeout        | not light up                   | nicht an:                          | pas allumé :
+lost_sensor_lost    | sensor lost once more          | sensor verloren noch einmal        | perdu capteur encore
+lost_output_gap     | device not you once more       | gerät nicht ihnen noch einmal      | défaut appareil encore
+lost_experimenter   | once more                      | noch einmal                        | encore fois
+how_press           | how press                      | so drücken                         | comment appuyer
+how_slide           | how slide                      | so gleiten                         | comment glisser
+meaning_circle      | circle: filled touching        | kreis: gefüllt liegen              | cercle : plein levez
+meaning_bar         | bar: press between             | balken: kraft zwischen             | barre : force entre
+meaning_dot         | dot: follow fro                | punkt: folgen zurück               | point : suivez retour
+meaning_ring        | ring: around dot               | ring: um punkt                     | anneau : autour point
+dry_run             | try nothing yet                | versuchen noch nichts              | essayez encore rien
+hint_end            | space bar finish               | leertaste beenden                  | espace terminer
+hint_continue       | space bar go on                | leertaste weiter                   | espace continuer
+hint_choose         | key box                        | taste feld                         | touche case
+hint_rate           | number scale ok                | ziffern skala ok                   | chiffres échelle ok
+hint_rate_continuous | line arrow return             | linie pfeiltasten eingabe          | ligne flèches entrée
+hint_adjust         | arrow + − ok                   | pfeiltasten + − ok                 | flèches + − ok
+right               | correct                        | richtig                            | correct
+wrong               | wrong                          | falsch                             | faux
+same_different      | both same                      | beides gleich                      | deux identiques
+which_stronger      | which stronger                 | was stärker                        | laquelle forte
+which_place         | where feel                     | wo gespürt                         | où senti
+which_preferred     | which prefer                   | was lieber                         | laquelle préférez
+how_strong          | how strong                     | wie stark                          | intensité
+vibrometer_nm       | amplitude vibrometer nm        | amplitude vibrometer nm            | amplitude vibromètre nm
+hint_enter          | type number ok                 | zahl tippen ok                     | tapez nombre ok
+hint_fill           | number arrow place ok          | ziffern pfeiltasten stelle ok      | chiffres flèches place ok
+hint_fill_arrows    | arrow place ok                 | pfeiltasten stelle ok              | flèches place ok
+key_test            | keyboard space {n_keys}        | tastatur leertaste {n_keys}        | clavier espace {n_keys}
+hint_fill_line      | home end draw                  | pos1 ende ziehen                   | début fin glissez
+page_count          | page of                        | seite von                          | page sur
+page_back           | back                           | zurück                             | retour
+leave_open          | 0 leave open                   | 0 offen lassen                     | 0 laisser vide
+hint_gaps           | some open answer 0             | einige offen beantworten 0         | reste ouvertes répondez 0
+no                  | no                             | nein                               | non
+yes                 | yes                            | ja                                 | oui
+say_number          | enter number                   | zahl eingeben                      | saisir nombre
+prefer_not          | prefer not                     | keine angabe                       | préfère ne pas
+first               | first                          | erste                              | premier
+second              | second                         | zweite                             | second
+same                | same                           | gleich                             | identique
+different           | different                      | verschieden                        | différent
+experimenter        | experimenter                   | versuchsleitung                    | mène étude
+escape              | escape                         | escape                             | échap
+ctrl_c              | ctrl-c                         | strg-c                             | ctrl-c
+"""
+ROWS = [[cell.strip() for cell in line.split("|")] for line in TABLE.strip().splitlines()]
+HELD = {language: {name: words[n].split() for name, *words in ROWS} for n, language in enumerate(COLUMNS)}
+ALONE = ("no", "yes", "right", "wrong", "same", "different")
+"""Texts that are their word and nothing else."""
+
+
+def said_in(language):
+    texts = texts_in(language, {})
+    return {**texts.messages, **texts.labels}
+
+
+def lacks(language, name, text):
+    """The words of a text that it does not hold."""
+    told = text.casefold()
+    if name in ALONE:
+        return [] if [told] == HELD[language][name] else HELD[language][name]
+    return [word for word in HELD[language][name] if word not in told]
+
+
+def test_each_language_and_each_text_has_its_words():
+    assert sorted(COLUMNS) == sorted(languages()), "add a column of words for each language"
+    for language in COLUMNS:
+        assert sorted(HELD[language].keys() ^ said_in(language).keys()) == [], "add a row of words for each text"
+
+
+@pytest.mark.parametrize("language", COLUMNS)
+def test_each_text_holds_its_words(language):
+    missing = {name: lacks(language, name, text) for name, text in said_in(language).items()}
+    assert {name: words for name, words in missing.items() if words} == {}
+
+
+@pytest.mark.parametrize("language", COLUMNS)
+def test_two_texts_that_are_exchanged_are_noticed(language):
+    """As yes for no: the table must tell every text from every other."""
+    said = said_in(language)
+    alike = [
+        (one, other)
+        for one, other in combinations(said, 2)
+        if not lacks(language, one, said[other]) and not lacks(language, other, said[one])
+    ]
+    assert alike == []
