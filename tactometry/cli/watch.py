@@ -11,7 +11,7 @@ import click
 
 from ..arguments.require import expect
 from ..errors import DeviceFailed, InvalidFile
-from .output import data_argument, subcommand
+from .output import data_argument, say, subcommand
 
 NICENESS = 10
 OR_WAIT = "or --wait for one that is yet to come"
@@ -41,7 +41,11 @@ def command(
     )
     with suppress(AttributeError, OSError):  # not everywhere; who looks on takes no time from the session
         os.nice(NICENESS)
-    serve(Scenery(watcher), port, click.echo, sys.stdin.buffer if until_input_ends else None)
+    serve(Scenery(watcher), port, _tell, sys.stdin.buffer if until_input_ends else None)
+
+
+def _tell(url: str) -> None:
+    say(url, {"url": url})
 
 
 @contextmanager

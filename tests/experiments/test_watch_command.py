@@ -1,5 +1,6 @@
 """The command of the page, and the page that a run has: when they are there, and when they end."""
 
+import json
 import os
 import signal
 import subprocess
@@ -25,6 +26,13 @@ def test_ctrl_c_ends_it_without_a_word(journal):
         os.kill(watch.pid, signal.SIGINT)
         assert watch.wait(LONGEST_WAIT_S) == 0
         assert watch.stderr.read() == b""
+
+
+def test_its_address_is_json_where_that_is_asked_for(journal):
+    journal.holds()
+    command = [sys.executable, "-m", "tactometry", "watch", str(journal.root), "--json", "--until-input-ends"]
+    done = subprocess.run(command, stdin=subprocess.DEVNULL, capture_output=True, timeout=LONGEST_WAIT_S, check=True)
+    assert json.loads(done.stdout)["url"].startswith("http://127.0.0.1:")
 
 
 HOLDER = """
