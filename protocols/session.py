@@ -84,7 +84,7 @@ class Inquiry:
         """A page for each question, whose answer is on the disk before the next one is put."""
         wanted: tuple[Intervention, ...] = ()
         for item in form.items:
-            reply = yield from _reply_to(question_of(form, item), item)
+            reply = yield from reply_to(form, item)
             wanted += yield from heard([Record(self._row(number, trial, reply))])
         return wanted
 
@@ -116,8 +116,9 @@ def question_of(form: ChoiceForm, item: ChoiceItem) -> Choose:
     return Choose(name, item.codes, labels)
 
 
-def _reply_to(asked: Choose, item: ChoiceItem) -> Course[Reply]:
+def reply_to(form: ChoiceForm, item: ChoiceItem) -> Course[Reply]:
     """The code of what was chosen, or the number; nothing where that was not to be said."""
+    asked = question_of(form, item)
     chosen: Chosen = yield asked
     if item.bounds is None:
         return Reply(chosen, float(chosen.option), item=item.id)

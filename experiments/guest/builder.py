@@ -144,14 +144,14 @@ class TactileStimulusComponent(_GuestComponent):
 class QuestionnaireComponent(_GuestComponent):
     """A questionnaire on pages of ours; its data are a row for each item."""
 
-    tooltip = "Questionnaire: AttrakDiff, NASA-TLX, SUS, or one of the study's own"
+    tooltip = "Questionnaire: AttrakDiff, NASA-TLX, SUS, questions about a person, or one of the study's own"
     part = "FormPart"
 
     def __init__(self, exp: Any, parentName: str, name: str = "questionnaire", **more: Any) -> None:
         super().__init__(exp, parentName, name, **more)
         self.params["form"] = Param(
             "attrakdiff", valType="str", inputType="single", categ="Basic", updates="constant",
-            label="Form", hint="attrakdiff, nasa-tlx, sus, ..., or the name of one in the study's [forms]",
+            label="Form", hint="attrakdiff, nasa-tlx, sus, demographics, ..., or one in the study's [forms]",
         )  # fmt: skip
         self.order += ["form"]
 

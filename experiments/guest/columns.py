@@ -1,6 +1,8 @@
 """What a touch, a stimulus or a trial leaves in the rows of a PsychoPy script: names as in a table of trials."""
 
-from tactometry.protocols.tasks.task import TrialOutcome
+from tactometry.choice_form import ChoiceForm
+from tactometry.protocols.tasks.task import Reply, TrialOutcome
+from tactometry.questionnaire import Questionnaire
 from tactometry.session.answer import Played, Touched
 
 Values = dict[str, float | str]
@@ -54,3 +56,18 @@ def of_trial(outcome: TrialOutcome) -> Values:
     judged = {"valid": outcome.valid, "invalid_reason": outcome.invalid_reason, "target": outcome.target}
     felt = {} if touch is None else of_touch(touch)
     return felt | _stated({**judged, **answered, "latency_s": latency_s})
+
+
+def of_reply(form: Questionnaire | ChoiceForm, reply: Reply) -> dict[str, float | str | None]:
+    """The row of an item of a questionnaire; of questions about a person with the category, in English if it has that.
+
+    >>> from tactometry.choice_form import load
+    >>> of_reply(load("demographics"), Reply(None, 1.0, item="handedness"))
+    {'item': 'handedness', 'response': 1.0, 'category': 'right'}
+    """
+    row: dict[str, float | str | None] = {"item": reply.item, "response": reply.response}
+    if not isinstance(form, ChoiceForm):
+        return row
+    asked = None if reply.item is None else form.item(reply.item)
+    code = 0 if asked is None or reply.response is None or asked.bounds is not None else int(reply.response)
+    return row | {"category": "" if asked is None else asked.category(code)}

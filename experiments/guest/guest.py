@@ -2,15 +2,19 @@
 
 import os
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Any, Self, TypeVar
 
 import numpy as np
 
-from tactometry.arguments.require import expect
+from tactometry.arguments.require import expect, one_of
+from tactometry.choice_form import ChoiceForm, shipped_choices
 from tactometry.protocols.procedures.procedure import Procedure
+from tactometry.protocols.session import reply_to, words_of
 from tactometry.protocols.tasks.rating import fill_in
-from tactometry.protocols.tasks.task import Presentation, TrialOutcome
+from tactometry.protocols.tasks.task import Presentation, Reply, TrialOutcome
+from tactometry.questionnaire import Questionnaire, shipped_names
 from tactometry.rigs.experimenter.terminal import ExperimenterTerminal
 from tactometry.rigs.touch.beside import Beside
 from tactometry.session.answer import Played, Touched
@@ -24,7 +28,8 @@ from ..study.cells import WiredCell
 from ..study.experiment import wire
 from ..study.session_plan import key_of
 from ..study.study_file import load
-from ..study.task_table import form_of
+from ..study.task_table import choices_named, form_of
+from .columns import of_reply
 from .loop import Loop
 
 T = TypeVar("T")
@@ -72,7 +77,7 @@ class Guest:
         numbers, _ = load(os.fspath(study))
         self.experiment = wire(numbers, os.fspath(study))
         file = load_bench(None if bench is None else Path(bench))
-        texts = texts_in(file.screen.language, numbers.texts)
+        texts = texts_in(file.screen.language, self._words_in(file.screen.language))
         self._language, self._rng = file.screen.language, np.random.default_rng(seed)
         devices = equipment(self.experiment, file)
         terminal = TellingTerminal(None, sys.stderr)
@@ -129,23 +134,51 @@ class Guest:
     def questionnaire(self, name: str, experiment: Any = None) -> dict[str, float | None]:
         """The answers to a questionnaire of the study or a shipped one, by item; None where one is left open.
 
-        With PsychoPy's handler of an `experiment`, each item has a row of its data: `NAME.item` and `NAME.response`.
+        Of questions about a person (`demographics`, or a form of ``kind = "choices"``) they are the codes of
+        categories. With PsychoPy's handler of an `experiment`, each item has a row of its data: `NAME.item` and
+        `NAME.response`, and `NAME.category` in words of a code.
 
         Raises
         ------
         InvalidParameter
-            If there is none of that name, or it has no words in the language of the bench.
+            If there is none of that name, it has no words in the language of the bench, or it asks for a number that
+            could tell who somebody is and no inquiry of the study that asks it says ``identifies = true``.
         """
-        form = form_of(self.experiment.study, name, "questionnaire")
+        form = self._form(name)
         known = f"one of {', '.join(form.languages)}; choose that language on the bench, or add the words"
         expect(self._language in form.languages, f"questionnaire {name}", f"no words in {self._language!r}", known)
-        replies = self._carry_out(fill_in(form, self._rng, shuffled=False))
-        answers = {reply.item or "": reply.response for reply in replies}
-        for item, answer in answers.items() if experiment is not None else ():
-            experiment.addData(f"{name}.item", item)
-            experiment.addData(f"{name}.response", answer)
-            experiment.nextEntry()
+        answers: dict[str, float | None] = {}
+        for reply in self._replies(form):  # a question about a person has its row before the next one is put
+            answers[reply.item or ""] = reply.response
+            for column, value in of_reply(form, reply).items() if experiment is not None else ():
+                experiment.addData(f"{name}.{column}", value)
+            if experiment is not None:
+                experiment.nextEntry()
         return answers
+
+    def _words_in(self, language: str) -> dict[str, str]:
+        """What participants read, also in questions about a person that no inquiry of the study asks."""
+        study = self.experiment.study
+        forms = (choices_named(study, name) for name in (*study.forms, *shipped_choices()))
+        of_choices = {name: text for form in forms if form for name, text in words_of(form, language).items()}
+        return of_choices | self.experiment.words_in(language)
+
+    def _form(self, name: str) -> Questionnaire | ChoiceForm:
+        study = self.experiment.study
+        one_of("questionnaire", name, (*study.forms, *shipped_names(), *shipped_choices()))
+        form = choices_named(study, name)
+        if form is None:
+            return form_of(study, name, "questionnaire")
+        says_so = any(inquiry.form == name and inquiry.identifies for inquiry in study.inquiries.values())
+        cure = "an inquiry of the study that asks it and says identifies = true; or ask in bands"
+        found = f"{', '.join(form.numbers)}, which could tell who somebody is"
+        expect(says_so or not form.numbers, f"questionnaire {name}", found, cure)
+        return form
+
+    def _replies(self, form: Questionnaire | ChoiceForm) -> Iterable[Reply]:
+        if isinstance(form, ChoiceForm):
+            return (self._carry_out(reply_to(form, item)) for item in form.items)
+        return self._carry_out(fill_in(form, self._rng, shuffled=False))
 
     def procedure(self, **factors: float | str) -> Procedure:
         """The study's procedure at its beginning: a value, whose `after(answer, delivered)` is the next one."""

@@ -41,6 +41,19 @@ def form_of(study: Study, name: str, path: str) -> Questionnaire:
     return load(name)
 
 
+def choices_named(study: Study, name: str) -> ChoiceForm | None:
+    """A form of choices of the study's own, or a shipped one; None where that name is of another, or of none.
+
+    Raises
+    ------
+    InvalidParameter
+        If the study's own is no sound one.
+    """
+    if name in study.forms:
+        return choice_forms_of({name: study.forms[name]}).get(name)
+    return load_choices(name) if name in shipped_choices() else None
+
+
 def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
     """What an inquiry asks.
 
@@ -51,8 +64,8 @@ def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
     """
     table, path = study.inquiries[inquiry], f"inquiries.{inquiry}"
     one_of(f"{path}.form", table.form, (*study.forms, *shipped_names(), *shipped_choices()))
-    own = choice_forms_of({table.form: study.forms.get(table.form, {})})
-    if not own and (table.form in study.forms or table.form not in shipped_choices()):
+    form = choices_named(study, table.form)
+    if form is None:
         expect(not table.identifies, f"{path}.identifies", f"true with {table.form!r}, a scale", f"a form of {KIND}")
         return prompted(form_of(study, table.form, f"{path}.form"), table.prompt)
     once = "'start': questions about a person come once, before anything is felt"
@@ -60,7 +73,6 @@ def asked_form(study: Study, inquiry: str) -> Questionnaire | ChoiceForm:
     for key in ("prompt", "shuffled"):
         alone = f"none: a form of {KIND} has the words and the order of its items"
         expect(not getattr(table, key), f"{path}.{key}", repr(getattr(table, key)), alone)
-    form = own.get(table.form) or load_choices(table.form)
     numbers = ", ".join(form.numbers) or "no number"
     said = "true where numbers are asked, which could tell who somebody is; or ask in bands, without it"
     found = f"{str(table.identifies).lower()} with {numbers} in {form.name!r}"

@@ -1,0 +1,151 @@
+"""Questions about a person, and a study's own words, in the window of a PsychoPy script."""
+
+import queue
+
+import pytest
+from patience import LONGEST_WAIT_S
+from study_texts import changed
+
+from tactometry.errors import InvalidParameter, Stopped
+from tactometry.experiments.guest.guest import Guest
+from tactometry.experiments.study.study_file import load
+from tactometry.rigs.pages.page import Text
+from tactometry.rigs.window import Window
+
+FRENCH = '[screen]\nfullscreen = false\nlanguage = "fr"\n'
+HABITS = """
+[forms.habits]
+kind = "choices"
+title = "Habits"
+reference = "own wording"
+
+[[forms.habits.items]]
+id = "screens"
+prompt = { en = "How often do you use a touch screen?" }
+options = [{ code = 1, words = { en = "daily" } }, { code = 2, words = { en = "less often" } }]
+
+[[forms.habits.items]]
+id = "age_years"
+prompt = { en = "How old are you?" }
+low = 18.0
+high = 99.0
+"""
+ASKED = '[inquiries.habits]\nform = "habits"\nafter = "start"\nidentifies = true\n'
+TOLD = 'kind = "yes_no"\nprompt = { en = "Was there a buzz?", fr = "Y avait-il un bourdonnement ?" }'
+
+
+@pytest.fixture
+def pages(monkeypatch):
+    """What is shown, as it is shown."""
+    shown, present = queue.Queue(), Window.present
+
+    def noted(window, page):
+        flipped_s = present(window, page)
+        shown.put([item.words for item in page.items if isinstance(item, Text)])
+        return flipped_s
+
+    monkeypatch.setattr(Window, "present", noted)
+    return shown
+
+
+@pytest.fixture
+def presses(pages, hands, in_background):
+    """Presses some keys, one on each page; what the pages said is in the list that is returned."""
+
+    def start(*keys):
+        seen = []
+
+        def press():
+            for of_page in keys:
+                seen.append(" ".join(pages.get(timeout=LONGEST_WAIT_S)))
+                for key in of_page:
+                    hands.tap(key)
+
+        in_background(press)
+        return seen
+
+    return start
+
+
+@pytest.fixture
+def guest_with(screen, tmp_path):
+    made = []
+
+    def make(study, bench=""):
+        (tmp_path / "s.toml").write_text(study, "utf-8")
+        (tmp_path / "b.toml").write_text(bench, "utf-8")
+        made.append(Guest(screen._window, tmp_path / "s.toml", tmp_path / "b.toml" if bench else None))
+        return made[-1]
+
+    yield make
+    for each in made:
+        each.close()
+
+
+@pytest.fixture
+def experiment(screen):
+    """The handler of PsychoPy's that a script has; it is imported once there is a display."""
+    del screen
+    from psychopy import data
+
+    return data.ExperimentHandler("mine", savePickle=False, saveWideText=False)
+
+
+TUTORIAL = load("tutorial")[1].decode()
+
+
+def rows_of(experiment, form):
+    return [tuple(row.get(f"{form}.{name}") for name in ("item", "response", "category")) for row in experiment.entries]
+
+
+def test_questions_about_a_person_have_rows_with_the_words_of_their_codes(guest_with, presses, experiment):
+    guest = guest_with(TUTORIAL, FRENCH)
+    seen = presses("3", "1", "0")
+    assert guest.questionnaire("demographics", experiment) == {"age_band": 3.0, "handedness": 1.0, "gender": 0.0}
+    assert rows_of(experiment, "demographics") == [
+        ("age_band", 3.0, "25 to 34"),
+        ("handedness", 1.0, "right"),
+        ("gender", 0.0, ""),
+    ]
+    assert "De quelle main" in seen[1]
+
+
+def test_what_was_answered_before_escape_is_in_the_data(guest_with, presses, experiment, monkeypatch):
+    monkeypatch.setattr("tactometry.rigs.experimenter.supervisor.STOPPED_S", 0.05)
+    guest = guest_with(TUTORIAL)
+    presses("1", ["Escape"])
+    with pytest.raises(Stopped):
+        guest.questionnaire("demographics", experiment)
+    assert [item for item, *_ in rows_of(experiment, "demographics")] == ["age_band"]
+
+
+def test_a_number_is_asked_where_the_study_says_that_it_may(guest_with, presses, experiment):
+    guest = guest_with(TUTORIAL + HABITS + ASKED)
+    presses("2", "1", ["4", "2", "Return"])
+    assert guest.questionnaire("habits", experiment) == {"screens": 2.0, "age_years": 42.0}
+    assert rows_of(experiment, "habits") == [("screens", 2.0, "less often"), ("age_years", 42.0, "")]
+
+
+def test_a_number_that_could_tell_who_somebody_is_is_refused_otherwise(guest_with):
+    guest = guest_with(TUTORIAL + HABITS)
+    with pytest.raises(InvalidParameter, match="questionnaire habits: found age_years, which could tell who somebody"):
+        guest.questionnaire("habits")
+
+
+def test_a_form_without_words_in_the_language_of_the_bench_is_refused(guest_with):
+    guest = guest_with(TUTORIAL + HABITS + ASKED, FRENCH)
+    with pytest.raises(InvalidParameter, match="questionnaire habits: found no words in 'fr', expected one of en; "):
+        guest.questionnaire("habits")
+
+
+def test_a_trial_asks_in_the_words_of_the_study(guest_with, pages, hands, in_background):
+    guest = guest_with(changed(TUTORIAL, {'kind = "yes_no"': TOLD}), FRENCH)
+    asked = "Y avait-il un bourdonnement ?"
+
+    def answer():
+        while asked not in pages.get(timeout=LONGEST_WAIT_S):
+            pass
+        hands.tap("1")
+
+    in_background(answer)
+    assert guest.trial(34.0, frequency_hz=60).replies[0].response == 1
