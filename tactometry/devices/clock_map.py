@@ -132,11 +132,11 @@ within 2%; mend the device, or what the bench file says of its rate
         return min((difference_s for _, difference_s in self.smallest_s), default=None)
 
 
-def offset_of(theirs_s: Callable[[], float], n_readings: int = 5) -> float:
+def clock_offset_s(theirs_s: Callable[[], float], n_readings: int = 5) -> float:
     """Our clock (`time.perf_counter`) minus one that can be read at any time, s, by the quickest of some readings: a
     busy machine may stop a program between the two.
 
-    >>> abs(offset_of(time.perf_counter)) < 1e-3
+    >>> abs(clock_offset_s(time.perf_counter)) < 1e-3
     True
     """
     readings = []

@@ -16,7 +16,7 @@ from typing import Any, Self
 import numpy as np
 
 from ..arguments.require import expect
-from ..devices.clock_map import offset_of
+from ..devices.clock_map import clock_offset_s
 from ..errors import DeviceFailed
 from ..session.request import Facts
 from .displays import ConnectedScreen, check_screen, connected_screens
@@ -271,7 +271,7 @@ class Window(Display):
         return intervals_s
 
     def clock_offset_s(self) -> float:
-        return offset_of(self._psychopy.logging.defaultClock.getTime)
+        return clock_offset_s(self._psychopy.logging.defaultClock.getTime)
 
     def close(self) -> None:
         self._opened.close()

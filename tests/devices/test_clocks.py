@@ -8,7 +8,7 @@ import pytest
 from hard_cases import exact_case
 from hypothesis import given, strategies as st
 
-from tactometry.devices.clock_map import ClockMap, offset_of
+from tactometry.devices.clock_map import ClockMap, clock_offset_s
 from tactometry.devices.sensors.counted_samples import CountedSamples
 from tactometry.devices.sensors.reader import AHEAD_S, LATE_FOR_S, LATE_S, Arrivals, Reader, SampleBlock, Source
 from tactometry.errors import DeviceFailed
@@ -235,4 +235,4 @@ def test_a_clock_is_told_from_ours_though_the_program_is_stopped_while_it_is_rea
         time.sleep(next(pauses_s))
         return read_s
 
-    assert offset_of(theirs_s) == pytest.approx(100.0, abs=0.01)
+    assert clock_offset_s(theirs_s) == pytest.approx(100.0, abs=0.01)

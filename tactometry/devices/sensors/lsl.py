@@ -11,7 +11,7 @@ import numpy as np
 
 from ...arguments.require import positive
 from ...errors import DeviceFailed, attempt, library_needed
-from ..clock_map import offset_of
+from ..clock_map import clock_offset_s
 from .reader import POLL_S, SampleBlock, SensorSettings, Source
 
 LONGEST_SEARCH_S = 5.0
@@ -80,7 +80,7 @@ class LslSource(Source):
             inlet.open_stream(timeout=LONGEST_SEARCH_S)
             self._correction_s = inlet.time_correction(timeout=LONGEST_SEARCH_S)
             inlet.flush()  # what has waited is not of now
-        self._offset_s = offset_of(pylsl.local_clock, 20)  # both are steady
+        self._offset_s = clock_offset_s(pylsl.local_clock, 20)  # both are steady
         self._opened.callback(inlet.close_stream)
         self._inlet, self._source_id = inlet, self._source_id or info.source_id() or None
 
