@@ -20,6 +20,8 @@ MOST_SHOWN: Final = 12
 """So many touches are kept for who looks at them."""
 COUNTS: Final = ("block", "n_blocks", "part", "n_parts", "n_questions")
 """What the page before a part says beside its factors."""
+LAST_PAGES: Final = ("end", "declined")
+"""That of a session that came to its end, and that of a participant who does not agree to take part."""
 MOST_INTERVALS: Final = 20
 """So many of the last trials say how long one takes."""
 LONGEST_INTERVALS: Final = 5
@@ -305,7 +307,7 @@ class Progress:
     @property
     def over(self) -> bool:
         """Whether its last page has been left."""
-        return self.page == "end"
+        return self.page in LAST_PAGES
 
     def n_valid(self, part: int | None = None) -> int:
         """Valid presentations, of one part or of all, catch trials with them."""

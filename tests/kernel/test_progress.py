@@ -195,3 +195,9 @@ def test_attempts_at_one_trial_count_towards_the_end_of_its_track_though_others_
             state = state.after(Record(trial(attempt + 1)), Done(attempt + 0.5))
     assert (state.track.n_invalid_in_a_row, state.track.n_lost) == (1, 4)
     assert "1 more aborts this condition" in state.warning([PartAhead(n_attempts=5)])
+
+
+def test_a_session_to_which_nobody_agreed_is_over():
+    parts = [PartAhead(n_trials=40, lasts_s=600.0)]
+    state = Progress().after(Show("declined"), Done(3.0))
+    assert (state.over, state.left_s(parts)) == (True, 0.0)
