@@ -260,9 +260,9 @@ def _expect_texts(table: pd.DataFrame, name: str, holds: Callable[[str], bool], 
 
 def _expect(table: pd.DataFrame, name: str, fine: "pd.Series[bool]", expected: str) -> None:
     """Refuse a table with rows that are not, by the first of them."""
-    bad = table[~fine]
-    if bad.empty:
+    if fine.all():
         return
+    bad = table[~fine]
     cell = bad[name].iloc[0]
     text = "" if pd.isna(cell) else str(cell)
     # A cell may hold a page of text, a sentence may not.
@@ -320,8 +320,9 @@ def _numbers(table: pd.DataFrame, name: str) -> "pd.Series[float]":
 
 def _counts(table: pd.DataFrame, name: str) -> "pd.Series[float]":
     values = _numbers(table, name)
-    is_count = (values == np.floor(values)) & (values >= 0)
-    _expect(table, name, values.isna() | is_count, "a whole number from 0")
+    n = values.to_numpy()
+    is_count = (n == np.floor(n)) & (n >= 0) | np.isnan(n)
+    _expect(table, name, pd.Series(is_count, table.index), "a whole number from 0")
     return values
 
 

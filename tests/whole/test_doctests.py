@@ -2,6 +2,7 @@
 
 import doctest
 import importlib
+import linecache
 import pkgutil
 import re
 from collections.abc import Iterator
@@ -29,6 +30,12 @@ def imported(name: str) -> ModuleType:
         if missing.name not in NOT_EVERYWHERE:
             raise
         pytest.skip(f"{name} needs {missing.name}, which is not installed")
+
+
+@pytest.fixture(autouse=True)
+def _no_old_lines() -> None:
+    """Before each run doctest asks the disk about every file of which lines are kept, for half of the time."""
+    linecache.clearcache()
 
 
 @pytest.mark.parametrize("name", list(modules()))
