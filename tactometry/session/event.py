@@ -36,8 +36,8 @@ the output (V on each channel) from the onset on, without stamps."""
 TRACE_KINDS: Final[tuple[TraceKind, ...]] = get_args(TraceKind)
 
 FACTS: Final = (
-    Column("block", "Number of the block of the trial"),
-    Column("trial", "Number of the trial, of a row of kind trial"),
+    Column("block", "Number of the block"),
+    Column("trial", "Number of the trial"),
     Column("attempt", "Number of the attempt at this trial, from 1"),
     Column("n_frames", "Frames of the screen since the trial or the questionnaire before"),
     Column("n_dropped_frames", "Frames that were not shown in time: whole periods that an interval was too long"),
@@ -52,7 +52,11 @@ FACTS: Final = (
     Column("clock_offset_s", "Session's clock (time.perf_counter) minus that of the device", "s"),
     Column("clock_drift", "Seconds that the session's clock gained per second since the first such row of the sitting"),
     Column("charge_c", "Net charge that a stimulus passes through the leak of the load", "C"),
-    Column("text", "The remark; who or what caused a pause, a repetition or a stop; what ends unfinished, and why"),
+    Column(
+        "text",
+        "The remark; who or what caused a pause, a repetition or a stop; what ends unfinished, and why; what is wanted "
+        "of the course of the session, and what came of it; which touch was tried in a dry run, and how it went",
+    ),
 )
 COLUMNS: Final = (
     Column("onset", "When it happened since the start of the session", "s"),
