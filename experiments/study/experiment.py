@@ -70,8 +70,7 @@ class Strongest:
 
 @dataclass(frozen=True)
 class Experiment(SessionPlan):
-    """A study that is wired: every table built once, every cell's stimulus named, every level within the limits;
-    `where` is its name or file, as refusals call it."""
+    """A study (its name or file: `where`) that is wired: each table built, each stimulus named, each level allowed."""
 
     people: Population
     where: str

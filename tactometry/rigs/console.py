@@ -12,12 +12,12 @@ from ..errors import Stopped
 from ..session.answer import Adjusted, Chosen, Done, Filled, Marked, Played, Rated, Touched
 from ..session.event import EventLog
 from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Question, Rate, Record, Show, Slide, Wait
-from ..trials.trial import outcome
+from ..trials.trial import Trial
 from .device_rig import DeviceRig, Equipment
 from .experimenter.terminal import ExperimenterTerminal
 from .pages import layout
 from .pages.page import Display
-from .texts import Texts
+from .texts import Phrases, Texts
 from .touch.gated_samples import Trace
 from .touch.touch import TouchCourse
 from .touch.watchdog import play_to_end
@@ -27,20 +27,15 @@ T = TypeVar("T")
 N_TRIES = 20
 """Lines that are no answer before a session is stopped: nobody types there."""
 ESCAPE: Final = "\x1b"
-STOPPING: Final = "Ctrl-C stops (or, at a question, Ctrl-D; or Escape and return); what was recorded is safe"
 WAYS: Final[Mapping[str, tuple[int, float | None]]] = {"-": (1, None), "<": (-1, None)}
 """What leaves a question open, and what goes back to the one before."""
-SILENT_OUTPUT: Final = (
-    "This terminal plays nothing: stimuli are checked and left out, and the rows hold no delivered level. It is for "
-    "trying a study out; with --bench, stimuli play through the output of the bench file."
-)
 
 
 class Lines(ExperimenterTerminal):
     """A line for whatever is told, in any file: participant and experimenter read the same."""
 
-    def __init__(self, output: TextIO) -> None:
-        super().__init__()
+    def __init__(self, output: TextIO, language: str) -> None:
+        super().__init__(language=language)
         self._file = output
 
     def add(self, words: str) -> None:
@@ -70,13 +65,16 @@ class Console(DeviceRig):
     ) -> None:
         self._source, self._output = source or sys.stdin, output or sys.stdout
         texts = replace(texts, stop="ctrl_c")
-        super().__init__(Display(), equipment, texts, terminal=Lines(self._output), log=log)
+        terminal = Lines(self._output, texts.language)
+        self._phrases = terminal.phrases
+        super().__init__(Display(), equipment, texts, terminal=terminal, log=log)
 
     def _open(self) -> None:
         super()._open()
         output = self._equipment.output
-        self._terminal.tell(f"Stimuli play through {output.name}." if output.emits else SILENT_OUTPUT)
-        self._terminal.tell(f"{STOPPING}.")
+        of = self._phrases.of
+        self._terminal.tell(of("plays", output=output.name) if output.emits else of("silent").strip())
+        self._terminal.tell(of("stopping"))
 
     def facts(self) -> Facts:
         clock = time.get_clock_info("perf_counter")
@@ -101,36 +99,45 @@ class Console(DeviceRig):
             try:
                 return read(line.strip()), *self._times(onset_s, time.perf_counter())
             except ValueError:
-                self._terminal.tell(f"found {line.strip()!r}, expected an answer to: {prompt}")
+                self._terminal.tell(self._phrases.of("no_answer", line=repr(line.strip()), prompt=prompt))
         raise self._stop(f"{N_TRIES} lines were no answers")
 
+    def _pause(self, by: str, over: Callable[[], bool]) -> None:
+        self._tell_page(Show("pause"))
+        super()._pause(by, over)
+
+    def _tell_page(self, request: Show) -> None:
+        self._terminal.tell(self._texts.page(request, math.ceil(request.duration_s or 0)).strip())
+
     def _stop(self, why: str) -> Stopped:
+        self._tell_page(Show("stopped"))
         return self._supervisor.stop(why, f" ({self._tally})")
 
     def _present(self, what: str, interval: int | None) -> None:
-        self._terminal.tell(
-            f"[trial {self._tally.n_presented + 1}] {what}" + (f", interval {interval}" if interval else "")
-        )
+        self._terminal.tell(f"{self._next()} {what}{self._phrases.of('interval', n=interval) if interval else ''}")
+
+    def _next(self) -> str:
+        return self._phrases.of("trial", n=self._tally.n_presented + 1)
 
     def _play(self, request: Play) -> Played:
         signal = self._signal(request)
-        self._present(f"play for {request.duration_s:g} s", request.interval)
+        self._present(self._phrases.of("play", duration_s=request.duration_s), request.interval)
         if not self._equipment.output.emits:
             return Played(self._done().at_s, None, "")
         return self._in_session(play_to_end(self._setup, request, layout.waiting_page(), signal))
 
     def _press(self, request: Press) -> Touched:
-        return self._touch(request, f"press with {request.target_n:g} N for {request.duration_s:g} s")
+        what = self._phrases.of("press", force_n=request.target_n, duration_s=request.duration_s)
+        return self._touch(request, what)
 
     def _slide(self, request: Slide) -> Touched:
-        speed_mm_per_s = 1e3 * request.speed_m_per_s
-        at = f"at {speed_mm_per_s:g} mm/s for {request.duration_s:g} s"
-        return self._touch(request, f"slide with {request.target_n:g} N {at}")
+        how = {"speed_mm_per_s": 1e3 * request.speed_m_per_s, "duration_s": request.duration_s}
+        return self._touch(request, self._phrases.of("slide", force_n=request.target_n, **how))
 
     def _touch(self, request: Press | Slide, what: str) -> Touched:
         signal = self._signal(request)
-        lift = " (lift the finger first)" if self._setup.sensor is not None and self._equipment.output.emits else ""
-        self._present(f"{what}{lift}", request.interval)
+        lifts = self._setup.sensor is not None and self._equipment.output.emits
+        self._present(f"{what}{self._phrases.of('lift') if lifts else ''}", request.interval)
         if not self._equipment.output.emits:
             return Touched(self._done().at_s, None, None)
         return self._touched_in_session(TouchCourse(request, self._setup, Trace()).carry_out(signal)[0])
@@ -139,7 +146,7 @@ class Console(DeviceRig):
         labels = [self._texts.label(label) for label in request.labels]
         words = ", ".join(f"{n} = {label}" for n, label in zip(request.options, labels, strict=True))
         question = self._texts.message(request.question)
-        prompt = f"[trial {self._tally.n_presented + 1}] {question} ({words}):"
+        prompt = f"{self._next()} {question} ({words}):"
         return Chosen(*self._ask(prompt, lambda line: _option(line, request.options, labels)))
 
     def _rate(self, request: Rate) -> Rated:
@@ -147,9 +154,9 @@ class Console(DeviceRig):
         return Rated(*self._ask(prompt, lambda line: _within(line, request.low, request.high)))
 
     def _enter(self, request: Enter) -> Rated:
-        most = "" if request.high is None else f" to {request.high:g}"
-        prompt = f"{self._texts.message(request.question)} (a number from {request.low:g}{most}):"
-        high = math.inf if request.high is None else request.high
+        low, high = request.low, math.inf if request.high is None else request.high
+        numbers = "number_from" if request.high is None else "number"
+        prompt = f"{self._texts.message(request.question)} ({self._phrases.of(numbers, low=low, high=high)}):"
         return Rated(*self._ask(prompt, lambda line: _within(line, request.low, high)))
 
     def _fill(self, request: Fill) -> Filled:
@@ -171,15 +178,15 @@ class Console(DeviceRig):
         """By how many questions it goes on, and the answer."""
         statement, left, right = self._texts.question(question)
         step = (request.high - request.low) / (request.steps - 1) if request.steps else 1.0
-        by = "" if step == 1 else f", in steps of {step:g}"
+        by = "" if step == 1 else self._phrases.of("steps", step=step)
         ends = f"{request.low:g} = {left}, {request.high:g} = {right}{by}"
-        prompt = f"{statement} ({ends}; - leaves it open, < goes back):".lstrip()
+        prompt = f"{statement} ({ends}; {self._phrases.of('ways')}):".lstrip()
         return self._ask(prompt, lambda line: WAYS.get(line) or (1, _on_scale(line, request)))[0]
 
     def _adjust(self, request: Adjust) -> Adjusted:
         adjustment = "an adjustment, whose level plays while it is set"
         expect(not self._equipment.output.emits, "console", adjustment, "a task without one; use --rig bench")
-        prompt = f"level of {request.stimulus} ({request.low:g} to {request.high:g}):"
+        prompt = self._phrases.of("level", stimulus=request.stimulus, low=request.low, high=request.high)
         return Adjusted(*self._ask(prompt, lambda line: _within(line, request.low, request.high)))
 
     def _wait(self, request: Wait) -> Done:
@@ -187,17 +194,27 @@ class Console(DeviceRig):
         return self._done()
 
     def _show(self, request: Show) -> Done:
-        self._terminal.tell(self._texts.page(request, math.ceil(request.duration_s or 0)).strip())
+        self._tell_page(request)
         return self._done_between()
 
     def _record(self, request: Record) -> Done:
         self._supervisor.end_trial(request.trial)
         before, self._tally = self._tally, self._tally.after(request.trial)
         if self._tally.n_invalid > before.n_invalid:
-            self._terminal.tell(f"[trial {self._tally.n_presented}] {outcome(request.trial, self._tally.n_presented)}")
+            n_told = self._tally.n_presented
+            self._terminal.tell(f"{self._phrases.of('trial', n=n_told)} {_lost(request.trial, n_told, self._phrases)}")
         if request.aborted:
             self._terminal.tell(f"! {request.aborted}")
         return self._done_between()
+
+
+def _lost(trial: Trial, n_told: int, phrases: Phrases) -> str:
+    """Why a trial does not count, and its place in the table where that is not the number by which it was told."""
+    reason = trial.invalid_reason
+    why = phrases.of("not_valid") if reason is None else phrases.of("not_valid_why", reason=phrases.of(reason))
+    place = "place_again" if trial.attempt > 1 else "place"
+    is_elsewhere = trial.trial != n_told
+    return why + (phrases.of(place, trial=trial.trial, attempt=trial.attempt) if is_elsewhere else "")
 
 
 def _option(line: str, options: Sequence[int], labels: Sequence[str]) -> int:
@@ -218,7 +235,7 @@ def _on_scale(line: str, request: Fill) -> float:
 
 
 def _within(line: str, low: float, high: float) -> float:
-    value = float(line)
+    value = float(line.replace(",", "."))
     if not (math.isfinite(value) and low <= value <= high):
         raise ValueError(line)
     return value

@@ -129,7 +129,7 @@ class DeviceRig(LiveRig):
             position=equipment.position,
             release=Release(needed=equipment.release),
             pause=self._pause,
-            say=terminal.add,
+            say=terminal.say,
             force_peak_n=FORCE_PEAK_N if limits is None else limits.force_peak_n,
             keep_path=_nowhere if log is None else log.keep_path,
         )

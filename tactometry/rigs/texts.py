@@ -139,6 +139,47 @@ def _fill_in(name: str, text: str, values: Mapping[str, str | int | float]) -> s
         ) from error
 
 
+@dataclass(frozen=True)
+class Phrases:
+    """What a terminal says, by name, in one language; a study brings no words of its own for it."""
+
+    words: Mapping[str, str]
+
+    def of(self, name: str, /, **values: str | float) -> str:
+        """A phrase, filled with `values`."""
+        return self.words[name].format(**values)
+
+
+@cache
+def _shipped(language: str) -> dict[str, dict[str, str]]:
+    """The tables of a language file.
+
+    Raises
+    ------
+    InvalidParameter
+        If the language is not shipped.
+    """
+    one_of("language", language, languages())
+    tables = tomllib.loads((FOLDER / f"{PREFIX}{language}{SUFFIX}").read_text("utf-8"))
+    return {name: tables[name] for name in ("messages", "labels", "console")}
+
+
+def phrases_in(language: str) -> Phrases:
+    """The shipped words of a terminal.
+
+    Raises
+    ------
+    InvalidParameter
+        If the language is not shipped.
+
+    Examples
+    --------
+    >>> phrases_in("fr").of("press", force_n=1.0, duration_s=0.5)
+    'appuyez avec 1 N pendant 0.5 s'
+    """
+    return Phrases(_shipped(language)["console"])
+
+
 def texts_in(language: str, study: Mapping[str, str]) -> Texts:
     """The shipped texts of a language, below the texts of a study, which may name messages, labels and levels.
 
@@ -154,7 +195,6 @@ def texts_in(language: str, study: Mapping[str, str]) -> Texts:
     >>> texts_in("fr", {}).label("yes")
     'oui'
     """
-    one_of("language", language, languages())
-    shipped = tomllib.loads((FOLDER / f"{PREFIX}{language}{SUFFIX}").read_text("utf-8"))
+    shipped = _shipped(language)
     labels = shipped["labels"] | {name: text for name, text in study.items() if name not in shipped["messages"]}
     return Texts({**shipped["messages"], **study}, labels, language, shipped["messages"])

@@ -6,7 +6,7 @@ import string
 import pytest
 
 from tactometry.errors import InvalidParameter
-from tactometry.rigs.texts import languages, texts_in
+from tactometry.rigs.texts import languages, phrases_in, texts_in
 from tactometry.trials.trial import REASONS
 
 
@@ -20,7 +20,11 @@ def test_every_language_has_the_same_messages_with_the_same_places(language):
     english, other = texts_in("en", {}), texts_in(language, {})
     assert sorted(english.labels.keys() ^ other.labels.keys()) == [], f"labels in messages_{language}.toml"
     assert sorted(english.messages.keys() ^ other.messages.keys()) == [], f"messages in messages_{language}.toml"
-    unlike = [name for name, text in other.messages.items() if places(text) != places(english.messages[name])]
+    told, said = phrases_in("en").words, phrases_in(language).words
+    assert sorted(told.keys() ^ said.keys()) == [], f"console in messages_{language}.toml"
+    pairs = [(text, english.messages[name]) for name, text in other.messages.items()]
+    pairs += [(text, told[name]) for name, text in said.items()]
+    unlike = [text for text, in_english in pairs if places(text) != places(in_english)]
     assert unlike == [], f"messages_{language}.toml fills other places in these"
 
 

@@ -4,7 +4,7 @@ from itertools import combinations
 
 import pytest
 
-from tactometry.rigs.texts import languages, texts_in
+from tactometry.rigs.texts import languages, phrases_in, texts_in
 
 COLUMNS = ("en", "de", "fr")
 TABLE = """
@@ -93,6 +93,42 @@ different           | different                      | verschieden              
 experimenter        | experimenter                   | versuchsleitung                    | mène étude
 escape              | escape                         | escape                             | échap
 ctrl_c              | ctrl-c                         | strg-c                             | ctrl-c
+console.plays       | play through {output}          | werden über {output}               | passent par {output}
+console.silent      | nothing study --bench          | nichts studie --bench              | rien étude --bench
+console.stopping    | stops ctrl-d safe              | hält strg-d sicher                 | arrête ctrl-d sûreté
+console.no_answer   | {line} expected answer         | {line} keine antwort               | {line} pas réponse
+console.trial       | trial                          | durchgang                          | essai
+console.interval    | interval                       | intervall                          | intervalle
+console.play        | play {duration_s:g} s          | spielt {duration_s:g} s            | émission {duration_s:g} s
+console.press       | press {force_n:g} n            | drücken {force_n:g} n              | appuyez {force_n:g} n
+console.slide       | slide {force_n:g} n mm/s       | gleiten {force_n:g} n mm/s         | glissez {force_n:g} n mm/s
+console.lift        | lift first                     | zuerst heben                       | levez d'abord
+console.number      | number from to                 | zahl von bis                       | nombre de à
+console.number_from | number from                    | zahl ab                            | nombre partir
+console.steps       | steps                          | schritten                          | pas de
+console.ways        | - leaves < back                | - lässt < zurück                   | - laisse < arrière
+console.level       | level                          | pegel                              | niveau
+console.not_valid   | not valid                      | zählt nicht                        | compte pas
+console.not_valid_why | not valid: {reason}          | zählt nicht: {reason}              | ne compte pas : {reason}
+console.place       | trial {trial}                  | durchgang {trial}                  | essai {trial}
+console.place_again | attempt {attempt}              | versuch {attempt}                  | tentative {attempt}
+console.too_light   | too light                      | zu leicht                          | trop léger
+console.too_heavy   | too heavy                      | zu stark                           | trop fort
+console.stopped     | finger stopped                 | finger still                       | doigt arrêté
+console.too_slow    | too slow                       | zu langsam                         | trop lent
+console.too_fast    | too fast                       | zu schnell                         | trop rapide
+console.lifted      | finger left                    | finger abgehoben                   | doigt levé
+console.timeout     | touch not held time            | berührung nicht rechtzeitig        | toucher pas tenu temps
+console.sensor_lost | sensor silent                  | sensor stumm                       | capteur muet
+console.output_gap  | gap output                     | lücke ausgabe                      | coupure sortie
+console.experimenter | experimenter wanted           | wunsch versuchsleitung             | demande étude
+console.force       | {force_n:.2f} n                | {force_n:.2f} n                    | {force_n:.2f} n
+console.not_released | {force_n:.2f} not released    | {force_n:.2f} nicht losgelassen    | {force_n:.2f} non relevé
+console.played      | played {force_n:.2f}           | ausgegeben {force_n:.2f}           | émis {force_n:.2f}
+console.played_unmeasured | played no force          | ausgegeben keine kraft             | émis sans force
+console.not_played  | not played                     | nicht ausgegeben                   | non émis
+console.paused      | paused {by}                    | angehalten {by}                    | pause {by}
+console.goes_on     | goes on                        | geht weiter                        | reprend
 """
 ROWS = [[cell.strip() for cell in line.split("|")] for line in TABLE.strip().splitlines()]
 HELD = {language: {name: words[n].split() for name, *words in ROWS} for n, language in enumerate(COLUMNS)}
@@ -102,7 +138,8 @@ ALONE = ("no", "yes", "right", "wrong", "same", "different")
 
 def said_in(language):
     texts = texts_in(language, {})
-    return {**texts.messages, **texts.labels}
+    told = {f"console.{name}": text for name, text in phrases_in(language).words.items()}
+    return {**texts.messages, **texts.labels, **told}
 
 
 def lacks(language, name, text):

@@ -8,8 +8,8 @@ import pytest
 
 from tactometry.errors import Stopped
 from tactometry.rigs.console import N_TRIES, Console
-from tactometry.rigs.texts import texts_in
-from tactometry.session.request import Choose, Record
+from tactometry.rigs.texts import phrases_in, texts_in
+from tactometry.session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Record, Slide
 from tactometry.trials.trial import Trial
 
 FELT = Choose("felt", (0, 1), ("no", "yes"))
@@ -57,6 +57,61 @@ def test_after_twenty_lines_that_are_none_the_session_stops():
     rig, _ = console("x\n" * N_TRIES + "1\n")
     with pytest.raises(Stopped, match="20 lines were no answers; what was recorded is safe: go on with"):
         rig.answer(FELT)
+
+
+POLES = {"en": ("warm", "not", "much"), "de": ("warm", "nicht", "sehr"), "fr": ("chaud", "pas", "très")}
+ASKED = (
+    Press("tone", None, 0.5, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0, interval=2),
+    Slide("tone", None, 0.5, 1.0, 0.2, 0.1, 5.0, speed_m_per_s=0.05),
+    Play("tone", None, 0.01),
+    Enter("how_strong", 0.0),
+    Fill("f", (Question("a", POLES),), 0.0, 1.0, 5),
+    Adjust("tone", 5.0, 1.0, 0.0, 10.0),
+    Record(Trial(4, 7, {}, "staircase", 5.0, "V", "yes_no", None, valid=False, invalid_reason="too_light", attempt=2)),
+)
+TOLD = {
+    "de": (
+        "Strg-C hält an (bei einer Frage auch Strg-D, oder Escape und Eingabe); was aufgezeichnet ist, ist sicher.",
+        "[Durchgang 1] 0.5 s lang mit 1 N drücken, Intervall 2",
+        "[Durchgang 1] 0.5 s lang mit 1 N und 50 mm/s gleiten",
+        "[Durchgang 1] spielt 0.01 s lang",
+        "Wie stark war es? (eine Zahl ab 0): 'x' ist keine Antwort auf: Wie stark war es? (eine Zahl ab 0):",
+        "Wie stark war es? (eine Zahl ab 0): "
+        "warm (0 = nicht, 1 = sehr, in Schritten von 0.25; - lässt sie offen, < geht zurück): "
+        "Pegel von tone (0 bis 10): "
+        "[Durchgang 1] zählt nicht: zu leicht (Durchgang 7, Versuch 2)",
+    ),
+    "fr": (
+        "Ctrl-C arrête (à une question aussi Ctrl-D, ou Échap puis Entrée) ; ce qui est enregistré est en sûreté.",
+        "[essai 1] appuyez avec 1 N pendant 0.5 s, intervalle 2",
+        "[essai 1] glissez avec 1 N à 50 mm/s pendant 0.5 s",
+        "[essai 1] émission pendant 0.01 s",
+        "Quelle était l'intensité ? (un nombre à partir de 0): "
+        "'x' n'est pas une réponse à : Quelle était l'intensité ? (un nombre à partir de 0):",
+        "Quelle était l'intensité ? (un nombre à partir de 0): "
+        "chaud (0 = pas, 1 = très, par pas de 0.25; - laisse sans réponse, < revient en arrière): "
+        "niveau de tone (0 à 10) : "
+        "[essai 1] ne compte pas : trop léger (essai 7, tentative 2)",
+    ),
+}
+
+
+@pytest.mark.parametrize("language", TOLD)
+def test_all_that_it_says_is_in_the_language_of_the_session(language):
+    rig, said = console("x\n3,5\n0,25\n5\n", language)
+    answers = [rig.answer(request) for request in ASKED]
+    assert (answers[3].value, answers[4].values) == (3.5, (0.25,))
+    first, *others = said.getvalue().splitlines()
+    assert (first, others) == (phrases_in(language).of("silent").strip(), list(TOLD[language]))
+
+
+@pytest.mark.parametrize(("language", "heading"), [("en", "Stopped"), ("de", "Angehalten"), ("fr", "Arrêt")])
+def test_who_stops_is_told_whom_to_call(language, heading):
+    rig, said = console("\x1b\n", language)
+    with pytest.raises(Stopped):
+        rig.answer(FELT)
+    experimenter = texts_in(language, {}).label("experimenter")
+    assert said.getvalue().partition(f"{heading}\n\n")[2].count(experimenter) == 1
 
 
 def test_a_block_that_is_aborted_is_told_at_once():

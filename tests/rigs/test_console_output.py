@@ -117,13 +117,13 @@ def test_an_adjustment_with_an_output_is_refused_before_anything_is_written(tmp_
     assert not (tmp_path / "d").exists()
 
 
-def console(tmp_path, force_n=None, text="", said=None):
+def console(tmp_path, force_n=None, text="", said=None, language="en"):
     sensor = None
     if force_n is not None:
         sensor = streamed_force(Reader(Sampled(force_n)), 0, ForceCalibration(newtons_per_count=1.0))
     device = Guarded(FileOutput(FileSettings(str(tmp_path))), LIMITS)
     equipment = Equipment(device, {"tone": TONE}, LIMITS, sensor)
-    return Console(equipment, texts_in("en", {}), io.StringIO(text), said or io.StringIO())
+    return Console(equipment, texts_in(language, {}), io.StringIO(text), said or io.StringIO())
 
 
 def played(tmp_path):
@@ -163,12 +163,30 @@ def test_it_says_why_a_trial_is_not_valid_and_where_it_stands_in_the_table(tmp_p
     ]
 
 
-def test_a_silent_sensor_pauses_the_session(tmp_path):
+@pytest.mark.parametrize(
+    ("language", "told"),
+    [
+        (
+            "en",
+            ("press with 1 N for 0.3 s (lift the finger first)", "Lift your finger", "it goes on\nplayed, 1.00 N\n"),
+        ),
+        ("de", ("mit 1 N drücken (zuerst den Finger heben)", "Heben Sie den", "es geht weiter\nausgegeben, 1.00 N\n")),
+    ],
+)
+def test_a_silent_sensor_pauses_the_session_in_its_language(tmp_path, language, told):
+    def force_n(time_s):
+        if time_s < 0.1:
+            return 0.3
+        return None if time_s < 0.7 else 1.0
+
     said = io.StringIO()
-    rig = console(tmp_path, lambda time_s: None if 0.2 < time_s < 1.2 else (1.0 if time_s > 1.2 else 0.3), said=said)
+    rig = console(tmp_path, force_n, said=said, language=language)
     assert rig.answer(PRESS).valid
     rig.close()
-    assert "paused: the force sensor is silent\nit goes on\n" in said.getvalue()
+    asked, paused, goes_on = told
+    assert asked in said.getvalue()
+    assert paused in said.getvalue()
+    assert said.getvalue().endswith(f": the force sensor is silent\n{goes_on}")
 
 
 def test_an_interval_that_only_plays_takes_its_time(tmp_path):
@@ -219,8 +237,9 @@ def test_its_pages_name_the_key_that_works(language, words):
     rig = Console(catalogue.silent({}, LIMITS), texts_in(language, {}), io.StringIO(), said)
     rig.answer(Show("welcome", {"n_blocks": 1}))
     assert words in said.getvalue()
-    assert "Escape" not in said.getvalue().split("\n\n", 1)[1]
-    assert "chap" not in said.getvalue()
+    page = said.getvalue().split("\n\n", 1)[1]
+    assert "Escape" not in page
+    assert "chap" not in page
 
 
 def test_escape_and_return_stop_it_too():

@@ -8,6 +8,7 @@ from typing import Final, Literal, TextIO
 
 from ...errors import InvalidParameter, nearest
 from ...session.intervention import Wanted
+from ..texts import phrases_in
 
 Wish = Literal["pause", "go", "repeat", "note", "stop", "help"] | Wanted
 WORDS: Final[dict[str, Wish]] = {
@@ -75,9 +76,12 @@ class ExperimenterTerminal:
     ----------
     source, output : text file or None
         Used where they are terminals.
+    language : str
+        Of what is said of the touches of a trial and of pauses, its two letters.
     """
 
-    def __init__(self, source: TextIO | None = None, output: TextIO | None = None) -> None:
+    def __init__(self, source: TextIO | None = None, output: TextIO | None = None, language: str = "en") -> None:
+        self.phrases = phrases_in(language)
         self._output = output if output is not None and output.isatty() else None
         self._lines: queue.SimpleQueue[str] = queue.SimpleQueue()
         self._fresh_line, self.standing = True, ""
@@ -111,6 +115,10 @@ class ExperimenterTerminal:
         """Some more words on the line of this trial."""
         self._write(words if self._fresh_line else f" | {words}")
         self._fresh_line = False
+
+    def say(self, phrase: str, /, **values: str | float) -> None:
+        """As `add`, by the name of the phrase."""
+        self.add(self.phrases.of(phrase, **values))
 
     def end_line(self) -> None:
         """What follows stands on a new line."""

@@ -200,16 +200,21 @@ class TouchCourse:
             last_first.callback(trigger.disarm)  # the first to run on any way out: nothing fires behind it
             begun = self._await_begin(held, trigger, sensor)
             if begun is None:
-                self.setup.say("not played")
+                self.setup.say("not_played")
                 return Touched(time.perf_counter(), None, None, valid=False, invalid_reason=held.missed), None
             cut_by = self._interruption(held, trigger, *begun)
         self.setup.emitter.stop()
         self.setup.release.begin()
         decided_s, onset_s = begun
         touched = replace(self._judgement(signal, held, onset_s, cut_by), gate_s=held.let_through_s)
-        mean = "no force" if touched.force_mean_n is None else f"{touched.force_mean_n:.2f} N"
-        self.setup.say(f"played, {mean}")
+        self._say_played(touched.force_mean_n)
         return touched, held.delay_s(decided_s)
+
+    def _say_played(self, force_n: float | None) -> None:
+        if force_n is None:
+            self.setup.say("played_unmeasured")
+        else:
+            self.setup.say("played", force_n=force_n)
 
     def _await_begin(self, held: Held, trigger: Trigger, sensor: StreamedSensor) -> tuple[float, float] | None:
         """Show the force until the stimulus begins: when that was decided, and the onset; None if it came too late.
@@ -241,7 +246,7 @@ class TouchCourse:
         now_s, force_n = time.perf_counter(), held.applied_force.force_n
         if now_s < said_s + TOLD_EVERY_S or force_n is None:
             return said_s
-        self.setup.say(f"{force_n:.2f} N{'' if held.released else ', not released'}")
+        self.setup.say("force" if held.released else "not_released", force_n=force_n)
         return now_s
 
     def _interruption(self, held: Held, trigger: Trigger, decided_s: float, onset_s: float) -> Reason | None:

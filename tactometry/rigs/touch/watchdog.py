@@ -26,7 +26,8 @@ Pause = Callable[[str, Callable[[], bool]], None]
 
 @dataclass(frozen=True)
 class TouchSetup:
-    """Screen, output and sensors of a rig; `say` tells the experimenter. Above `force_peak_n` nothing plays.
+    """Screen, output and sensors of a rig; `say` tells the experimenter, by the name of a phrase and its values. Above
+    `force_peak_n` nothing plays.
 
     `keep_path` keeps the places that a texture followed, under their digest.
     """
@@ -37,7 +38,7 @@ class TouchSetup:
     position: StreamedSensor | None
     release: Release
     pause: Pause
-    say: Callable[[str], None]
+    say: Callable[..., None]
     force_peak_n: float
     keep_path: Callable[[str, bytes], None]
 
