@@ -14,10 +14,11 @@ from .report import label, machine
 
 HEAD = """# What accuracy costs
 
-```
-tactometry cost all --out cost            # every ladder: table, cost/cost.csv, a figure each
-tactometry cost skin-propagator
-tactometry cost all --page docs/explanation/cost.md   # this page
+<!-- not run: all ladders take an hour; tests/experiments/test_ladders.py climbs each -->
+```console
+$ tactometry cost all --out cost            # every ladder: table, cost/cost.csv, a figure each
+$ tactometry cost skin-propagator
+$ tactometry cost all --page docs/explanation/cost.md   # this page
 ```
 
 A ladder is one problem with settings from coarse to fine. Each rung has its error against the stated reference, the

@@ -8,10 +8,11 @@ from .reproduction import Number, Reproduced
 
 HEAD = """# What of the thesis comes out
 
-```
-tactometry reproduce all --out reproduced           # CSV of every table and finding, CSV and PNG of every figure
-tactometry reproduce table-4.3 --out reproduced
-tactometry reproduce all --page docs/explanation/reproduced.md  # this page
+<!-- not run: all of it takes minutes; tests/experiments/test_reproductions.py makes each -->
+```console
+$ tactometry reproduce all --out reproduced           # CSV of every table and finding, CSV and PNG of every figure
+$ tactometry reproduce table-4.3 --out reproduced
+$ tactometry reproduce all --page docs/explanation/reproduced.md  # this page
 ```
 
 The thesis is H. Zophoniasson's (2017). Our sources hold its front matter, lists of figures and tables, abstract and

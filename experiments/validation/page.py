@@ -16,8 +16,9 @@ PERCENT: Final = frozenset(("share", "none", "bounds"))
 UNEXPLAINED: Final = "not explained"
 HEAD: Final = """# Our methods, put to participants whose truth is known
 
-```
-tactometry validate-method --out validated --rounds {n_rounds} --seed {seed}
+<!-- not run: it takes half an hour; tests/experiments/test_validation.py runs each check -->
+```console
+$ tactometry validate-method --out validated --rounds {n_rounds} --seed {seed}
 ```
 
 Every procedure with every fit, calibration by simulation, tests without an effect and with one, intervals of effects:

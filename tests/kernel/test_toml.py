@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
+from pages_of_docs import blocks
 from places import ROOT
 
 from tactometry.analysis.plan import read_plan
@@ -68,22 +69,11 @@ def test_an_absent_file_is_told(tmp_path: Path, what: str) -> None:
         READERS[what](tmp_path / "none.toml")
 
 
-ANALYSIS = (ROOT / "docs" / "reference" / "analysis.md").read_text("utf-8")
-
-
-def indented(begin: str, end: str) -> str:
-    """What a page of the docs shows from one line to another."""
-    begins = ANALYSIS.index(f"    {begin}")
-    shown = ANALYSIS[begins : ANALYSIS.index(f"    {end}", begins)] + end
-    return re.sub("^    ", "", shown, flags=re.MULTILINE)
-
-
+MAPS_AND_PLAN = blocks("reference/analysis.md", "toml")
 SOUND = {
-    "a bench file": re.findall(
-        r"```toml\n(.*?)```", (ROOT / "docs" / "reference" / "devices.md").read_text("utf-8"), re.DOTALL
-    )[0],
-    "a column map": indented('missing = ["None"]', "n = 0"),
-    "a plan of analysis": indented('primary = "anova"', "force_n = 1.0"),
+    "a bench file": blocks("reference/devices.md", "toml")[0],
+    "a column map": MAPS_AND_PLAN[0],
+    "a plan of analysis": MAPS_AND_PLAN[-1],
     "a plate": 'glass = "Borofloat 33"\nlength_m = 0.3\nwidth_m = "210 mm"\nthickness_m = 1e-3\nboundary = "FFFF"\n',
     "a questionnaire": (ROOT / "tactometry" / "questionnaires" / "sus.toml").read_text("utf-8"),
     "a scene file": (ROOT / "experiments" / "scenes" / "a4-screen.toml").read_text("utf-8"),

@@ -1,0 +1,70 @@
+"""A page of the docs from top to bottom: its blocks run in their order, in the folder where the test stands."""
+
+import contextlib
+import doctest
+import io
+import re
+from pathlib import Path
+from typing import Any
+
+from page_blocks import Block, blocks_of
+from page_console import ALIKE, alike, run_console
+from page_files import READERS, read_toml
+from places import ROOT
+
+LANGUAGES = ("console", "python", "toml", "csv", "text")
+SAID = re.compile(r"^ *print\(.*\)(?:  |\n *)# (.+)$", re.MULTILINE)
+"""What a print is told to print: a comment behind it, or in the line below it."""
+
+
+def run_page(page: Path) -> None:
+    """Every block of it; what is not as the page shows is an `AssertionError` with the place."""
+    names: dict[str, Any] = {"__name__": "page"}
+    for block in blocks_of(page):
+        run_block(block, names)
+
+
+def run_block(block: Block, names: dict[str, Any]) -> None:
+    """One block; Python with the names of the blocks above it."""
+    assert block.language in LANGUAGES, f"{block.place}: found a block of {block.language!r}, expected {LANGUAGES}"
+    if block.mark == "not run":
+        assert block.said, f"{block.place}: a block that is not run says why"
+    elif block.mark == "of":
+        assert _lines(block.text) in _lines((ROOT / block.said).read_text(encoding="utf-8")), (
+            f"{block.place}: not in {block.said}"
+        )
+    elif block.mark == "file":
+        Path(block.said).write_text(block.text, encoding="utf-8")
+    elif block.language == "console":
+        run_console(block)
+    elif block.language == "python":
+        run_python(block, names)
+    elif block.language == "toml":
+        assert block.mark in {"study", *READERS}, f"{block.place}: TOML without a comment that says what reads it"
+        read_toml(block)
+
+
+def _lines(text: str) -> str:
+    """Without the places where they begin."""
+    return "\n".join(line.strip() for line in text.strip().splitlines())
+
+
+def run_python(block: Block, names: dict[str, Any]) -> None:
+    """Behind `>>>` as doctest does; else the whole block, whose comments say what it prints."""
+    if block.text.startswith(">>>"):
+        _run_examples(block, names)
+        return
+    said = io.StringIO()
+    code = compile("\n" * block.line + block.text, str(block.page), "exec", dont_inherit=True)
+    with contextlib.redirect_stdout(said):
+        exec(code, names)
+    shown = "\n".join(SAID.findall(block.text))
+    assert alike(shown, said.getvalue()), f"{block.place}: the page says\n{shown}\nand it prints\n{said.getvalue()}"
+
+
+def _run_examples(block: Block, names: dict[str, Any]) -> None:
+    told = io.StringIO()
+    test = doctest.DocTestParser().get_doctest(block.text, names, block.place, str(block.page), block.line)
+    test.globs = names
+    doctest.DocTestRunner(optionflags=ALIKE).run(test, out=told.write, clear_globs=False)
+    assert not told.getvalue(), told.getvalue()

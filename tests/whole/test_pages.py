@@ -1,0 +1,103 @@
+"""Every code block and command of README and docs does what the page says."""
+
+import re
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import click
+import pytest
+from page_blocks import Block, blocks_of
+from page_console import COLUMNS
+from page_runner import run_block, run_page
+from places import DOCS, ROOT
+
+from tactometry.cli import tactometry
+
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.glob("[a-z]*/**/*.md"))]
+LONG = "<!-- long: "
+
+
+def page_of(path: Path) -> object:
+    """A page that says that it is long runs in `make check` alone."""
+    marks = pytest.mark.slow if LONG in path.read_text(encoding="utf-8") else ()
+    return pytest.param(path, marks=marks, id=path.relative_to(ROOT).with_suffix("").as_posix())
+
+
+@pytest.fixture
+def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A folder to run a page in; modules that a page writes are forgotten after it."""
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", COLUMNS)
+    known = set(sys.modules)
+    yield tmp_path
+    for name in set(sys.modules) - known:
+        if str(getattr(sys.modules[name], "__file__", "")).startswith(str(tmp_path)):
+            del sys.modules[name]
+
+
+@pytest.mark.parametrize("page", [page_of(path) for path in PAGES])
+@pytest.mark.usefixtures("scratch")
+def test_what_a_page_shows_is_so(page: Path) -> None:
+    run_page(page)
+
+
+NAMED = re.compile(r"`tactometry ([a-z-]+)((?: [^`]*)?)`")
+
+
+def commands_named_in(path: Path) -> set[tuple[str, str]]:
+    """Each command that stands in a sentence, with what stands behind it."""
+    return set(NAMED.findall(path.read_text(encoding="utf-8")))
+
+
+@pytest.mark.parametrize("page", PAGES, ids=lambda path: path.relative_to(ROOT).with_suffix("").as_posix())
+def test_commands_and_options_that_a_sentence_names_exist(page: Path) -> None:
+    for name, rest in sorted(commands_named_in(page)):
+        command = tactometry.get_command(click.Context(tactometry), name)
+        assert command is not None
+        for word in re.findall(r"^\w[\w-]*", rest.strip()):
+            command = getattr(command, "commands", {}).get(word, command)
+        known = {option for parameter in command.params for option in (*parameter.opts, *parameter.secondary_opts)}
+        assert set(re.findall(r"(?<=\s)--[a-z-]+", rest)) <= known | {"--help"}, f"{name}{rest}"
+
+
+WRONG = {
+    "other output": ("console", "$ tactometry studies\nno such study\n", "the page shows"),
+    "an error that the page does not show": ("console", "$ tactometry analyse nowhere\n", "ended with 2"),
+    "an error that does not come": ("console", "$ tactometry studies\ntactometry: no\n", "ended with 0"),
+    "another program's error": ("console", "$ false\n", "ended with 1"),
+    "another number": ("python", "print(1)  # 2\n", "the page says"),
+    "a print without a comment": ("python", "print(1)\n", "the page says"),
+    "an example": ("python", ">>> 1 + 1\n3\n", "Expected"),
+    "TOML that nothing reads": ("toml", "a = 1\n", "what reads it"),
+    "an unknown language": ("matlab", "a = 1;\n", "expected"),
+    "no language": (None, "a = 1;\n", "expected"),
+}
+
+
+@pytest.mark.parametrize("wrong", WRONG)
+@pytest.mark.usefixtures("scratch")
+def test_what_is_not_so_fails(wrong: str) -> None:
+    language, text, complaint = WRONG[wrong]
+    with pytest.raises(AssertionError, match=complaint):
+        run_block(Block(Path("page.md"), 1, language, text), {})
+
+
+@pytest.mark.usefixtures("scratch")
+def test_a_part_of_a_study_with_an_unknown_key_fails() -> None:
+    block = Block(Path("page.md"), 1, "toml", "[task]\nkind = 'yes_no'\nsort = 1\n", "study", "tutorial")
+    with pytest.raises(Exception, match="task.sort"):
+        run_block(block, {})
+
+
+def test_a_block_that_is_not_run_says_why(tmp_path: Path) -> None:
+    page = tmp_path / "page.md"
+    page.write_text("<!-- not run: it needs a force sensor -->\n```console\n$ false\n```\n", encoding="utf-8")
+    [block] = blocks_of(page)
+    assert (block.language, block.text, block.mark, block.said) == (
+        "console",
+        "$ false\n",
+        "not run",
+        "it needs a force sensor",
+    )
+    run_block(block, {})
