@@ -1,29 +1,18 @@
 """The experimenter's terminal, a real pseudo-terminal: what is typed there, and what comes of it in a window."""
 
-import os
-import select
-import threading
 import time
-from contextlib import suppress
 from dataclasses import replace
 
 import pytest
-from kept_events import Kept
+from experimenter_seat import FELT, PRESS, ROW, waits_until
 from patience import LONGEST_WAIT_S
-from sampled import Sampled
 
-from tactometry.devices.sensors.reader import Reader
-from tactometry.devices.sensors.streamed import ForceCalibration, streamed_force
 from tactometry.errors import InvalidParameter, Stopped
-from tactometry.rigs.bench import Bench
-from tactometry.rigs.device_rig import Equipment
-from tactometry.rigs.experimenter.terminal import ExperimenterTerminal, order_of
-from tactometry.rigs.texts import texts_in
+from tactometry.rigs.experimenter.terminal import order_of
 from tactometry.session.event import intervention_of
 from tactometry.session.intervention import Intervention
 from tactometry.session.request import (
     Adjust,
-    Choose,
     Enter,
     Fill,
     Intervene,
@@ -35,88 +24,6 @@ from tactometry.session.request import (
     Show,
     Wait,
 )
-from tactometry.stimuli.electrovibration import Sine
-from tactometry.trials.trial import Trial
-
-TONE = Sine(frequency_hz=60.0, duration_s=0.3, ramp_s=0.02, level_unit="V")
-PRESS = Press("tone", 5.0, 0.3, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=20.0)
-FELT = Choose("felt", (0, 1), ("no", "yes"))
-ROW = Record(Trial(2, 7, {}, "staircase", 5.0, "V", "yes_no", 1))
-
-
-class Terminal:
-    """Both ends of a pseudo-terminal: the desk has one, the experimenter's hands and eyes the other."""
-
-    def __init__(self):
-        self._master, slave = os.openpty()
-        self._file = os.fdopen(slave, "r+b", buffering=0)
-        self.source, self.output = open(slave, closefd=False), open(slave, "w", closefd=False)  # noqa: SIM115
-        self.desk = ExperimenterTerminal(self.source, self.output)
-        self._seen = b""
-
-    def types(self, line):
-        os.write(self._master, line.encode() + b"\n")
-
-    def sees(self, words):
-        """Whether these words stand in the terminal by now."""
-        while select.select([self._master], [], [], 0)[0]:
-            self._seen += os.read(self._master, 4096)
-        return words.encode() in self._seen
-
-    def shows(self, words):
-        """Wait until these words stand in the terminal."""
-        end_s = time.monotonic() + LONGEST_WAIT_S
-        while not self.sees(words):
-            assert time.monotonic() < end_s, self._seen
-            time.sleep(0.005)
-
-    def goes_away(self):
-        os.close(self._master)
-        self._master = None
-
-    def close(self):
-        if self._master is not None:
-            self.goes_away()
-        for file in (self.source, self.output, self._file):
-            with suppress(OSError):
-                file.close()
-
-
-@pytest.fixture
-def terminal():
-    made = Terminal()
-    yield made
-    made.close()
-
-
-@pytest.fixture
-def kept():
-    return Kept()
-
-
-@pytest.fixture
-def bench_with(watched, output, kept, terminal, log):
-    rigs = []
-
-    def make(force_n=None):
-        sensor = None
-        if force_n is not None:
-            reader = Reader(Sampled(force_n, log))
-            sensor = streamed_force(reader, 0, ForceCalibration(newtons_per_count=1.0))
-        equipment = Equipment(output, {"tone": TONE}, sensor=sensor, release=False)
-        rigs.append(Bench(watched, equipment, texts_in("en", {}), log=kept, terminal=terminal.desk))
-        return rigs[-1]
-
-    yield make
-    for rig in rigs:
-        rig.close()
-
-
-def waits_until(bench, seen):
-    end_s = time.monotonic() + LONGEST_WAIT_S
-    while not seen():
-        assert time.monotonic() < end_s
-        bench.answer(Wait(0.1))
 
 
 def test_a_remark_is_kept_with_its_time_in_the_midst_of_a_page(bench_with, terminal, kept):
@@ -285,56 +192,6 @@ def test_every_answer_that_is_to_be_repeated_is_not_valid(bench_with, terminal, 
     assert bench.answer(ask).valid
 
 
-def test_the_terminal_says_why_a_trial_is_not_valid(bench_with, terminal):
-    bench = bench_with()
-    bench.answer(PRESS)
-    bench.answer(Record(replace(ROW.trial, response=None, valid=False, invalid_reason="too_light")))
-    terminal.shows("no answer, not valid: too light")
-
-
-def test_what_is_asked_again_is_told_by_its_place_in_the_table(bench_with, terminal):
-    bench = bench_with()
-    bench.answer(PRESS)
-    bench.answer(Record(replace(ROW.trial, valid=False, invalid_reason="too_light")))
-    bench.answer(PRESS)
-    bench.answer(Record(replace(ROW.trial, attempt=2)))
-    terminal.shows("trial 2: tone 5")
-    terminal.shows("1, valid (trial 7, attempt 2)")
-
-
-def test_what_the_terminal_shows_after_a_session_begins_a_line(bench_with, terminal):
-    bench = bench_with()
-    bench.answer(PRESS)
-    bench.close()
-    terminal.output.write("$")
-    terminal.output.flush()
-    terminal.shows("\r\n$")
-
-
-def test_a_block_that_is_aborted_is_told_at_once(bench_with, terminal):
-    bench = bench_with()
-    bench.answer(Record(replace(ROW.trial, valid=False, invalid_reason="timeout"), aborted="block 2 is aborted: so"))
-    assert terminal.sees("the touch was not held as asked in time (trial 7)\r\n! block 2 is aborted: so\r\n")
-
-
-def test_a_trial_of_many_rows_is_noted_once_and_a_questionnaire_on_its_own_never(bench_with, terminal, kept):
-    def rows(level, n_trial):
-        item = replace(ROW.trial, trial=n_trial, task="rating", procedure="vas", level=level, response=3.0)
-        return [Record(replace(item, item=name)) for name in ("pleasant", "intense")]
-
-    bench = bench_with()
-    for row in [*rows(5.0, 7), *rows(None, 8), *rows(5.0, 9)]:
-        bench.answer(Wait(0.05))
-        bench.answer(row)
-    bench.answer(Wait(0.0))
-    trials = [event.facts for event in kept.events if event.kind == "trial"]
-    assert [facts["trial"] for facts in trials] == [7, 9]
-    assert trials[1]["n_frames"] <= 6  # those of its own wait, not of the questionnaire
-    bench.answer(PRESS)
-    terminal.shows("trial 3: tone 5")
-    assert terminal._seen.count(b"valid (") == 2
-
-
 def test_there_is_nothing_to_repeat_between_trials(bench_with, terminal, kept):
     bench = bench_with()
     terminal.types("r")
@@ -365,30 +222,6 @@ def test_a_window_that_is_closed_is_an_event_of_its_own(bench_with, kept, watche
     assert kept.told == [("stop", "the window was closed")]
 
 
-def test_a_silent_sensor_pauses_the_session_and_it_goes_on_by_itself(bench_with, kept, log, terminal):
-    touched = bench_with(lambda time_s: None if time_s < 1.0 else 1.0).answer(PRESS)
-    assert touched.valid
-    silent = "the force sensor is silent"
-    *pauses, stimulus = kept.told
-    # on a busy machine the sensor's thread may be held up, and it pauses once more
-    assert pauses == [("pause", silent), ("resume", silent)] * max(1, len(pauses) // 2)
-    assert stimulus == ("stimulus", None)
-    terminal.shows("paused: the force sensor is silent")
-
-
-def test_the_terminal_tells_trial_level_force_and_answer(bench_with, terminal, participant, watched):
-    bench = bench_with(lambda time_s: 0.5 if time_s < 2.5 else 1.0)
-    bench.answer(PRESS)
-    for words in ("trial 1: tone 5", "0.50 N", "played, 1.00 N"):
-        terminal.shows(words)
-    watched.shown.queue.clear()
-    participant.answers("y")
-    bench.answer(FELT)
-    bench.answer(ROW)
-    terminal.shows("answered in")
-    terminal.shows("1, valid")
-
-
 def test_what_is_no_order_is_answered_with_those_that_are(bench_with, terminal, kept):
     for line in ("pasue", "n", "s now", "", "\x00\xff"):
         terminal.types(line)
@@ -397,25 +230,6 @@ def test_what_is_no_order_is_answered_with_those_that_are(bench_with, terminal, 
     terminal.shows("found 'pasue', expected one of: p pause")
     terminal.shows("did you mean 'pause'?")
     assert kept.told == []
-
-
-def test_a_terminal_that_goes_away_takes_no_session_with_it(bench_with, terminal, log):
-    bench = bench_with(lambda time_s: 1.0)
-    terminal.goes_away()
-    assert bench.answer(PRESS).valid
-    assert log[-1] == "output.stop"
-
-
-def test_without_a_terminal_a_desk_is_silent(tmp_path, capsys):
-    path = tmp_path / "orders"
-    path.write_text("stop\n")
-    n_threads = threading.active_count()
-    with path.open() as source, (tmp_path / "told").open("w") as output:
-        desk = ExperimenterTerminal(source, output)
-        desk.tell("words")
-        assert desk.orders() == []
-    assert (tmp_path / "told").read_text() == ""
-    assert threading.active_count() == n_threads
 
 
 @pytest.mark.parametrize("line", ["", "x", "pause now", "note", "n   "])

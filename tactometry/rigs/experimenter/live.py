@@ -39,8 +39,10 @@ class Typed:
         (Typed(text='n hello', in_sequence=False), None)
         >>> Typed("s").after("\\n")
         (Typed(text='', in_sequence=False), 's')
+        >>> Typed("s", in_sequence=True).after("\\n")
+        (Typed(text='', in_sequence=False), 's')
         """
-        if self.in_sequence:
+        if self.in_sequence and key not in "\r\n":
             return replace(self, in_sequence=not (key.isalpha() or key == "~")), None
         if key in "\r\n":
             return Typed(), self.text

@@ -5,7 +5,6 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from conftest import Watched
 from hypothesis import given, strategies as st
 
 from tactometry.experiments.bench.preflight_computer import _period
@@ -108,7 +107,7 @@ def test_a_window_whose_first_frames_were_slow_counts_by_what_is_expected(screen
     assert (finding.expected, finding.fine) == ("16.67 ms", False)
 
 
-def test_a_virtual_screen_is_paced(watched: Watched):
+def test_a_virtual_screen_is_paced(watched):
     facts = watched.facts()
     assert (facts["frame_period_nominal_s"], facts["frame_period_trusted"]) == (None, False)
     assert (facts["frame_period_s"], facts["frames_paced_in_software"]) == (0.016667, True)
