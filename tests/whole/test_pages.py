@@ -15,12 +15,12 @@ from places import DOCS, ROOT
 from tactometry.cli import tactometry
 
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.glob("[a-z]*/**/*.md"))]
-LONG = "<!-- long: "
+LONG = re.compile(r"^<!-- long: .+ -->$", re.MULTILINE)
 
 
 def page_of(path: Path) -> object:
     """A page that says that it is long runs in `make check` alone."""
-    marks = pytest.mark.slow if LONG in path.read_text(encoding="utf-8") else ()
+    marks = pytest.mark.slow if LONG.search(path.read_text(encoding="utf-8")) else ()
     return pytest.param(path, marks=marks, id=path.relative_to(ROOT).with_suffix("").as_posix())
 
 
