@@ -7,7 +7,7 @@ import pytest
 
 from tactometry.errors import InvalidParameter
 from tactometry.rigs.texts import languages, phrases_in, texts_in
-from tactometry.trials.trial import REASONS
+from tactometry.trials.trial import REASON_WORDS, REASONS
 
 
 def places(text):
@@ -33,6 +33,10 @@ def test_every_reason_for_which_a_touch_does_not_count_is_told(language):
     told = [texts_in(language, {}).message(f"lost_{reason}") for reason in REASONS]
     assert len(set(told)) == len(REASONS)
     assert not set(told) & {f"lost_{reason}" for reason in REASONS}
+
+
+def test_the_reasons_that_a_terminal_tells_are_those_of_the_report():
+    assert {reason: phrases_in("en").of(reason) for reason in REASONS} == REASON_WORDS
 
 
 @pytest.mark.parametrize(("one", "other", "same"), [("en", "fr", ["right"]), ("en", "de", []), ("de", "fr", [])])
