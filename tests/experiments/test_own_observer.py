@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from command_line import call, output
+from command_line import call, output, refused
 from places import ROOT
 from tables import trial_rows
 
@@ -121,8 +121,7 @@ def test_a_cluster_finds_it_by_the_path_of_the_study(study, tmp_path, capsys):
 def test_code_that_is_no_observer_is_refused_in_one_sentence(study, tmp_path, capsys, kind, code, sentence):
     study.write_text(OWN.replace("mine:Guesser", kind))
     (study.parent / "mine.py").unlink() if code is None else (study.parent / "mine.py").write_text(code)
-    status, said, _ = call(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
-    assert status == 2
+    said = refused(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
     assert sentence in said
     assert "Traceback" not in said
     assert not (tmp_path / "d").exists()
@@ -150,8 +149,7 @@ def with_body(method, body):
 def test_what_its_calls_raise_or_answer_is_told_with_file_and_line(study, tmp_path, capsys, method, body, sentence):
     code, numbers = with_body(method, body)
     (study.parent / "mine.py").write_text(code)
-    status, said, _ = call(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
-    assert status == 2
+    said = refused(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
     assert sentence in said
     assert any(f"{study.parent / 'mine.py'}, line {number}: " in said for number in numbers)
     assert said.count("\n") == 0
@@ -164,8 +162,7 @@ def test_what_was_recorded_before_it_failed_is_kept_and_goes_on(study, tmp_path,
     failing = with_body("detect", "next(LEFT)")[0].replace("import BIAS", "import BIAS, LEFT")
     (study.parent / "mine.py").write_text(failing)
     words = ("simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
-    status, said, _ = call(capsys, *words)
-    assert status == 2
+    said = refused(capsys, *words)
     assert "found StopIteration () in detect" in said
     assert 70 <= len(trial_rows(tmp_path / "d")) < len(trial_rows(tmp_path / "whole"))
     (study.parent / "mine.py").write_text(CODE)
@@ -180,8 +177,7 @@ def test_a_person_of_another_class_is_guarded_too(study, tmp_path, capsys):
         + "\n\n@dataclass(frozen=True, slots=True)\nclass Person(Guesser):\n"
         "    def detect(self, sensation_db, rng):\n        return self.nothing\n"
     )
-    status, said, _ = call(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
-    assert status == 2
+    said = refused(capsys, "simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
     assert "found AttributeError ('Person' object has no attribute 'nothing') in detect" in said
 
 

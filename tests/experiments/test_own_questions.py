@@ -5,7 +5,7 @@ import re
 import shutil
 
 import pytest
-from command_line import call, output
+from command_line import call, output, refused
 from places import DOCS
 from tables import trial_rows
 
@@ -62,8 +62,7 @@ def test_a_prompt_is_that_of_the_language_or_else_the_english_one(own, language,
 
 def test_a_prompt_without_words_for_the_language_of_the_bench_is_refused(own, tmp_path, capsys):
     own.write_text(own.read_text("utf-8").replace('{ en = "Was there a buzz?", fr', "{ fr"), "utf-8")
-    status, said, _ = call(capsys, "run", own, "--participant", "P01", "--rig", "console", "--out", tmp_path / "d")
-    assert status == 2
+    said = refused(capsys, "run", own, "--participant", "P01", "--rig", "console", "--out", tmp_path / "d")
     assert (
         f"{own}, task.prompt: found no words in 'en', expected one of fr, de; choose that language on the bench" in said
     )
@@ -90,8 +89,7 @@ def test_a_file_that_is_no_questionnaire_is_refused_by_its_name(own, tmp_path, c
     form.unlink()
     if content is not None:
         form.write_text(content, "utf-8")
-    status, said, _ = call(capsys, "simulate", own, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
-    assert (status, said.count("\n")) == (2, 0)
+    said = refused(capsys, "simulate", own, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
     assert message in said
     assert not (tmp_path / "d").exists()
 
@@ -117,7 +115,6 @@ def test_a_file_that_is_no_questionnaire_is_refused_by_its_name(own, tmp_path, c
 )
 def test_a_table_that_names_no_file_or_says_nothing_is_refused(own, tmp_path, capsys, old, new, message):
     own.write_text(own.read_text("utf-8").replace(old, new), "utf-8")
-    status, said, _ = call(capsys, "run", own, "--participant", "P01", "--dry-run", "--rig", "simulated")
-    assert status == 2
+    said = refused(capsys, "run", own, "--participant", "P01", "--dry-run", "--rig", "simulated")
     assert said.startswith(f"tactometry: {own}, ")
     assert message in said

@@ -4,7 +4,7 @@ import io
 import re
 
 import pytest
-from command_line import call
+from command_line import call, refused
 from own_form import OWN_FORM
 from short_studies import shortened
 
@@ -109,8 +109,7 @@ def test_the_names_like_one_that_is_not_known_are_told_and_not_all(tmp_path, cap
 def test_a_key_that_does_nothing_is_refused(tmp_path, capsys, key, message):
     path = tmp_path / "s.toml"
     path.write_text(TUTORIAL.replace("catch_rate = 0.2", key), "utf-8")
-    status, said, _ = call(capsys, "run", path, "--participant", "P01", "--dry-run")
-    assert status == 2
+    said = refused(capsys, "run", path, "--participant", "P01", "--dry-run")
     assert said.startswith(f"tactometry: {path}, {message}")
 
 
@@ -118,8 +117,7 @@ def test_a_key_that_does_nothing_is_refused(tmp_path, capsys, key, message):
 def test_a_study_without_a_title_or_description_would_make_no_sound_data_set(tmp_path, capsys, key):
     path = tmp_path / "s.toml"
     path.write_text(re.sub(rf'{key} = ".*"', f'{key} = ""', TUTORIAL), "utf-8")
-    status, said, _ = call(capsys, "simulate", path, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
-    assert status == 2
+    said = refused(capsys, "simulate", path, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
     assert f"{key}: found nothing, expected a text" in said
     assert not (tmp_path / "d").exists()
 
@@ -171,8 +169,7 @@ def test_a_questionnaire_without_words_in_the_language_of_the_bench_is_refused_a
     bench.write_text('[screen]\nlanguage = "fr"\n', "utf-8")
     words = ["run", path, "--participant", "P01", "--out", tmp_path / "d"]
     for more in (["--rig", "console"], ["--rig", "bench"], ["--dry-run"]):
-        status, said, _ = call(capsys, *words, "--bench", bench, *more)
-        assert status == 2
+        said = refused(capsys, *words, "--bench", bench, *more)
         assert re.search(
             "s.toml, questionnaire mine: found no words in 'fr', expected one of en; choose that language", said
         )

@@ -35,13 +35,17 @@ newtons_per_count = 0.01
 """
 """A force that comes in datagrams."""
 
-FILE_BENCH = """
+FILE_OUTPUT = """
 [screen]
 fullscreen = false
 dry_run = false
 [output]
 kind = "file"
 folder = "{folder}"
+"""
+FILE_BENCH = (
+    FILE_OUTPUT
+    + """\
 [limits]
 voltage_peak_v = 100.0
 duration_s = 10.0
@@ -49,15 +53,11 @@ duty = {duty}
 duty_window_s = {window_s}
 session_s = "1 h"
 """
+)
 
 PRESSED_ELECTRODE = (
-    """
-[screen]
-fullscreen = false
-dry_run = false
-[output]
-kind = "file"
-folder = "{folder}"
+    FILE_OUTPUT
+    + """\
 [output.load]
 kind = "electrode"
 capacitance_f = "1 nF"

@@ -24,3 +24,10 @@ def output(capsys, *arguments):
     code, said, out = call(capsys, *arguments)
     assert code == 0, said
     return out
+
+
+def refused(capsys, *arguments):
+    """The one sentence with which a command line is refused."""
+    code, said, _ = call(capsys, *arguments)
+    assert (code, said.count("\n")) == (2, 0), said
+    return said
