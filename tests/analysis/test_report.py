@@ -352,10 +352,22 @@ def test_the_report_has_force_models_pairs_and_references(planned) -> None:
     assert planned.tables["force"]["mean"].iloc[0] == pytest.approx(0.55, abs=0.01)
 
 
-def test_every_figure_is_a_file_with_its_numbers(pressed, tmp_path) -> None:
+@pytest.fixture(scope="module")
+def shown(pressed, tmp_path_factory) -> tuple[Analysis, int]:
+    """With its page and its figures, and how often one was drawn for them."""
+    from matplotlib.figure import Figure
+
+    folder, drawn, draw = tmp_path_factory.mktemp("shown"), [], Figure.draw
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(Figure, "draw", lambda figure, renderer: drawn.append(figure) or draw(figure, renderer))
+        found = analyse(pressed, report=folder / "r.html", figures=folder / "figures")
+    return found, len(drawn)
+
+
+def test_every_figure_is_a_file_with_its_numbers(shown) -> None:
     from PIL import Image
 
-    found = analyse(pressed, figures=tmp_path / "figures")
+    found, _ = shown
     names = {path.stem for path in found.figures_folder.iterdir()}
     assert {"threshold", "force", "rates_yes_no", "mean_rates_yes_no", "P01_curves"} <= names
     for name in names:
@@ -367,13 +379,9 @@ def test_every_figure_is_a_file_with_its_numbers(pressed, tmp_path) -> None:
     assert one == {"P01"}
 
 
-def test_a_figure_is_drawn_once_as_vectors_for_page_and_file_and_once_as_pixels(pressed, tmp_path, monkeypatch) -> None:
-    from matplotlib.figure import Figure
-
-    drawn, draw = [], Figure.draw
-    monkeypatch.setattr(Figure, "draw", lambda figure, renderer: drawn.append(figure) or draw(figure, renderer))
-    found = analyse(pressed, report=tmp_path / "r.html", figures=tmp_path / "figures")
-    assert len(drawn) == 2 * len(list(found.figures_folder.glob("*.png"))) > 0
+def test_a_figure_is_drawn_once_as_vectors_for_page_and_file_and_once_as_pixels(shown) -> None:
+    found, n_drawn = shown
+    assert n_drawn == 2 * len(list(found.figures_folder.glob("*.png"))) > 0
 
 
 @pytest.fixture(scope="module")

@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 from dataclasses import asdict, replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -106,25 +107,28 @@ def pair(scene, kind):
     return (*company, *apart), (*company, *needs, mine)
 
 
-def is_had(scene):
+def asked(name, output, effects):
+    scene = SCENES[name]
+    return replace(scene, outputs=(output,), settings={}, contacts=scene.contacts or RESTING, effects=effects)
+
+
+@cache
+def plan_if_had(name, output, effects):
     try:
-        scene.resolve()
+        return asked(name, output, effects).resolve()
     except InvalidParameter:
-        return False
-    return True
+        return None
 
 
 def unneeded(name, kind):
     """Of every output that does not need an effect: the output, the plan without the effect, the plan with it."""
-    scene = SCENES[name]
-    without, with_it = pair(scene, kind)
-    for output in OUTPUTS[scene.surface.kind]:
-        asked = replace(scene, outputs=(output,), settings={}, contacts=scene.contacts or RESTING)
-        one = replace(asked, effects=without)
-        if is_had(one):
-            both = replace(asked, effects=with_it)
+    without, with_it = pair(SCENES[name], kind)
+    for output in OUTPUTS[SCENES[name].surface.kind]:
+        one = plan_if_had(name, output, without)
+        if one is not None:
+            both = asked(name, output, with_it)
             if kind in {found.kind for found in both.off()}:
-                yield output, one.resolve(), both.resolve()
+                yield output, one, both.resolve()
 
 
 ALWAYS = {"carrier", "dc_offset", "texture"}

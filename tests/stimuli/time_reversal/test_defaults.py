@@ -3,6 +3,7 @@
 import ast
 from collections import defaultdict
 from collections.abc import Iterator
+from functools import cache
 
 import pytest
 from places import ROOT
@@ -35,6 +36,7 @@ def defaults() -> Iterator[tuple[str, str, ast.expr]]:
                     yield field.target.id, each.name, field.value
 
 
+@cache
 def by_name() -> dict[str, dict[str, ast.expr]]:
     found: dict[str, dict[str, ast.expr]] = defaultdict(dict)
     for field, owner, default in defaults():
