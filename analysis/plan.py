@@ -22,6 +22,17 @@ class AnalysisPlan:
     threshold; `equivalence`). `hierarchical`: whether all participants are also fitted at once. `primary`: the analysis
     that answers (the others are checks); by default a rule chooses it (`outcomes.findings.primary_analysis`).
 
+    Parameters
+    ----------
+    exclusion : Exclusion
+        Which trials and participants are left out.
+    equivalence : mapping of str to float
+        By factor, the difference between its levels that counts as none, in the unit of the threshold.
+    hierarchical : bool
+        Whether all participants are also fitted at once.
+    primary : str, optional
+        The analysis that answers, the others are checks; by default a rule chooses it.
+
     Raises
     ------
     InvalidParameter

@@ -152,8 +152,9 @@ class HybridSensation:
     setup : Setup
         The screen and focus, the same as the stimulus has.
     friction : ElectrovibrationSensation
+        What is felt of the electrode.
     reference_m : float
-        As in `TimeReversalSensation`; unverified default.
+        Amplitude of a single focus at the detection threshold; unverified default.
 
     Examples
     --------

@@ -29,7 +29,15 @@ FOLDER: Final = "tactometry.questionnaires.choices"
 
 @dataclass(frozen=True)
 class Option:
-    """A category: the `code` that the table holds, from 1 to 9, and its words by language."""
+    """A category: the `code` that the table holds, from 1 to 9, and its words by language.
+
+    Parameters
+    ----------
+    code : int
+        What the table holds, from 1 to 9.
+    words : mapping of str to str
+        What participants read, by language.
+    """
 
     code: int
     words: dict[str, str]
@@ -38,7 +46,19 @@ class Option:
 @dataclass(frozen=True)
 class ChoiceItem:
     """One question: what the tables call it, its words by language, and its options in their order; or in their place
-    the bounds `low` and `high` of a number, which could tell who somebody is."""
+    the bounds `low` and `high` of a number, which could tell who somebody is.
+
+    Parameters
+    ----------
+    id : str
+        What the tables call it.
+    prompt : mapping of str to str
+        The question, by language.
+    options : tuple of Option
+        Two to nine, in their order.
+    low, high : float, optional
+        Bounds of a number, in place of options.
+    """
 
     id: str
     prompt: dict[str, str]
@@ -74,6 +94,19 @@ class ChoiceItem:
 @dataclass(frozen=True)
 class ChoiceForm:
     """Questions that are asked one page each, about a person.
+
+    Parameters
+    ----------
+    name : str
+        What studies and tables call it.
+    title : str
+        What reports call it.
+    reference : str
+        Where it was published, or that the words are one's own.
+    kind : str
+        ``choices``.
+    items : tuple of ChoiceItem
+        The questions, in their order.
 
     Raises
     ------

@@ -49,7 +49,17 @@ class Item:
 
 @dataclass(frozen=True)
 class Dimension:
-    """A score: the mean of its items, or of those of its `parts`, if at least `min_answered` of them are answered."""
+    """A score: the mean of its items, or of those of its `parts`, if at least `min_answered` of them are answered.
+
+    Parameters
+    ----------
+    min_answered : int
+        How many of its items must be answered for a score.
+    title : mapping of str to str
+        What reports call it, by language.
+    parts : tuple of str
+        Dimensions whose items it takes.
+    """
 
     min_answered: int
     title: dict[str, str] = field(default_factory=dict)
@@ -77,6 +87,14 @@ class Questionnaire:
         Where it was published; translations and choices that nobody verified are named there.
     stem : mapping of str to str
         What opens every page of it, by language: what the answers are about.
+    name : str
+        What studies and tables call it.
+    title : str
+        What reports call it.
+    items : tuple of Item
+        The statements or pairs of poles, in any order.
+    dimensions : mapping of str to Dimension
+        The scores, by name.
 
     Raises
     ------

@@ -18,7 +18,7 @@ from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.output import NullOutput
 from tactometry.experiments.study import task_table
 from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.procedure_table import PROCEDURES as KINDS
+from tactometry.experiments.study.procedure_kinds import PROCEDURES as KINDS
 from tactometry.experiments.study.study_file import builtin, load
 from tactometry.loading import resolve
 from tactometry.observers.finger import SimulatedFinger
@@ -141,7 +141,7 @@ SCENES = {
 GIVEN = {**LEVEL, **VOLT}
 
 PROCEDURES = {
-    **{name: kind.rule(build(kind.table, kind.example, name)) for name, kind in KINDS.items()},
+    **{name: kind.rule_of(build(resolve(kind.table), kind.example, name)) for name, kind in KINDS.items()},
     "weighted_staircase": WeightedStaircase(
         start=30.0, steps_up=(6.0, 3.0), steps_down=(2.0, 1.0), low=0.0, high=40.0, n_trials=40
     ),

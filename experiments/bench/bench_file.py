@@ -6,152 +6,22 @@ from datetime import date
 from functools import partial
 from math import inf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
-from tactometry.arguments.require import expect, finite, not_zero, one_of, some, whole
+from tactometry.arguments.require import expect
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import as_table, build, build_kind, check_keys
 from tactometry.config.toml import errors_in, read_table
-from tactometry.devices.kinds import OUTPUTS, SENSORS, OutputSettings
+from tactometry.devices.kinds import OUTPUTS, SENSORS
 from tactometry.devices.measured import Measured
-from tactometry.devices.outputs.gain import Gain, required_gain
 from tactometry.devices.outputs.guarded import Guarded
-from tactometry.devices.outputs.output import RAMP_S, NullSettings
-from tactometry.devices.sensors.reader import Reader, SensorSettings
+from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import ForceCalibration, StreamedSensor, streamed_force, streamed_position
-from tactometry.rigs.texts import languages
 from tactometry.safety.limits import Limits
-from tactometry.safety.load import Load
-from tactometry.session.event import TRACE_KINDS, TraceKind
 from tactometry.session.request import Fact, Facts
 
 from ..study.study_file import no_such
-
-if TYPE_CHECKING:
-    from tactometry.rigs.window import Window
-
-LONGEST_DELAY_S = 0.05
-"""Of a sensor: half of the time after which a silent one is lost (unverified default)."""
-
-
-@dataclass(frozen=True)
-class DisplayTable:
-    """The participant's screen: full screen, or a window of `width_px` x `height_px` pixels; `height_m` as measured;
-    `screen` is its number, from 0, where several are connected.
-
-    Before the first touch of each kind it is shown and tried without a stimulus, unless `dry_run` is false.
-    """
-
-    fullscreen: bool = True
-    width_px: int = 1280
-    height_px: int = 800
-    height_m: float | None = None
-    language: str = "en"
-    dry_run: bool = True
-    screen: int = 0
-
-    def __post_init__(self) -> None:
-        expect(self.width_px >= 320, "DisplayTable.width_px", self.width_px, "at least 320 pixels")
-        expect(self.height_px >= 320, "DisplayTable.height_px", self.height_px, "at least 320 pixels")
-        whole("DisplayTable", lowest=0, screen=self.screen)
-        one_of("DisplayTable.language", self.language, languages())
-        if self.height_m is not None:
-            expect(0 < self.height_m < 10, "DisplayTable.height_m", f"{self.height_m:g}", "above 0 and below 10 m")
-
-    def window(self) -> "Window":
-        """The window of a participant, open.
-
-        Raises
-        ------
-        InvalidParameter
-            If the screen is not connected.
-        DeviceFailed
-            If it does not open.
-        """
-        from tactometry.rigs.window import Window
-
-        return Window(fullscreen=self.fullscreen, size=(self.width_px, self.height_px), screen=self.screen)
-
-
-@dataclass(frozen=True)
-class OutputPart:
-    """The output, what its numbers become, what it drives, and the ramps of its signals.
-
-    `ungated` says that it may play under a finger whose force nobody measures.
-    """
-
-    settings: OutputSettings = field(default_factory=NullSettings)
-    gain: Gain | None = None
-    load: Load | None = None
-    ramp_s: float = RAMP_S
-    ungated: bool = False
-
-    def __post_init__(self) -> None:
-        if self.settings.connected:
-            required_gain(self.gain, "OutputPart.gain")
-        expect(0 <= self.ramp_s <= 1, "OutputPart.ramp_s", f"{self.ramp_s:g}", "from 0 to 1 s")
-
-
-@dataclass(frozen=True)
-class SensorPart:
-    """A sensor; `delay_s` is how long its stamps are after what they tell of, as measured."""
-
-    settings: SensorSettings
-    delay_s: float = 0.0
-
-    def __post_init__(self) -> None:
-        expected = f"from 0 to {LONGEST_DELAY_S:g} s: a stop comes so much later"
-        expect(0 <= self.delay_s <= LONGEST_DELAY_S, "SensorPart.delay_s", f"{self.delay_s:g}", expected)
-
-    def reader(self) -> Reader:
-        return Reader(self.settings.source(), self.delay_s)
-
-
-@dataclass(frozen=True)
-class ForcePart:
-    """The force: one channel (from 0) of a sensor of the file; `release` if it must leave its band between touches."""
-
-    sensor: str
-    calibration: ForceCalibration
-    channel: int = 0
-    release: bool = True
-
-
-@dataclass(frozen=True)
-class PositionPart:
-    """The finger's position: one channel (from 0) of a sensor per axis, which counts `zero_counts` at position 0."""
-
-    sensor: str
-    channels: tuple[int, ...]
-    metres_per_count: float
-    zero_counts: tuple[float, ...] = ()
-
-    def __post_init__(self) -> None:
-        some("PositionPart.channels", self.channels)
-        n_zeros = len(self.zero_counts)
-        expect(n_zeros in (0, len(self.channels)), "PositionPart.zero_counts", n_zeros, "one for each channel, or none")
-        not_zero("PositionPart", metres_per_count=self.metres_per_count)
-        finite("PositionPart", **{f"zero_counts[{n}]": zero for n, zero in enumerate(self.zero_counts)})
-
-
-@dataclass(frozen=True)
-class Learnt:
-    """Impulse responses of this bench: `responses` is the file that `tactometry calibrate responses` wrote."""
-
-    responses: str
-
-
-@dataclass(frozen=True)
-class TracesTable:
-    """Which samples of each touch are kept: of the sensors, and of an output that followed the finger."""
-
-    force: bool = True
-    position: bool = True
-    emitted: bool = True
-
-    @property
-    def kept(self) -> tuple[TraceKind, ...]:
-        return tuple(kind for kind in TRACE_KINDS if getattr(self, kind))
+from .bench_parts import DisplayTable, ForcePart, Learnt, OutputPart, PositionPart, SensorPart, TracesTable
 
 
 @dataclass(frozen=True)
@@ -166,7 +36,27 @@ class Devices:
 
 @dataclass(frozen=True)
 class BenchFile:
-    """One bench. Its limits stand beside those of the study: the tighter one holds."""
+    """One bench. Its limits stand beside those of the study: the tighter one holds.
+
+    Parameters
+    ----------
+    screen : DisplayTable
+        The participant's screen.
+    output : OutputPart
+        What plays.
+    limits : Limits, optional
+        What no signal may exceed; needed where an output is connected.
+    sensors : mapping of str to SensorPart
+        What is read, each by a name of one's own.
+    force : ForcePart, optional
+        Which sensor is the force, and what its counts are; needed where an output is connected, unless `ungated`.
+    position : PositionPart, optional
+        Which sensor is the finger's place, and what its counts are.
+    time_reversal : Learnt, optional
+        Impulse responses of this bench, in place of those of a model.
+    traces : TracesTable
+        Which samples are kept.
+    """
 
     screen: DisplayTable = field(default_factory=DisplayTable)
     output: OutputPart = field(default_factory=OutputPart)
@@ -339,7 +229,7 @@ def parse_bench(tables: Mapping[str, Any]) -> BenchFile:
     """
     table = as_si(dict(tables), "")
     assert isinstance(table, dict)
-    check_keys(table, _PARTS, "")
+    check_keys(table, _PARTS, "", read_by=BenchFile)
     return BenchFile(**{key: _PARTS[key](as_table(part, key), key) for key, part in table.items()})
 
 

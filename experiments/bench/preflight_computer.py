@@ -18,7 +18,7 @@ from tactometry.rigs.pages.page import Display, KeyDown, Page
 from tactometry.rigs.texts import texts_in
 from tactometry.session.request import Facts
 
-from .bench_file import DisplayTable
+from .bench_parts import DisplayTable
 from .finding import Finding, duration
 
 FREE_BYTES = 10**9

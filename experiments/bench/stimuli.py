@@ -17,7 +17,8 @@ from tactometry.rigs.emitter import NO_POSITION, render
 from tactometry.signal import Signal, Stimulus
 
 from ..study.experiment import Experiment
-from .bench_file import BenchFile, Devices, Learnt, OutputPart
+from .bench_file import BenchFile, Devices
+from .bench_parts import Learnt, OutputPart
 
 
 @dataclass(frozen=True)

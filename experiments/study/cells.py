@@ -1,7 +1,7 @@
 """From a cell of the design to a condition: the stimulus by its name, and how it is touched."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -11,87 +11,18 @@ from tactometry.errors import InvalidParameter, nearest, rewording
 from tactometry.loading import resolve
 from tactometry.own_code import is_own
 from tactometry.protocols.block_state import Condition
-from tactometry.protocols.tasks.touch import Pressing, Sliding, Touch
+from tactometry.protocols.tasks.touch import Sliding, Touch
 from tactometry.rigs.simulated import Sensation
 from tactometry.signal import Stimulus
-from tactometry.stimuli.electrovibration.textures.kinds import TEXTURES
-from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.trials.cells import cell as cell_text
 
 from .felt_scene import felt
 from .own_parts import OwnStimulus, sensation_class, stimulus_class as own_stimulus_class
 from .procedure_table import ReadyProcedure, rule_of, without
+from .stimulus_kinds import DEFAULTS, OWN, STIMULI, TOUCHES, StimulusKind
 from .study_file import VARIED, Study
 
 Factors = Mapping[str, float | str]
-
-
-@dataclass(frozen=True)
-class StimulusKind:
-    """Target strings of a stimulus and of the model of what is felt of it, and the fields that both share.
-
-    `stands` says that it is at one place, which a finger that slides would leave; `follows`, that only one that slides
-    feels it; `reads`, that it reads a file, if it is to be played. `parts` names the kinds that a table within may
-    have, by its key. `surface` is the kind of surface that a scene may have under it; empty where none may. `scene` is
-    the module of `tactometry.stimuli.scenes.defaults` that makes its default one, that of the surface unless named.
-    """
-
-    stimulus: str
-    sensation: str
-    shared: tuple[str, ...] = ()
-    stands: bool = False
-    follows: bool = False
-    reads: bool = False
-    parts: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
-    surface: str = "electrovibration"
-    scene: str = ""
-
-
-ELECTROVIBRATION = "tactometry.stimuli.electrovibration.sensation:ElectrovibrationSensation"
-FOCUSING = StimulusKind(
-    "tactometry.stimuli.time_reversal.stimulus.focus_train:FocusTrain",
-    "tactometry.stimuli.time_reversal.stimulus.sensation:TimeReversalSensation",
-    ("setup",),
-    stands=True,
-    surface="time_reversal",
-)
-OWN = StimulusKind("", ELECTROVIBRATION)
-"""A class of one's own, ``module:Class``."""
-STIMULI: Mapping[str, StimulusKind] = {
-    **{kind: StimulusKind(waveform.target, ELECTROVIBRATION) for kind, waveform in WAVEFORMS.items()},
-    "wav": StimulusKind("tactometry.stimuli.electrovibration.waveforms.wav_file:WavFile", ELECTROVIBRATION, reads=True),
-    "texture": StimulusKind(
-        "tactometry.stimuli.electrovibration.textures.followed_texture:FollowedTexture",
-        ELECTROVIBRATION,
-        follows=True,
-        parts={"texture": {kind: texture.target for kind, texture in TEXTURES.items()}},
-    ),
-    "focus": FOCUSING,
-    "pattern": FOCUSING,
-    "measured_focus": StimulusKind(
-        FOCUSING.stimulus,
-        "tactometry.stimuli.time_reversal.stimulus.sensation:FocusReading",
-        FOCUSING.shared,
-        stands=True,
-        surface="",
-    ),
-    "foci": StimulusKind(
-        "tactometry.stimuli.time_reversal.stimulus.placed_foci:PlacedFoci",
-        "tactometry.stimuli.time_reversal.stimulus.placed_foci:FingersSensation",
-        ("setup", "places"),
-        stands=True,
-        surface="time_reversal",
-        scene="foci",
-    ),
-    "hybrid": StimulusKind(
-        "tactometry.stimuli.hybrid:Hybrid",
-        "tactometry.stimuli.hybrid:HybridSensation",
-        ("setup",),
-        surface="hybrid",
-    ),
-}
-DEFAULTS = "tactometry.stimuli.scenes.defaults"
-TOUCHES: Mapping[str, type[Pressing] | type[Sliding]] = {"press": Pressing, "slide": Sliding}
 
 
 @dataclass(frozen=True)
@@ -146,7 +77,7 @@ class Wiring:
             If a table holds what its kind does not know, or a factor changes nothing.
         """
         of = tables(self.study, factors)
-        touch_class = kind_of(of["touch"], "touch", TOUCHES)
+        touch_class = resolve(kind_of(of["touch"], "touch", TOUCHES))
         kind, stimulus_class = self._kind(of["stimulus"], factors, touch_class)
         expect(
             not (kind.stands and touch_class is Sliding),

@@ -14,7 +14,13 @@ ASKED_BY = {"magnitude": ("how_strong",), "adjustment": ("adjust",), "measuremen
 
 @dataclass(frozen=True)
 class PromptTable:
-    """The key `prompt` of the table `task`."""
+    """The key `prompt` of the table `task`.
+
+    Parameters
+    ----------
+    prompt : str or mapping of str to str
+        What participants are asked, in place of the shipped question: a text, or one for each language.
+    """
 
     prompt: Prompt = ""
 

@@ -43,7 +43,7 @@ class SceneTable:
     surface : mapping
         ``kind`` and the keys of a scene's surface, without those of the tone.
     effects : tuple of mapping
-        As in a scene file; a law of force, friction and a threshold at least.
+        Those of a scene file; a law of force, friction and a threshold at least.
     accuracy : float
         Relative error of the amplitude that is felt; 0.05 is 0.4 dB.
     """

@@ -73,7 +73,21 @@ class PlanTable:
 @dataclass(frozen=True)
 class InquiryTable:
     """A questionnaire on its own, after the start, each block or the session, under its stem or another `prompt`; with
-    `identifies` questions about a person may be answered by a number, which could tell who that is."""
+    `identifies` questions about a person may be answered by a number, which could tell who that is.
+
+    Parameters
+    ----------
+    form : str
+        The questionnaire: a shipped one, or one of `[forms]`.
+    after : str
+        When it comes: after the ``start``, each ``block`` or the ``session``.
+    shuffled : bool
+        Whether its items come in an order drawn for each participant.
+    prompt : str or mapping of str to str
+        What opens its pages in place of its stem: a text, or one for each language.
+    identifies : bool
+        Allow numbers about a person, which could tell who that is.
+    """
 
     form: str
     after: str = "session"
@@ -96,6 +110,61 @@ class Study:
     participants read in place of the shipped words, and `translations` the same by language, above them, `images`
     stand beside those words; with `consent` nothing is asked of a participant who does not agree to take part;
     `analysis` is a plan of analysis (`tactometry.analysis.plan.AnalysisPlan`), stated before the data.
+
+    Parameters
+    ----------
+    name : str
+        Small letters and digits joined by hyphens: it stands in names of files and in the column `study`.
+    title : str
+        What reports and lists call it.
+    description : str
+        A sentence or two for whoever meets the data.
+    task : mapping
+        ``kind`` of task, and its keys: what a participant is asked.
+    factors : mapping of str to list
+        The conditions by name, each with its levels: all combinations are run.
+    stimulus : mapping
+        ``kind`` of stimulus, and its keys: what is played.
+    touch : mapping
+        ``kind`` of touch, and its keys: how it is felt.
+    procedure : mapping
+        ``kind`` of procedure, and its keys: which level comes next.
+    limits : Limits
+        What no signal may exceed.
+    counterbalance : tuple of str
+        Factors whose order changes with the participant's number, the outer one first.
+    trial_s : float
+        How long a trial is thought to last, for the estimate of `run --dry-run`.
+    consent : bool
+        Ask whether a participant agrees to take part; without a yes nothing is asked.
+    plan : PlanTable
+        Sessions, groups, orders.
+    nested : mapping
+        Levels of a factor within a level of another.
+    variants : mapping
+        What a level of a factor changes in the tables of stimulus, touch, procedure, sensation and scene.
+    practice : mapping
+        Easy trials before the first block.
+    inquiries : mapping of str to InquiryTable
+        Questionnaires on their own, by name.
+    forms : mapping
+        Questionnaires of the study's own, by name, or the `path` of the file of each.
+    scene : mapping
+        What lies between stimulus and skin of simulated participants, in place of `sensation`.
+    sensation : mapping
+        What simulated participants feel of the stimulus.
+    observer : mapping
+        How simulated participants decide.
+    finger : SimulatedFinger
+        How simulated participants touch.
+    texts : mapping of str to str
+        What participants read in place of the shipped words, by message.
+    translations : mapping
+        The same by language, above `texts`.
+    images : mapping of str to ImageTable
+        Pictures on pages, by message.
+    analysis : mapping
+        A plan of analysis, stated before the data.
     """
 
     name: str

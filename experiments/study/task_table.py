@@ -107,7 +107,8 @@ def task_of(study: Study) -> TaskTable:
     task_kind: TaskKind = kind_of(study.task, "task", TASKS)
     common, of_kind = fields_of(BlockOptions), fields_of(task_kind.table)
     of_prompt = fields_of(PromptTable)
-    check_keys(study.task, ("kind", *of_kind, *common, *of_prompt), "task")
+    names = ("kind", *of_kind, *common, *of_prompt)
+    check_keys(study.task, names, "task", read_by=task_kind.table if of_kind else BlockOptions)
     prompt = build(PromptTable, {key: study.task[key] for key in of_prompt if key in study.task}, "task").prompt
     options = build(BlockOptions, {key: study.task[key] for key in common if key in study.task}, "task")
     keys: Any = build(task_kind.table, {key: study.task[key] for key in of_kind if key in study.task}, "task")

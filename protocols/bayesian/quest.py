@@ -44,6 +44,14 @@ class Quest(WeighingRule):
         Chance of the answer 1 at the threshold. 0.82 is PsychoPy's.
     slope, blind_share : float
         The defaults are Watson and Pelli's.
+    guess_rate : float
+        Chance of the answer 1 where nothing is felt.
+    placing : {"quantile", "mean", "mode"}
+        What of the posterior the next level is.
+    n_trials : int
+        At most.
+    sd_stop : float, optional
+        It ends when the posterior's standard deviation is so small, in the unit of the levels.
 
     Raises
     ------

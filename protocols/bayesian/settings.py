@@ -62,6 +62,18 @@ class QuestPlusSettings:
         for a standard deviation; else it is flat on the grid.
     threshold_low, threshold_high, n_thresholds
         Thresholds; as the levels where they are not given.
+    shape : str
+        Of the psychometric function: ``gumbel``, ``normal``, ``logistic``, ``reversed_gumbel`` or ``weibull``.
+    guess_rates, lapse_rates : tuple of float
+        The rates that are thought possible; one is known.
+    n_trials : int
+        At most.
+    sd_stop : float, optional
+        It ends when the threshold's standard deviation is so small, in the unit of the levels.
+    aim : {"threshold", "parameters"}
+        What is to be known: the threshold alone, or all parameters.
+    criterion : {"entropy", "variance"}
+        What of it a level is to make least.
 
     Raises
     ------
@@ -136,6 +148,12 @@ class PsiSettings:
         Standard deviations of the normal, in the unit of the levels.
     guess_rate, lapse_rate : float
         0.5 and 0.02 are those of a 4 % share of blind answers in two-interval forced choice (unverified default).
+    psi_marginal : bool
+        Only the threshold is to be known.
+    n_trials : int
+        At most.
+    sd_stop : float, optional
+        It ends when the threshold's standard deviation is so small, in the unit of the levels.
 
     Raises
     ------

@@ -55,6 +55,13 @@ class ConstantStimuli(SteppingRule["ConstantStimuliRun"], FixedOrder):
     (1997), chapter 3. A run whose answers are all 1 or all 0 tells only on which side of its levels the threshold lies,
     and ends as censored.
 
+    Parameters
+    ----------
+    levels : tuple of float
+        The levels that are presented, each once in a repeat.
+    repeats : int
+        How often each is presented.
+
     Raises
     ------
     InvalidParameter

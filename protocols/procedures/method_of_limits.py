@@ -105,6 +105,8 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
     n_start_steps : int
         `begin` with a generator moves the start of each series inwards by 0 to this many steps, against the habit of
         counting.
+    direction : {"alternating", "ascending", "descending"}
+        Which way series go.
 
     Raises
     ------

@@ -48,6 +48,15 @@ class Practice(SteppingRule["PracticeRun"]):
 
     It ends as ``converged`` when the criterion was met, else as ``trials``.
 
+    Parameters
+    ----------
+    levels : tuple of float
+        Easy ones, in turn.
+    n_correct, n_of : int
+        So many of the last so many answers must be right.
+    n_trials : int
+        At most.
+
     Raises
     ------
     InvalidParameter

@@ -141,6 +141,27 @@ class Staircase(UpDown):
     `n_reversals` reversals or `n_trials` trials, whichever comes first (PsychoPy: when both are reached); and
     `n_at_bound` moves in a row that ask for a level beyond `low` or `high` end it as censored (PsychoPy goes on).
 
+    Parameters
+    ----------
+    start : float
+        The first level.
+    steps : tuple of float
+        By how much a level changes: the first step until the first reversal, and so on; the last one stays.
+    low, high : float
+        Bounds of the levels.
+    n_up : int
+        So many wrong answers in a row raise the level.
+    n_down : int
+        So many right answers in a row lower it.
+    n_reversals : int
+        It ends after so many reversals.
+    n_trials : int
+        At most.
+    n_at_bound : int
+        So many moves in a row beyond a bound end it as censored.
+    initial_rule : bool
+        Until the first reversal one answer moves the level.
+
     Raises
     ------
     InvalidParameter
@@ -187,6 +208,8 @@ class WeightedStaircase(UpDown):
     ----------
     steps_up, steps_down : tuple of float
         Of equal length; pair k is used after k reversals, the last one from then on.
+    start, low, high, n_down, n_reversals, n_trials, n_at_bound
+        As in `Staircase`.
 
     Raises
     ------

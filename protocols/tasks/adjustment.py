@@ -18,6 +18,13 @@ class AdjustmentTask(Task):
     The row's `level` is the start, its response the level that was left standing. Gescheider, Psychophysics: The
     Fundamentals, 3rd ed. (1997), chapter 3.
 
+    Parameters
+    ----------
+    step : float
+        What an arrow key changes.
+    low, high : float
+        Between which the level can be set.
+
     Raises
     ------
     InvalidParameter

@@ -88,7 +88,17 @@ class Rating(Task):
 
 @dataclass(frozen=True)
 class RatingTable:
-    """A questionnaire by its name."""
+    """A questionnaire by its name.
+
+    Parameters
+    ----------
+    form : str
+        The questionnaire: a shipped one, or one of `[forms]`.
+    shuffled : bool
+        Whether its items come in an order drawn for each participant.
+    n_touches : int
+        How often the stimulus is felt before it is rated.
+    """
 
     form: str
     shuffled: bool = False

@@ -26,8 +26,28 @@ class SceneFile:
 
 
 @dataclass(frozen=True)
-class _Tables:
-    """The keys of a scene file."""
+class SceneTables:
+    """The keys of a scene file.
+
+    Parameters
+    ----------
+    outputs : tuple of str
+        What is computed, by name.
+    surface : mapping
+        ``kind`` of surface, and its keys.
+    title : str
+        What figures call it.
+    accuracy : float
+        Relative error of the outputs.
+    effects : tuple of mapping
+        ``kind`` of each effect, and its keys; what is not named is not computed.
+    contacts : tuple of mapping
+        The fingers on it.
+    given : mapping of str to float
+        Values of the quantities that a run is given.
+    settings : mapping
+        By stage, settings in place of those that the accuracy chooses.
+    """
 
     outputs: tuple[str, ...]
     surface: dict[str, Any]
@@ -60,14 +80,14 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
     >>> scene_of({"outputs": ["voltage_v"], "surface": tone}).scene.surface.frequency_hz
     240.0
     """
-    tables = build(_Tables, as_si(dict(table), ""), "")
+    tables = build(SceneTables, as_si(dict(table), ""), "")
     scene = _scene(tables)
     given = tables.given or {}
     check_keys(given, scene.surface.given, "given", "quantity")
     return SceneFile(tables.title, scene, convert(dict[str, float], given, "given"))
 
 
-def _scene(tables: _Tables) -> Scene:
+def _scene(tables: SceneTables) -> Scene:
     surface, effects = build_kind(tables.surface, "surface", SURFACES), _all_of(tables.effects)
     contacts = tuple(build(FingerContact, touch, f"contacts[{n}]") for n, touch in enumerate(tables.contacts))
     try:

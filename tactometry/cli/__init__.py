@@ -17,6 +17,7 @@ from ..loading import resolve
 COMMANDS = {
     "demo": ("tactometry.cli.simulate:demo", "A simulated study, its analysis and report, end to end."),
     "studies": ("tactometry.cli.studies:studies", "The built-in studies, a line each."),
+    "keys": ("tactometry.cli.keys:command", "The keys of a table of a study, bench, scene or map file."),
     "new": ("tactometry.cli.studies:new", "A copy of a built-in study file to edit."),
     "run": ("tactometry.cli.run:command", "Run a session: bench, console or simulated participant."),
     "watch": ("tactometry.cli.watch:command", "A page in the browser that follows a session while it runs."),
@@ -102,7 +103,8 @@ def main(arguments: list[str] | None = None) -> None:
     except click.ClickException as error:
         status = _complain(f"{_where(error)}{error.format_message()}", 2)
     except TactometryError as error:
-        status = _complain(str(error), error.exit_status)
+        more = resolve("tactometry.cli.keys:where_keys_are_told")(error)
+        status = _complain(f"{error}{more}", error.exit_status)
     except BrokenPipeError:
         sys.stderr.close()
         status = 0

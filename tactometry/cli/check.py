@@ -11,7 +11,16 @@ from tactometry.experiments.bench.bench_file import load_bench
 from tactometry.experiments.bench.finding import Finding, exit_status
 from tactometry.experiments.bench.preflight import check
 
-from .output import allow_code_option, bench_option, hands_are_off, hands_off_option, path_option, say, subcommand
+from .output import (
+    STUDY,
+    allow_code_option,
+    bench_option,
+    hands_are_off,
+    hands_off_option,
+    path_option,
+    say,
+    subcommand,
+)
 
 LONGEST_CELL = 50
 """A sentence that is longer stands below the table, whose cells fold on a narrow terminal."""
@@ -19,7 +28,7 @@ MARKS = {True: "ok", False: "NOT FINE", None: ""}
 
 
 @subcommand("check electrovibration-threshold --bench bench.toml")
-@click.argument("study", required=False)
+@click.argument("study", type=STUDY, required=False)
 @bench_option
 @path_option("--out", default=Path(), help="Where data would be written; default here.")
 @hands_off_option

@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import Any, Final, TypeVar
 
 import click
+from click.shell_completion import CompletionItem
 
 from ..errors import InvalidParameter, attempt
+from ..loading import resolve
 
 T = TypeVar("T")
 F = TypeVar("F", bound=Callable[..., object])
@@ -18,6 +20,32 @@ F = TypeVar("F", bound=Callable[..., object])
 FIGURE_FORMATS = (".png", ".pdf", ".svg")
 HANDS_OFF: Final = "hands off"
 _AS_JSON: Final = f"{__name__}.as_json"
+
+
+class NamedFile(click.Path):
+    """The name of a built-in file, or the path of another; both are completed.
+
+    Parameters
+    ----------
+    names : str
+        Target string of what gives the names.
+    """
+
+    def __init__(self, names: str) -> None:
+        super().__init__()
+        self._names = names
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        del param, ctx
+        return value
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        named = [CompletionItem(name) for name in resolve(self._names)() if name.startswith(incomplete)]
+        return named or super().shell_complete(ctx, param, incomplete)
+
+
+STUDY: Final = NamedFile("tactometry.experiments.study.study_file:builtin")
+SCENE: Final = NamedFile("tactometry.experiments.scenes:names")
 
 
 def path_option(*names: str, **said: Any) -> Callable[[F], F]:

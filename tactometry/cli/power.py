@@ -18,11 +18,11 @@ from tactometry.experiments.study.study_file import folder_of, load
 from tactometry.experiments.workers import check_workers, workers
 
 from ..arguments.require import expect
-from .output import allow_code_option, path_option, say, subcommand
+from .output import STUDY, allow_code_option, path_option, say, subcommand
 
 
 @subcommand('power tutorial --effect "frequency_hz: 6 dB" --participants 6..12 --seed 1 --out power')
-@click.argument("study")
+@click.argument("study", type=STUDY)
 @click.option(
     "--effect",
     required=True,

@@ -21,12 +21,12 @@ from ..errors import InvalidParameter, count_of
 from ..records.data_set import Session
 from ..trials.cells import cell
 from ..trials.columns import RIGS
-from .output import allow_code_option, bench_option, path_option, say, subcommand
+from .output import STUDY, allow_code_option, bench_option, path_option, say, subcommand
 from .watch import watching
 
 
 @subcommand("run tutorial --participant P01 --rig console --out pilot")
-@click.argument("study")
+@click.argument("study", type=STUDY)
 @click.option("--participant", required=True, help="A code of letters and digits, such as P01: no names.")
 @click.option("--session", "n_session", type=int, default=1, show_default=True, help="The participant's session.")
 @click.option("--rig", type=click.Choice(list(RIGS)), default="bench", show_default=True)

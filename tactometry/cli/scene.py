@@ -16,7 +16,7 @@ from tactometry.stimuli.scenes.result import Result, compute
 
 from ..arguments.require import expect
 from ..config.toml import errors_in
-from .output import figure_option, path_option, say, subcommand, writing
+from .output import SCENE, figure_option, path_option, say, subcommand, writing
 
 FILM_ACCURACY = 0.1
 LONG_S = 5.0
@@ -24,7 +24,7 @@ LONG_S = 5.0
 
 
 @subcommand("scene electrovibration-panel --explain")
-@click.argument("file", metavar="FILE")
+@click.argument("file", metavar="FILE", type=SCENE)
 @click.option("--explain", is_flag=True, help="Each stage on or off, why, its settings, error and time.")
 @figure_option("Draw the outputs as a PNG, PDF or SVG.")
 @path_option("--movie", help="Film the wave that focuses, as a GIF or MP4.")

@@ -11,14 +11,14 @@ from tactometry.experiments.study.study_file import folder_of, load, parse
 from tactometry.experiments.workers import check_workers
 
 from ..errors import count_of
-from .output import allow_code_option, path_option, progress, say, subcommand
+from .output import STUDY, allow_code_option, path_option, progress, say, subcommand
 
-STUDY = "electrovibration-threshold"
+DEMO_STUDY = "electrovibration-threshold"
 N_PARTICIPANTS = 10
 
 
 @subcommand("simulate tutorial --participants 5 --seed 1 --out simulated")
-@click.argument("study")
+@click.argument("study", type=STUDY)
 @click.option("--participants", "n_participants", type=int, required=True, help="How many, P01 and on.")
 @click.option("--seed", type=int, required=True, help="The same seed gives the same bytes.")
 @path_option("--out", required=True, help="The data set to write.")
@@ -70,8 +70,8 @@ def demo(out: Path, seed: int) -> None:
 
     from .analyse import summary_text
 
-    _, content = load(STUDY)
-    simulation = Simulation(content, STUDY, out, N_PARTICIPANTS, seed, resume=True)
+    _, content = load(DEMO_STUDY)
+    simulation = Simulation(content, DEMO_STUDY, out, N_PARTICIPANTS, seed, resume=True)
     sessions = list(progress(sessions_of(simulation), N_PARTICIPANTS, "simulating"))
     analysis = analyse(out, report=out / "report.html", replay=replay_of(out))
     n_trials = sum(session.n_trials for session in sessions)

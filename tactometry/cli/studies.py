@@ -4,13 +4,17 @@ from pathlib import Path
 
 import click
 
-from ..errors import DeviceFailed, InvalidFile
-from .output import path_option, say, subcommand
+from ..errors import DeviceFailed, InvalidFile, InvalidParameter
+from .output import STUDY, path_option, say, subcommand
 
 
 @subcommand("studies")
 def studies() -> None:
     """The built-in studies, a line each."""
+    _say_studies()
+
+
+def _say_studies() -> None:
     from tactometry.experiments.study.study_file import builtin, load
 
     titles = {name: load(name)[0].title for name in builtin()}
@@ -19,12 +23,18 @@ def studies() -> None:
 
 
 @subcommand("new tutorial --out mine.toml")
-@click.argument("study")
+@click.argument("study", type=STUDY, required=False)
 @path_option("--out", help="The file to write; default STUDY.toml.")
-def new(study: str, out: Path | None) -> None:
+@click.option("--list", "is_list", is_flag=True, help="The built-in studies, a line each, as tactometry studies.")
+def new(study: str | None, out: Path | None, *, is_list: bool) -> None:
     """Copy the built-in STUDY to a file of your own to edit."""
     from tactometry.experiments.study.study_file import load, locate
 
+    if is_list:
+        _say_studies()
+        return
+    if study is None:
+        raise InvalidParameter("STUDY: found none, expected the name of a study: tactometry new --list")
     _, content = load(study)
     path = out or Path(locate(study).name)
     try:

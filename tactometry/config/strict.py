@@ -34,10 +34,11 @@ def build(kind: type[T], table: object, path: str, **given: object) -> T:
     hints = typing.get_type_hints(kind)
     fields = fields_of(kind)
     names = [name for name in fields if name not in given]
-    check_keys(table, names, path)
+    check_keys(table, names, path, read_by=kind)
     for name in names:
         if name not in table and is_required(fields[name]):
-            raise InvalidParameter(f"{_join(path, name)}: found no such key, expected {words_of(hints[name])}")
+            found = f"{_join(path, name)}: found no such key, expected {words_of(hints[name])}"
+            raise InvalidKey(found, kind)
     values = {name: convert(hints[name], table[name], _join(path, name)) for name in names if name in table}
     try:
         return kind(**values, **given)
@@ -74,7 +75,8 @@ def kind_of(table: Mapping[str, Any], path: str, known: Mapping[str, K]) -> K:
     if isinstance(kind, str) and kind in known:
         return known[kind]
     stated, names = "no such key" if kind is None else repr(kind), ", ".join(known)
-    raise InvalidParameter(f"{path}.kind: found {stated}, expected one of {names}{nearest(str(kind), known)}")
+    sentence = f"{path}.kind: found {stated}, expected one of {names}{nearest(str(kind), known)}"
+    raise InvalidKey(sentence) if kind is None else InvalidParameter(sentence)
 
 
 def as_table(value: object, path: str) -> Mapping[str, Any]:
@@ -93,20 +95,35 @@ def as_table(value: object, path: str) -> Mapping[str, Any]:
 LOST_LEVEL: Final = "; of a level that the study has no more, remove the line"
 
 
-def check_keys(table: Mapping[str, Any], names: Collection[str], path: str, what: str = "key", cure: str = "") -> None:
+class InvalidKey(InvalidParameter):
+    """A key of a table that is unknown or missing; `read_by` is the class that reads the table, where one does."""
+
+    def __init__(self, sentence: str, read_by: type | None = None) -> None:
+        super().__init__(sentence)
+        self.read_by = read_by
+
+
+def check_keys(
+    table: Mapping[str, Any],
+    names: Collection[str],
+    path: str,
+    what: str = "key",
+    cure: str = "",
+    read_by: type | None = None,
+) -> None:
     """Refuse a key that is none of `names`, with the nearest of them; `what` says what the names are, `cure` what else
-    may be done.
+    may be done, `read_by` the class whose keys they are.
 
     Raises
     ------
-    InvalidParameter
+    InvalidKey
         At the first.
     """
     for key in table:
         if key not in names:
             known = f"one of {', '.join(names)}{nearest(key, names)}" if names else "none; remove it"
             known += cure
-            raise InvalidParameter(f"{_join(path, key)}: found an unknown {what}, expected {known}")
+            raise InvalidKey(f"{_join(path, key)}: found an unknown {what}, expected {known}", read_by)
 
 
 def read_toml(kind: type[T], path: Path, what: str) -> T:

@@ -14,7 +14,15 @@ LARGEST_IMAGE = 50_000_000
 
 @dataclass(frozen=True)
 class ImageTable:
-    """An image of a page: its `path`, from where the program runs, and the `sha256` of the file."""
+    """An image of a page: its `path`, from where the program runs, and the `sha256` of the file.
+
+    Parameters
+    ----------
+    path : str
+        A PNG or JPEG file, from where the program runs.
+    sha256 : str
+        Of the file; a refusal tells it.
+    """
 
     path: str
     sha256: str = ""

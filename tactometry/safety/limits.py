@@ -49,6 +49,8 @@ class Limits:
         signs, above 0.
     force_peak_n : float
         Above this force of the finger nothing plays, above 0.
+    duty_window_s : float
+        The time over which `duty` holds.
 
     Raises
     ------

@@ -13,18 +13,12 @@ from command_line import call, refused
 
 from tactometry.devices.outputs.audio import AudioSettings
 from tactometry.devices.outputs.gain import Gain
+from tactometry.devices.outputs.output import RAMP_S
 from tactometry.devices.sensors.lsl import LslSettings
 from tactometry.devices.sensors.streamed import ForceCalibration
 from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter, LimitExceeded
-from tactometry.experiments.bench.bench_file import (
-    RAMP_S,
-    BenchFile,
-    Learnt,
-    SensorPart,
-    device_facts,
-    load_bench,
-    parse_bench,
-)
+from tactometry.experiments.bench.bench_file import BenchFile, device_facts, load_bench, parse_bench
+from tactometry.experiments.bench.bench_parts import Learnt, SensorPart
 from tactometry.safety.limits import Limits
 from tactometry.safety.load import Load
 from tactometry.signal import Signal

@@ -11,7 +11,8 @@ from calibrating import LOOPBACK, calibrate_with
 
 from tactometry.devices.sensors.reader import Reader, SampleBlock
 from tactometry.errors import DeviceFailed, InvalidParameter
-from tactometry.experiments.bench.bench_file import Learnt, load_bench
+from tactometry.experiments.bench.bench_file import load_bench
+from tactometry.experiments.bench.bench_parts import Learnt
 from tactometry.experiments.bench.learning import Heard, Learning, Microphone, join, learn, quality, repeatable
 from tactometry.signal import Signal
 from tactometry.stimuli.time_reversal.filters import Band

@@ -1,6 +1,8 @@
-"""Tables of keys: as the classes have them, on the pages as they are, and of every table that a study may hold."""
+"""Tables of keys: as the classes have them, on the pages as they are, and of every table that a file may hold."""
 
-from dataclasses import dataclass, field, fields
+import tomllib
+from dataclasses import dataclass, field
+from functools import cache
 
 import pytest
 
@@ -8,18 +10,30 @@ from tactometry.arguments.require import positive
 from tactometry.config.strict import build
 from tactometry.config.toml import read_table
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.study.cells import STIMULI, TOUCHES, merge
-from tactometry.experiments.study.key_tables import pages, procedure_tables, study_tables
-from tactometry.experiments.study.keys import Key, KeyTable, keys_of
-from tactometry.experiments.study.procedure_table import PROCEDURES
+from tactometry.experiments.reference.block import block
+from tactometry.experiments.reference.key_table import KeyTable
+from tactometry.experiments.reference.keys import Key, keys_of
+from tactometry.experiments.reference.pages import path_of, text_of
+from tactometry.experiments.reference.study_tables import GREY
+from tactometry.experiments.reference.tables import PAGES, tables
 from tactometry.experiments.study.study_file import builtin
-from tactometry.experiments.study.task_table import TASKS
 
-TABLES = {**dict(study_tables()), **dict(procedure_tables())}
+TABLES = tables()
+per_table = pytest.mark.parametrize("name", TABLES)
 
 
 @dataclass(frozen=True)
 class Gadget:
+    """A gadget.
+
+    Parameters
+    ----------
+    speed_m_per_s : float
+        How fast it is.
+    n, inner
+        What it has.
+    """
+
     speed_m_per_s: float
     n: int = 3
     inner: tuple[float, ...] = ()
@@ -31,70 +45,112 @@ class Gadget:
             raise InvalidParameter(f"Gadget.n: found {self.n}, expected at most 5 (a hand); take fewer")
 
 
+@cache
+def keys(name):
+    return keys_of(TABLES[name])
+
+
+def names_of(name):
+    return {key.name for key in keys(name)}
+
+
+@pytest.fixture
+def beside_files(tmp_path, monkeypatch):
+    """Where the files lie that the examples name."""
+    (tmp_path / "grey.csv").write_bytes(GREY)
+    monkeypatch.chdir(tmp_path)
+
+
+def gadget(**said):
+    return KeyTable("gadget", "[gadget]", f"{__name__}:Gadget", example={"speed_m_per_s": 1.0}, **said)
+
+
 def test_a_key_is_what_its_class_says():
-    assert keys_of(KeyTable(Gadget, {"speed_m_per_s": 1.0})) == (
-        Key("speed_m_per_s", "a number", "m/s", "above 0", ""),
-        Key("n", "a whole number", "", "at most 5", "3"),
-        Key("inner", "a list of numbers", "", "", "none"),
-        Key("names", "a table", "", "", "none"),
+    assert keys_of(gadget(samples={"inner": [1.0], "names": {"a": "b"}})) == (
+        Key("speed_m_per_s", "a number", "m/s", "above 0", "", "How fast it is.", "1.0"),
+        Key("n", "a whole number", "", "at most 5", "3", "What it has.", "3"),
+        Key("inner", "a list of numbers", "", "", "none", "What it has.", "[1.0]"),
+        Key("names", "a table", "", "", "none", "", '{ a = "b" }'),
     )
 
 
-@pytest.mark.parametrize("path", pages(), ids=lambda path: path.name)
-def test_the_pages_hold_the_keys_as_they_are(path):
-    assert path.read_text(encoding="utf-8") == pages()[path], "run make keys"
+def test_a_kind_is_the_first_key_of_its_table():
+    assert keys_of(gadget(kind="round"))[0] == Key("kind", "a text", "", '"round"', "", "A gadget.", '"round"')
+    assert keys_of(gadget(kind="round", usual=True))[0].otherwise == '"round"'
 
 
-@pytest.mark.parametrize("heading", TABLES)
-def test_every_required_key_is_required_and_every_other_is_not(heading):
-    table = TABLES[heading]
-    required = {key.name for key in keys_of(table) if key.required} - set(table.kinds)
-    least = {name: value for name, value in table.example.items() if name in required}
-    assert set(least) == required
-    table.made(build(table.reads, table.example, "t", **table.given))
-    for name in required:
-        without = {other: value for other, value in table.example.items() if other != name}
-        with pytest.raises(InvalidParameter, match=rf"^t\.{name}: found no such key"):
-            build(table.reads, without, "t", **table.given)
+def test_a_block_states_what_must_be_there_and_comments_the_rest():
+    assert block(gadget(kind="round")) == '[gadget]\nkind = "round"\nspeed_m_per_s = 1.0\n# n = 3\n'
 
 
-def test_every_kind_has_its_keys():
-    headings = " ".join(TABLES)
-    own = [kind for kind, read in TASKS.items() if fields(read.table)]
-    for kind in (*STIMULI, *TOUCHES, *PROCEDURES, *own):
-        assert f'"{kind}"' in headings, kind
+@pytest.mark.parametrize("page", PAGES)
+def test_a_page_holds_the_keys_as_they_are(page):
+    assert path_of(page).read_text(encoding="utf-8") == text_of(page), "run make keys"
 
 
-TABLE_OF = {"limits": "`[limits]`", "observer": "`[observer]`", "finger": "`[finger]`", "practice": "`[practice]`"}
+@per_table
+def test_every_key_says_what_it_means_and_has_an_example_or_a_table_of_its_own(name):
+    for key in keys(name):
+        assert key.means, key.name
+        assert not key.means.startswith("As in"), key.name
+        assert key.example or key.see, key.name
+        assert not key.see or any(f"{each}.".startswith(f"{key.see}.") for each in TABLES), key.see
+
+
+@per_table
+def test_an_example_reads_and_without_a_required_key_it_is_refused_by_its_name(name):
+    table = TABLES[name]
+    required = {key.name for key in keys(name) if key.required} - {"kind"}
+    assert required <= set(table.shown)
+    table.read(table.shown, "t")
+    for key in required:
+        without = {other: value for other, value in table.shown.items() if other != key}
+        missing = rf"^t\.{key}\.kind: found no such key" if key in table.kinds else rf"^t\.{key}: found no such key"
+        with pytest.raises(InvalidParameter, match=missing):
+            table.read(without, "t")
+
+
+@per_table
+def test_each_commented_line_of_a_block_reads_where_it_is_stated(name, beside_files):
+    """A key that does not go with the example stands in one of its own, of whose keys the block has each."""
+    table = TABLES[name]
+    for key in keys(name):
+        if key.example and key.name != "kind":
+            value = tomllib.loads(f"{key.name} = {key.example}")
+            table.read({**table.instead.get(key.name, table.shown), **value}, "t")
+
+
+@per_table
+def test_a_key_that_no_table_has_is_refused(name):
+    table = TABLES[name]
+    with pytest.raises(InvalidParameter, match=r"t\.no_such: found an unknown key"):
+        build(table.reader, {"no_such": 1}, "t", **table.given())
+
+
+def test_samples_are_of_keys_that_are_there():
+    """What several tables share may hold more: each sample is a key of one of them."""
+    for name, table in TABLES.items():
+        group = [other for other in TABLES if other.partition(".")[0] == name.partition(".")[0]]
+        assert set(table.shown) <= names_of(name), name
+        assert set(table.samples) <= set().union(*map(names_of, group)), name
 
 
 @pytest.mark.parametrize("study", builtin())
 def test_every_key_of_a_built_in_study_is_in_a_table(study):
     table = read_table(builtin()[study], "a study file")
-    assert set(table) <= {key.name for key in keys_of(TABLES["The file itself"])}
-    known = {where: {"kind"} for where in ("stimulus", "touch", "task", "procedure")}
-    for heading, each in TABLES.items():
-        names = {key.name for key in keys_of(each)}
-        if heading.startswith("`kind"):
-            known["procedure"] |= names
-        elif heading.startswith(("`[stimulus]`", "`[touch]`", "`[task]`")):
-            known[heading[2:].partition("]")[0]] |= names
+    assert set(table) <= names_of("study")
     varied = [change for levels in table.get("variants", {}).values() for change in levels.values()]
-    for where, names in known.items():
-        held = table.get(where, {})
-        for change in varied:
-            held = merge(held, change.get(where, {}))
-        assert set(held) <= names, where
-    for where, heading in TABLE_OF.items():
-        held = {key for key in table.get(where, {}) if f"`[{where}.{key}]`" not in TABLES}
-        assert held <= {key.name for key in keys_of(TABLES[heading])}
-    people = table.get("observer", {}).get("people", {})
-    assert set(people) <= {key.name for key in keys_of(TABLES["`[observer.people]`"])}
+    for where in ("stimulus", "touch", "task", "procedure", "observer", "finger", "practice", "limits", "plan"):
+        held = [table.get(where, {}), *(change.get(where, {}) for change in varied)]
+        kinds = {each["kind"] for each in held if "kind" in each} or {"signal_detection"}
+        known = [name for name in (where, *(f"{where}.{kind}" for kind in kinds)) if name in TABLES]
+        below = {name.split(".")[1] for name in TABLES if name.startswith(f"{where}.")}
+        assert set().union(*held) <= set().union(below, {"kind"}, *map(names_of, known)), where
 
 
 def test_a_session_that_may_last_no_time_is_refused():
     with pytest.raises(InvalidParameter, match=r"^plan\.longest_s: found -5\.0, expected a finite number above 0"):
-        build(TABLES["`[plan]`"].reads, {"longest_s": -5.0}, "plan")
+        build(TABLES["plan"].reader, {"longest_s": -5.0}, "plan")
 
 
 def test_a_unit_of_another_dimension_is_refused_where_the_unit_is_a_ratio():
@@ -102,4 +158,4 @@ def test_a_unit_of_another_dimension_is_refused_where_the_unit_is_a_ratio():
 
     assert as_si({"rate_per_s": "3 s", "moment_n_per_v": "1 V"}, "") == {"rate_per_s": "3 s", "moment_n_per_v": "1 V"}
     with pytest.raises(InvalidParameter, match=r"^setup\.moment_n_per_v: found '1 V', expected a number"):
-        build(TABLES["`[stimulus.setup]`"].reads, as_si({"moment_n_per_v": "1 V"}, "setup"), "setup")
+        build(TABLES["stimulus.setup"].reader, as_si({"moment_n_per_v": "1 V"}, "setup"), "setup")

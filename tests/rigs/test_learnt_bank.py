@@ -7,7 +7,8 @@ import pytest
 from learnt_file import PROVENANCE, true_responses, write_responses
 
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.experiments.bench.bench_file import Learnt, parse_bench
+from tactometry.experiments.bench.bench_file import parse_bench
+from tactometry.experiments.bench.bench_parts import Learnt
 from tactometry.experiments.bench.stimuli import bank_of, learnt_facts
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load

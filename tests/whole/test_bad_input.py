@@ -30,21 +30,23 @@ STUDIES = {
         TUTORIAL.replace("trial_s = 5.0", "trail_s = 5.0"),
         "s.toml, trail_s: found an unknown key, expected one of name, title, description, task, factors, stimulus, "
         "touch, procedure, limits, counterbalance, trial_s, consent, plan, nested, variants, practice, inquiries, "
-        "forms, scene, sensation, observer, finger, texts, translations, images, analysis; did you mean 'trial_s'?",
+        "forms, scene, sensation, observer, finger, texts, translations, images, analysis; did you mean 'trial_s'? "
+        "(all keys: tactometry keys study)",
     ),
     "unknown table": (
         TUTORIAL.replace("[limits]", "[limit]"),
         "s.toml, limit: found an unknown key, expected one of name, title, description, task, factors, stimulus, "
         "touch, procedure, limits, counterbalance, trial_s, consent, plan, nested, variants, practice, inquiries, "
-        "forms, scene, sensation, observer, finger, texts, translations, images, analysis; did you mean 'limits'?",
+        "forms, scene, sensation, observer, finger, texts, translations, images, analysis; did you mean 'limits'? "
+        "(all keys: tactometry keys study)",
     ),
     "missing key": (
         TUTORIAL.replace('name = "tutorial"\n', ""),
-        "s.toml, name: found no such key, expected a text",
+        "s.toml, name: found no such key, expected a text (all keys: tactometry keys study)",
     ),
     "missing table": (
         TUTORIAL.partition("[limits]")[0],
-        "s.toml, limits: found no such key, expected a table",
+        "s.toml, limits: found no such key, expected a table (all keys: tactometry keys study)",
     ),
     "text for number": (
         TUTORIAL.replace("trial_s = 5.0", 'trial_s = "soon"'),
@@ -163,12 +165,12 @@ STUDIES = {
     ),
     "no kind": (
         TUTORIAL.replace('kind = "slide"\n', ""),
-        "s.toml, touch.kind: found no such key, expected one of press, slide",
+        "s.toml, touch.kind: found no such key, expected one of press, slide (all keys: tactometry keys touch)",
     ),
     "key of another kind": (
         THRESHOLD.replace('kind = "amplitude_modulated"', 'kind = "sine"\ncarrier_hz = 2000'),
         "s.toml, stimulus.carrier_hz: found an unknown key, expected one of frequency_hz, duration_s, ramp_s, rate_hz, "
-        "phase_rad, level_unit",
+        "phase_rad, level_unit (all keys: tactometry keys stimulus.sine)",
     ),
     "frequency above Nyquist": (
         TUTORIAL.replace("[60, 240]", "[60, 24000]").replace('"amplitude_modulated"', '"sine"'),
@@ -243,7 +245,7 @@ SYNTAX = {
         r"s\.toml: found no valid TOML \(Invalid value \(at end of document\)\), expected a study file",
     ),
     "key twice": ("a = 1\na = 2", r"s\.toml: found no valid TOML \(Cannot overwrite a value \(at .*\)\), .*"),
-    "empty": ("", r"s\.toml, name: found no such key, expected a text"),
+    "empty": ("", r"s\.toml, name: found no such key, expected a text \(all keys: tactometry keys study\)"),
 }
 
 

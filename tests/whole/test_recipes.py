@@ -24,14 +24,10 @@ def hurried(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "R
 """
 LINES = (
     (
-        "experiments/study/procedure_table.py",
-        "from tactometry.protocols.procedures.stochastic_approximation import StochasticApproximation\n",
-        "from tactometry.protocols.procedures.procedure import",
-    ),
-    (
-        "experiments/study/procedure_table.py",
-        '    "stochastic_approximation": '
-        'ProcedureKind(StochasticApproximation, {"start": 20.0, "step": 40.0, **_LEVELS}),\n',
+        "experiments/study/procedure_kinds.py",
+        '    "stochastic_approximation": ProcedureKind(\n'
+        '        f"{_RULES}.stochastic_approximation:StochasticApproximation", '
+        '{"start": 20.0, "step": 40.0, **_LEVELS}\n    ),\n',
         '    "staircase": ProcedureKind(',
     ),
     (
@@ -295,11 +291,11 @@ import sys
 
 sys.path.insert(0, sys.argv[1])
 from tactometry.cli import main
-from tactometry.experiments.study.key_tables import procedure_tables
-from tactometry.experiments.study.keys import keys_of
+from tactometry.experiments.reference.keys import keys_of
+from tactometry.experiments.reference.tables import tables
 
-table = dict(procedure_tables())['`kind = "stochastic_approximation"`']
-print(*(f"{key.name}: {key.within or 'any'}" for key in keys_of(table)), sep="; ")
+keys = keys_of(tables()["procedure.stochastic_approximation"])[1:]
+print(*(f"{key.name}: {key.within or 'any'}" for key in keys), sep="; ")
 main(["run", "mistyped.toml", "--participant", "P01", "--dry-run"])
 """
 

@@ -40,6 +40,13 @@ class AreaLaw(Effect):
 class PowerLawArea(AreaLaw):
     """``A = A_1 (F/1 N)^m``. Both defaults are unverified: 1 cm^2 at 1 N, m = 1/3 (a Hertz sphere has 2/3).
 
+    Parameters
+    ----------
+    area_at_1n_m2 : float
+        The area at 1 N.
+    exponent : float
+        How it grows with the force.
+
     >>> float(PowerLawArea().area_m2(8.0).round(12))
     0.0002
     """

@@ -29,6 +29,15 @@ class CoulombFriction(Effect):
     At a speed v it is the regularised law, ``mu v/sqrt(v^2 + v_s^2)``: a finger far below `slip_speed_m_per_s` creeps
     and hardly slips, so that sensation goes smoothly to nothing at rest; 1 mm/s is an unverified default.
 
+    Parameters
+    ----------
+    coefficient : float
+        Of friction at 1 N.
+    load_exponent : float
+        How it changes with the load: below 0 it falls.
+    slip_speed_m_per_s : float
+        Below this speed the finger creeps.
+
     >>> float(CoulombFriction(0.5).modulation_n(0.01, force_n=1.0))
     0.005
     """

@@ -30,6 +30,15 @@ class FrictionLag(Effect):
     ``f_c = max(floor, f_0 + slope v)``. The slope, 13.8 Hz per mm/s, is published (20 to 100 mm/s, 0.2 to
     0.6 N); intercept and floor are unverified defaults.
 
+    Parameters
+    ----------
+    slope_hz_per_m_per_s : float
+        By how much the cut-off rises with the speed.
+    intercept_hz : float
+        The cut-off at rest, as far as the slope says.
+    floor_hz : float
+        Below which no cut-off falls.
+
     >>> float(FrictionLag().cutoff_hz(0.1) - FrictionLag().cutoff_hz(0.02)).__round__(6)
     1104.0
     """

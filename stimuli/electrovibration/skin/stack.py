@@ -33,6 +33,15 @@ def check_resistivity(where: str, found: object) -> None:
 class Layer:
     """A slab: thickness, relative permittivity (1 is air), resistivity (``inf`` does not leak, 0 conducts).
 
+    Parameters
+    ----------
+    thickness_m : float
+        Above 0.
+    permittivity : float
+        Relative: 1 is air.
+    resistivity_ohm_m : float
+        ``inf`` does not leak, 0 conducts.
+
     >>> round(Layer(200e-6, 1000.0, 2e4).rate_per_s, 3)
     5647.045
     """

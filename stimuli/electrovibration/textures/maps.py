@@ -100,6 +100,19 @@ def _grey_of_picture(content: bytes) -> FloatArray:
 class GreyImage(Mapped):
     """A row of grey levels, 0 (black, no friction) to 1, as `Image`; in a CSV file numbers from 0 to 1 too.
 
+    Parameters
+    ----------
+    pixel_m : float
+        Length of a pixel along the path of the finger.
+    values : tuple of float
+        The grey levels, from 0 (no friction) to 1; or a file, by `path`.
+    path : str, optional
+        A PNG or CSV file, from where the program runs.
+    sha256 : str, optional
+        Of the file; a refusal tells it.
+    row : int
+        The row of the file that the finger follows, from 0.
+
     >>> GreyImage(pixel_m=1e-3, values=(0.0, 1.0, 0.2)).force_share([0.5e-3, 1e-3, 9.0]).tolist()
     [0.0, 0.5, 0.2]
     """
@@ -122,6 +135,21 @@ class HeightMap(Mapped):
 
     Between two heights the slope is that of the straight line; a finger that comes back meets the opposite one. The
     slope rule and its scale are unverified defaults.
+
+    Parameters
+    ----------
+    pixel_m : float
+        Length of a pixel along the path of the finger.
+    values : tuple of float
+        The heights, in any unit; or a file, by `path`.
+    path : str, optional
+        A PNG or CSV file, from where the program runs.
+    sha256 : str, optional
+        Of the file; a refusal tells it.
+    row : int
+        The row of the file that the finger follows, from 0.
+    direction : int
+        1 for a finger that moves along the path, -1 for one that moves back.
 
     >>> HeightMap(pixel_m=1.0, values=(0.0, 2.0, 2.0, 1.0)).force_share([-1.0, 0.5, 1.5, 2.5]).tolist()
     [0.5, 1.0, 0.5, 0.25]

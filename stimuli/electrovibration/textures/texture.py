@@ -39,7 +39,9 @@ class Grating:
     Parameters
     ----------
     period_m : float
+        Length of a period, above 0.
     shape : {"square", "sinusoidal", "sawtooth"}
+        How friction goes over a period.
     duty : float
         Share of the period that is on, for ``square``.
 
@@ -75,6 +77,13 @@ SHAPES: Mapping[str, Callable[[FloatArray, float], NDArray[np.generic]]] = {
 class Region:
     """1 between two edges, 0 outside; each edge may be a line of `edge_m`, centred on it.
 
+    Parameters
+    ----------
+    left_m, right_m : float
+        The edges, along the path of the finger.
+    edge_m : float
+        Length of the line that an edge is; 0 is a step.
+
     >>> Region(0.01, 0.03, edge_m=2e-3).force_share([0.005, 0.01, 0.02, 0.03]).round(9).tolist()
     [0.0, 0.5, 1.0, 0.5]
     """
@@ -104,6 +113,17 @@ class Bump:
     Friction goes with the slope of a Gaussian height of standard deviation `width_m`: the lateral force that follows
     the slope is what is felt as a bump. The slope rule itself is unverified. A finger that moves the other way meets
     the opposite slope: `direction` is 1 or -1.
+
+    Parameters
+    ----------
+    centre_m : float
+        Where the bump is highest, along the path of the finger.
+    width_m : float
+        Standard deviation of the Gaussian height.
+    height_sign : int
+        1 for a bump, -1 for a hole.
+    direction : int
+        1 for a finger that moves along the path, -1 for one that moves back.
 
     >>> Bump(0.02, width_m=5e-3).force_share([0.0, 0.015, 0.02, 0.025]).round(3).tolist()
     [0.501, 1.0, 0.5, 0.0]

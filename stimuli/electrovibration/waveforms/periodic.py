@@ -84,7 +84,9 @@ class Square(Periodic):
 
     Parameters
     ----------
-    frequency_hz, duration_s, ramp_s, rate_hz, level_unit
+    frequency_hz : float
+        Frequency of the voltage, above 0.
+    duration_s, ramp_s, rate_hz, level_unit
         As in `Sine`.
     duty : float
         Share of the period at ``+V0``, between 0 and 1.
@@ -124,7 +126,9 @@ class Triangle(Periodic):
 
     Parameters
     ----------
-    frequency_hz, duration_s, ramp_s, rate_hz, level_unit
+    frequency_hz : float
+        Frequency of the voltage, above 0.
+    duration_s, ramp_s, rate_hz, level_unit
         As in `Sine`.
     band_limited : bool
         Sample the Fourier series below half of `rate_hz` instead of the corners, so that nothing aliases.
@@ -241,7 +245,9 @@ class PulseTrain(Periodic):
 
     Parameters
     ----------
-    frequency_hz, duration_s, ramp_s, rate_hz, level_unit
+    frequency_hz : float
+        Pulses per second, above 0.
+    duration_s, ramp_s, rate_hz, level_unit
         As in `Sine`.
     width_s : float
         Length of one phase of a pulse; at most a period (half of one for ``biphasic``).

@@ -42,7 +42,19 @@ class Waveform(Protocol):
 
 
 class Ramped(Waveform):
-    """A shape with raised-cosine ramps, as high as a level states: what most waveforms have in common."""
+    """A shape with raised-cosine ramps, as high as a level states: what most waveforms have in common.
+
+    Parameters
+    ----------
+    duration_s : float
+        Whole length, ramps included.
+    ramp_s : float
+        Raised-cosine ramp on and off; 50 ms is an unverified default.
+    rate_hz : float
+        Samples per second; 20 kHz is a default that leaves room for the doubled bandwidth of the force.
+    level_unit : {"dB re 1 V", "V"}
+        What `at` takes: decibel re 1 V peak, or volt peak.
+    """
 
     rate_hz: float
 

@@ -11,6 +11,13 @@ EMISSION = "tactometry.stimuli.scenes.stages.emission"
 class Amplifier(Effect):
     """A Butterworth low-pass: -3 dB at `cutoff_hz`; both defaults are unverified.
 
+    Parameters
+    ----------
+    cutoff_hz : float
+        Where it is 3 dB down.
+    order : int
+        Of the Butterworth filter.
+
     >>> Amplifier().order
     1
     """

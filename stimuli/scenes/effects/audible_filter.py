@@ -17,6 +17,13 @@ if TYPE_CHECKING:
 class AudibleFilter(Effect):
     """Responses above `cutoff_hz` only, before they are reversed and quantised; both defaults are unverified.
 
+    Parameters
+    ----------
+    cutoff_hz : float
+        Below which nothing is emitted.
+    flank_hz : float
+        Width of the filter's flank.
+
     >>> AudibleFilter().cutoff_hz
     20000.0
     """

@@ -20,6 +20,13 @@ Modulation = Literal["square_root", "full", "suppressed_carrier"]
 class Carrier(Effect):
     """A carrier of at least twice the programmed frequency; 2 kHz is an unverified default.
 
+    Parameters
+    ----------
+    carrier_hz : float
+        At least twice the programmed frequency.
+    modulation : {"square_root", "full", "suppressed_carrier"}
+        The envelope, as in `tactometry.stimuli.electrovibration.AmplitudeModulated`.
+
     >>> Carrier().modulation
     'square_root'
     """

@@ -25,6 +25,7 @@ class CrossMasking(Effect):
     Parameters
     ----------
     target : {"foci", "friction"}
+        What is felt.
     slope : float
         Above 0.
 

@@ -23,6 +23,13 @@ class DriveEnergy(Effect):
     the dielectric of `loss_tangent` turns into heat. Those of a plate of PZ27 of 1 cm^2 and
     0.3 mm, 5.31 nF and 0.017, are unverified defaults.
 
+    Parameters
+    ----------
+    capacitance_f : float
+        Of a transducer.
+    loss_tangent : float
+        Of its dielectric.
+
     >>> DriveEnergy().slot
     'energy'
     """

@@ -23,6 +23,11 @@ class FingerDynamics(Effect):
     What is felt is the motion of this skin, in place of that of `skin_mobility`. With `friction` the finger slides
     all the time, and its friction is what it is without; with `dry_friction` it sticks and slips.
 
+    Parameters
+    ----------
+    damping_n_s_per_m : float
+        Of the skin.
+
     >>> FingerDynamics().slot
     'dynamics'
     """

@@ -22,6 +22,13 @@ class FingerLoad(Effect):
 
     Without a place of its own a contact is at the focus. The plate has learnt without. All defaults are unverified.
 
+    Parameters
+    ----------
+    resistance_n_s_per_m, mass_kg, stiffness_n_per_m : float
+        Damper, mass and spring of a finger at 2 N.
+    exponent : float
+        How they grow with the force.
+
     >>> FingerLoad().resistance_n_s_per_m
     10.0
     """

@@ -16,6 +16,11 @@ PLACES = "tactometry.stimuli.scenes.stages.emission:several"
 class Foci(Effect):
     """Further places to focus on at the same instant, beside the one of the surface.
 
+    Parameters
+    ----------
+    x_m, y_m : tuple of float
+        Where they are, one number each.
+
     >>> Foci(x_m=(0.2,), y_m=(0.1,)).n
     2
     """

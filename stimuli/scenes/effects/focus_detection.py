@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class FocusDetection(Effect):
-    """As in `tactometry.stimuli.time_reversal.TimeReversalSensation`: a single focus of `reference_m` is at threshold.
+    """A single focus of `reference_m` is at threshold, as in `tactometry.stimuli.time_reversal.TimeReversalSensation`.
 
     It is what the first finger at rest feels where it rests, at the focus without a place of its own or without a
     finger; it loads the plate with `finger_load` alone. 10 um is an unverified default.

@@ -14,6 +14,13 @@ class Masking(Effect):
     10.1038/s41598-018-22865-x), is an unverified default; so is that foci are masked alike, by a vibration in the
     channel that feels them.
 
+    Parameters
+    ----------
+    level_db_re_threshold : float
+        Of the masker above its own threshold, above 0.
+    slope : float
+        By how much the threshold rises with that level.
+
     >>> Masking(25.0).slope
     0.52
     """

@@ -20,6 +20,13 @@ FRAMES_PER_PERIOD = 8
 class Movie(Effect):
     """`n_frames` at equal steps over `span_s`, the focus in the middle; by default 8 to a period of the band's top.
 
+    Parameters
+    ----------
+    n_frames : int, optional
+        By default 8 to a period of the band's top.
+    span_s : float
+        How long it shows, the focus in the middle.
+
     >>> Movie().span_s
     0.00025
     """

@@ -15,6 +15,13 @@ PATCHES = "tactometry.stimuli.scenes.stages.emission:patches"
 class Patches(Effect):
     """Square patches of `side_m` that bend the plate along their outline; both defaults are unverified.
 
+    Parameters
+    ----------
+    side_m : float
+        Of a patch.
+    moment_n_per_v : float
+        Bending moment per length of its outline and volt.
+
     >>> Patches().side_m
     0.01
     """

@@ -21,6 +21,15 @@ Envelope = Literal["rectangular", "raised_cosine", "exponential", "sinc"]
 class Repetition(Effect):
     """Foci at `repetition_hz` over `duration_s` under an envelope; every default is unverified.
 
+    Parameters
+    ----------
+    repetition_hz : float
+        Foci per second.
+    duration_s : float
+        How long they go on.
+    envelope : str
+        Their weights over that time.
+
     >>> Repetition().n
     10
     """

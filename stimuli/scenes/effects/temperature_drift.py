@@ -17,6 +17,13 @@ LEARNING = "tactometry.stimuli.scenes.stages.emission:learning_colder"
 class TemperatureDrift(Effect):
     """What was learnt on a plate `kelvin` colder (below 0: warmer), not 0; the shift of -5e-5/K is unverified.
 
+    Parameters
+    ----------
+    kelvin : float
+        By how much the plate is warmer than it was when it was learnt.
+    shift_per_k : float
+        Relative shift of the modal frequencies.
+
     >>> TemperatureDrift(10.0).shift_per_k
     -5e-05
     """

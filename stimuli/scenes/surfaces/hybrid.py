@@ -31,7 +31,9 @@ class HybridScreen(Surface):
     Parameters
     ----------
     electrovibration : Electrovibration
+        The electrode.
     time_reversal : TimeReversal
+        The plate.
 
     >>> from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
     >>> HybridScreen(Electrovibration(frequency_hz=240.0)).given

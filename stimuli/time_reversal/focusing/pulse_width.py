@@ -16,7 +16,15 @@ from ...composition.effect import Demand, Quantity, Size
 @checked
 @dataclass(frozen=True)
 class PulseWidth(Quantity):
-    """Pulse-width modulation with natural sampling: the sign of the waveform minus a triangular carrier."""
+    """Pulse-width modulation with natural sampling: the sign of the waveform minus a triangular carrier.
+
+    Parameters
+    ----------
+    carrier_hz : float
+        Of the triangle that the waveform is compared with.
+    scale : float
+        Largest value of the waveform over that of the triangle, above 0, at most 1.
+    """
 
     kind, slot, gives = "pulse_width", "quantiser", "quantiser"
     in_signal = True

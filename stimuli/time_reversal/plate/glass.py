@@ -5,10 +5,10 @@ from pathlib import Path
 from typing import Final
 
 from tactometry.arguments.checked import checked
+from tactometry.arguments.require import one_of
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build
 from tactometry.config.toml import errors_in, read_table
-from tactometry.errors import InvalidParameter, nearest
 
 from .plate import Plate
 
@@ -62,6 +62,29 @@ MOST_SHIFT: Final = 0.1
 MATERIAL: Final = ("youngs_modulus_pa", "poisson_ratio", "density_kg_per_m3")
 
 
+@dataclass(frozen=True)
+class NamedGlass:
+    """A glass by its name, in place of the keys of its material.
+
+    Parameters
+    ----------
+    glass : str
+        One of `GLASSES`.
+
+    >>> NamedGlass("DURAN borosilicate 3.3").material["density_kg_per_m3"]
+    2230.0
+    """
+
+    glass: str
+
+    def __post_init__(self) -> None:
+        one_of("NamedGlass.glass", self.glass, GLASSES)
+
+    @property
+    def material(self) -> dict[str, float]:
+        return {key: getattr(GLASSES[self.glass], key) for key in MATERIAL}
+
+
 @checked
 def read_plate(path: Path) -> Plate:
     """The plate of a file such as::
@@ -79,13 +102,6 @@ def read_plate(path: Path) -> Plate:
     """
     table = read_table(path, "a plate")
     with errors_in(path):
-        return build(Plate, as_si({**_glass(table.pop("glass", None)), **table}, ""), "plate")
-
-
-def _glass(name: object) -> dict[str, object]:
-    if name is None:
-        return {}
-    if not isinstance(name, str) or name not in GLASSES:
-        hint = nearest(name, GLASSES) if isinstance(name, str) else ""
-        raise InvalidParameter(f"glass: found {name!r}, expected one of {', '.join(GLASSES)}{hint}")
-    return {key: getattr(GLASSES[name], key) for key in MATERIAL}
+        named = {"glass": table.pop("glass")} if "glass" in table else None
+        material = {} if named is None else build(NamedGlass, named, "").material
+        return build(Plate, as_si({**material, **table}, ""), "plate")

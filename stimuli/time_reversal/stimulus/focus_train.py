@@ -213,28 +213,28 @@ class FocusTrain:
     setup : Setup
         The screen and the place of the focus.
     pattern : str
-        P0 to P6; `repetition_hz`, `envelope` and `train_s` replace what it says.
+        P0, one focus, to P6.
     drive : {"one_bit", "analogue", "sigma_delta_1", "sigma_delta_2"}
         How the reversed responses are quantised; sigma-delta wants a `setup.rate_hz` of about 1 MHz.
     f_min_hz, f_max_hz : float
-        Band of the learnt responses: 20 to 60 kHz is the filtered drive, 0.2 to 60 kHz the unfiltered one
-        (unverified defaults).
+        Band of the learnt responses: 20 to 60 kHz is filtered, 0.2 to 60 kHz unfiltered (unverified defaults).
     reversal_s : float, optional
-        T, at most `setup.learnt_s`; by default that, but no longer than the repetition time, so that drives do not
-        overlap.
+        T, at most `setup.learnt_s`; by default that, or the repetition time, so that no drives overlap.
     voltage_max_v : float
         What the amplifier can emit (unverified default).
     duration_s : float
         The interval in which the drive is played, from its beginning.
     level_unit : {"dB re 1 um", "m"}
-    envelope_table : sequence of float, optional
-        Weights at equal steps over the train, in place of a named envelope.
+        What `at` takes: decibel re 1 um, or metre.
     modulation : {"voltage", "burst"}
         Whether the voltage or the length of the burst makes a focus weaker.
     supply_v : float, optional
-        Above 0: the level too is made by the lengths of bursts, at this voltage and off, as amplifiers that switch need
-        it (a bench with a `packed` output sets it); `voltage_max_v` and `modulation` have no part then. By default the
-        voltage makes the level.
+        Above 0: the level too is made by the lengths of bursts, at this voltage and off, for amplifiers that switch (a
+        bench with a `packed` output sets it), whatever `voltage_max_v` and `modulation`; by default by the voltage.
+    repetition_hz, train_s : float, optional
+        Foci per second, and how long a train lasts, in place of the pattern's.
+    envelope, envelope_table : optional
+        Weights of the foci, by name or at equal steps over the train, in place of the pattern's.
 
     Examples
     --------

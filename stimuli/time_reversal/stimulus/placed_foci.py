@@ -26,7 +26,13 @@ AT_ONCE: Final = " + "
 @checked
 @dataclass(frozen=True)
 class Place:
-    """A point of the plate; what is not said of it is that of the setup's focus."""
+    """A point of the plate; what is not said of it is that of the setup's focus.
+
+    Parameters
+    ----------
+    x_m, y_m : float, optional
+        Where it is; by default as the setup's focus.
+    """
 
     x_m: float | None = None
     y_m: float | None = None
@@ -50,6 +56,10 @@ class PlacedFoci(FocusTrain):
         At least two, no two of them at one point.
     place : str
         Where the focus is: a name, or several joined by `` + `` for foci at once.
+    setup, pattern, drive, f_min_hz, f_max_hz, reversal_s, voltage_max_v, duration_s, level_unit, repetition_hz
+        As in `FocusTrain`.
+    envelope, train_s, envelope_table, modulation, supply_v
+        As in `FocusTrain`.
 
     Raises
     ------
@@ -149,7 +159,7 @@ class FingersSensation:
     fingers : tuple of str
         The places where a finger rests, `FINGER_DIAMETER_M` or more from each other; by default on every one.
     reference_m : float
-        As in `TimeReversalSensation`; unverified default.
+        Amplitude of a single focus at the detection threshold; unverified default.
 
     Raises
     ------

@@ -112,7 +112,7 @@ class FocusReading:
     setup : Setup
         The screen and focus, the same as the stimulus has.
     contactor : {"finger", "soft", "rigid"}
-        As in `Contactor`, whose constants are unverified defaults.
+        What presses: a finger, a soft tip or a rigid one, as `Contactor` has them; unverified defaults.
     diameter_m : float
         Of a soft or rigid contactor, above 0.
     x_m, y_m : float, optional

@@ -44,6 +44,10 @@ class Setup(GlassPanel):
         Length of the learnt responses: the longest reversal time.
     shear_factor : float, optional
         Mindlin's (5/6); by default a thin plate.
+    inset_m, side_m : float
+        Of the patches: their centres from the edges, their sides.
+    moment_n_per_v : float
+        Bending moment of a patch per length of its outline and volt.
 
     Examples
     --------

@@ -20,6 +20,17 @@ class FileSettings:
     """`folder` gets files 0001.npz and on (``samples`` in V, ``rate_hz``, ``unit``, ``digest``), or 0001.wav.
 
     A WAV file holds 64-bit numbers in volt, the same samples to the last bit; its rate is a whole number.
+
+    Parameters
+    ----------
+    folder : str
+        Where the files go, one for each signal.
+    format : {"npz", "wav"}
+        Arrays, or sound files of 64-bit numbers in volt.
+    n_channels : int, optional
+        Channels of each signal; by default any.
+    rate_hz : float, optional
+        Rate of each signal; by default any.
     """
 
     connected: ClassVar[bool] = False

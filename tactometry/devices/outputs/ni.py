@@ -24,7 +24,21 @@ from .output import AmplifiedDriver
 
 @dataclass(frozen=True)
 class NiSettings:
-    """`channels` by their physical names, such as ``Dev1/ao0``; `range_v` is the device's, V, of either sign."""
+    """`channels` by their physical names, such as ``Dev1/ao0``; `range_v` is the device's, V, of either sign.
+
+    Parameters
+    ----------
+    channels : tuple of str
+        Physical names such as ``Dev1/ao0``, in the order of the signal's channels.
+    rate_hz : float
+        Of the cards, and so of the stimulus.
+    range_v : float
+        Of the device, of either sign.
+    idle_at_zero : bool
+        Tell devices that know an idle state to idle at 0 V.
+    onboard_memory : bool
+        Play from the memory on the card alone.
+    """
 
     connected: ClassVar[bool] = True
     channels: tuple[str, ...]

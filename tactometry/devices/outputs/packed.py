@@ -202,6 +202,19 @@ class PackedSettings:
     With ``gain`` a bit of 1 is 1 unit: ``volts_per_unit * amplifier_gain`` is what a board's supply puts on a load.
     `lowest_supply_v` says that the board sets its supply to the ``voltage_v`` of each stream before it plays it, and
     down to which; without it the supply stays as it is.
+
+    Parameters
+    ----------
+    path : str
+        A device node, a named pipe or a file, opened for appending.
+    n_channels : int
+        Channels of the board.
+    rate_hz : float
+        Clock of the board, and so of the stimulus.
+    electrode : int, optional
+        The channel, from 0, that leads to an electrode; the others lead to transducers.
+    lowest_supply_v : float, optional
+        Down to which the board sets its supply to what a stream says; without it the supply stays as it is.
     """
 
     connected: ClassVar[bool] = True

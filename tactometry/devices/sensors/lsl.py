@@ -29,6 +29,17 @@ class LslSettings(SensorSettings):
     """The outlet by its name; `rate_hz` is what its head must state.
 
     `source_id` tells it from others of the same name; without it there may be no other.
+
+    Parameters
+    ----------
+    stream : str
+        The name of the outlet.
+    rate_hz : float
+        What the head of the stream must state.
+    n_channels : int
+        How many it has.
+    source_id : str, optional
+        Tells it from others of the same name; without it there may be no other.
     """
 
     stream: str

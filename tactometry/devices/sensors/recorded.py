@@ -20,7 +20,17 @@ STEP_S = 0.005
 
 @dataclass(frozen=True)
 class RecordedSettings(SensorSettings):
-    """A CSV file with a header, of which the first column is ``time_s`` and the others are channels, in counts."""
+    """A CSV file with a header, of which the first column is ``time_s`` and the others are channels, in counts.
+
+    Parameters
+    ----------
+    path : str
+        A CSV file, from where the program runs.
+    rate_hz : float
+        Of its samples.
+    n_channels : int
+        How many columns follow ``time_s``.
+    """
 
     live: ClassVar[bool] = False
     path: str

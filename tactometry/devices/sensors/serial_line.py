@@ -16,7 +16,19 @@ LARGEST_READ = 65_536
 
 @dataclass(frozen=True)
 class SerialSettings(SensorSettings):
-    """`port` such as ``/dev/ttyACM0`` or ``COM3``; `rate_hz` is what the device states."""
+    """`port` such as ``/dev/ttyACM0`` or ``COM3``; `rate_hz` is what the device states.
+
+    Parameters
+    ----------
+    port : str
+        Such as ``/dev/ttyACM0`` or ``COM3``.
+    rate_hz : float
+        What the device states.
+    n_channels : int
+        How many values a sample has.
+    baud : int
+        Of the line.
+    """
 
     port: str
     rate_hz: float

@@ -78,6 +78,8 @@ class ForceCalibration(Measured):
     ----------
     newtons_per_count : float, optional
         With `zero_count`: N per count, not 0 (below 0 where pressing lowers the counts).
+    zero_count : float
+        What the sensor counts without a force.
     polynomial : tuple of float, optional
         Coefficients of rising power, N, N per count and so on; it rises or falls from `count_low` to `count_high`.
     table_counts, table_forces_n : tuple of float, optional

@@ -35,7 +35,15 @@ HELD_S = 0.01
 
 @dataclass(frozen=True)
 class TouchSettings(SensorSettings):
-    """`path` such as ``/dev/input/event5``; channels are x, y and pressure, in the device's units."""
+    """`path` such as ``/dev/input/event5``; channels are x, y and pressure, in the device's units.
+
+    Parameters
+    ----------
+    path : str
+        Such as ``/dev/input/event5``.
+    rate_hz : float
+        How often it reports a finger that moves.
+    """
 
     path: str
     rate_hz: float = 100.0

@@ -28,7 +28,19 @@ SILENT_S = 0.5
 
 @dataclass(frozen=True)
 class UdpSettings(SensorSettings):
-    """The sensor's address; `sensor_rate_hz` is the rate of its own samples, of which it may send each n-th."""
+    """The sensor's address; `sensor_rate_hz` is the rate of its own samples, of which it may send each n-th.
+
+    Parameters
+    ----------
+    address : str
+        Of the sensor.
+    rate_hz : float
+        Of the samples that it sends.
+    sensor_rate_hz : float
+        Of its own samples, of which it may send each n-th.
+    port : int
+        Of the sensor.
+    """
 
     address: str
     rate_hz: float

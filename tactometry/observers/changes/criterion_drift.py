@@ -13,7 +13,15 @@ from .change import Answer, Shift
 @dataclass(frozen=True)
 class CriterionDrift:
     """A stationary first-order process of standard deviation `sd`, in units of the internal noise, whose correlation
-    falls to 1/e over `n_trials` trials (unverified defaults)."""
+    falls to 1/e over `n_trials` trials (unverified defaults).
+
+    Parameters
+    ----------
+    sd : float
+        Standard deviation of the criterion, in units of the internal noise.
+    n_trials : float
+        After so many trials its correlation has fallen to 1/e.
+    """
 
     sd: float = 0.3
     n_trials: float = 50.0

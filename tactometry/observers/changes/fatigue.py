@@ -11,7 +11,15 @@ from .change import Answer, Shift
 
 @dataclass(frozen=True)
 class Fatigue:
-    """Less sensitive by `loss_db` after `n_trials` trials, in proportion to them (unverified defaults)."""
+    """Less sensitive by `loss_db` after `n_trials` trials, in proportion to them (unverified defaults).
+
+    Parameters
+    ----------
+    loss_db : float
+        By how much less is felt after `n_trials`.
+    n_trials : float
+        The trials after which that is so.
+    """
 
     loss_db: float = 2.0
     n_trials: float = 500.0

@@ -13,7 +13,17 @@ from .change import Answer, Shift
 class LapsesInRuns:
     """A chain of two states: attention is lost with the chance `loss_rate` a trial and comes back with `return_rate`;
     meanwhile `lapse_rate` of the answers are at random (unverified defaults). In the long run it is lost in
-    ``loss_rate / (loss_rate + return_rate)`` of the trials, for ``1 / return_rate`` trials each time."""
+    ``loss_rate / (loss_rate + return_rate)`` of the trials, for ``1 / return_rate`` trials each time.
+
+    Parameters
+    ----------
+    loss_rate : float
+        Chance a trial that attention is lost.
+    return_rate : float
+        Chance a trial that it comes back.
+    lapse_rate : float
+        Share of answers at random meanwhile.
+    """
 
     loss_rate: float = 0.01
     return_rate: float = 0.2

@@ -12,7 +12,15 @@ from .change import Answer, Shift
 
 @dataclass(frozen=True)
 class SlowLearning:
-    """At the first trial less sensitive by `gain_db`, after `n_trials` trials by 1/e of it (unverified defaults)."""
+    """At the first trial less sensitive by `gain_db`, after `n_trials` trials by 1/e of it (unverified defaults).
+
+    Parameters
+    ----------
+    gain_db : float
+        By how much less is felt at the first trial.
+    n_trials : float
+        After so many trials 1/e of it is left.
+    """
 
     gain_db: float = 3.0
     n_trials: float = 100.0

@@ -12,7 +12,13 @@ from .change import Answer, Shift
 @dataclass(frozen=True)
 class SerialDependence:
     """After a yes the criterion is lower by `pull`, in units of the internal noise, after a no higher (unverified
-    default); below 0, answers alternate. It acts on questions with a criterion: yes/no, same or different."""
+    default); below 0, answers alternate. It acts on questions with a criterion: yes/no, same or different.
+
+    Parameters
+    ----------
+    pull : float
+        By how much the criterion is lower after a yes, in units of the internal noise.
+    """
 
     pull: float = 0.2
 

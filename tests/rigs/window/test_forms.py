@@ -10,9 +10,9 @@ from screens import entry_page, form_pages
 from short_studies import shortened
 
 from tactometry import choice_form
-from tactometry.devices.outputs.output import with_ramps
+from tactometry.devices.outputs.output import RAMP_S, with_ramps
 from tactometry.errors import InvalidParameter
-from tactometry.experiments.bench.bench_file import RAMP_S, Learnt
+from tactometry.experiments.bench.bench_parts import Learnt
 from tactometry.experiments.bench.stimuli import bank_of
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.data_sets.validation import validate

@@ -8,13 +8,18 @@ import math
 import re
 import types
 import typing
-from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from typing import Any
 
 from tactometry.config.quantity import unit_in
-from tactometry.config.strict import build, fields_of, is_required, words_of
+from tactometry.config.strict import fields_of, is_required, words_of
 from tactometry.errors import TactometryError
+
+from .key_table import KeyTable
+from .meanings import meanings, summary
+from .tables import inner_name
+from .toml_text import toml_value
 
 ASKED = "table"
 """The path under which a table is built to hear what it refuses."""
@@ -38,41 +43,31 @@ OF_EXAMPLE = (
 
 
 @dataclass(frozen=True)
-class KeyTable:
-    """A table of a file: the class that reads it, and values that it takes.
+class Key:
+    """A key of a table.
 
     Parameters
     ----------
-    reads : type
-    example : mapping
-        A table that is valid, with its required keys at least.
-    given : mapping
-        Fields that come from elsewhere.
-    made : callable
-        What is made of it, which may refuse more.
-    in_levels : tuple of str
-        Keys in the unit of the level.
-    kinds : mapping of str to collection of str
-        Keys that hold a table of one of these kinds.
+    name, holds, unit, within : str
+        What it is called, what it holds, in which unit, in which range.
+    otherwise : str
+        What is taken if it is left out; empty if it must be there.
+    means : str
+        What it is for.
+    example : str
+        A value as a file writes it; empty for a table with keys of its own.
+    see : str
+        The name of the table, or of those, that hold the keys of its own.
     """
-
-    reads: type
-    example: Mapping[str, object] = field(default_factory=dict)
-    given: Mapping[str, object] = field(default_factory=dict)
-    made: Callable[[Any], object] = field(default=lambda built: built)
-    in_levels: tuple[str, ...] = ()
-    kinds: Mapping[str, Collection[str]] = field(default_factory=dict)
-
-
-@dataclass(frozen=True)
-class Key:
-    """A key: what it holds, its unit, in which range, and what is taken if it is left out ("" if it must be there)."""
 
     name: str
     holds: str
     unit: str
     within: str
     otherwise: str
+    means: str = ""
+    example: str = ""
+    see: str = ""
 
     @property
     def required(self) -> bool:
@@ -80,30 +75,64 @@ class Key:
 
 
 def keys_of(table: KeyTable) -> tuple[Key, ...]:
-    """The keys that a file may set, those that must be there first.
+    """The keys that a file may set: its kind, those that must be there, the others.
 
-    >>> from tactometry.protocols import ForcedChoice
-    >>> keys_of(KeyTable(ForcedChoice))
-    (Key(name='n_intervals', holds='a whole number', unit='', within='2, 3 or 4', otherwise='2'),)
+    >>> from tactometry.experiments.reference.tables import tables
+    >>> [(key.name, key.within, key.otherwise) for key in keys_of(tables()["task.forced_choice"])]
+    [('kind', '"forced_choice"', ''), ('n_intervals', '2, 3 or 4', '2')]
     """
-    hints = typing.get_type_hints(table.reads)
-    fields = {name: one for name, one in fields_of(table.reads).items() if name not in table.given}
+    hints, given = typing.get_type_hints(table.reader), table.given()
+    fields = {name: one for name, one in fields_of(table.reader).items() if name not in given}
     keys = [_key(table, one, hints[name]) for name, one in fields.items() if not _in_python_only(hints[name])]
-    of_kinds = (
-        Key(name, "a table", "", f"its `kind` one of {', '.join(kinds)}", "") for name, kinds in table.kinds.items()
-    )
-    return tuple(sorted((*of_kinds, *keys), key=lambda key: not key.required))
+    of_kinds = [_of_kinds(table, name) for name in table.kinds]
+    kind = [_kind(table)] if table.kind else []
+    return (*kind, *sorted((*of_kinds, *keys), key=lambda key: not key.required))
+
+
+def _kind(table: KeyTable) -> Key:
+    stated = toml_value(table.kind)
+    return Key("kind", "a text", "", stated, stated if table.usual else "", summary(table.reader), stated)
+
+
+def _of_kinds(table: KeyTable, name: str) -> Key:
+    """A key that holds a table of one of several kinds."""
+    kinds = f"its `kind` one of {', '.join(table.kinds[name])}"
+    means = meanings(table.reader).get(name, "")
+    return Key(name, "a table", "", kinds, "", means, toml_value(table.shown[name]), name)
 
 
 def _key(table: KeyTable, one: dataclasses.Field[Any], hint: Any) -> Key:
-    unit = "of the level" if one.name in table.in_levels else unit_in(one.name)
-    return Key(one.name, words_of(hint), unit, ", ".join(_expectations(table, one.name, hint)), _otherwise(one))
+    return Key(
+        one.name,
+        words_of(hint),
+        "of the level" if one.name in table.in_levels else unit_in(one.name),
+        ", ".join(_expectations(table, one.name, hint)),
+        _otherwise(one),
+        meanings(table.reader).get(one.name, ""),
+        _example(table, one),
+        inner_name(table, one.name, _classes(hint)),
+    )
+
+
+def _example(table: KeyTable, one: dataclasses.Field[Any]) -> str:
+    """A value of a key: of the example, of the samples, or its default; nothing for a table with keys of its own."""
+    for values in (table.shown, table.instead.get(one.name, {}), table.samples):
+        if one.name in values:
+            return toml_value(values[one.name])
+    default = _default(one)
+    return "" if default in (None, (), {}) or dataclasses.is_dataclass(default) else toml_value(default)
 
 
 def _parts(hint: Any) -> tuple[Any, ...]:
     """The types that a key may have."""
     several = typing.get_origin(hint) in (typing.Union, types.UnionType)
     return typing.get_args(hint) if several else (hint,)
+
+
+def _classes(hint: Any) -> tuple[type, ...]:
+    """The dataclasses that a key holds: as such, or several in a list or by name."""
+    inner = [each for part in _parts(hint) for each in (part, *typing.get_args(part))]
+    return tuple(each for each in inner if isinstance(each, type) and dataclasses.is_dataclass(each))
 
 
 def _in_python_only(hint: Any) -> bool:
@@ -132,7 +161,7 @@ def _probes(part: Any) -> tuple[object, ...]:
 def _expectation(table: KeyTable, name: str, probe: object) -> str:
     """What is expected in place of a probe, without values of the example; nothing if the probe is taken."""
     try:
-        table.made(build(table.reads, {**table.example, name: probe}, ASKED, **table.given))
+        table.read({**table.instead.get(name, table.shown), name: probe}, ASKED)
     except TactometryError as error:
         where, _, rest = str(error).partition(": found ")
         of_this_key = re.fullmatch(rf"(?:.*[.: ])?{name}(\[\d+\])?", where)
@@ -148,21 +177,17 @@ def _without_example(expected: str) -> str:
     return expected.strip()
 
 
+def _default(one: dataclasses.Field[Any]) -> object:
+    if is_required(one):
+        return None
+    return one.default if one.default_factory is dataclasses.MISSING else one.default_factory()
+
+
 def _otherwise(one: dataclasses.Field[Any]) -> str:
+    """What is taken in place of a key, as a file would write it."""
     if is_required(one):
         return ""
-    value = one.default if one.default_factory is dataclasses.MISSING else one.default_factory()
-    return _default_text(value)
-
-
-def _default_text(value: object) -> str:
-    """A default as a file would write it."""
-    if value is None or value in ((), {}):
+    value = _default(one)
+    if value in (None, "", (), {}):
         return "none"
-    if isinstance(value, bool):
-        return str(value).lower()
-    if isinstance(value, float):
-        return f"{value:.6g}"
-    if isinstance(value, Collection) and not isinstance(value, str):
-        return f"[{', '.join(map(_default_text, value))}]"
-    return f'"{value}"' if isinstance(value, str) else "its own" if dataclasses.is_dataclass(value) else str(value)
+    return "its own" if dataclasses.is_dataclass(value) else toml_value(value)

@@ -1,0 +1,214 @@
+"""The parts of a bench file: what each of its tables holds."""
+
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
+
+from tactometry.arguments.require import expect, finite, not_zero, one_of, some, whole
+from tactometry.devices.kinds import OutputSettings
+from tactometry.devices.outputs.gain import Gain, required_gain
+from tactometry.devices.outputs.output import RAMP_S, NullSettings
+from tactometry.devices.sensors.reader import Reader, SensorSettings
+from tactometry.devices.sensors.streamed import ForceCalibration
+from tactometry.rigs.texts import languages
+from tactometry.safety.load import Load
+from tactometry.session.event import TRACE_KINDS, TraceKind
+
+if TYPE_CHECKING:
+    from tactometry.rigs.window import Window
+
+LONGEST_DELAY_S = 0.05
+"""Of a sensor: half of the time after which a silent one is lost (unverified default)."""
+
+
+@dataclass(frozen=True)
+class DisplayTable:
+    """The participant's screen: full screen, or a window of `width_px` x `height_px` pixels; `height_m` as measured;
+    `screen` is its number, from 0, where several are connected.
+
+    Before the first touch of each kind it is shown and tried without a stimulus, unless `dry_run` is false.
+
+    Parameters
+    ----------
+    fullscreen : bool
+        All of the screen, or a window.
+    width_px, height_px : int
+        Of the window.
+    height_m : float, optional
+        Of the screen, as `tactometry calibrate display` measures it.
+    language : str
+        Of the participant's pages.
+    dry_run : bool
+        Whether each kind of touch is shown and tried without a stimulus, before its first.
+    screen : int
+        Its number, from 0, where several are connected.
+    """
+
+    fullscreen: bool = True
+    width_px: int = 1280
+    height_px: int = 800
+    height_m: float | None = None
+    language: str = "en"
+    dry_run: bool = True
+    screen: int = 0
+
+    def __post_init__(self) -> None:
+        expect(self.width_px >= 320, "DisplayTable.width_px", self.width_px, "at least 320 pixels")
+        expect(self.height_px >= 320, "DisplayTable.height_px", self.height_px, "at least 320 pixels")
+        whole("DisplayTable", lowest=0, screen=self.screen)
+        one_of("DisplayTable.language", self.language, languages())
+        if self.height_m is not None:
+            expect(0 < self.height_m < 10, "DisplayTable.height_m", f"{self.height_m:g}", "above 0 and below 10 m")
+
+    def window(self) -> "Window":
+        """The window of a participant, open.
+
+        Raises
+        ------
+        InvalidParameter
+            If the screen is not connected.
+        DeviceFailed
+            If it does not open.
+        """
+        from tactometry.rigs.window import Window
+
+        return Window(fullscreen=self.fullscreen, size=(self.width_px, self.height_px), screen=self.screen)
+
+
+@dataclass(frozen=True)
+class OutputPart:
+    """The output, what its numbers become, what it drives, and the ramps of its signals.
+
+    `ungated` says that it may play under a finger whose force nobody measures.
+
+    Parameters
+    ----------
+    settings : OutputSettings
+        The device.
+    gain : Gain, optional
+        What a sample of 1 becomes at the load; needed where an amplifier is connected.
+    load : Load, optional
+        What the output drives.
+    ramp_s : float
+        Of the beginning and the end of each signal; 0 for a `packed` output, whose one bit has none.
+    ungated : bool
+        It may play under a finger whose force nobody measures.
+    """
+
+    settings: OutputSettings = field(default_factory=NullSettings)
+    gain: Gain | None = None
+    load: Load | None = None
+    ramp_s: float = RAMP_S
+    ungated: bool = False
+
+    def __post_init__(self) -> None:
+        if self.settings.connected:
+            required_gain(self.gain, "OutputPart.gain")
+        expect(0 <= self.ramp_s <= 1, "OutputPart.ramp_s", f"{self.ramp_s:g}", "from 0 to 1 s")
+
+
+@dataclass(frozen=True)
+class SensorPart:
+    """A sensor; `delay_s` is how long its stamps are after what they tell of, as measured.
+
+    Parameters
+    ----------
+    settings : SensorSettings
+        The device.
+    delay_s : float
+        How long its stamps are after what they tell of, as measured.
+    """
+
+    settings: SensorSettings
+    delay_s: float = 0.0
+
+    def __post_init__(self) -> None:
+        expected = f"from 0 to {LONGEST_DELAY_S:g} s: a stop comes so much later"
+        expect(0 <= self.delay_s <= LONGEST_DELAY_S, "SensorPart.delay_s", f"{self.delay_s:g}", expected)
+
+    def reader(self) -> Reader:
+        return Reader(self.settings.source(), self.delay_s)
+
+
+@dataclass(frozen=True)
+class ForcePart:
+    """The force: one channel (from 0) of a sensor of the file; `release` if it must leave its band between touches.
+
+    Parameters
+    ----------
+    sensor : str
+        The name of one of `[sensors]`.
+    calibration : ForceCalibration
+        From counts to newtons.
+    channel : int
+        Of the sensor, from 0.
+    release : bool
+        Whether the force must leave its band between touches.
+    """
+
+    sensor: str
+    calibration: ForceCalibration
+    channel: int = 0
+    release: bool = True
+
+
+@dataclass(frozen=True)
+class PositionPart:
+    """The finger's position: one channel (from 0) of a sensor per axis, which counts `zero_counts` at position 0.
+
+    Parameters
+    ----------
+    sensor : str
+        The name of one of `[sensors]`.
+    channels : tuple of int
+        Of the sensor, from 0, one for each axis; a slide's path lies along the first.
+    metres_per_count : float
+        Not 0; below 0 where counts fall along the path.
+    zero_counts : tuple of float
+        What each channel counts at position 0, the beginning of a slide's path.
+    """
+
+    sensor: str
+    channels: tuple[int, ...]
+    metres_per_count: float
+    zero_counts: tuple[float, ...] = ()
+
+    def __post_init__(self) -> None:
+        some("PositionPart.channels", self.channels)
+        n_zeros = len(self.zero_counts)
+        expect(n_zeros in (0, len(self.channels)), "PositionPart.zero_counts", n_zeros, "one for each channel, or none")
+        not_zero("PositionPart", metres_per_count=self.metres_per_count)
+        finite("PositionPart", **{f"zero_counts[{n}]": zero for n, zero in enumerate(self.zero_counts)})
+
+
+@dataclass(frozen=True)
+class Learnt:
+    """Impulse responses of this bench: `responses` is the file that `tactometry calibrate responses` wrote.
+
+    Parameters
+    ----------
+    responses : str
+        The file that `tactometry calibrate responses` wrote.
+    """
+
+    responses: str
+
+
+@dataclass(frozen=True)
+class TracesTable:
+    """Which samples of each touch are kept: of the sensors, and of an output that followed the finger.
+
+    Parameters
+    ----------
+    force, position : bool
+        Whether samples of these sensors are kept.
+    emitted : bool
+        Whether what an output emitted that followed the finger is kept.
+    """
+
+    force: bool = True
+    position: bool = True
+    emitted: bool = True
+
+    @property
+    def kept(self) -> tuple[TraceKind, ...]:
+        return tuple(kind for kind in TRACE_KINDS if getattr(self, kind))

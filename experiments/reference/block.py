@@ -1,0 +1,45 @@
+"""A table of keys as words, and as lines that a file may hold."""
+
+from .key_table import KeyTable
+from .keys import Key, keys_of
+from .meanings import summary
+
+
+def heading(table: KeyTable) -> str:
+    """Where it stands, and what it is.
+
+    >>> from tactometry.experiments.reference.tables import tables
+    >>> heading(tables()["touch.press"])
+    '[touch] with kind = "press". A finger that rests.'
+    """
+    place = table.header or "the top of the file"
+    kind = f' with kind = "{table.kind}"' if table.kind else ""
+    return f"{place}{kind}. {summary(table.reader)}"
+
+
+def holds(key: Key) -> str:
+    """Type, unit and range of a key.
+
+    >>> holds(Key("force_n", "a number", "N", "above 0", ""))
+    'a number, N, above 0'
+    """
+    return ", ".join(filter(None, [key.holds, key.unit, key.within]))
+
+
+def block(table: KeyTable) -> str:
+    """The table as a file may hold it: what must be there, and the other keys as comments.
+
+    >>> from tactometry.experiments.reference.tables import tables
+    >>> print(block(tables()["touch.press"]), end="")
+    [touch]
+    kind = "press"
+    force_n = 1.0
+    hold_s = 0.3
+    timeout_s = 10.0
+    # tolerance = 0.15
+    """
+    keys = [key for key in keys_of(table) if key.example]
+    stated = [key for key in keys if key.required or key.name in table.shown]
+    lines = [f"{key.name} = {key.example}" for key in stated]
+    others = [f"# {key.name} = {key.example}" for key in keys if key not in stated]
+    return "".join(f"{line}\n" for line in [*filter(None, [table.header]), *lines, *others])

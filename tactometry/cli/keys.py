@@ -1,0 +1,114 @@
+"""`tactometry keys`: the keys of a table of a file, as the class that reads it has them."""
+
+from dataclasses import asdict
+from textwrap import fill
+from typing import TYPE_CHECKING, Any, Final
+
+import click
+from click.shell_completion import CompletionItem
+
+from ..config.strict import InvalidKey
+from .output import say, subcommand
+
+if TYPE_CHECKING:
+    from tactometry.experiments.reference.key_table import KeyTable
+    from tactometry.experiments.reference.keys import Key
+
+WIDTH: Final = 80
+"""Of a terminal, which the list of names fits."""
+
+
+class TableName(click.ParamType[str]):
+    """The name of a table."""
+
+    name = "NAME"
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
+        del ctx, param
+        from tactometry.experiments.reference.tables import tables
+
+        return [CompletionItem(name) for name in tables() if name.startswith(incomplete)]
+
+
+@subcommand("keys procedure.staircase")
+@click.argument("name", type=TableName(), required=False)
+def command(name: str | None) -> None:
+    """The keys of a table of a study, bench, scene or map file: type, unit, default, range, meaning, an example.
+
+    NAME is that of a table, as touch.slide, bench.output or map; without it the names are listed.
+    """
+    from tactometry.experiments.reference.tables import find, tables
+
+    if name is None:
+        say(_names(list(tables())), list(tables()))
+        return
+    found = find(name)
+    if len(found) > 1 and found[0].name != name:
+        say("\n".join(table.name for table in found), [table.name for table in found])
+        return
+    say("\n\n".join(map(_text, found)), [_record(table) for table in found])
+
+
+def where_keys_are_told(error: BaseException | None) -> str:
+    """What a refusal of an unknown or missing key ends with: the command that tells those of its table."""
+    while error is not None and not isinstance(error, InvalidKey):
+        error = error.__context__
+    if error is None:
+        return ""
+    from tactometry.experiments.reference.tables import name_at
+
+    name = name_at(error.read_by, str(error).partition(": ")[0])
+    return f" (all keys: tactometry keys {name})" if name else ""
+
+
+def _names(names: list[str]) -> str:
+    """The names by their first word, a line each."""
+    groups: dict[str, list[str]] = {}
+    for name in names:
+        first, _, rest = name.partition(".")
+        groups.setdefault(first, []).append(rest)
+    return "\n".join(_group(first, list(filter(None, rest))) for first, rest in groups.items())
+
+
+def _group(first: str, rest: list[str]) -> str:
+    indent = " " * 12
+    return fill(f"{first:<12}{' '.join(rest)}".rstrip(), WIDTH, subsequent_indent=indent, break_on_hyphens=False)
+
+
+def _record(table: "KeyTable") -> dict[str, Any]:
+    from tactometry.experiments.reference.block import block
+    from tactometry.experiments.reference.keys import keys_of
+
+    keys = [asdict(key) | {"required": key.required} for key in keys_of(table)]
+    return {"name": table.name, "table": table.header, "keys": keys, "example": block(table)}
+
+
+def _text(table: "KeyTable") -> str:
+    """Heading, keys and an example."""
+    from rich.console import Console
+    from rich.table import Column, Table
+
+    from tactometry.experiments.reference.block import block, heading
+    from tactometry.experiments.reference.keys import keys_of
+
+    keys = keys_of(table)
+    columns = (Column("key", overflow="fold", ratio=5), Column("holds", ratio=5), Column("if left out", ratio=3))
+    shown = Table(*columns, Column("meaning", ratio=7), box=None, padding=(0, 1), expand=True)
+    for key in keys:
+        shown.add_row(key.name, _holds(key), key.otherwise or "required", _means(key))
+    console = Console()
+    with console.capture() as capture:
+        console.print(shown, markup=False, highlight=False)
+    lines = [line.rstrip() for line in capture.get().splitlines()]
+    return "\n".join([f"{table.name}: {heading(table)}", "", *lines, "", block(table).rstrip()])
+
+
+def _holds(key: "Key") -> str:
+    from tactometry.experiments.reference.block import holds
+
+    return holds(key).replace("`", "")
+
+
+def _means(key: "Key") -> str:
+    more = f" See: tactometry keys {key.see}" if key.see else ""
+    return f"{key.means}{more}".replace("``", '"').replace("`", "")
