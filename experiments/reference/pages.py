@@ -88,7 +88,7 @@ def _section(alike: list[KeyTable], page: str) -> str:
     rows = [_row(key, alike, page) for key in keys_of(table)]
     head = ["| key | holds | if left out | meaning |", "|---|---|---|---|"]
     lines = [f"### {_names(alike)}", "", f"{place} {summary(table.reader)}{beside}", "", *head, *rows]
-    return "\n".join([*lines, "", "```toml", block(table).rstrip(), "```"])
+    return "\n".join([*lines, "", f"<!-- keys: {table.name} -->", "```toml", block(table).rstrip(), "```"])
 
 
 def _row(key: Key, alike: list[KeyTable], page: str) -> str:

@@ -11,6 +11,7 @@ from page_blocks import Block
 from tactometry.analysis.plan import read_plan
 from tactometry.analysis.reading.column_map import read_column_map
 from tactometry.experiments.bench.bench_file import load_bench
+from tactometry.experiments.reference.tables import tables
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load, parse
 from tactometry.questionnaire import parse as parse_questionnaire
@@ -31,6 +32,11 @@ def read_toml(block: Block) -> None:
     """A block of TOML by what its mark names."""
     if block.mark == "study" and not block.said:
         wire(parse(block.text.encode(), block.place), block.place)
+        return
+    if block.mark == "keys":
+        table = tables()[block.said]
+        values = tomllib.loads(block.text.removeprefix(table.header))
+        table.read({key: value for key, value in values.items() if key != "kind" or not table.kind}, block.place)
         return
     if block.mark == "study":
         content = tomlkit.dumps(over(tomllib.loads(load(block.said)[1].decode()), tomllib.loads(block.text)))

@@ -40,7 +40,9 @@ def run_block(block: Block, names: dict[str, Any]) -> None:
     elif block.language == "python":
         run_python(block, names)
     elif block.language == "toml":
-        assert block.mark in {"study", *READERS}, f"{block.place}: TOML without a comment that says what reads it"
+        assert block.mark in {"study", "keys", *READERS}, (
+            f"{block.place}: TOML without a comment that says what reads it"
+        )
         read_toml(block)
 
 
