@@ -1,4 +1,4 @@
-"""Tables as PsychoPy and jsPsych write them, units, ratio scales, and what is said of a table that is not clear."""
+"""Tables as PsychoPy and jsPsych write them, and what is said of a table that is not clear."""
 
 import json
 import re
@@ -7,20 +7,15 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 
-import numpy as np
 import pytest
 from command_line import call
 from hypothesis import example, given, strategies as st
 from patience import LONGEST_PROGRAM_S
 from places import FOREIGN
 
-from tactometry.analysis.pipeline import analyse
-from tactometry.analysis.reading.column_map import ColumnMap, read_column_map
-from tactometry.analysis.reading.level_scale import on_scale, wide_levels
+from tactometry.analysis.reading.column_map import ColumnMap
 from tactometry.analysis.reading.trials import read_trials, used_rows
-from tactometry.config.quantity import si_unit
-from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.psychometric import PsychometricFunction
+from tactometry.errors import InvalidFile
 
 PSYCHOPY = ColumnMap(
     columns={"level": "contrast", "response": "key_resp.keys", "latency_s": "key_resp.rt"},
@@ -264,151 +259,6 @@ def test_a_forced_choice_has_no_interval_0(tmp_path):
     file.write_text("participant,side,level,task,response,target\nP1,a,1,forced_choice,0,1\n")
     with pytest.raises(InvalidFile, match="found '0', expected the number of an interval, from 1 to 999, or nothing"):
         read_trials(file, within=["side"])
-
-
-# --- units
-
-
-@pytest.mark.parametrize(
-    ("name", "unit", "cell", "value"),
-    [
-        ("latency_s", "ms", "812", 0.812),
-        ("latency_s", "min", "1.5", 90.0),
-        ("level", "mV", "455.2", 0.4552),
-        ("level", "kHz", "2.3", 2300.0),
-        ("force_n", "mN", "250", 0.25),
-        ("speed_mean_m_per_s", "mm/s", "-50", -0.05),
-    ],
-)
-def test_a_column_in_another_unit_comes_to_si(tmp_path, name, unit, cell, value):
-    file = tmp_path / "t.csv"
-    cells = {"participant": "P1", "side": "a", "level": "1", "task": "yes_no", "response": "1"} | {name: cell}
-    file.write_text(f"{','.join(cells)}\n{','.join(cells.values())}\n")
-    found = read_trials(file, within=["side"], column_map=ColumnMap(units={name: unit})).rows
-    assert float(found[name].iloc[0]) == value
-    if name == "level":
-        assert found["level_unit"].tolist() == [si_unit(unit, "")[0]]
-
-
-@pytest.mark.parametrize(
-    ("text", "message"),
-    [
-        ('[units]\nlatency_s = "mV"', "units.latency_s: found 'mV', which is in V, expected a unit of s"),
-        ('[units]\nlevel = "mv"', "units.level: found 'mv', expected a unit such as ms, mV or N; did you mean"),
-        ('level_scale = "log"', "level_scale: found 'log', expected one of linear, log10, db"),
-    ],
-)
-def test_a_map_with_an_impossible_unit_or_scale_is_refused(tmp_path, text, message):
-    (tmp_path / "m.toml").write_text(text)
-    with pytest.raises(InvalidFile, match=re.escape(message)):
-        read_column_map(tmp_path / "m.toml")
-
-
-def test_levels_in_two_units_are_refused(tmp_path):
-    file = tmp_path / "t.csv"
-    file.write_text("participant,side,level,level_unit,task,response\nP1,a,1,dB,yes_no,1\n")
-    with pytest.raises(InvalidFile, match="found the level_unit 'dB', expected 'V', to which units.level brings"):
-        read_trials(file, within=["side"], column_map=ColumnMap(units={"level": "mV"}))
-
-
-# --- scales of ratios
-
-TRUE = PsychometricFunction("weibull", 0.05, 0.1, 0.02, 0.02)
-CONTRASTS = tuple(np.geomspace(0.002, 0.5, 9))
-
-
-def contrasts(path: Path, *, unit: str = "") -> Path:
-    """Yes/no answers at contrasts that span a factor of 250, as many as the function says."""
-    lines = ["participant,side,level,level_unit,task,response,catch"]
-    for level in CONTRASTS:
-        n_yes = round(40 * TRUE.probability(level))
-        lines += [f"P1,a,{level:.17g},{unit},yes_no,{int(n < n_yes)},0" for n in range(40)]
-    lines += [f"P1,a,,{unit},yes_no,{int(n < 1)},1" for n in range(40)]
-    file = path / "c.csv"
-    file.write_text("\n".join(lines) + "\n")
-    return file
-
-
-def test_a_ratio_scale_on_a_linear_axis_is_warned_of(tmp_path, capsys):
-    file = contrasts(tmp_path)
-    status, _, out = call(capsys, "analyse", file, "--within", "side", "--json")
-    (warning,) = [text for text in json.loads(out)["warnings"] if "linear axis" in text]
-    assert status == 0
-    assert warning.startswith("levels from 0.002 to 0.5 span a factor of 250 on a linear axis")
-    assert "--level-scale log10 or db" in warning
-    _, _, out = call(capsys, "analyse", file, "--within", "side", "--json", "--level-scale", "linear")
-    assert "linear axis" not in out
-
-
-def test_levels_in_decibels_or_of_a_small_factor_are_not_warned_of(tmp_path):
-    rows = read_trials(contrasts(tmp_path, unit="dB re 1 V"), within=["side"]).rows
-    assert wide_levels(rows) == []
-    few = read_trials(contrasts(tmp_path), within=["side"]).rows
-    assert wide_levels(few[few["level"].isna() | (few["level"] > 0.03)]) == []
-    assert wide_levels(few.assign(level=few["level"] - 0.01)) == []
-
-
-@pytest.mark.parametrize(("scale", "unit"), [("log10", "log10 V"), ("db", "dB re 1 V")])
-def test_the_threshold_is_that_of_the_logarithm(tmp_path, scale, unit):
-    found = analyse(contrasts(tmp_path, unit="V"), within=["side"], level_scale=scale)
-    table = found.tables["thresholds"]
-    assert set(table["level_unit"]) == {unit}
-    assert set(table["shape"]) == {"gumbel"}
-    factor = {"log10": 1, "db": 20}[scale]
-    true = factor * np.log10(TRUE.threshold)
-    row = table.iloc[0]
-    assert row["interval_low"] < true < row["interval_high"]
-    assert row["interval_high"] - row["interval_low"] < factor * 0.5
-    assert found.warnings == tuple(text for text in found.warnings if "linear axis" not in text)
-
-
-def test_both_logarithms_give_one_threshold(tmp_path):
-    file = contrasts(tmp_path)
-    log10, db = (
-        analyse(file, within=["side"], level_scale=scale).tables["thresholds"]["threshold"].to_numpy(float)
-        for scale in ("log10", "db")
-    )
-    np.testing.assert_allclose(db, 20 * log10, rtol=1e-6)
-
-
-def test_the_map_states_the_scale_and_the_command_may_state_another(tmp_path, capsys):
-    file = contrasts(tmp_path, unit="V")
-    (tmp_path / "m.toml").write_text('level_scale = "db"\n')
-    arguments = ("analyse", file, "--within", "side", "--json", "--columns", tmp_path / "m.toml")
-    _, _, out = call(capsys, *arguments)
-    assert json.loads(out)["level_unit"] == "dB re 1 V"
-    _, _, out = call(capsys, *arguments, "--level-scale", "log10")
-    assert json.loads(out)["level_unit"] == "log10 V"
-
-
-def test_settings_are_put_on_the_scale_and_magnitudes_are_not(tmp_path):
-    file = tmp_path / "t.csv"
-    file.write_text(
-        "participant,side,level,level_unit,task,response\n"
-        "P1,a,1,V,adjustment,10\nP1,a,10,V,magnitude,3\nP1,a,,V,adjustment,\n"
-    )
-    rows = read_trials(file, within=["side"], level_scale="db").rows
-    assert rows["response"].tolist() == ["20.0", "3", ""]
-    assert rows["level_unit"].tolist() == ["dB re 1 V", "V", "dB re 1 V"]
-    assert rows["level"].tolist()[:2] == [0.0, 10.0]
-
-
-@pytest.mark.parametrize("name", ["level", "level_delivered", "standard_level"])
-def test_a_level_without_a_logarithm_is_refused_with_its_row(tmp_path, name):
-    file = tmp_path / "t.csv"
-    file.write_text(f"participant,side,{name},x,task,response\nP1,a,1,1,yes_no,1\nP1,a,0,1,yes_no,1\n")
-    columns = ColumnMap({} if name == "level" else {"level": "x"})
-    with pytest.raises(InvalidFile, match=rf"row 3, column '{name}': found 0.0, expected a level above 0 on a log"):
-        read_trials(file, within=["side"], column_map=columns, level_scale="log10")
-
-
-def test_decibels_have_no_second_logarithm(tmp_path):
-    with pytest.raises(
-        InvalidParameter, match="found log10 for levels in 'dB re 1 V', which are a logarithm, expected"
-    ):
-        read_trials(contrasts(tmp_path, unit="dB re 1 V"), within=["side"], level_scale="log10")
-    with pytest.raises(InvalidParameter, match="--level-scale: found 'log', expected one of linear, log10, db"):
-        on_scale(read_trials(contrasts(tmp_path), within=["side"]).rows, "log")
 
 
 # --- rows that stand twice

@@ -1,0 +1,90 @@
+"""How pages are drawn: within the screen, in high contrast, and as PsychoPy draws them."""
+
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+import screens
+from patience import LONGEST_PROGRAM_S
+from PIL import Image
+from screens import all_pages
+
+from tactometry.rigs.pages import layout
+from tactometry.rigs.pages.page import Text
+from tactometry.rigs.texts import languages
+
+
+@pytest.mark.parametrize("language", languages())
+def test_every_page_is_drawn_within_the_screen_and_in_high_contrast(screen, artefacts, language):
+    """The pictures are kept: look at them."""
+    for name, page in all_pages(language, screen.aspect).items():
+        image = screen.picture(page)
+        image.save(artefacts / f"window_{language}_{name}.png")
+        pixels = np.asarray(image.convert("L"), dtype=int)
+        edge = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]])
+        assert set(edge) == {pixels[0, 0]}, f"{name} touches the edge of the screen"
+        assert pixels.max() - pixels[0, 0] > 100, f"{name} is hardly seen"
+
+
+@pytest.mark.soak  # the other pages and sizes are slow to draw in software
+@pytest.mark.parametrize(("width", "height"), [(1280, 800), (1920, 1080), (3840, 2160)], ids=str)
+def test_every_page_is_drawn_on_screens_of_other_sizes(display, artefacts, width, height):
+    """Each on a display of its own; the pictures are kept: look at them. What is drawn scales with the screen."""
+    command = ["xvfb-run", "-a", "-s", f"-screen 0 {width}x{height}x24", sys.executable, screens.__file__]
+    folder = artefacts / f"{width}x{height}"
+    subprocess.run([*command, str(width), str(height), str(folder)], check=True, timeout=LONGEST_PROGRAM_S)
+    assert {path.stem for path in folder.glob("*.png")} == set(screens.every_page(width / height))
+    for path in folder.glob("*.png"):
+        pixels = np.asarray(Image.open(path).convert("L"), dtype=int)
+        edge = np.concatenate([pixels[0], pixels[-1], pixels[:, 0], pixels[:, -1]])
+        assert set(edge) == {pixels[0, 0]}, f"{path.stem} touches the edge of the screen"
+
+
+def pixels(screen, page):
+    return np.asarray(screen.picture(page))
+
+
+def plainly(canvas, item):
+    """PsychoPy's own stimulus of an item, in its place."""
+    if isinstance(item, Text):
+        return canvas._text(item)
+    look, size = canvas._look(item)
+    shape = canvas._shape(*look)
+    shape.pos, shape.size = (item.x, item.y), size
+    return shape
+
+
+@pytest.mark.parametrize("name", ["en_force_held", "form_nasa-tlx_en", "form_pleasantness-vas_en", "entry"])
+def test_what_is_drawn_from_lists_is_what_psychopy_draws(screen, name):
+    """To the last bit but one of each pixel, as a list is placed in single precision; the texts to the last."""
+    page = screens.every_page(screen.aspect)[name]
+    recorded = pixels(screen, page).astype(int)
+    for item in page.items:
+        plainly(screen._canvas, item).draw()
+    drawn = np.asarray(screen._window._getFrame(buffer="back")).astype(int)
+    screen._window.clearBuffer()
+    assert np.abs(recorded - drawn).max() <= 1
+
+
+def test_a_frame_in_which_something_moves_asks_psychopy_for_nothing(screen, monkeypatch):
+    """Each attribute of a shape costs more than its drawing: forms took 110 ms a frame, and dropped five of six."""
+    marker = layout.marker_page(1, playing=True, words="Press")
+    frames = [
+        layout.track_page(layout.force_page(marker, force, 1.0, 0.2), force - 1, 0.5, 0.0) for force in (0.9, 1.1)
+    ]
+    first = pixels(screen, frames[0])
+    monkeypatch.delattr("psychopy.visual.basevisual.BaseVisualStim.pos")
+    monkeypatch.delattr("psychopy.visual.shape.BaseShapeStim.draw")
+    monkeypatch.delattr("psychopy.visual.shape.ShapeStim.draw")
+    monkeypatch.delattr("psychopy.visual.TextStim.draw")
+    assert not np.array_equal(pixels(screen, frames[1]), first)
+    assert np.array_equal(pixels(screen, frames[0]), first)
+
+
+def test_a_page_looks_the_same_whatever_was_drawn_before(screen):
+    shown = screens.every_page(screen.aspect)
+    names = ["en_force_low", "form_nasa-tlx_en", "en_force_held", "en_scale_marked", "entry", "form_attrakdiff_en"]
+    first = {name: pixels(screen, shown[name]) for name in names}
+    assert all(np.array_equal(pixels(screen, shown[name]), first[name]) for name in reversed(names))
+    assert len({picture.tobytes() for picture in first.values()}) == len(names)
