@@ -1,0 +1,185 @@
+"""A session is killed where it asks about the person, where nobody agrees, and in a rest that time brings: it goes on
+with that page, what was said is on the disk, and nothing is asked twice."""
+
+import os
+import time
+from collections import Counter
+from itertools import cycle
+
+import numpy as np
+import pytest
+from patience import LONGEST_WAIT_S
+from scripted_finger import Eye
+from short_studies import shortened
+from study_texts import changed
+from tables import trial_rows
+from window_sitting import tactometry
+
+from tactometry.experiments.data_sets.replaying import replay_data_set
+from tactometry.experiments.data_sets.validation import validate
+from tactometry.records.journal import read
+from tactometry.rigs.pages.page import PAPER
+from tactometry.session.request import ABOUT, CONSENT, Choose, Record, Show
+
+pytestmark = pytest.mark.slow  # ten starts of a window
+RESTING = {
+    'kind = "yes_no"\ncatch_rate = 0.2': 'kind = "yes_no"\nrest_every_s = "100 ms"\nrest_s = "4 s"',
+    "levels = [22, 40]": "levels = [40]",
+    "repeats = 1": "repeats = 3",  # a rest is due behind the second, and none behind the last
+    'duration_s = "500 ms"': 'duration_s = "100 ms"',
+}
+PERSON = '[inquiries.person]\nform = "demographics"\nafter = "start"\n'
+BENCH = "[screen]\nfullscreen = false\ndry_run = false\n"
+
+
+class Killed:
+    """A session whose process is killed wherever it is left; `hands` answer, `eye` sees what stands on the screen."""
+
+    def __init__(self, folder, study, hands, eye):
+        self._hands, self._eye, self._process = hands, eye, None
+        self.data = folder / "data"
+        (folder / "s.toml").write_text(study, "utf-8")
+        (folder / "bench.toml").write_text(BENCH, "utf-8")
+        bench = ("--bench", folder / "bench.toml")
+        self._command = ("run", folder / "s.toml", "--participant", "P01", "--seed", "7", *bench, "--out", self.data)
+        self.page = np.zeros(0)
+        """What stands on the screen, or stood there when it was killed."""
+
+    def begin(self):
+        """The first page of a session; one that goes on shows the page that it was killed on."""
+        self._run()
+        before, self.page = self.page, self.new_page()
+        assert not before.size or np.array_equal(before, self.page)
+
+    def begin_anywhere(self):
+        """Go on where a page changes by itself."""
+        self._run()
+        self.page = self.new_page()
+
+    def _run(self):
+        self._eye.cover()
+        resumed = ["--resume"] if self.data.exists() else []
+        self._process = tactometry(*self._command, *resumed)
+
+    def kill(self):
+        self._process.kill()
+        self._process.communicate()
+
+    def answer(self, key):
+        """Press a key once: its answer is on the disk, and the next page stands there."""
+        n_before = len(self.requests())
+        self._hands.tap(key)
+        self.until(lambda: len(self.requests()) > n_before)
+        self.page = self.new_page(unlike=self.page)
+
+    def answer_until(self, holds):
+        """Leave pages of words and say yes to questions until something holds."""
+        keys = cycle(("space", "y"))
+        self.until(holds, lambda: self._hands.tap(next(keys)))
+
+    def ended(self):
+        """So, until it ends: status and errors."""
+        self.answer_until(lambda: self._process.poll() is not None)
+        return self._process.returncode, self._process.communicate()[1]
+
+    def requests(self):
+        """What was asked and answered."""
+        files = [path for path in self.data.glob("journals/*.jsonl") if "interruptions" not in path.name]
+        return [request for request, _ in read(files[0]).entries] if files else []
+
+    def until(self, holds, act=lambda: None):
+        deadline_s = time.perf_counter() + LONGEST_WAIT_S
+        while not holds():
+            assert time.perf_counter() < deadline_s
+            assert self._process.poll() is None or holds(), self._process.communicate()
+            act()
+            time.sleep(0.1)
+
+    def new_page(self, unlike=None):
+        """The next picture that has something on it, and stays."""
+        paper, seen = np.array(tuple(bytes.fromhex(PAPER[1:]))), []
+
+        def stands():
+            seen.append(self._eye.picture())
+            steady = len(seen) > 1 and np.array_equal(seen[-1], seen.pop(0))
+            says = seen[-1].any() and (seen[-1] != paper).any()
+            return steady and says and (unlike is None or not np.array_equal(seen[-1], unlike))
+
+        self.until(stands)
+        return seen[-1]
+
+
+@pytest.fixture
+def session(display, tmp_path):
+    eye, made = Eye(os.environ["DISPLAY"]), []
+
+    def make(study):
+        made.append(Killed(tmp_path, study, display, eye))
+        return made[-1]
+
+    yield make
+    for each in made:
+        each.kill()
+    eye.close()
+
+
+def messages(killed):
+    return [request.message for request in killed.requests() if isinstance(request, Show)]
+
+
+def n_trials(killed):
+    return sum(isinstance(each, Record) and not each.trial.item for each in killed.requests())
+
+
+def is_sound(data):
+    return validate(data).defects == () and [session.complete for session in replay_data_set(data)] == [True]
+
+
+def on_each_page(killed, *keys):
+    """Answer one page in each sitting, which is killed on the next one."""
+    for key in keys:
+        killed.begin()
+        killed.answer(key)
+        killed.kill()
+
+
+def test_each_question_about_a_person_and_each_rest_that_time_brings_is_put_once(session):
+    killed = session(f"{changed(shortened('tutorial'), RESTING)}\n{PERSON}")
+    on_each_page(killed, "space", "space", "3", "2", "1")  # welcome, the page before the questions, the questions
+    killed.begin()
+    killed.answer_until(lambda: n_trials(killed) == 2)
+    killed.kill()
+    assert "resting" not in messages(killed)  # in the middle of its seconds
+    killed.begin_anywhere()
+    killed.until(lambda: "resting" in messages(killed))
+    killed.page = killed.new_page()
+    killed.kill()
+    killed.begin()
+    assert killed.ended() == (0, "")
+    rows = trial_rows(killed.data)
+    assert [(row["item"], row["response"]) for row in rows if row["item"]] == [
+        ("age_band", "3"),
+        ("handedness", "2"),
+        ("gender", "1"),
+    ]
+    assert [row["response"] for row in rows if not row["item"]] == ["1"] * 3
+    asked = Counter(request.question for request in killed.requests() if isinstance(request, Choose))
+    assert {name: n for name, n in asked.items() if name.startswith(ABOUT)} == {
+        f"{ABOUT}demographics.{item}": 1 for item in ("age_band", "handedness", "gender")
+    }
+    assert max(Counter(messages(killed)).values()) == 1
+    assert is_sound(killed.data)
+
+
+def test_who_does_not_agree_is_not_asked_again(session):
+    """Killed on the page of thanks, which comes again."""
+    killed = session(f"consent = true\n{shortened('tutorial')}")
+    killed.begin()
+    for key in ("space", "space", "0"):
+        killed.answer(key)
+    killed.kill()
+    killed.begin()
+    assert killed.ended() == (1, "")  # no block came to its end
+    told = [request.question if isinstance(request, Choose) else request.message for request in killed.requests()]
+    assert told == ["welcome", "consent", CONSENT, "declined"]
+    assert is_sound(killed.data)
