@@ -14,7 +14,7 @@ PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist lo
 export PYTHONDONTWRITEBYTECODE :=
 INSTALL := $(PIP) install --quiet --constraint constraints.txt
 
-EXTRAS := window,audio,serial,lsl,ni,watch,cluster,hdf5,film,docs,dev
+EXTRAS := window,audio,serial,lsl,ni,watch,power,cluster,hdf5,film,docs,dev
 SYSTEM_PACKAGES := xvfb xauth libgl1 libglu1-mesa libfontconfig1 libportaudio2 pulseaudio pulseaudio-utils libasound2-plugins
 PLATFORMS := x86_64-manylinux_2_36 aarch64-apple-darwin x86_64-apple-darwin x86_64-pc-windows-msvc
 PYTHONS := 3.11 3.12

@@ -27,30 +27,18 @@ def plain_numbers(text: "pd.Series[str]") -> Array | None:
     >>> plain_numbers(pd.Series(["1.5", "loud"])) is None
     True
     """
-    import pyarrow as pa  # type: ignore[import-untyped,unused-ignore]
-    import pyarrow.compute as pc  # type: ignore[import-untyped,unused-ignore]
-
+    words = text.to_numpy(dtype=object)
     try:
-        words = pa.array(text, type=pa.string())
-        known = pc.if_else(pc.equal(words, ""), None, words)
-        numbers = pc.cast(known, pa.float64())
-    except (pa.ArrowInvalid, pa.ArrowTypeError, pa.ArrowNotImplementedError):
+        # numpy reads "1_000" as a number, as Python does; a table means a word by it.
+        return None if "_" in "".join(words) else np.where(words == "", "nan", words).astype(np.float64)
+    except (TypeError, ValueError):
         return None
-    values = numbers.to_numpy(zero_copy_only=False) if isinstance(numbers, pa.Array) else numbers.to_numpy()
-    return np.array(values, dtype=np.float64)  # a copy: arrow's own memory may not be written to
 
 
 def _numbers_of_words(text: "pd.Series[str]") -> Array:
-    """Each different text is read once."""
+    """Each different text is read once, and what is none is NaN."""
     codes, different = pd.factorize(text)
-    words = [word or "nan" for word in different.tolist()]
-    # numpy reads "1_000" as a number, as Python does; a table means a word by it.
-    try:
-        numbers = np.array(words, dtype=np.float64) if not any("_" in word for word in words) else None
-    except ValueError:
-        numbers = None
-    if numbers is None:
-        numbers = np.asarray(pd.to_numeric(pd.Series(words), errors="coerce"), dtype=np.float64)
+    numbers = np.asarray(pd.to_numeric(pd.Series(different), errors="coerce"), dtype=np.float64)
     return numbers[codes]
 
 

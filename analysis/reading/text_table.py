@@ -9,12 +9,15 @@ import json
 from collections.abc import Iterator
 from pathlib import Path
 
+import numpy as np
 import pandas as pd
 
 from tactometry.errors import InvalidFile
 from tactometry.files.durable import read_file
 from tactometry.trials.row_rules import MOST_COLUMNS
 
+TEXT = pd.StringDtype("python", na_value=np.nan)
+"""Of a cell: the same whether pyarrow is installed or not, without which `str` is this."""
 LAST_LINE = "end"
 """Put behind a table that may hold quotation marks."""
 
@@ -75,7 +78,7 @@ def json_cells(text: str, file: Path) -> pd.DataFrame:
         raise InvalidFile(f"{file}: found no list of objects, expected one for each trial, as jsPsych saves them")
     names = list(dict.fromkeys(name.strip() for trial in trials for name in trial))
     cells = [{name.strip(): _json_text(value) for name, value in trial.items()} for trial in trials]
-    table = pd.DataFrame([[row.get(name, "") for name in names] for row in cells], columns=names, dtype=str)
+    table = pd.DataFrame([[row.get(name, "") for name in names] for row in cells], columns=names, dtype=TEXT)
     return table.assign(row=range(1, len(trials) + 1))
 
 
@@ -107,40 +110,34 @@ def _expect_commas(header: str, separator: str, file: Path) -> None:
 
 
 def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
-    """All cells as text, the header too, read by pyarrow; None if there is a quotation mark, blank line or row of
-    another length: the slower reader says then what is wrong.
+    """All cells as text, the header too, read by pandas' parser in C; None if there is a quotation mark, blank line or
+    row of another length: the slower reader says then what is wrong.
 
     >>> plain_cells("a,b" + chr(10) + "1,2", ",").values.tolist()
     [['a', 'b'], ['1', '2']]
     >>> plain_cells("a,b" + chr(10) + "1", ",") is None
     True
     """
-    import pyarrow as pa  # type: ignore[import-untyped,unused-ignore]
-    from pyarrow import csv as arrow
-
     whole = text.rstrip("\r\n")
     has_blank_line = "\n\n" in whole or "\r\n\r" in whole or whole.startswith(("\n", "\r"))
-    if not whole or '"' in whole or has_blank_line:
+    if not whole or '"' in whole or has_blank_line or whole.count("\r") != whole.count("\r\n"):
         return None
-    header = whole.partition("\n")[0]
-    # Numbers for names: those of the header may be missing or stand twice, which is refused later, in words.
-    names = [str(place) for place in range(header.count(separator) + 1)]
-    if len(names) < 2 or whole.count("\r") != whole.count("\r\n"):
+    in_header, rows = whole.partition("\n")[0].count(separator), whole.count("\n") + 1
+    # The parser refuses a longer row and fills a shorter one: without the former there is none of the latter.
+    if in_header == 0 or whole.count(separator) != in_header * rows:
         return None
     try:
-        table = arrow.read_csv(
-            pa.py_buffer(whole.encode()),
-            read_options=arrow.ReadOptions(column_names=names),
-            parse_options=arrow.ParseOptions(delimiter=separator, quote_char=False),
-            # Cells as they stand: "NA" is a word, whose meaning a column map says.
-            convert_options=arrow.ConvertOptions(
-                column_types=dict.fromkeys(names, pa.string()), strings_can_be_null=False, check_utf8=False
-            ),
+        return pd.read_csv(
+            io.StringIO(whole),
+            sep=separator,
+            header=None,
+            dtype=TEXT,
+            na_filter=False,  # "NA" is a word, whose meaning a column map says
+            quoting=csv.QUOTE_NONE,
+            skip_blank_lines=False,
         )
-    except pa.ArrowInvalid:
+    except pd.errors.ParserError:
         return None
-    cells: pd.DataFrame = table.to_pandas()
-    return cells.set_axis(range(len(names)), axis=1)
 
 
 def _any_cells(text: str, separator: str, file: Path) -> pd.DataFrame:
@@ -158,7 +155,7 @@ def _any_cells(text: str, separator: str, file: Path) -> pd.DataFrame:
     for row, cells in enumerate(rows, start=1):
         if len(cells) not in (0, n_columns):
             raise InvalidFile(f"{file}, row {row}: found {len(cells)} cells, expected {n_columns} as in the header")
-    return pd.DataFrame([cells or [""] * n_columns for cells in rows], dtype=str)
+    return pd.DataFrame([cells or [""] * n_columns for cells in rows], dtype=TEXT)
 
 
 def _text(file: Path) -> str:

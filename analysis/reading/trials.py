@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from pandas.api.types import is_numeric_dtype
 
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidFile, count_of, nearest
@@ -371,6 +372,8 @@ def _factors(header: Sequence[str], within: Sequence[str] | None, path: Path) ->
 
 def _is_filled(column: "pd.Series[Any]") -> bool:
     """Whether any cell holds a value; of a factor whose levels a trial compares none does."""
+    if is_numeric_dtype(column):
+        return column.empty or bool(column.notna().any())
     return column.empty or bool((column.notna() & (column.astype(str) != "")).any())
 
 

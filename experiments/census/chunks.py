@@ -8,30 +8,26 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Final
 
-import pyarrow as pa
-from pyarrow import parquet
-
 from tactometry.arguments.require import whole
 from tactometry.files.asked import prepare
 from tactometry.files.durable import make_folder, write_atomically
 from tactometry.protocols.batch.answers import LevelTable
 from tactometry.protocols.procedures.procedure import Rule
 
+from ..parquet import arrow
 from ..workers import Spread, here
 from .batches import BATCH, FittedTracks, Respondents, fitted_tracks
 
 TRACKS = "tracks"
-SCHEMA: Final = pa.schema(
-    [
-        ("true_threshold", pa.float64()),
-        ("ending", pa.int8()),
-        ("threshold", pa.float64()),
-        ("standard_error", pa.float64()),
-        ("width", pa.float64()),
-        ("regular", pa.bool_()),
-    ],
-    metadata={"simulated": "true"},
-)
+COLUMNS: Final = {
+    "true_threshold": "float64",
+    "ending": "int8",
+    "threshold": "float64",
+    "standard_error": "float64",
+    "width": "float64",
+    "regular": "bool_",
+}
+"""Of the tables, with their types in Arrow."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,7 +95,10 @@ def write_tracks(run: TrackRun, root: Path, *, resume: bool = False, spread: Spr
     ------
     InvalidFile
         If the folder holds this run already and `resume` is not given, or another one.
+    DeviceFailed
+        Without pyarrow (an extra: power).
     """
+    arrow("tracks")
     prepare(root, run.asked, "run of tracks", resume=resume)
     make_folder(root / TRACKS)
     paths = [root / TRACKS / f"{part.start:06d}-{part.stop - 1:06d}.parquet" for part in run.chunks]
@@ -113,16 +112,17 @@ def write_chunk(job: tuple[TrackRun, range, Path]) -> Path:
     """One file, whole or not at all; a batch of it at a time is in memory."""
     run, part, path = job
     content = io.BytesIO()
-    with parquet.ParquetWriter(content, SCHEMA) as file:
+    pa = arrow("tracks")
+    schema = pa.schema([(name, getattr(pa, kind)()) for name, kind in COLUMNS.items()], {"simulated": "true"})
+    with pa.parquet.ParquetWriter(content, schema) as file:
         for made in fitted_tracks(
             run.rule, run.respondents, part, run.seed, n_trials=run.n_trials, table=run.table, size=run.size
         ):
-            file.write_batch(_rows(made))
+            file.write_batch(pa.RecordBatch.from_arrays([pa.array(each) for each in _columns(made)], schema=schema))
     write_atomically(path, content.getvalue())
     return path
 
 
-def _rows(made: FittedTracks) -> pa.RecordBatch:
+def _columns(made: FittedTracks) -> tuple[Any, ...]:
     modes = made.modes
-    columns = made.thresholds, made.endings, modes.thresholds, modes.standard_errors, modes.widths, modes.regular
-    return pa.RecordBatch.from_arrays([pa.array(each) for each in columns], schema=SCHEMA)
+    return made.thresholds, made.endings, modes.thresholds, modes.standard_errors, modes.widths, modes.regular

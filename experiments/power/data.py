@@ -5,17 +5,16 @@ from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 
-import pyarrow as pa
-from pyarrow import parquet
-
 from tactometry.analysis.reading.trials import Trials
 from tactometry.files.durable import write_atomically
 
+from ..parquet import arrow
 from ..workers import Spread
 from .design import Case, PowerDesign
 from .replicate import Row, studied
 from .sampling import Batch
 
+PLACE = "power --out"
 DATA = "data"
 MARK = {b"simulated": b"true"}
 OF_FILES = ["row", "source"]
@@ -41,7 +40,8 @@ def _with_content(design: PowerDesign, case: Case, number: int) -> tuple[tuple[R
 
 
 def _content(trials: Trials) -> bytes:
+    pa = arrow(PLACE)
     table = pa.Table.from_pandas(trials.rows.drop(columns=OF_FILES), preserve_index=False)
     content = io.BytesIO()
-    parquet.write_table(table.replace_schema_metadata({**(table.schema.metadata or {}), **MARK}), content)
+    pa.parquet.write_table(table.replace_schema_metadata({**(table.schema.metadata or {}), **MARK}), content)
     return content.getvalue()

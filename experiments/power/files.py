@@ -6,26 +6,22 @@ from dataclasses import asdict, dataclass, fields
 from pathlib import Path
 from typing import Any, Final
 
-import pyarrow as pa
-from pyarrow import parquet
-
 from tactometry.errors import InvalidFile
 from tactometry.files.asked import prepare
 from tactometry.files.durable import make_folder, read_file, write_atomically
 from tactometry.files.rows import write_records
 from tactometry.provenance import sha256
 
+from ..parquet import arrow
 from ..workers import Spread
-from .data import DATA, MARK, paths_of, simulated_and_kept
+from .data import DATA, MARK, PLACE, paths_of, simulated_and_kept
 from .design import PowerDesign
 from .replicate import Row
 from .sampling import Batch, simulated
 from .summary import PowerEstimate
 
 STUDY, STUDIES, TABLE = "study.toml", "studies", "power.csv"
-_TYPES: Final = {int: pa.int64(), bool: pa.bool_(), float: pa.float64(), float | None: pa.float64()}
-_COLUMNS: Final = [(field.name, _TYPES[field.type]) for field in fields(Row)]  # type: ignore[index]
-SCHEMA: Final = pa.schema(_COLUMNS, metadata=MARK)
+_TYPES: Final = {int: "int64", bool: "bool_", float: "float64", float | None: "float64"}
 
 
 def asked(design: PowerDesign) -> dict[str, Any]:
@@ -62,7 +58,10 @@ class Folder:
         ------
         InvalidFile
             If it holds a power analysis already and `resume` is not given, or another one.
+        DeviceFailed
+            Without pyarrow (an extra: power).
         """
+        arrow(PLACE)
         prepare(root, asked(design), "power analysis", resume=resume)
         make_folder(root / STUDIES)
         if keeps_data:
@@ -89,8 +88,9 @@ class Folder:
         if lacks_data or not path.exists():
             return None
         content = read_file(path, "a table of simulated studies")
+        pa = arrow(PLACE)
         try:
-            rows = parquet.read_table(io.BytesIO(content), schema=SCHEMA).to_pylist()
+            rows = pa.parquet.read_table(io.BytesIO(content), schema=_schema(pa)).to_pylist()
             return tuple(Row(**row) for row in rows)
         except (pa.ArrowException, TypeError, KeyError, OSError) as damage:
             reason = " ".join(str(damage).split())
@@ -101,7 +101,8 @@ class Folder:
     def keep(self, batch: Batch, rows: Sequence[Row]) -> None:
         """Write a batch, whole or not at all; the same rows give the same bytes."""
         content = io.BytesIO()
-        parquet.write_table(pa.Table.from_pylist([asdict(row) for row in rows], schema=SCHEMA), content)
+        pa = arrow(PLACE)
+        pa.parquet.write_table(pa.Table.from_pylist([asdict(row) for row in rows], schema=_schema(pa)), content)
         write_atomically(self._path(batch), content.getvalue())
 
     def write_table(self, points: Sequence[PowerEstimate]) -> None:
@@ -109,3 +110,8 @@ class Folder:
 
     def _path(self, batch: Batch) -> Path:
         return self.root / STUDIES / f"{batch.name}.parquet"
+
+
+def _schema(pa: Any) -> Any:
+    kinds = [(field.name, _TYPES[field.type]) for field in fields(Row)]  # type: ignore[index]
+    return pa.schema([(name, getattr(pa, kind)()) for name, kind in kinds], MARK)

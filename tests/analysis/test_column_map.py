@@ -272,6 +272,16 @@ def test_the_fast_reader_leaves_what_is_not_plain(text) -> None:
     assert plain_cells(text, ",") is None
 
 
+@given(st.lists(st.lists(st.sampled_from(["", "1", "NA", " x"]), min_size=1, max_size=4), min_size=1, max_size=5))
+def test_the_fast_reader_takes_what_is_as_long_as_its_header_and_nothing_else(rows) -> None:
+    text = "\n".join(",".join(row) for row in rows)
+    found = plain_cells(text, ",")
+    whole = text.rstrip("\n").split("\n")
+    expected = [line.split(",") for line in whole]
+    is_plain = all(len(row) == len(expected[0]) > 1 for row in expected)
+    assert (None if found is None else found.to_numpy().tolist()) == (expected if is_plain else None)
+
+
 def test_a_quoted_line_break_keeps_its_row_together(tmp_path) -> None:
     file = tmp_path / "q.csv"
     file.write_text('participant,level,task,response,remark\nP1,1,yes_no,1,"a\nb"\nP1,2,yes_no,0,c\n')

@@ -52,6 +52,14 @@ def alone(tmp_path_factory):
     return files(root)
 
 
+def test_without_the_library_of_its_files_a_folder_is_not_begun(capsys, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    code, said, _ = call(capsys, *ASKED, "--out", tmp_path / "p")
+    assert code == 3
+    assert re.search(r"power --out: found no pyarrow \(.*\), .*; pip install 'tactometry\[power\]'$", said)
+    assert not (tmp_path / "p").exists()
+
+
 REFUSALS = {
     "no factor of that name": (["--effect", "voltage: 2 dB"], "expected a factor of the study (frequency_hz)"),
     "no unit": (["--effect", "frequency_hz: 2"], "a number without a unit"),

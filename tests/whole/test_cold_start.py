@@ -1,4 +1,4 @@
-"""What a command does not load, in a fresh process. How long one takes is measured in benchmarks/cold_start.py."""
+"""What a command loads, in a fresh process. How long one takes is measured in benchmarks/cold_start.py."""
 
 import json
 import subprocess
@@ -7,44 +7,75 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from core_only import Missing, core_requirements, needed
 from scipy.signal.windows import blackmanharris
 
 from tactometry.stimuli.electrovibration.skin.stack import _zero
 from tactometry.stimuli.perception.detection import blackman_harris
 
-DRAWING_AND_TABLES = {"matplotlib", "pandas", "statsmodels", "pingouin"}
-EDITOR = "tomlkit"
-"""Edits a file: `calibrate --write` needs it, and a study that names a form by its file."""
 RECORDED = str(Path(__file__).parents[1] / "recorded" / "electrovibration-threshold")
+SESSION = ("run", "tutorial", "--participant", "P01", "--rig", "simulated", "--out", "made")
 DRY_RUN = ("run", "electrovibration-threshold", "--participant", "P01", "--dry-run")
 SIMULATE = ("simulate", "tutorial", "--participants", "1", "--seed", "1", "--out", "made")
-NEVER = {
-    ("--help",): {*DRAWING_AND_TABLES, EDITOR, "numba", "scipy", "numpy"},
-    ("calibrate", "--help"): {EDITOR},
-    ("studies",): {*DRAWING_AND_TABLES, "numba", "scipy"},
-    ("scene", "electrovibration-panel"): {*DRAWING_AND_TABLES, "numba", "scipy"},
-    ("scene", "a4-screen"): {*DRAWING_AND_TABLES, "numba", "scipy"},
-    ("validate", RECORDED): {*DRAWING_AND_TABLES, "numba", "scipy"},
-    ("replay", RECORDED): {*DRAWING_AND_TABLES, "numba", "scipy"},
-    DRY_RUN: {*DRAWING_AND_TABLES, EDITOR, "scipy.signal", "scipy.optimize", "scipy.stats", "scipy.special"},
-    SIMULATE: {*DRAWING_AND_TABLES, EDITOR, "numba", "scipy.linalg"},
+STUDY = {"click", "msgspec", "numpy"}
+RECORDS = STUDY | {"portalocker"}
+TABLES = STUDY | {"scipy", "pandas", "python-dateutil"}
+LOADS = {
+    ("--help",): {"click"},
+    ("calibrate", "--help"): STUDY,
+    ("studies",): STUDY,
+    ("scene", "electrovibration-panel"): STUDY,
+    ("scene", "a4-screen"): STUDY,
+    ("validate", RECORDED): STUDY,
+    ("replay", RECORDED): RECORDS,
+    SESSION: RECORDS,
+    SIMULATE: RECORDS,
+    DRY_RUN: RECORDS | {"numba", "llvmlite", "scipy"},
+    ("analyse", RECORDED): TABLES | {"rich"},
 }
-ASK = """
-import json, sys
-from tactometry.cli import main
-sys.argv[1:] = json.loads(sys.argv[1])
-try:
-    main()
-finally:
-    print(json.dumps(list(sys.modules)), file=sys.stderr)
-"""
+"""All distributions that a command loads."""
+NEVER = {DRY_RUN: {"scipy.signal", "scipy.optimize", "scipy.stats", "scipy.special"}}
+DRAWING = {"matplotlib", "cycler", "fonttools", "kiwisolver", "packaging", "pillow", "pyparsing"}
+REPORT = TABLES | DRAWING | {"rich", "jinja2", "markupsafe"}
+CORE_ONLY = Path(__file__).parents[1] / "support" / "core_only.py"
 
 
-@pytest.mark.parametrize("command", NEVER, ids=lambda command: f"{command[0]} {Path(command[-1]).name}")
-def test_a_command_does_not_load(command: tuple[str, ...], tmp_path: Path) -> None:
-    asked = [sys.executable, "-c", ASK, json.dumps(command)]
-    done = subprocess.run(asked, capture_output=True, text=True, check=True, cwd=tmp_path)
-    assert not NEVER[command] & set(json.loads(done.stderr.splitlines()[-1]))
+def loaded(command: tuple[str, ...], folder: Path) -> tuple[set[str], set[str]]:
+    """The distributions and the modules that a command loads where the core alone is installed."""
+    asked = [sys.executable, CORE_ONLY, json.dumps(command)]
+    done = subprocess.run(asked, capture_output=True, text=True, check=False, cwd=folder)
+    assert done.returncode == 0, done.stderr[-2000:]
+    distributions, modules = json.loads(done.stderr.splitlines()[-1])
+    return set(distributions), set(modules)
+
+
+@pytest.mark.parametrize("command", LOADS, ids=lambda command: f"{command[0]} {Path(command[-1]).name}")
+def test_a_command_runs_with_the_core_alone_and_loads_no_more_than(command: tuple[str, ...], tmp_path: Path) -> None:
+    distributions, modules = loaded(command, tmp_path)
+    assert distributions == LOADS[command]
+    assert not NEVER.get(command, set()) & modules
+
+
+@pytest.mark.slow
+def test_a_report_of_the_core_alone_holds_the_numbers_of_an_environment_with_all_extras(tmp_path: Path) -> None:
+    """pandas keeps texts in another way where pyarrow is installed."""
+    distributions, _ = loaded(("analyse", RECORDED, "--report", "core.html"), tmp_path)
+    assert distributions == REPORT
+    analyse = [sys.executable, "-m", "tactometry", "analyse", RECORDED, "--report", "all.html"]
+    subprocess.run(analyse, capture_output=True, check=True, cwd=tmp_path)
+    tables = {path.name: path.read_bytes() for path in (tmp_path / "core_tables").iterdir()}
+    assert len(tables) > 5
+    assert tables == {path.name: path.read_bytes() for path in (tmp_path / "all_tables").iterdir()}
+
+
+def test_where_the_core_alone_is_installed_nothing_else_can_be_loaded() -> None:
+    needs = needed(core_requirements())
+    assert {"numpy", "llvmlite", "python-dateutil"} < needs
+    assert not {"pyarrow", "pingouin", "statsmodels", "scikit-learn", "xarray", "psychopy"} & needs
+    missing = Missing(frozenset({"numpy"}))
+    assert missing.find_spec("numpy.linalg") is None
+    with pytest.raises(ModuleNotFoundError, match="pyarrow"):
+        missing.find_spec("pyarrow")
 
 
 @pytest.mark.parametrize("n", [4, 5, 37079])

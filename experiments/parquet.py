@@ -1,0 +1,22 @@
+"""Tables in Parquet files by pyarrow: an extra, as nothing else needs its 170 MB."""
+
+from typing import Any
+
+from tactometry.errors import library_needed
+
+
+def arrow(where: str) -> Any:
+    """pyarrow, with `parquet`.
+
+    Raises
+    ------
+    DeviceFailed
+        If it is not installed; `where` begins the sentence.
+    """
+    with library_needed(f"{where}: found no pyarrow ({{error}}), expected it for Parquet files; {INSTALL}"):
+        import pyarrow
+        import pyarrow.parquet
+    return pyarrow
+
+
+INSTALL = "pip install 'tactometry[power]'"
