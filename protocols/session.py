@@ -180,8 +180,8 @@ def session(
     begun: Done = yield Show("welcome", {"n_blocks": len(parts)})
     wanted += begun.interventions
     yield from between_blocks(begun.interventions)
-    if consent and not (yield from _agreed()):
-        yield Show("declined")
+    if consent and (yield from _declined(wanted)):
+        yield from between_blocks((yield from heard([Show("declined")])))
         return tuple(replace(track, begun=False) for part in parts for track in part.tracks)
     tracks: list[Track] = []
     trial = 1
@@ -210,11 +210,17 @@ def session(
     return tuple(tracks)
 
 
-def _agreed() -> Course[bool]:
-    """Whether the participant wants to take part, whose answer stands in the journal alone."""
-    yield from between_blocks((yield from heard([Show("consent")])))
+def _declined(wanted: list[Intervention]) -> Course[bool]:
+    """Whether the participant does not want to take part, whose answer stands in the journal alone; nobody is asked in
+    a session that is to end. What the experimenter wants meanwhile is added to `wanted`."""
+    if not _ends(wanted):
+        said = yield from heard([Show("consent")])
+        yield from between_blocks(said)
+        wanted += said
+    if _ends(wanted):
+        return False
     chosen: Chosen = yield Choose(CONSENT, (0, 1), ("no", "yes"))
-    return chosen.option == 1
+    return chosen.option == 0
 
 
 def _ends(wanted: Sequence[Intervention]) -> bool:

@@ -203,6 +203,19 @@ def test_a_trial_before_the_skip_is_taken_back_without_opening_the_block():
     assert said[1] == f"trial {trials[3].trial} does not count, and is not asked again: its block is over"
 
 
+def asking_first():
+    """A session that asks for consent."""
+    return session([catalogue.interleaved("random")], np.random.default_rng(1), consent=True)
+
+
+@pytest.mark.parametrize("page", ["welcome", "consent"])
+def test_a_session_that_is_to_end_before_its_first_block_asks_nothing_more(page):
+    tracks, trials, said, pages = lived(asking_first, {page: "end"})
+    assert (said, trials) == (["the session ends"], ())
+    assert pages == [*dict.fromkeys(("welcome", page)), "end"]
+    assert {track.ending for track in tracks} == {"not begun"}
+
+
 def test_what_does_not_count_anyway_is_told():
     _, trials, said, _ = lived(block_of("constant_stimuli"), {3: "back, back"})
     assert said[1] == f"trial {trials[2].trial} does not count anyway"
