@@ -3,8 +3,6 @@
 import json
 import re
 import shutil
-import subprocess
-import sys
 from pathlib import Path
 
 import analysis_data
@@ -12,6 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from click.testing import CliRunner
+from command_line import refused
 from places import SHARED
 
 from tactometry.analysis.anova.group_means import group_table
@@ -245,17 +244,11 @@ def test_the_terminal_shows_table_and_sentence(found) -> None:
     assert "generalised eta squared" in " ".join(text.split())
 
 
-def test_the_command_ends_with_one_sentence_and_status_two(tmp_path) -> None:
+def test_the_command_ends_with_one_sentence_and_status_two(tmp_path, capsys) -> None:
     bad = tmp_path / "bad.csv"
     bad.write_text("participant,level\nP01,1\n")
-    done = subprocess.run(
-        [sys.executable, "-c", "from tactometry.cli import main; main()", "analyse", str(bad)],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 2
-    assert done.stderr == f"tactometry: {bad}: found no column 'task'; name it with a column map (--columns)\n"
+    said = f"tactometry: {bad}: found no column 'task'; name it with a column map (--columns)"
+    assert refused(capsys, "analyse", bad) == said
 
 
 def test_refuses_a_report_that_is_no_page_or_cannot_be_written(study, found, tmp_path) -> None:

@@ -38,7 +38,7 @@ def test_signal_detection_says_yes_as_its_formula(level_db):
     assert is_rate(sum(DETECTS.detect(level_db, rng) for _ in range(N)), p)
 
 
-@pytest.mark.parametrize("m", [2, 3])
+@pytest.mark.parametrize("m", [pytest.param(2, marks=pytest.mark.slow), 3])
 def test_signal_detection_chooses_as_its_formula(m):
     rng, levels = np.random.default_rng(), [NOTHING] * (m - 1) + [-2.0]
     p = 0.96 * right_of(m, DETECTS.d_prime(-2.0)) + 0.04 / m
@@ -55,7 +55,7 @@ def test_a_psychometric_observer_says_yes_as_it_is_stated(shape, above):
     assert is_rate(sum(observer.detect(felt_db, rng) for _ in range(N)), p)
 
 
-@pytest.mark.parametrize("m", [2, 4])
+@pytest.mark.parametrize("m", [pytest.param(2, marks=pytest.mark.slow), 4])
 def test_a_psychometric_observer_chooses_as_it_is_stated(m):
     rng, levels = np.random.default_rng(), [NOTHING] * (m - 1) + [1.0]
     p = float(PsychometricFunction("normal", 0.0, 8.0, 1 / m, 0.03).probability(1.0))

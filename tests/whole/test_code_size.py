@@ -4,6 +4,7 @@ import ast
 import statistics
 from collections import defaultdict
 from collections.abc import Iterator
+from functools import cache
 
 from source_tree import name_of, parsed, sources
 
@@ -36,10 +37,13 @@ def positional(function: ast.FunctionDef) -> int:
     return len(names) - (names[:1] in (["self"], ["cls"]))
 
 
-def sizes() -> Iterator[tuple[str, int]]:
-    for path in sources():
-        for name, size in code_sizes(parsed(path), path.read_text(encoding="utf-8")):
-            yield f"{name_of(path)}: {name}", size
+@cache
+def sizes() -> list[tuple[str, int]]:
+    return [
+        (f"{name_of(path)}: {name}", size)
+        for path in sources()
+        for name, size in code_sizes(parsed(path), path.read_text(encoding="utf-8"))
+    ]
 
 
 def names_in_two_modules(trees: dict[str, ast.Module]) -> dict[str, list[str]]:
