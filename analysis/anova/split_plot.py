@@ -188,17 +188,17 @@ def _welch_test(first: Array, second: Array, interval: float) -> dict[str, objec
         return counts | dict.fromkeys(_TESTED) | {"status": "zero_error"}
     welch, student = (ttest_ind(second, first, equal_var=alike) for alike in (False, True))
     ends = welch.confidence_interval(interval)
-    g = hedges_g(first, second)
+    g = hedges_effect(first, second)
     bayes = bayes_factor(float(student.statistic), len(second), len(first))
     tested = (ends.low * size, ends.high * size, welch.statistic, welch.df, welch.pvalue, g, bayes)
     return counts | dict(zip(_TESTED, map(float, tested), strict=True)) | {"status": "ok"}
 
 
-def hedges_g(first: Array, second: Array) -> float:
+def hedges_effect(first: Array, second: Array) -> float:
     """Difference of the means (second less first) over the pooled standard deviation, less its bias (Hedges 1981,
     Journal of Educational Statistics 6, 107-128, eq. 7).
 
-    >>> round(hedges_g(np.array([1.0, 2, 3]), np.array([2.0, 3, 5])), 3)
+    >>> round(hedges_effect(np.array([1.0, 2, 3]), np.array([2.0, 3, 5])), 3)
     0.826
     """
     df = len(first) + len(second) - 2

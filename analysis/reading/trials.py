@@ -5,7 +5,7 @@ Every refusal is one sentence with the file, the row (the header is row 1) and t
 
 import json
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,6 @@ from pandas.api.types import is_numeric_dtype
 
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidFile, count_of, nearest
-from tactometry.files.durable import files_in
 from tactometry.records.data_set import keys_of
 from tactometry.records.head import ADDED
 from tactometry.trials.cell_rules import PARTICIPANT, CellRule
@@ -40,15 +39,10 @@ from .rows import (
     with_rows,
 )
 from .text_table import text_cells
+from .trial_files import FOREIGN_FILES, OWN_FILES, trial_files
 
 REQUIRED = ("participant", "level", "task", "response")
 CURVED = tasks_with_level("curve")
-OWN_FILES = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
-"""Where trials stand in a data set: our own, then BIDS."""
-FOREIGN_FILES = ("*.csv", "*.tsv", "data/*.csv", "*.json", "data/*.json")
-"""Where they stand in a folder of another program, read through a column map."""
-
-
 TRIAL_KEY = (
     *("participant", "study", "session", "block", "task", "procedure"),
     *("trial", "attempt", "item", "item_b", "track", "catch", "level"),
@@ -187,34 +181,6 @@ def _with_added(table: pd.DataFrame, header: list[str]) -> pd.DataFrame:
     if not missing or set(header) != {*table.columns, *missing}:
         return table
     return with_empty(table, missing)[header]
-
-
-def trial_files(path: Path, forms: Sequence[str] = OWN_FILES) -> list[Path]:
-    """The trials files of a data set (by default ours, or BIDS with behaviour), or the one file that `path` is.
-
-    Raises
-    ------
-    InvalidFile
-        If there is none.
-    """
-    if path.is_file():
-        return [path]
-    if not path.is_dir():
-        raise InvalidFile(f"{path}: no such file or folder, expected a data set or a CSV file of trials")
-    files = next((files for form in forms if (files := _visible_files(path.glob(form)))), [])
-    if not files:
-        for folder in (path, path / "data"):
-            files_in(folder)  # a glob keeps silent about one that may not be read
-        raise InvalidFile(
-            f"{path}: found no {forms[0]}, expected a data set's folder, a CSV file of trials, or a column map "
-            "(--columns) and a folder of another program's tables"
-        )
-    return files
-
-
-def _visible_files(files: Iterable[Path]) -> list[Path]:
-    """Files, sorted, without those that a system hides beside them (``._x_data.csv``)."""
-    return sorted(file for file in files if not file.name.startswith("."))
 
 
 def _refuse_other_code(table: pd.DataFrame, file: Path) -> None:

@@ -15,7 +15,8 @@ import pandas as pd
 from tactometry.analysis.reading.origin import Origin, of_one_kind
 from tactometry.analysis.reading.study_file import choices_of, forms_of
 from tactometry.analysis.reading.text_table import text_cells
-from tactometry.analysis.reading.trials import Trials, read_trials, trial_files, used_rows
+from tactometry.analysis.reading.trial_files import trial_files
+from tactometry.analysis.reading.trials import Trials, read_trials, used_rows
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import InvalidFile, InvalidParameter, count_of
 from tactometry.files.durable import files_in, make_folder, write_atomically

@@ -309,20 +309,25 @@ def builtin() -> dict[str, Path]:
     return {path.stem: path for path in sorted(FOLDER.glob("*.toml"))}
 
 
+def shipped() -> dict[str, Path]:
+    """The built-in studies, and behind them those to copy, each of one method and as short as it can be, by name."""
+    return builtin() | {path.stem: path for path in sorted((FOLDER / "to_copy").glob("*.toml"))}
+
+
 def locate(study: str) -> Path:
     """The file of a study that is named, or given as a path.
 
     Raises
     ------
     InvalidFile
-        If there is neither a built-in study nor a file of that name.
+        If there is neither a study of that name nor such a file.
     """
-    path = builtin().get(study, Path(study))
+    path = shipped().get(study, Path(study))
     if os.path.lexists(path):
         return path
     raise InvalidFile(
         f"{study}: found no such file nor built-in study, expected a path to a study file or one of "
-        f"{', '.join(builtin())}{nearest(study, builtin())}"
+        f"{', '.join(shipped())}{nearest(study, shipped())}"
     )
 
 
@@ -335,4 +340,4 @@ def load(study: str) -> tuple[Study, bytes]:
     """A study, named or given as a path, with the bytes of its file, questionnaires of files beside it put in place."""
     path = locate(study)
     content = with_forms(read_file(path, "a study file", LARGEST_FILE), path)
-    return parse(content, str(path) if study not in builtin() else study), content
+    return parse(content, str(path) if study not in shipped() else study), content

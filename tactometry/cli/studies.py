@@ -10,14 +10,14 @@ from .output import STUDY, path_option, say, subcommand
 
 @subcommand("studies")
 def studies() -> None:
-    """The built-in studies, a line each."""
+    """The built-in studies, a line each, and behind them those to copy."""
     _say_studies()
 
 
 def _say_studies() -> None:
-    from tactometry.experiments.study.study_file import builtin, load
+    from tactometry.experiments.study.study_file import load, shipped
 
-    titles = {name: load(name)[0].title for name in builtin()}
+    titles = {name: load(name)[0].title for name in shipped()}
     width = max(map(len, titles))
     say("\n".join(f"{name:<{width}}  {title}" for name, title in titles.items()), titles)
 

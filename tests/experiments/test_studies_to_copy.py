@@ -1,0 +1,61 @@
+"""The studies to copy go the whole way of a user: each is rehearsed, simulated, validated, replayed and analysed."""
+
+import pytest
+from command_line import call, status
+
+from tactometry.experiments.study.study_file import builtin, load, shipped
+
+TO_COPY = sorted(set(shipped()) - set(builtin()))
+SAYS = {
+    "masking-on-a-hybrid-surface": "threshold, dB re 1 um",
+    "own-patterns-attrakdiff": "ATT: click: F(",
+    "preferred-texture": "preference (Bradley-Terry worths",
+    "texture-discrimination": "just noticeable difference, dB",
+    "threshold-by-adjustment": "setting by adjustment, dB re 1 V",
+    "two-interval-forced-choice": "threshold, dB re 1 V",
+}
+"""What an analysis of each begins with."""
+
+
+@pytest.fixture(scope="module", params=TO_COPY)
+def copied(request, tmp_path_factory):
+    """A study with the data of three simulated participants."""
+    root = tmp_path_factory.mktemp(request.param)
+    assert status("new", request.param, "--out", root / "mine.toml") == 0
+    arguments = ("simulate", root / "mine.toml", "--participants", "3", "--seed", "1", "--out", root / "data")
+    assert status(*arguments) == 0
+    return request.param, root
+
+
+def test_there_are_six_of_which_a_test_knows_what_they_say():
+    assert list(SAYS) == TO_COPY
+
+
+@pytest.mark.parametrize("name", TO_COPY)
+def test_its_head_tells_what_it_is_for_and_how_to_try_it(name):
+    study, content = load(name)
+    told = [line for line in content.decode().splitlines() if line.startswith("#")]
+    assert study.name == name
+    assert any(line.startswith(f"# Try it:  tactometry simulate {name} --participants") for line in told)
+
+
+def test_it_is_rehearsed(copied, capsys):
+    _, root = copied
+    code, said, out = call(capsys, "run", root / "mine.toml", "--participant", "P01", "--dry-run")
+    assert code == 0, said
+    assert "trials that are asked again not counted" in out
+
+
+@pytest.mark.parametrize("command", ["validate", "replay"])
+def test_its_data_are_sound(copied, capsys, command):
+    _, root = copied
+    code, said, out = call(capsys, command, root / "data")
+    assert code == 0, said + out
+
+
+def test_its_analysis_answers_what_the_study_asks(copied, capsys):
+    name, root = copied
+    code, said, out = call(capsys, "analyse", root / "data", "--report", root / "report.html")
+    assert code == 0, said
+    assert SAYS[name] in out
+    assert (root / "report.html").stat().st_size > 10_000
