@@ -67,7 +67,7 @@ class TouchTrace:
     @property
     def played(self) -> bool:
         """Whether the touch came to its stimulus, or to the blank in place of one."""
-        return not isinstance(self.answer, Touched) or self.answer.invalid_reason != "timeout"
+        return not isinstance(self.answer, Touched) or self.answer.played
 
 
 def read_traces(

@@ -36,7 +36,7 @@ def _plot(kind: str, rows: FloatArray, touch: AnsweredTouch) -> Plot | None:
     """Of rows of a stamp (s of the session) and the values then, against the time since the onset."""
     title, label = LABELS[kind]
     times_s, values = rows[:, 0] - touch.answer.onset_s, rows[:, 1:]
-    played_s = None if touch.answer.invalid_reason == "timeout" else (0.0, touch.request.duration_s)
+    played_s = (0.0, touch.request.duration_s) if touch.answer.played else None
     return samples_plot(
         kind,
         title,

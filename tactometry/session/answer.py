@@ -71,6 +71,18 @@ class Touched:
     gate_s: float | None = None
     trace: tuple[TracePart, ...] = ()
 
+    @property
+    def played(self) -> bool:
+        """Whether it came to its stimulus, or to the blank in place of one: behind a gate that stayed shut it did not.
+
+        >>> from dataclasses import replace
+        >>> lost = Touched(0.0, None, None, valid=False, invalid_reason="sensor_lost")
+        >>> lost.played, replace(lost, gate_s=1.0).played, replace(lost, invalid_reason="timeout").played
+        (False, True, False)
+        """
+        is_shut = self.gate_s is None and self.digest is None
+        return self.invalid_reason != "timeout" and not (self.invalid_reason == "sensor_lost" and is_shut)
+
 
 class Answer:
     """What a participant answered to a question; it is put again unless this is `valid`."""

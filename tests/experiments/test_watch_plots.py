@@ -1,5 +1,6 @@
 """What is drawn of a session that runs: its levels, its curve, and force and place of the last touch."""
 
+from dataclasses import replace
 from functools import reduce
 
 import numpy as np
@@ -108,6 +109,14 @@ def test_force_and_place_of_the_last_touch_are_drawn_with_the_band_that_was_aske
     assert band == {force.y.at(0.8), force.y.at(1.2)}
     assert [area.kind for area in place.areas] == ["playing"]
     assert force.x.low == pytest.approx(-1.0)
+
+
+def test_a_touch_whose_gate_stayed_shut_shows_no_stimulus(tmp_path):
+    """A finger without a place is lost before anything plays."""
+    touch = kept_touch(tmp_path)
+    lost = replace(touch.answer, level_delivered=None, digest=None, valid=False, invalid_reason="sensor_lost")
+    force, place = draw_touch(tmp_path, replace(touch, answer=lost)).plots
+    assert [area.kind for area in (*force.areas, *place.areas)] == ["wanted"]
 
 
 def test_traces_that_are_damaged_or_gone_are_told(tmp_path):
