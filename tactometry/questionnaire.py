@@ -110,7 +110,7 @@ class Questionnaire:
     title: str
     low: float
     high: float
-    steps: int | None
+    steps: int | None = field(default=None, kw_only=True)
     score_low: float
     score_high: float
     items: tuple[Item, ...]
@@ -262,7 +262,7 @@ def questionnaire_of(table: Mapping[str, Any], path: str) -> Questionnaire:
     InvalidParameter
         If a key is unknown, missing or of another type, or the questionnaire is impossible.
     """
-    return build(Questionnaire, {"steps": None, **table}, path)
+    return build(Questionnaire, table, path)
 
 
 def parse(content: bytes, where: str) -> Questionnaire:

@@ -1,15 +1,14 @@
 """The tables of a study file that say what simulated participants feel, and how they answer and touch."""
 
-from collections.abc import Callable, Iterator, Mapping
-from typing import Any, Final
+from collections.abc import Iterator, Mapping
+from typing import Final
 
-from tactometry.loading import resolve
 from tactometry.observers.changes.kinds import CHANGES
 from tactometry.observers.kinds import OBSERVERS, USUAL
 
 from ..study.stimulus_kinds import ELECTROVIBRATION, STIMULI
 from .key_table import KeyTable, Values
-from .study_tables import PLACES
+from .study_tables import stimulus_gives
 
 _SKIN: Final = "tactometry.stimuli.electrovibration"
 _OF_SETUP: Final = ("focus", "measured_focus", "foci", "hybrid")
@@ -60,23 +59,8 @@ def _parts_of_sensation() -> Iterator[KeyTable]:
 def _of_screen(kind: str) -> KeyTable:
     known = STIMULI[kind]
     samples = {**_SENSATION, "fingers": ["index"]}
-    given = _shared(known.shared)
+    given = stimulus_gives(*known.shared)
     return KeyTable(f"sensation.{kind}", "[sensation]", known.sensation, samples=samples, given=given)
-
-
-def _shared(names: tuple[str, ...]) -> Callable[[], Values]:
-    """What a sensation takes from its stimulus."""
-
-    def made() -> Values:
-        screen = "tactometry.stimuli.time_reversal.stimulus"
-        place = resolve(f"{screen}.placed_foci:Place")
-        known: dict[str, Any] = {
-            "setup": resolve(f"{screen}.setup:Setup")(n_transducers=4, modes_to_hz=4e3, rate_hz=10e3),
-            "places": {name: place(**at) for name, at in PLACES.items()},
-        }
-        return {name: known[name] for name in names}
-
-    return made
 
 
 def _observer(kind: str) -> KeyTable:

@@ -1,9 +1,10 @@
 """The tables of a study file: the file itself, what is played, how it is felt, what is asked, how levels are chosen."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from operator import methodcaller
 from typing import Any, Final
 
+from tactometry.loading import resolve
 from tactometry.stimuli.electrovibration.textures.kinds import TEXTURES
 from tactometry.stimuli.electrovibration.waveforms.kinds import WAVEFORMS
 from tactometry.trials.tasks import TASKS
@@ -109,6 +110,7 @@ def study_tables() -> Iterator[KeyTable]:
     yield KeyTable("images", "[images.MESSAGE]", image, example=of_image, samples={"sha256": DIGEST})
     yield limits("limits", "[limits]")
     yield KeyTable("study.scene", "[scene]", f"{read}.scene_table:SceneTable", samples=_OF_SCENE)
+    yield from _surfaces()
     yield from analysis_tables("analysis", "[analysis]")
 
 
@@ -146,6 +148,32 @@ def _stimulus(kind: str, known: StimulusKind) -> KeyTable:
         given=lambda: {"read": False} if known.reads else {},
         kinds=known.parts,
     )
+
+
+def _surfaces() -> Iterator[KeyTable]:
+    """What a study says of the surface under a finger, beside `[stimulus]`; of an electrode as in a scene file."""
+    header, surfaces = "[scene.surface]", "tactometry.stimuli.scenes.surfaces"
+    finger = {"finger_x_m": 0.1, "finger_y_m": 0.1}
+    plate, fingers = f"{surfaces}.played_time_reversal:PlayedTimeReversal", f"{surfaces}.played_fingers:PlayedFingers"
+    yield KeyTable("study.scene.surface.time_reversal", header, plate, samples=finger, given=stimulus_gives("setup"))
+    on_places = stimulus_gives("setup", "places")
+    yield KeyTable("study.scene.surface.foci", header, fingers, samples={"fingers": ["index"]}, given=on_places)
+    yield KeyTable(
+        "study.scene.finger", "[scene.surface.finger]", "tactometry.stimuli.time_reversal.fingertip:Fingertip"
+    )
+
+
+def stimulus_gives(*names: str) -> Callable[[], Values]:
+    """What of a stimulus on a screen is known where its sensation or its surface is read."""
+
+    def made() -> Values:
+        known: dict[str, Any] = {
+            "setup": resolve(f"{_PLACED}.setup:Setup")(n_transducers=4, modes_to_hz=4e3, rate_hz=10e3),
+            "places": {name: resolve(f"{_PLACED}.placed_foci:Place")(**at) for name, at in PLACES.items()},
+        }
+        return {name: known[name] for name in names}
+
+    return made
 
 
 def _textures() -> Iterator[KeyTable]:

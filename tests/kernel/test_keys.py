@@ -10,12 +10,14 @@ from tactometry.arguments.require import positive
 from tactometry.config.strict import build
 from tactometry.config.toml import read_table
 from tactometry.errors import InvalidParameter
+from tactometry.experiments.bench.bench_file import parse_bench
 from tactometry.experiments.reference.block import block
 from tactometry.experiments.reference.key_table import KeyTable
 from tactometry.experiments.reference.keys import Key, keys_of
 from tactometry.experiments.reference.pages import path_of, text_of
 from tactometry.experiments.reference.study_tables import GREY
 from tactometry.experiments.reference.tables import PAGES, tables
+from tactometry.experiments.study.cells import merge
 from tactometry.experiments.study.study_file import builtin
 
 TABLES = tables()
@@ -118,6 +120,21 @@ def test_each_commented_line_of_a_block_reads_where_it_is_stated(name, beside_fi
         if key.example and key.name != "kind":
             value = tomllib.loads(f"{key.name} = {key.example}")
             table.read({**table.instead.get(key.name, table.shown), **value}, "t")
+
+
+BENCH = {
+    "output": {"gain": {"volts_per_unit": 2.0, "amplifier_gain": 100.0}},
+    "sensors": {"hand": {"kind": "touch", "path": "/dev/input/event5"}, "NAME": {"kind": "touch", "path": "x"}},
+    "force": {"sensor": "hand", "newtons_per_count": 0.01},
+}
+
+
+@pytest.mark.parametrize("name", [name for name in TABLES if name.startswith("bench.")])
+def test_a_block_reads_where_it_stands_in_a_bench_file(name):
+    stated = merge({"sensors": {"NAME": {}}}, tomllib.loads(block(TABLES[name])))
+    has_kind = "kind" in stated["sensors"]["NAME"]
+    base = merge(BENCH, {"sensors": {"NAME": None}}) if has_kind else BENCH
+    parse_bench(merge(base, stated))
 
 
 @per_table
