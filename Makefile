@@ -9,7 +9,7 @@ SHELL := /bin/bash
 VENV := .venv
 BIN := $(VENV)/bin
 PIP := $(BIN)/python -m pip --disable-pip-version-check
-PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadgroup
+PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadgroup --no-loadscope-reorder
 # Empty is unset: otherwise each program that the tests start would compile all its modules anew.
 export PYTHONDONTWRITEBYTECODE :=
 INSTALL := $(PIP) install --quiet --constraint constraints.txt

@@ -40,13 +40,25 @@ compile_once()
 for library in ("OPENBLAS", "OMP", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
-ARTEFACTS = Path(__file__).resolve().parents[1] / "artefacts"
+TESTS = Path(__file__).resolve().parent
+ARTEFACTS = TESTS.parent / "artefacts"
 KEPT = []
 """The connection that keeps the server up lives as long as this process."""
 
 
+FOLDERS = ("devices", "rigs", "whole", "experiments", "analysis", "stimuli", "protocols", "kernel")
+"""What waits and what takes long comes first, of several processes; what is short fills the end."""
+
+
 def group_of(item):
     return "display" if "display" in item.fixturenames else item.path.name
+
+
+def place_of(item):
+    """The display comes before all: one process has it for half of the time."""
+    if group_of(item) == "display":
+        return -1
+    return next((place for place, folder in enumerate(FOLDERS) if TESTS / folder in item.path.parents), 0)
 
 
 def pytest_xdist_auto_num_workers():
@@ -64,6 +76,7 @@ def pytest_collection():
         gc.enable()
         gc.collect()
         gc.freeze()
+        gc.set_threshold(5000, 20, 20)  # seldom: what a test makes goes mostly without it
 
 
 def pytest_report_header():
@@ -80,6 +93,8 @@ def pytest_collection_modifyitems(config, items):
         item.add_marker(pytest.mark.xdist_group(group_of(item)))
         if item.get_closest_marker("soak") and not SOAK:
             item.add_marker(pytest.mark.skip(reason="full size: make soak"))
+    if hasattr(config, "workerinput"):
+        items.sort(key=place_of)
     if config.getoption("--stability"):
         items[:] = only_hard_cases(items)
 
