@@ -22,6 +22,8 @@ PREFER_NOT: Final = "prefer_not"
 """The label of that answer."""
 MOST_CODE: Final = 9
 """Each option has a digit of its own. Years of birth or of age, which could tell who someone is, have not enough."""
+MOST_NUMBER: Final = 999_999_999
+"""A page takes nine digits, and no sign."""
 SAY: Final = "say_number"
 """The label of the wish to answer by a number."""
 FOLDER: Final = "tactometry.questionnaires.choices"
@@ -154,8 +156,10 @@ def _check_item(item: ChoiceItem, path: str) -> None:
     if item.low is None and item.high is None:
         expect(len(item.options) >= 2, f"{path}.options", len(item.options), "at least 2, beside the one not to say")
     else:
-        is_number = item.bounds is not None and item.bounds[0] < item.bounds[1] and not item.options
-        expect(is_number, f"{path}.low", f"{item.low} with high {item.high}", "a number below high, without options")
+        low, high = item.bounds or (0.0, 0.0)
+        can_be_typed = 0 <= low < high <= MOST_NUMBER and not item.options
+        below = f"a number from 0 on, below high, and high at most {MOST_NUMBER}; without options"
+        expect(can_be_typed, f"{path}.low", f"{item.low} with high {item.high}", below)
     codes = [option.code for option in item.options]
     for n, code in enumerate(codes):
         fits = f"a whole number from 1 to {MOST_CODE}, each once; {NOT_SAID} is 'prefer not to say'"

@@ -3,7 +3,7 @@
 import functools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import KW_ONLY, dataclass, field
-from math import ceil
+from math import ceil, floor
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 import numpy as np
@@ -251,7 +251,7 @@ class SimulatedRig(LiveRig):
 
     def _enter(self, request: Enter) -> Rated:
         if request.question.startswith(ABOUT) and request.high is not None:
-            return Rated(float(self._rng.integers(ceil(request.low), int(request.high) + 1)), *self._timing(1))
+            return Rated(_whole_between(request.low, request.high, self._rng), *self._timing(1))
         value = max(self._observer.magnitude(self._last_db(), self._rng), request.low)
         return Rated(value if request.high is None else min(value, request.high), *self._timing(1))
 
@@ -300,3 +300,13 @@ class SimulatedRig(LiveRig):
         self._answers.append(request.trial.response)
         self._begin_trial(self._n_trials + 1)
         return Done(self._now_s)
+
+
+def _whole_between(low: float, high: float, rng: np.random.Generator) -> float:
+    """A whole number within these bounds, each as likely; the middle where there is none.
+
+    >>> _whole_between(18.0, 18.5, np.random.default_rng(1)), _whole_between(0.25, 0.75, np.random.default_rng(1))
+    (18.0, 0.5)
+    """
+    first, last = ceil(low), floor(high)
+    return float(rng.integers(first, last + 1)) if first <= last else (low + high) / 2

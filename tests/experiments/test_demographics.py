@@ -124,6 +124,21 @@ def test_who_does_not_say_a_number_leaves_it_empty_and_no_report_tells_numbers(s
     assert set(analyse(root).table("categories")["item"]) == set(ITEMS)
 
 
+@pytest.mark.parametrize(("low", "high"), [(-1, 99), (99, 18), (0, "inf"), ("nan", 1), (0, 1e10)])
+def test_a_number_that_cannot_be_typed_is_refused(study, tmp_path, capsys, low, high):
+    study.write_text(ALLOWED + YEARS.replace("= 18", f"= {low}").replace("= 99", f"= {high}"), "utf-8")
+    said = refused(capsys, "simulate", study, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
+    assert "items[1].low: found " in said
+    assert "expected a number from 0 on, below high, and high at most 999999999" in said
+
+
+def test_bounds_without_a_whole_number_between_them_are_answered_too(study, tmp_path, capsys):
+    study.write_text(ALLOWED + YEARS.replace("= 18", "= 0.2").replace("= 99", "= 0.8"), "utf-8")
+    output(capsys, "simulate", study, "--participants", 4, "--seed", 1, "--out", tmp_path / "d")
+    said = {row["response"] for row in trial_rows(tmp_path / "d") if row["item"] == "age_years"}
+    assert "0.5" in said
+
+
 def test_a_number_that_no_study_answers_for_is_refused(study, tmp_path, capsys):
     study.write_text(STUDY + YEARS, "utf-8")
     said = refused(capsys, "simulate", study, "--participants", 1, "--seed", 1, "--out", tmp_path / "d")
