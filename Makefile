@@ -63,8 +63,8 @@ static: $(VENV)/.test ## format, lint, strict types, import contracts
 check: static system $(VENV)/.test ## the static checks, then all tests with branch coverage: what CI runs
 	@$(PYTEST) --cov $(ARGS)
 
-bench: system $(VENV)/.test ## every benchmark: ratios measured in one run
-	@for benchmark in benchmarks/*.py; do echo "== $$benchmark"; $(BIN)/python $$benchmark; done
+bench: system $(VENV)/.test ## every benchmark, and benchmarks/README.md; ARGS="watch traces" renews two
+	@$(BIN)/python benchmarks/table.py $(ARGS)
 
 docs: $(VENV)/.test ## build the site into docs/_build/html, without a network; a warning or a dead link fails
 	@$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --nitpicky docs docs/_build/html $(ARGS)

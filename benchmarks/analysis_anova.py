@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 import pingouin
 import statsmodels
+from measured import ratios, tell
 from statsmodels.stats.anova import AnovaRM
 
 from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
@@ -22,8 +23,8 @@ N_LEVELS = (3, 7)
 WITHIN = ["force_n", "frequency_hz"]
 
 
-def interleaved(works: dict[str, Callable[[], object]], repeats: int) -> dict[str, float]:
-    """The median time of each, run in turn after a warm call."""
+def interleaved(works: dict[str, Callable[[], object]], repeats: int) -> dict[str, list[float]]:
+    """The times of each, run in turn after a warm call."""
     times: dict[str, list[float]] = {name: [] for name in works}
     for turn in range(repeats + 1):
         for name, work in works.items():
@@ -31,7 +32,7 @@ def interleaved(works: dict[str, Callable[[], object]], repeats: int) -> dict[st
             work()
             if turn:
                 times[name].append(perf_counter() - start)
-    return {name: median(found) for name, found in times.items()}
+    return times
 
 
 def study(n: int, rng: np.random.Generator) -> pd.DataFrame:
@@ -71,15 +72,14 @@ def main() -> None:
         },
         repeats=15,
     )
-    print(f"10 x 3 x 7: ours {1e3 * took['ours']:.1f} ms, pingouin {1e3 * took['pingouin']:.1f} ms", end="")
-    print(f" (ours / pingouin {took['ours'] / took['pingouin']:.2f}, at most 1.5 is asked)")
-    print(f"  exact permutation test of all effects: {1e3 * took['permutations']:.1f} ms")
+    print(f"10 x 3 x 7: ours {1e3 * median(took['ours']):.1f} ms, pingouin {1e3 * median(took['pingouin']):.1f} ms")
+    tell("10 x 3 x 7, our time over pingouin's", ratios(took["ours"], took["pingouin"]), at_most=1.5)
+    tell("10 x 3 x 7, exact permutation test of all effects", [1e3 * each for each in took["permutations"]], "ms")
     took = interleaved({"ours": lambda: ours(large), "pingouin": lambda: of_pingouin(large)}, repeats=5)
     took |= interleaved({"statsmodels": lambda: of_statsmodels(large)}, repeats=1)
-    print(f"200 x 3 x 7: ours {1e3 * took['ours']:.0f} ms, pingouin {1e3 * took['pingouin']:.0f} ms", end="")
-    print(
-        f", AnovaRM {took['statsmodels']:.1f} s (AnovaRM / ours {took['statsmodels'] / took['ours']:.0f}, at least 50)"
-    )
+    ours_s, pingouin_s, (statsmodels_s,) = (median(took["ours"]), median(took["pingouin"]), took["statsmodels"])
+    print(f"200 x 3 x 7: ours {1e3 * ours_s:.0f} ms, pingouin {1e3 * pingouin_s:.0f} ms, AnovaRM {statsmodels_s:.1f} s")
+    tell("200 x 3 x 7, AnovaRM's time over ours", statsmodels_s / ours_s, at_least=50)
 
 
 if __name__ == "__main__":

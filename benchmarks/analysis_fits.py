@@ -10,6 +10,7 @@ from dataclasses import replace
 from time import process_time
 
 import numpy as np
+from measured import tell
 from scipy.optimize import minimize
 
 from tactometry.analysis.threshold.counts import count_arrays, normalise
@@ -137,24 +138,32 @@ def main() -> None:
     peer_yes_no = psignifit_seconds(yes_no[:2], "yes/no")
     all_modes = modes(forced)
     print(f"modes of {N_SETS} sets: {all_modes:.2f} s, {N_SETS / all_modes:.0f} a second")
-    print(f"  against psignifit ({peer_forced:.2f} s a set): {peer_forced * N_SETS / all_modes:.0f} x")
-    print(f"  against Nelder-Mead, one at a time: {scipy_one_at_a_time(forced[:20]) * N_SETS / all_modes:.0f} x")
+    one_s = scipy_one_at_a_time(forced[:20])
+    tell(f"modes of {N_SETS} sets, psignifit's time over ours", peer_forced * N_SETS / all_modes, at_least=10_000)
+    tell(f"modes of {N_SETS} sets, Nelder-Mead one at a time over ours", one_s * N_SETS / all_modes, at_least=500)
 
     def one(k: np.ndarray, guess: float | None) -> object:
         return fit(LEVELS, k, N_TRIALS, shape="normal", guess_rate=guess)
 
-    for name, k, guess, peer in (("2AFC", forced[0], 0.5, peer_forced), ("yes/no", yes_no[0], None, peer_yes_no)):
+    for name, k, guess, peer, limit in (
+        ("2AFC", forced[0], 0.5, peer_forced, 50),
+        ("yes/no", yes_no[0], None, peer_yes_no, 300),
+    ):
         took = seconds(lambda k=k, guess=guess: one(k, guess), 10)
         memory = megabytes(lambda k=k, guess=guess: one(k, guess))
-        print(f"posterior, one {name} set: {1e3 * took:.1f} ms, {memory:.0f} MB", end="")
-        print(f"; against psignifit ({peer:.2f} s): {peer / took:.0f} x")
+        tell(f"posterior of one {name} set, psignifit's time over ours", peer / took, at_least=limit)
+        tell(f"posterior of one {name} set", 1e3 * took, "ms", at_most=20)
+        tell(f"posterior of one {name} set, memory", memory, "MB", at_most=100)
     batch = seconds(lambda: fit_many(LEVELS, forced[:1000], N_TRIALS, shape="normal", guess_rate=0.5), 2) / 1000
-    print(f"posteriors in a batch: {1e3 * batch:.2f} ms a set; against psignifit {peer_forced / batch:.0f} x")
+    print(f"posteriors in a batch: {1e3 * batch:.2f} ms a set")
+    tell("posteriors in a batch, psignifit's time over ours", peer_forced / batch, at_least=1000)
     took = seconds(
         lambda: fit(LEVELS, forced[0], N_TRIALS, shape="normal", guess_rate=0.5, method="bootstrap", rng=rng), 3
     )
-    print(f"1000 parametric bootstraps: {1e3 * took:.0f} ms")
-    print(f"  error of a batch's intervals against grids of their own: {100 * sd_error(forced[:100]):.2f} % at most")
+    tell("1000 parametric bootstraps", 1e3 * took, "ms", at_most=50)
+    tell(
+        "largest error of a batch's intervals against grids of their own", 100 * sd_error(forced[:100]), "%", at_most=1
+    )
     print("95 % intervals of the threshold:")
     calibration(rng)
 

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
+from measured import tell
 
 from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.analysis.threshold.fitting import fit
@@ -119,6 +120,7 @@ def main() -> None:
     print("repeated-measures analysis of variance, 10 x 3 x 7 unless said:")
     times += [printed(name, partial(of_table, values)) for name, values in tables()]
     print(f"above {1e3 * GUIDE_S:.0f} ms: {sum(took > GUIDE_S for took in times)} of {len(times)}")
+    tell(f"slowest of {len(times)} hard cases", 1e3 * max(times), "ms", at_most=1e3 * GUIDE_S)
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ from collections.abc import Callable
 from time import process_time
 
 import numpy as np
+from measured import tell
 
 from tactometry.analysis.hierarchical.fitting import fit_hierarchical
 from tactometry.analysis.mixed_models.glmm import fit_glmm
@@ -61,8 +62,9 @@ def thresholds(rng: np.random.Generator) -> None:
     errors = [
         row.threshold - truth[row.participant, row.force_n, row.frequency_hz] for row in told.itertuples(index=False)
     ]
-    print(f"thresholds of 10 participants x 21 conditions x 98 trials: {took:.2f} s, status {found.status.value}")
-    print(f"  root mean square error of a participant's threshold {np.sqrt(np.mean(np.square(errors))):.2f} dB")
+    print(f"thresholds of 10 participants x 21 conditions x 98 trials: status {found.status.value}")
+    tell("thresholds of 10 participants x 21 conditions x 98 trials", took, "s")
+    tell("root mean square error of a participant's threshold", float(np.sqrt(np.mean(np.square(errors)))), "dB")
 
 
 def mixed() -> None:
@@ -75,11 +77,12 @@ def mixed() -> None:
         )
 
     took, found = best(fit), fit()
-    print(f"probit model, 12 participants x 7 levels, random intercept and slope: {1e3 * took:.0f} ms")
+    tell("probit model, 12 participants x 7 levels, random intercept and slope", took, "s", at_most=0.5)
     for name, (effect, error) in LME4.items():
         off = abs(found.effects[name] - effect) / error
         ratio = found.standard_errors[name] / error
-        print(f"  {name}: {off:.4f} of lme4's standard errors off, standard error {ratio:.4f} of lme4's")
+        tell(f"{name}: distance from lme4's estimate, in its standard errors", off, "SE", at_most=0.05)
+        tell(f"{name}: standard error over lme4's", ratio, at_least=0.95, at_most=1.05)
     exact = fit(n_nodes=9).effects["level"]
     for name, other in (
         ("lme4", LME4["level"][0]),

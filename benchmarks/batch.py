@@ -24,6 +24,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
+from measured import tell
 from pyarrow import parquet
 
 from tactometry.experiments.census.batches import BATCH, Respondents, fitted_tracks
@@ -130,6 +131,7 @@ def compare(n_sets: int, n_peers: int) -> None:
             peer(1, table)
             theirs = per_second(lambda p=peer, k=n, t=table: p(k, t), n)
             print(f"{name + told:<60} {mine:>10.0f} {theirs:>10.2f} {mine / theirs:>8.0f}", flush=True)
+            tell(f"sessions a second of one core, {name}{told}", mine / theirs, at_least=20)
 
 
 def fit_some(numbers: range) -> float:
@@ -153,8 +155,10 @@ def fits(n_batches: int) -> None:
         two_s = time.perf_counter() - began_s
     each_us, both_us = 1e6 * alone_s / (n_batches * BATCH), 1e6 * busy_s / (2 * n_batches * BATCH)
     print(f"\ntracks of {N_TRIALS} trials with a mode fit: {each_us:.0f} us of the processor each")
-    print(f"1e6 on two cores: {both_us / 2:.0f} s of each core")
-    print(f"two processes, of twice one: {each_us / both_us:.2f} by processor time, {one_s / two_s:.2f} by the clock")
+    tell("1e6 tracks with a mode fit on two cores, from some batches: processor time of each core", both_us / 2, "s",
+         at_most=60)  # fmt: skip
+    tell("two processes, of twice one, by processor time", each_us / both_us, at_least=0.85)
+    tell("two processes, of twice one, by the clock", one_s / two_s)
 
 
 def told_chunk(job: tuple[TrackRun, range, Path]) -> tuple[Path, int, float, int]:

@@ -9,6 +9,8 @@ import subprocess
 import sys
 from pathlib import Path
 
+from measured import ratios, tell
+
 RUNS = 15
 LIMIT_S = 0.3
 COMMANDS = {
@@ -44,7 +46,8 @@ def main() -> None:
         median = statistics.median(each)
         spread = f"min {min(each):.3f}  max {max(each):.3f}"
         print(f"{name:26} median {median:.3f} s  {spread}  ratio {median / reference:.2f}")
-    print("within the limit" if reference < LIMIT_S else "ABOVE THE LIMIT")
+    tell("tactometry --help", times["tactometry --help"], "s", at_most=LIMIT_S)
+    tell("tactometry --help over a bare interpreter", ratios(times["tactometry --help"], times["python -c pass"]))
 
 
 if __name__ == "__main__":

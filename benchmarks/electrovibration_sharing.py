@@ -7,6 +7,7 @@ import time
 
 import mpmath as mp
 import numpy as np
+from measured import tell
 
 from tactometry.contact import Contact
 from tactometry.stimuli.electrovibration import (
@@ -38,14 +39,15 @@ def many_stimuli() -> None:
     for height_v in heights_v:
         sliding(T_S, tone.scaled(height_v), form, finger=Finger(), friction=CoulombFriction(), force_n=1.0)
     seconds = time.process_time() - start
-    print(f"10 000 stimuli one by one, 288 outputs each: {seconds:.2f} s")
+    tell("10 000 stimuli one by one, 288 outputs each", seconds, "s", at_most=1)
     stimuli = [tone.scaled(height_v) for height_v in heights_v]
     start = time.process_time()
     for part in range(0, 10_000, 500):
         sliding_many(T_S, stimuli[part : part + 500], form, finger=Finger(), friction=CoulombFriction(), force_n=1.0)
     seconds = time.process_time() - start
     made = plan_of.cache_info().misses - before
-    print(f"the same, 500 at a time: {seconds:.2f} s, {made} new plans")
+    print(f"{made} new plans")
+    tell("the same, 500 at a time", seconds, "s", at_most=1)
 
 
 def many_sensations() -> None:
@@ -56,7 +58,7 @@ def many_sensations() -> None:
     for trial in range(10_000):
         scene.sensation(signals[trial % 150], touch)
     seconds = time.process_time() - start
-    print(f"10 000 sensations of 150 signals of 1 s at 20 kHz: {seconds:.2f} s")
+    tell("10 000 sensations of 150 signals of 1 s at 20 kHz", seconds, "s")
 
 
 def propagator_error() -> None:
@@ -69,7 +71,8 @@ def propagator_error() -> None:
             found_v = Solution(straight(times_s, values_v), skin.relaxations(area_m2)).at(at_s)
             expected_v = [_reference_v(skin, times_s, values_v, t) for t in at_s]
             worst = max(worst, float(np.abs(found_v - expected_v).max() / np.abs(expected_v).max()))
-    print(f"exact propagator, tau 1 ns to 1000 s, area 0 to 1 m2, against 50 digits: worst error {worst:.0e}")
+    tell("exact propagator, tau 1 ns to 1000 s, area 0 to 1 m2: largest error against 50 digits", worst, "of the peak",
+         at_most=1e-10)  # fmt: skip
 
 
 def _reference_v(skin: Skin, times_s: list[float], values_v: list[float], t_s: float) -> float:

@@ -20,6 +20,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from measured import tell
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "support"))
 
@@ -157,6 +158,12 @@ def main():
             figures = "  ".join(shown(each) for each in (gated.late_s, gated.decisions_s, every, peer))
             name = f"{kind}, busy {1e3 * work_s:.0f} ms"
             print(f"{name:<18}{figures}  {lost} of {n}, {gated.n_early}, {dropped} of {len(intervals_s)}")
+            late_ms = 1e3 * float(np.quantile(gated.decisions_s, 0.99)) if gated.decisions_s else np.nan
+            tell(f"{name}: decision, 99th percentile by the clock", late_ms, "ms", at_most=10)
+            tell(f"{name}: samples lost and decisions too early", lost + gated.n_early, "of all", at_most=0)
+            if peer and gated.decisions_s:
+                late = float(np.median(peer) / np.median(gated.decisions_s))
+                tell(f"{name}: newest sample in each frame over ours, medians", late)
     window.close()
 
 

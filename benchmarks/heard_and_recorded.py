@@ -20,6 +20,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from measured import tell
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests" / "support"))
 
@@ -115,6 +116,8 @@ def report(late_s, whole, told_whole):
     print(f"load of the machine: {os.getloadavg()[0]:.1f} on {os.cpu_count()} cores")
     print(f"{len(late_s)} of {len(whole)} touches without a gap; heard later than recorded by {1e3 * middle_s:.1f} ms")
     print(f"about that {spread} ms (1, 5, 95, 99 %); within 10 ms: {share:.0%}")
+    tell("touches heard within 10 ms of what is recorded", 100 * share, "%", at_least=99)
+    tell("touches that were heard torn and told to be whole", int(np.sum(~whole & told_whole)), "touches", at_most=0)
     print(f"heard torn: {np.sum(~whole)}, of these told to be whole: {np.sum(~whole & told_whole)}", end="; ")
     print(f"told to be torn and heard whole: {np.sum(whole & ~told_whole)}")
 

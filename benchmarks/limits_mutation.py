@@ -11,6 +11,8 @@ import sys
 import tempfile
 from pathlib import Path
 
+from measured import tell
+
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("tactometry", "stimuli", "protocols", "analysis", "experiments", "tests")
 LIMITS = Path("tactometry", "safety", "limits.py")
@@ -80,7 +82,8 @@ def main() -> None:
         verdicts = {what: "SURVIVED" if passes(tree, mutant) else "killed" for what, mutant in mutants().items()}
     for what, verdict in verdicts.items():
         print(f"{verdict:<9} {what}", flush=True)
-    print(f"{list(verdicts.values()).count('killed')} of {len(verdicts)} mutants killed")
+    killed = list(verdicts.values()).count("killed")
+    tell(f"of {len(verdicts)} mutants of the limits, killed", killed, "mutants", at_least=len(verdicts))
 
 
 if __name__ == "__main__":

@@ -8,6 +8,8 @@ import platform
 from dataclasses import replace
 from time import process_time
 
+from measured import tell
+
 from tactometry.experiments.power.design import PowerDesign, participants_of
 from tactometry.experiments.power.effect import parse_effect
 from tactometry.experiments.power.replicate import replicate, seed_of, simulated
@@ -30,6 +32,7 @@ def main() -> None:
         asked = design(name, effect)
         case = asked.cases[0]
         replicate(asked, case, 0)
+        sessions_s, studies_s = [], []
         for number in range(1, 1 + N_STUDIES):
             begun = process_time()
             trials = simulated(asked, experiment_of(asked, case), seed_of(asked.seed, number))
@@ -38,6 +41,10 @@ def main() -> None:
             replicate(asked, case, number)
             whole = process_time() - begun
             print(f"{name:<28} {len(trials.rows):>6} rows, sessions {of_sessions:.2f} s, whole study {whole:.2f} s")
+            sessions_s.append(of_sessions)
+            studies_s.append(whole)
+        tell(f"{name}: a study of 24 people, tested for seven numbers of them", studies_s, "s")
+        tell(f"{name}: its sessions alone", sessions_s, "s")
 
 
 if __name__ == "__main__":

@@ -23,6 +23,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from measured import tell
 from scipy.special import ndtr
 from scipy.stats import norm
 
@@ -59,6 +60,8 @@ class Task:
 
     name: str
     guess: float
+    rmse_asked: float
+    """The error after 160 trials that was asked for, in standard deviations of the observer."""
 
     def chance(self, level, threshold):
         return self.guess + (1 - self.guess - LAPSE) * ndtr((level - threshold) / SD_DB)
@@ -281,11 +284,14 @@ def report(task: Task, n_observers: int, rng: np.random.Generator) -> dict[str, 
         at = [rmse[n // EVERY - 1] / SD_DB for n in SHOWN]
         needed = trials_to(GOAL_DB, rmse)
         cells = "".join(f"{e:>8.3f} {n * e**2:>6.2f}" for n, e in zip(SHOWN, at, strict=True))
+        limit = task.rmse_asked if contender.name in ASKED_OF else None
+        tell(f"{task.name}, {contender.name}: error after 160 trials", at[-1], "SD", at_most=limit)
         print(f"{contender.name:<34}{cells}{needed if needed else f'above {N_MAX}':>16}", flush=True)
-    ratio_of_trials(curves)
+    ratio_of_trials(task, curves)
     return curves
 
 
+ASKED_OF = ("threshold first, variance",)
 PAIRS = (
     ("threshold first, variance", "QUEST+"),
     ("threshold first, variance, wide", "QUEST+, wide"),
@@ -293,12 +299,19 @@ PAIRS = (
 )
 
 
-def ratio_of_trials(curves: dict[str, np.ndarray]) -> None:
+def ratio_of_trials(task: Task, curves: dict[str, np.ndarray]) -> None:
     """Trials by which one rule reaches what the other has after 160, and that the other needs for what it has then."""
     at = 160 // EVERY - 1
     for ours, theirs in PAIRS:
         fewer, more = trials_to(curves[theirs][at], curves[ours]), trials_to(curves[ours][at], curves[theirs])
         ratio = (curves[ours][at] / curves[theirs][at]) ** 2
+        share, is_fair = 100 * fewer / 160 if fewer else math.inf, ours.endswith("wide") == theirs.endswith("wide")
+        tell(
+            f"{task.name}, {ours}: trials to the error of {theirs} after 160",
+            share,
+            "%",
+            at_most=45 if is_fair else None,
+        )
         print(
             f"{ours}, beside {theirs}: its error after 160 trials in {fewer} trials; it needs {more or 'more'} of "
             f"{N_MAX} for ours after 160; ratio of squared errors after 160: {100 * ratio:.0f} %"
@@ -319,6 +332,7 @@ def stops(task: Task, n_observers: int, rng: np.random.Generator) -> None:
         errors.append(mean(rule) - threshold)
     converged = np.array([ended == "converged" for ended, _ in ends])
     n_trials = np.array([n for _, n in ends])
+    tell(f"{task.name}: runs that stop at {GOAL_DB:g} dB in 400 trials", 100 * converged.mean(), "%", at_least=90)
     print(
         f"stop at a posterior SD of {GOAL_DB:g} dB, at most 400 trials: reached in {100 * converged.mean():.1f} % of "
         f"runs, median {np.median(n_trials):.0f} trials (90 %: {np.quantile(n_trials, 0.9):.0f}); RMSE of these "
@@ -361,7 +375,7 @@ def main() -> None:
     parser.add_argument("--out", type=Path)
     options = parser.parse_args()
     rng, curves = np.random.default_rng(), {}
-    for task in (Task("Two-alternative forced choice", 0.5), Task("Yes/no with 2 % false alarms", 0.02)):
+    for task in (Task("Two-alternative forced choice", 0.5, 0.19), Task("Yes/no with 2 % false alarms", 0.02, 0.115)):
         check(task, rng)
         curves[task] = report(task, options.observers, rng)
         stops(task, options.observers, rng)

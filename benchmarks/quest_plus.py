@@ -13,9 +13,11 @@ import resource
 import time
 import warnings
 from collections.abc import Callable
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
+from measured import tell
 from scipy.stats import norm
 
 from tactometry.protocols import ParameterGrid, QuestPlus
@@ -133,8 +135,8 @@ def quantiles_ms(times_s: list[float]) -> str:
     return f"{median:>9.3f} {high:>9.3f}"
 
 
-def trials(kind: type, size: Size, seed: int) -> None:
-    """Times and memory of one program, printed."""
+def trials(kind: type, size: Size, seed: int) -> tuple[float, float, float]:
+    """Times and memory of one program, printed; median and 99th percentile of its processor times (ms), and MB."""
     before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     began_s = time.perf_counter()
     rule, answer = kind(size), answers(np.random.default_rng(seed))
@@ -155,6 +157,8 @@ def trials(kind: type, size: Size, seed: int) -> None:
         f"{1e3 * processor_s[0]:>9.3f} {built_s:>8.3f} {used_mb:>8.0f}",
         flush=True,
     )
+    median, high = (float(each) for each in np.quantile(processor_s, (0.5, 0.99)) * 1e3)
+    return median, high, used_mb
 
 
 def choices(size: Size, rng: np.random.Generator) -> None:
@@ -170,13 +174,28 @@ def choices(size: Size, rng: np.random.Generator) -> None:
         ours.learn(level, said)
         theirs.learn(level, said)
     print(f"{size.name:<32} same {n_same}, tied {n_tied}, of {size.n_trials}", flush=True)
+    tell(
+        f"{size.name}: choices other than questplus's that are no ties", size.n_trials - n_same - n_tied, "", at_most=0
+    )
 
 
-def apart(function: Callable[..., None], *arguments: object) -> None:
+def apart(kind: type, size: Size, seed: int) -> tuple[float, float, float]:
     """In a process of its own, so that memory is that of one program."""
-    process = multiprocessing.get_context("spawn").Process(target=function, args=arguments)
-    process.start()
-    process.join()
+    with ProcessPoolExecutor(1, mp_context=multiprocessing.get_context("spawn")) as pool:
+        return pool.submit(trials, kind, size, seed).result()
+
+
+def compare(size: Size, rng: np.random.Generator) -> None:
+    """Ours beside each peer that can be had at this size."""
+    kinds = (Ours, Questplus) if size is LARGE else (Ours, Questplus, PsychoPy)
+    (ours, *theirs) = (apart(kind, size, int(rng.integers(2**31))) for kind in kinds)
+    most_ms = {SIZES[-1]: 0.5, LARGE: 10.0}.get(size)
+    tell(f"{size.name}: a trial, 99th percentile", ours[1], "ms", at_most=most_ms)
+    for kind, peer in zip(kinds[1:], theirs, strict=True):
+        limit = 50 if kind is PsychoPy else None
+        tell(f"{size.name}: {kind.__name__}'s trial over ours, medians", peer[0] / ours[0], at_least=limit)
+    if size is LARGE:
+        tell(f"{size.name}: memory over that of questplus", ours[2] / theirs[0][2], at_most=0.25)
 
 
 def main() -> None:
@@ -186,9 +205,7 @@ def main() -> None:
     rng = np.random.default_rng()
     print(f"{'ms per trial':<43} {'wall':>9} {'p99':>9} {'busy':>9} {'p99':>9} {'first':>9} {'build s':>8} {'MB':>8}")
     for size in sizes:
-        for kind in (Ours, Questplus, PsychoPy):
-            if kind is not PsychoPy or size is not LARGE:
-                apart(trials, kind, size, int(rng.integers(2**31)))
+        compare(size, rng)
     for size in sizes:
         choices(size, rng)
 

@@ -15,6 +15,8 @@ from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING, Any
 
+from measured import ratios, tell
+
 from tactometry.contact import Contact
 from tactometry.loading import resolve
 from tactometry.signal import Signal
@@ -121,9 +123,12 @@ def tell_warm(surface: Surface) -> None:
         times.setdefault((way, what), []).append(spent_s)
     for (way, what), spent in times.items():
         other = "default scene" if way.startswith("off") else "formula"
-        pairs = zip(spent, times[other, what], strict=True)
-        ratio = median(one / beside for one, beside in pairs)
+        beside = ratios(spent, times[other, what])
+        ratio = median(beside)
         print(f"{surface.name:<18}{way:<38}{what:<15}{1e3 * median(spent):8.3f} ms  {ratio:6.2f} times the {other}")
+        if way != "formula":
+            limit = 1.05 if way.startswith("off") else 1.2 if way == "default scene" else None
+            tell(f"{surface.name}, {what}: {way} over the {other}", beside, at_most=limit)
 
 
 def first_call_s(name: str, way: str) -> None:
@@ -150,6 +155,7 @@ def tell_cold(surface: Surface) -> None:
     ratio, (formula_s, scene_s) = median(b / a for a, b in pairs), map(median, zip(*pairs, strict=True))
     times_ms = f"{1e3 * scene_s:.1f} ms, formula {1e3 * formula_s:.1f} ms"
     print(f"{surface.name:<18}first call of a process: scene {times_ms}, {ratio:.2f} times")
+    tell(f"{surface.name}: first call of a process, scene over formula", [b / a for a, b in pairs], at_most=1.2)
 
 
 def tell_off_on_a_panel() -> None:
@@ -165,7 +171,7 @@ def tell_off_on_a_panel() -> None:
     plans, given = [bare.resolve(), panel.resolve()], {"level_db_re_1v": 30.0}
     times = [[process_s(plan.run, given) for plan in plans] for _ in range(N_RUNS)][1:]
     ratio = median(with_s / without_s for without_s, with_s in times)
-    print(f"panel, attraction: {len(slots)} effects off: {ratio:.3f} times without them")
+    tell(f"panel, attraction: with {len(slots)} effects off, over without them", ratio, at_most=1.05)
 
 
 def tell_courses() -> None:

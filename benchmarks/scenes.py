@@ -8,6 +8,7 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
+from measured import ratios, tell
 from threadpoolctl import threadpool_limits
 
 from tactometry.experiments.scenes import names, path_of
@@ -73,7 +74,7 @@ def timed(plan: Plan) -> float:
     return time.process_time() - start_s
 
 
-def compare(title: str, plans: Sequence[Plan], named: Sequence[str]) -> None:
+def compare(title: str, plans: Sequence[Plan], named: Sequence[str], at_most: float | None = None) -> None:
     """Print the median times of plans, and their ratios to the first."""
     print(title)
     for plan in plans:
@@ -85,6 +86,8 @@ def compare(title: str, plans: Sequence[Plan], named: Sequence[str]) -> None:
             f"  {n} (+ {named[n]}): {median_s * 1e3:8.3f} ms, {median_s / medians[0]:7.2f} x, "
             f"{len(plan.stages)} stages, predicted {plan.predicted_s * 1e3:8.3f} ms"
         )
+    first, last = ([each[n] for each in rounds] for n in (0, -1))
+    tell(f"{title}: all of them over none", ratios(last, first), at_most=at_most)
 
 
 UNASKED: Mapping[str, tuple[tuple[str, dict[str, object]], ...]] = {
@@ -99,6 +102,8 @@ UNASKED: Mapping[str, tuple[tuple[str, dict[str, object]], ...]] = {
     "receptors, summation": (("receptors", {}), ("summation", {})),
 }
 N_AT_ONCE = 20
+UNNEEDED = 1.05
+"""What effects that are off may cost."""
 
 
 def resolved_and_run(scene: Scene) -> float:
@@ -115,11 +120,14 @@ def unasked() -> None:
     print("electrovibration, resolve and run: friction alone, and with effects beside it that voltage_v does not need")
     law, friction = effect("force_law", law="sc_layer"), effect("friction")
     bare = Scene(Electrovibration(240.0), (law, friction), ("voltage_v",), 1e-2, (FingerContact(1.0, 0.05),))
+    found = []
     for name, kinds in UNASKED.items():
         fuller = replace(bare, effects=(*bare.effects, *(effect(kind, **values) for kind, values in kinds)))
         rounds = [(resolved_and_run(bare), resolved_and_run(fuller)) for _ in range(3 * N_ROUNDS)]
         alone_s, beside_s = (statistics.median(column) for column in zip(*rounds, strict=True))
         print(f"  {name:<24}{alone_s * 1e3:8.3f} ms, {beside_s / alone_s:6.3f} x")
+        found.append(beside_s / alone_s)
+    tell("resolve and run: with an effect that no output needs over without it, largest", max(found), at_most=UNNEEDED)
 
 
 def built_in(name: str) -> None:
@@ -137,16 +145,20 @@ def built_in(name: str) -> None:
     print(
         f"  {name}: measured {median_s:.3f} s, predicted {plan.predicted_s:.3f} s, {plan.predicted_s / median_s:.2f} x"
     )
+    tell(f"{name}: measured", times, "s")
+    tell(f"{name}: predicted over measured", plan.predicted_s / median_s)
 
 
 def main() -> None:
     growing = ["none", *(kind for kind, _ in GROWING)]
     focusing, later = ["none", *(kind for kind, _ in FOCUSING)], ["attenuation", *(kind for kind, _ in LATER)]
     panels = [plan_of(n, asked=False) for n in range(len(GROWING))]
-    compare("electrovibration: effects that no output needs", panels, growing)
+    compare("electrovibration: effects that no output needs", panels, growing, UNNEEDED)
     panels = [plan_of(n, asked=True) for n in range(len(GROWING) + 1)]
     compare("electrovibration: effects that an output needs", panels, growing)
-    compare("time reversal: effects that no output needs", [focus_of(n, asked=False) for n in range(5)], later)
+    compare(
+        "time reversal: effects that no output needs", [focus_of(n, asked=False) for n in range(5)], later, UNNEEDED
+    )
     compare("time reversal: effects that an output needs", [focus_of(n, asked=True) for n in range(6)], focusing)
     unasked()
     print("built-in scenes")

@@ -14,6 +14,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from time import perf_counter, process_time
 
+from measured import tell
+
 from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.reading.trials import used_rows
@@ -70,11 +72,14 @@ def on_disk(root: Path, n_jobs: int) -> Steps:
     return steps
 
 
-def report(way: str, measure: Callable[[Path, int], Steps], root: Path, n_jobs: int) -> None:
+def report(
+    way: str, measure: Callable[[Path, int], Steps], root: Path, n_jobs: int, at_most_s: float | None = None
+) -> None:
     steps = measure(root, n_jobs)
     steps["together"] = tuple(map(sum, zip(*steps.values(), strict=True)))  # type: ignore[assignment]
     for name, (cpu, wall) in steps.items():
         print(f"{way:<32} {name:<28} {cpu:>7.2f} s of processor {wall:>7.2f} s of wall")
+    tell(f"{way}, by the clock", steps["together"][1], "s", at_most=at_most_s)
 
 
 def main() -> None:
@@ -82,10 +87,10 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         root = Path(folder)
         report("in memory, one process", in_memory, root, 1)
-        report("in memory, two are started", in_memory, root, 2)
+        report("in memory, two are started", in_memory, root, 2, at_most_s=5)
         report("in memory, two that stand", in_memory, root, 2)
         report("data set, one process", on_disk, root / "one", 1)
-        report("data set, two that stand", on_disk, root / "two", 2)
+        report("data set, two that stand", on_disk, root / "two", 2, at_most_s=20)
 
 
 if __name__ == "__main__":

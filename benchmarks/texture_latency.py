@@ -21,6 +21,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from measured import tell
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "tests" / "support")]
 
@@ -148,6 +149,8 @@ def main():
                 quantiles = " ".join(f"{1e3 * value:7.2f}" for value in np.quantile(late_s, [0.5, 0.99, 1.0]))
                 late = f"{np.mean([feed.late for feed, _ in feeds]):.4f}"
                 print(LINE.format(name, stated, quantiles, late, f"{n_like}/{len(feeds)}", f"{100 * part:.1f} %"))
+                tell(f"{name}: of a core, the whole session", 100 * part, "%", at_most=30)
+                tell(f"{name}: place to voltage, 99th percentile by the clock", 1e3 * np.quantile(late_s, 0.99), "ms")
         finally:
             sink.close()
 

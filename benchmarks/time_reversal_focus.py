@@ -135,11 +135,16 @@ def main() -> None:
         print(
             f"{f'differences {step * 1e3:g} mm':<24}{spent * 1e3:>10.1f}{focus:>13.2e}{waveform:>10.2g}{played:>14.4f}"
         )
-    for wanted, goal in ((1e-2, ">= 200"), (1e-3, ">= 2000")):
+    for wanted, goal in ((1e-2, 200), (1e-3, 2000)):
         ours = min(t for t, e in modal_at.values() if e <= wanted)
         beyond = " EXTRAPOLATED beyond the finest grid" if wanted < points[-1][1] else ""
         detail = f"ours {ours * 1e3:.2f} ms; differences {time_at(points, wanted):.3g} s{beyond}"
-        row(f"focus at {wanted:.1%} error", time_at(points, wanted) / ours, goal, detail)
+        row(
+            f"focus at {wanted:.1%} error, compiled differences over ours",
+            time_at(points, wanted) / ours,
+            detail,
+            at_least=goal,
+        )
 
 
 def time_at(points: list[tuple[float, float]], wanted: float) -> float:

@@ -48,17 +48,23 @@ def against_dense_product() -> None:
     row(
         "free modes 0-50 kHz: time over one 1500 product",
         times["ritz"] / times["product"],
-        "<= 15",
         f"{times['ritz']:.3g} s",
+        at_most=15,
     )
-    row("free modes 0-50 kHz: error", worst, "<= 1e-8")
+    row("free modes 0-50 kHz: error", worst, unit="", at_most=1e-8)
 
 
 def to_100_khz() -> None:
     start = time.process_time()
     found = frequencies_hz(100e3)
     spent = time.process_time() - start
-    row(f"{len(found)} free modes below 100 kHz: error", error(found, reference_hz(100e3)), "<= 1e-9", f"{spent:.3g} s")
+    row(
+        f"{len(found)} free modes below 100 kHz: error",
+        error(found, reference_hz(100e3)),
+        f"{spent:.3g} s",
+        unit="",
+        at_most=1e-9,
+    )
 
 
 def against_scikit_fem() -> None:
@@ -74,8 +80,9 @@ def against_scikit_fem() -> None:
         start = time.process_time()
         found = bogner_fox_schmit_hz(PLATE, n_x, n_y, len(inside))
         spent = time.process_time() - start
-        detail = f"theirs: error {error(found, reference):.2g}, {spent:.3g} s"
-        row(f"free modes below 25 kHz against {n_x} x {n_y} BFS elements", spent / ours_s, ">= 300 at 1e-3", detail)
+        theirs = error(found, reference)
+        detail, limit = f"theirs: error {theirs:.2g}, {spent:.3g} s", 300 if theirs <= WANTED else None
+        row(f"free modes below 25 kHz, {n_x} x {n_y} BFS elements over ours", spent / ours_s, detail, at_least=limit)
 
 
 def _timed(call: object) -> float:

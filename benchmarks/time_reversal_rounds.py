@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 import scipy
 import scipy.linalg  # so that its BLAS is limited and listed
+from measured import tell
 from threadpoolctl import threadpool_info, threadpool_limits
 
 threadpool_limits(1)
@@ -44,6 +45,16 @@ def machine() -> str:
     return f"numpy {np.__version__}, scipy {scipy.__version__}; {blas}"
 
 
-def row(what: str, ratio: float, goal: str, detail: str = "") -> None:
-    """One line of a table."""
-    print(f"{what:<58} {ratio:>10.4g}   {goal:<14} {detail}")
+def row(
+    what: str,
+    value: float,
+    detail: str = "",
+    *,
+    unit: str = "x",
+    at_least: float | None = None,
+    at_most: float | None = None,
+) -> None:
+    """One result, with how it came about."""
+    tell(what, value, unit, at_least=at_least, at_most=at_most)
+    if detail:
+        print(f"    {detail}")

@@ -47,7 +47,7 @@ def stepping() -> None:
         5,
     )
     detail = f"{n_sub} substeps, error {error(n_sub):.2g}; ours {times['exact'] * 1e3:.3g} ms"
-    row("exact step against Newmark at 1e-5", times["newmark"] / times["exact"], ">= 100", detail)
+    row("exact step against Newmark at 1e-5", times["newmark"] / times["exact"], detail, at_least=100)
 
 
 @njit(cache=True)
@@ -89,7 +89,12 @@ def sigma_delta() -> None:
         assert np.array_equal(modulate(signal, order).bits, over_time(order))
         times = interleaved({"ours": lambda k=order: modulate(signal, k), "numpy": lambda k=order: over_time(k)}, 7)
         detail = f"{times['ours'] * 1e3:.3g} ms"
-        row(f"sigma-delta order {order}, 32 x 20 000, against numpy", times["numpy"] / times["ours"], ">= 200", detail)
+        row(
+            f"sigma-delta order {order}, 32 x 20 000, against numpy",
+            times["numpy"] / times["ours"],
+            detail,
+            at_least=200 if order == 2 else None,
+        )
 
 
 if __name__ == "__main__":

@@ -18,6 +18,7 @@ import threading
 from pathlib import Path
 
 import numpy as np
+from measured import tell
 
 sys.path[:0] = [str(Path(__file__).resolve().parents[1] / "tests" / "support"), str(Path(__file__).resolve().parent)]
 
@@ -85,6 +86,8 @@ def main():
             print(f"{'ms (median, largest)':<26}{'decision':>18}{'zero':>18}")
             for name, force_n in CAUSES.items():
                 took_s = np.array([touched(window, sink, force_n) for _ in range(N_TOUCHES)])
+                for what, each in zip(("decided", "silent"), took_s.T, strict=True):
+                    tell(f"{name}: {what}, by the clock", [1e3 * one for one in each], "ms")
                 columns = (f"{1e3 * np.median(each):9.1f}{1e3 * max(each):9.1f}" for each in took_s.T)
                 print(f"{name:<26}" + "".join(columns))
         finally:

@@ -13,6 +13,7 @@ import time
 from pathlib import Path
 
 import numpy as np
+from measured import tell
 
 N_TOUCHES, TOUCHES_PER_HOUR = 100, 720
 RATE_HZ, LASTS_S = 1000.0, 2.0
@@ -94,6 +95,10 @@ def main():
             files.close()
         p50_ms, p99_ms = 1e3 * np.quantile(times_s, [0.5, 0.99])
         ratios = "   ".join(f"{of / size:8.2f} {np.median(s) / np.median(times_s):8.2f}" for of, s in peers)
+        for name, (of, s) in zip(("numpy's compressed archive", "numpy's gzipped text"), peers, strict=True):
+            tell(f"{kind}: bytes, {name} over ours", of / size)
+            tell(f"{kind}: time by the clock, {name} over ours", np.median(s) / np.median(times_s))
+        tell(f"{kind}: an hour", size * TOUCHES_PER_HOUR / 1e6, "MB")
         an_hour = size * TOUCHES_PER_HOUR / 1e6
         print(f"{kind:10} {size:13.0f} {an_hour:6.1f}   {p50_ms:8.2f} {p99_ms:8.2f}   {ratios}")
 

@@ -22,6 +22,7 @@ from pathlib import Path
 from urllib.parse import urlsplit
 
 import numpy as np
+from measured import tell
 
 from tactometry.experiments.sessions.recording import Who, record, simulated
 from tactometry.experiments.study.experiment import wire
@@ -148,11 +149,12 @@ def main() -> None:
         print(
             f"Python {platform.python_version()}, {platform.machine()}; {n_before} trials, {path.stat().st_size} bytes"
         )
-        print(f"start and the whole journal: {whole_s:.2f} s of processor time, once")
+        tell("start and the whole journal of three hours, once", whole_s, "s")
+        tell("of a core, a page open and a trial in 5 s", 100 * share, "%", at_most=2)
         print(
             f"each trial with a page open: {1e3 * trial_s:.1f} ms, {n_bytes} bytes sent: {100 * share:.2f} % of a core"
         )
-        print(f"without a page open: {100 * idle_share(root, 10.0):.2f} % of a core")
+        tell("of a core, without a page open", 100 * idle_share(root, 10.0), "%")
         traces.close()
         journal.close()
 

@@ -1,12 +1,19 @@
 """Benchmarks, which are programs beside the packages, as modules of which tests try a part."""
 
 import importlib.util
+import sys
 
 from places import ROOT
 
+FOLDER = ROOT / "benchmarks"
+
 
 def benchmark_module(name):
-    place = importlib.util.spec_from_file_location(f"benchmark_{name}", ROOT / "benchmarks" / f"{name}.py")
-    module = importlib.util.module_from_spec(place)
-    place.loader.exec_module(module)
+    place = importlib.util.spec_from_file_location(f"benchmark_{name}", FOLDER / f"{name}.py")
+    module = sys.modules[place.name] = importlib.util.module_from_spec(place)
+    sys.path.append(str(FOLDER))
+    try:
+        place.loader.exec_module(module)
+    finally:
+        sys.path.remove(str(FOLDER))
     return module

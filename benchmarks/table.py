@@ -1,0 +1,199 @@
+"""Every benchmark, and benchmarks/README.md, the table of what they measured: `python benchmarks/table.py [NAME ...]`.
+
+Without a name all are run; with names those are renewed, and the others keep their rows with their dates
+(`results.json`). Each is run `--runs` times, as a program of its own on one thread; the median of all repeats is held
+against what was asked. One that fails, or ends without a result, is told with its reason beside the rows of its last
+run. `--page` alone writes the page anew from what is kept.
+"""
+
+import argparse
+import json
+import os
+import platform
+import subprocess
+import sys
+import tempfile
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from datetime import UTC, datetime
+from pathlib import Path
+from time import perf_counter
+
+from measured import ROWS, Measured
+
+FOLDER = Path(__file__).resolve().parent
+RESULTS, PAGE = "results.json", "README.md"
+LONGEST_S = 3600.0
+ELSEWHERE = {
+    "census": "docs/analysis.md, statuses",
+    "census_comparisons": "docs/analysis.md, comparisons",
+    "ladder_peers": "docs/cost.md",
+}
+"""They write what a page of the docs shows, and run by name alone."""
+HEAD = """\
+# Benchmarks
+
+Every ratio and time that was asked for, and what was reached. Written by `make bench`, which runs all of them (hours);
+`make bench ARGS="watch traces"` renews two, `make bench ARGS=--page` writes this page from `results.json`. A median is
+held against what was asked; the spread is that of repeats within and between runs. Ratios are to a peer of the same
+run, in which both take turns; times are of the processor where nothing else is said. Limits in seconds are meant for a
+quiet machine: a row's load says how quiet it was (processes that wanted a core, at most, while it ran).
+
+"""
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """The last run of a benchmark that gave results, and how a later one failed, if one did."""
+
+    rows: tuple[Measured, ...] = ()
+    date: str = ""
+    load: float = 0.0
+    machine: str = ""
+    n_runs: int = 0
+    took_s: float = 0.0
+    failed: str = ""
+
+
+def programs(folder: Path = FOLDER) -> list[str]:
+    """The benchmarks, by name; not what they share."""
+    own = Path(__file__).name
+    found = (path for path in folder.glob("*.py") if path.name != own)
+    return sorted(path.stem for path in found if '__name__ == "__main__"' in path.read_text(encoding="utf-8"))
+
+
+def once(program: Path, longest_s: float = LONGEST_S) -> tuple[list[Measured], str]:
+    """The results of one run, and why it failed; empty if it did not."""
+    with tempfile.TemporaryDirectory() as folder:
+        rows = Path(folder) / "rows"
+        rows.touch()
+        env = {"OMP_NUM_THREADS": "1", "OPENBLAS_NUM_THREADS": "1", **os.environ, ROWS: str(rows)}
+        try:
+            ended = subprocess.run([sys.executable, program], cwd=folder, env=env, timeout=longest_s, check=False,
+                                   stderr=subprocess.PIPE, text=True)  # fmt: skip
+            said = (ended.stderr.strip().splitlines() or ["without a word"])[-1]
+            failed = f"exit status {ended.returncode}: {said:.200}" if ended.returncode else ""
+        except subprocess.TimeoutExpired:
+            failed = f"took more than {longest_s:g} s"
+        found = [measured(json.loads(line)) for line in rows.read_text(encoding="utf-8").splitlines()]
+    return found, failed or ("" if found else "ended without a result")
+
+
+def measured(kept: Mapping[str, object]) -> Measured:
+    return Measured(**{**kept, "values": tuple(kept["values"])})  # type: ignore[arg-type]
+
+
+def pooled(rows: Iterable[Measured]) -> tuple[Measured, ...]:
+    """Results of several runs, those of one name together."""
+    by_name: dict[str, Measured] = {}
+    for row in rows:
+        before = by_name.get(row.what)
+        by_name[row.what] = row if before is None else replace(row, values=(*before.values, *row.values))
+    return tuple(by_name.values())
+
+
+def run(program: Path, n_runs: int, before: Outcome) -> Outcome:
+    """Run a benchmark some times; one that fails keeps what it measured `before`."""
+    began_s, rows, load = perf_counter(), [], 0.0
+    for _ in range(n_runs):
+        found, failed = once(program)
+        rows, load = [*rows, *found], max(load, os.getloadavg()[0])
+        if failed:
+            return replace(before, failed=f"{_today()}, load {load:.1f}: {failed}")
+    return Outcome(pooled(rows), _today(), round(load, 1), machine(), n_runs, round(perf_counter() - began_s, 1))
+
+
+def _today() -> str:
+    return datetime.now(UTC).date().isoformat()
+
+
+def machine() -> str:
+    """Processor, cores, system and versions."""
+    from tactometry.experiments.cost.report import machine as versions
+
+    info = Path("/proc/cpuinfo")
+    lines = info.read_text(encoding="utf-8").splitlines() if info.exists() else []
+    processor = next((line.partition(": ")[2] for line in lines if line.startswith("model name")), platform.processor())
+    return f"{processor}, {os.cpu_count()} cores, {platform.system()}; Python {platform.python_version()}; {versions()}"
+
+
+def page(outcomes: Mapping[str, Outcome], names: Sequence[str]) -> str:
+    """The page; benchmarks that were never run are named too."""
+    machines = list(dict.fromkeys(each.machine for name in names if (each := outcomes.get(name)) and each.rows))
+    known = {name: outcomes.get(name, Outcome()) for name in names}
+    lines = [*_summary(known.values()), "", *_table(known, machines), "", *_failures(known)]
+    lines += [f"- Machine {n}: {each}" for n, each in enumerate(machines, 1)]
+    lines += [f"- `{name}.py` by name alone: what it finds stands in {where}." for name, where in ELSEWHERE.items()]
+    return HEAD + "\n".join(lines) + "\n"
+
+
+def _summary(outcomes: Iterable[Outcome]) -> Iterator[str]:
+    verdicts = [row.holds for outcome in outcomes for row in outcome.rows]
+    n_asked = len(verdicts) - verdicts.count(None)
+    yield f"{verdicts.count(True)} of {n_asked} that were asked for are reached, {verdicts.count(False)} missed."
+
+
+def _table(known: Mapping[str, Outcome], machines: Sequence[str]) -> Iterator[str]:
+    yield "| benchmark | what | asked | median | least to largest | repeats | | measured | load | machine |"
+    yield "|---|---|---|---|---|---|---|---|---|---|"
+    for name, outcome in known.items():
+        for row in outcome.rows:
+            verdict = f"**{row.verdict}**" if row.holds is False else row.verdict
+            where = f"{outcome.date} | {outcome.load:.1f} | {machines.index(outcome.machine) + 1}"
+            median = row.told(row.median)
+            yield (
+                f"| {name} | {row.what} | {row.asked} | {median} | {row.spread} | {len(row.values)} | {verdict} "
+                f"| {where} |"
+            )
+        if not outcome.rows and not outcome.failed and name not in ELSEWHERE:
+            yield f"| {name} | not run yet | | | | | | | | |"
+
+
+def _failures(known: Mapping[str, Outcome]) -> Iterator[str]:
+    for name, outcome in known.items():
+        if outcome.failed:
+            kept = "its rows are of the run before" if outcome.rows else "there is no run before"
+            yield f"- **{name} FAILED** ({outcome.failed}); {kept}."
+
+
+def read(path: Path) -> dict[str, Outcome]:
+    """What is kept."""
+    kept = json.loads(path.read_text(encoding="utf-8")) if path.exists() else {}
+    return {
+        name: Outcome(**{**each, "rows": tuple(measured(row) for row in each["rows"])}) for name, each in kept.items()
+    }
+
+
+def write(outcomes: Mapping[str, Outcome], folder: Path) -> None:
+    kept = {name: asdict(outcome) for name, outcome in sorted(outcomes.items())}
+    (folder / RESULTS).write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+    (folder / PAGE).write_text(page(outcomes, programs(folder)), encoding="utf-8")
+
+
+def renew(names: Sequence[str], n_runs: int, folder: Path = FOLDER) -> None:
+    """Run the benchmarks of these names, all where there is none; each is kept as it ends."""
+    for name in names or [name for name in programs(folder) if name not in ELSEWHERE]:
+        print(f"== {name}", flush=True)
+        outcomes = read(folder / RESULTS)
+        outcome = run(folder / f"{name}.py", n_runs, outcomes.get(name, Outcome()))
+        print(outcome.failed and f"{name}: {outcome.failed}", flush=True)
+        write({**outcomes, name: outcome}, folder)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", metavar="NAME", help=f"one of {', '.join(programs())}")
+    parser.add_argument("--runs", type=int, default=3, help="how often each is run")
+    parser.add_argument("--page", action="store_true", help="run nothing")
+    said = parser.parse_args()
+    unknown = [name for name in said.names if name not in programs()]
+    if unknown:
+        parser.error(f"found no benchmark {unknown[0]!r}, expected one of {', '.join(programs())}")
+    if said.page:
+        write(read(FOLDER / RESULTS), FOLDER)
+    else:
+        renew(said.names, said.runs)
+
+
+if __name__ == "__main__":
+    main()
