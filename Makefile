@@ -18,6 +18,7 @@ EXTRAS := window,audio,serial,lsl,ni,watch,power,cluster,hdf5,film,docs,dev
 SYSTEM_PACKAGES := xvfb xauth libgl1 libglu1-mesa libfontconfig1 libportaudio2 pulseaudio pulseaudio-utils libasound2-plugins
 PLATFORMS := x86_64-manylinux_2_36 aarch64-apple-darwin x86_64-apple-darwin x86_64-pc-windows-msvc
 PYTHONS := 3.11 3.12
+RELEASE_TOOLS := build twine reuse cyclonedx-bom pip-audit uv
 
 # A shell function: install the named Debian packages that are missing, where the user may; else say which ones.
 define debian
@@ -40,7 +41,7 @@ debian() {
 }
 endef
 
-.PHONY: help demo test soak static check bench docs pages reproduced validated keys stability constraints platforms clean system
+.PHONY: help demo test soak static check bench docs release pages reproduced validated keys stability constraints platforms clean system
 
 help: ## what can be made
 	@sed -nE 's/^([a-z]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 20
@@ -66,12 +67,20 @@ check: static system $(VENV)/.test ## the static checks, then all tests with bra
 bench: system $(VENV)/.test ## every benchmark, and benchmarks/README.md; ARGS="watch traces" renews two
 	@$(BIN)/python benchmarks/table.py $(ARGS)
 
+<<<<<<< HEAD
 docs: $(VENV)/.test ## build the site into docs/_build/html, without a network; a warning or a dead link fails
 	@$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --nitpicky docs docs/_build/html $(ARGS)
 	echo "The site is docs/_build/html/index.html"
 
 pages: $(VENV)/.test ## write docs/explanation/cost.md (accuracy), docs/explanation/reproduced.md (the thesis) and docs/explanation/stability.md (hard cases) anew
 	@$(BIN)/tactometry cost all --page docs/explanation/cost.md >/dev/null
+=======
+release: $(VENV)/release ## build and check wheel and sdist into dist/, with a list of materials; publishes nothing
+	@$(VENV)/release/bin/python .ci/release.py $(ARGS)
+
+pages: $(VENV)/.test ## write docs/cost.md (accuracy), docs/reproduced.md (the thesis) and docs/stability.md (hard cases) anew
+	@$(BIN)/tactometry cost all --page docs/cost.md >/dev/null
+>>>>>>> 67fa958b (A release is built and checked by one command: version, tag and changelog could say three things, no licence stood for the files, and nobody had installed the wheel in an empty environment)
 	$(MAKE) --no-print-directory reproduced stability
 
 reproduced: $(VENV)/.core ## write docs/explanation/reproduced.md: what of the thesis comes out
@@ -137,3 +146,8 @@ $(VENV)/.test: $(VENV)/.python pyproject.toml setup.py constraints.txt
 	$(INSTALL) setuptools wheel
 	$(INSTALL) --no-build-isolation --editable '.[$(EXTRAS)]'
 	touch $(VENV)/.core $@
+
+# An environment of their own: what they need is none of ours
+$(VENV)/release: $(VENV)/.python
+	@$(BIN)/python -m venv $@
+	$@/bin/python -m pip --disable-pip-version-check install --quiet $(RELEASE_TOOLS)

@@ -7,6 +7,7 @@ is empty, and pip installs the dependencies under the constraints.
 """
 
 import os
+import shutil
 import subprocess
 import sys
 import sysconfig
@@ -21,6 +22,8 @@ from patience import LONGEST_PROGRAM_S
 from places import ROOT
 from soak import SOAK
 from source_tree import WINGS, copy_tree
+
+from tactometry import __version__
 
 KEPT = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "COV_", "COVERAGE"))}
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -53,8 +56,8 @@ def done(result: "subprocess.CompletedProcess[str]") -> str:
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Built from a copy, so that nothing is left in the tree and nothing that lies there comes in."""
-    beside = ("pyproject.toml", "setup.py", "README.md", "LICENSE")
-    source = copy_tree(tmp_path_factory.mktemp("source"), *beside)
+    source = copy_tree(tmp_path_factory.mktemp("source"), "pyproject.toml", "setup.py", "README.md")
+    shutil.copytree(ROOT / "LICENSES", source / "LICENSES")
     out = source / "dist"
     done(run(sys.executable, "-m", "build", "--wheel", "--no-isolation", "--outdir", out, ".", cwd=source))
     (built,) = out.glob("*.whl")
@@ -93,12 +96,12 @@ def test_the_wheel_holds_every_file_of_the_tree_once(wheel: Path) -> None:
 
 def test_the_wheel_puts_one_name_beside_others(wheel: Path) -> None:
     tops = {name.split("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
-    assert tops == {"tactometry", f"tactometry-{PROJECT['version']}.dist-info"}
+    assert tops == {"tactometry", f"tactometry-{__version__}.dist-info"}
 
 
 def test_the_wheel_carries_the_licence(wheel: Path) -> None:
     names = zipfile.ZipFile(wheel).namelist()
-    assert any(name.endswith("licenses/LICENSE") for name in names)
+    assert any(name.endswith("licenses/LICENSES/GPL-3.0-or-later.txt") for name in names)
     assert PROJECT["license"] == "GPL-3.0-or-later"
 
 

@@ -1,0 +1,234 @@
+"""Builds and checks a release into dist/, and publishes nothing: `make release`.
+
+The version stands in one place, `tactometry/__init__.py`, so that a clone without tags, an sdist and a copy without git
+build alike. A release is the commit whose tag says it: `v` and the version; without a tag the build is told to be none.
+Each step is told as done, FAILED or NOT DONE; one that is not done (a Python that is absent, an audit whose service is
+not reached) makes the status 1, unless it was excused by its option.
+"""
+
+import argparse
+import ast
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import zipfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+ROOT = Path(__file__).resolve().parents[1]
+DIST = ROOT / "dist"
+PYTHONS = ("3.11", "3.12")
+NEWEST = "3.13"
+WINGS = ("stimuli", "protocols", "analysis", "experiments")
+CLEAN = {name: value for name, value in os.environ.items() if not name.startswith(("PYTHON", "VIRTUAL_ENV"))}
+UNREACHED = ("ConnectionError", "Max retries", "ServiceError", "HTTPError", "timed out")
+"""What pip-audit says where its service does not answer."""
+
+
+class NotDone(Exception):  # noqa: N818
+    """A step that could not be tried here; the reason."""
+
+
+class Failed(Exception):  # noqa: N818
+    """A step that found something wrong."""
+
+
+def run(*command: str | Path, cwd: Path = ROOT) -> str:
+    """What a program prints.
+
+    Raises
+    ------
+    Failed
+        If it ends with another status than 0; its last lines.
+    """
+    done = subprocess.run(
+        [str(word) for word in command], cwd=cwd, env=CLEAN, capture_output=True, text=True, check=False
+    )
+    if done.returncode:
+        raise Failed((done.stdout + done.stderr).strip()[-2000:])
+    return done.stdout
+
+
+def tool(name: str) -> Path:
+    """A program of the environment that runs this."""
+    return Path(sys.executable).with_name(name)
+
+
+def version_of(root: Path) -> str:
+    """The version that the source states."""
+    tree = ast.parse((root / "tactometry" / "__init__.py").read_text(encoding="utf-8"))
+    values = [node.value for node in tree.body if isinstance(node, ast.Assign) and _is_version(node.targets[0])]
+    return str(ast.literal_eval(values[0]))
+
+
+def _is_version(target: ast.expr) -> bool:
+    return isinstance(target, ast.Name) and target.id == "__version__"
+
+
+def check_version(root: Path, tags: list[str], *, clean: bool) -> str:
+    """Whether source, tag of the commit and changelog say the same version; `clean`: nothing is uncommitted."""
+    version = version_of(root)
+    if not tags:
+        raise NotDone(f"this commit has no tag: a build of {version}, and no release; git tag v{version} makes it one")
+    if f"v{version}" not in tags:
+        raise Failed(f"found the tag {', '.join(tags)}, expected v{version} as in tactometry/__init__.py")
+    if not clean:
+        raise Failed("found files that are not committed, expected what the tag names")
+    if not re.search(
+        rf"^## \[{re.escape(version)}\]", (root / "CHANGELOG.md").read_text(encoding="utf-8"), re.MULTILINE
+    ):
+        raise Failed(f"CHANGELOG.md: found no section [{version}], expected one: rename [Unreleased]")
+    return version
+
+
+def version() -> str:
+    tags = run("git", "tag", "--points-at", "HEAD").split()
+    return check_version(
+        ROOT, [tag for tag in tags if tag.startswith("v")], clean=not run("git", "status", "--porcelain")
+    )
+
+
+def build() -> str:
+    """The sdist, and the wheel from it: what an sdist lacks, a wheel lacks too."""
+    shutil.rmtree(DIST, ignore_errors=True)
+    run(tool("python"), "-m", "build", "--outdir", DIST, ".")
+    return ", ".join(f"{path.name} ({path.stat().st_size / 1e6:.1f} MB)" for path in sorted(DIST.iterdir()))
+
+
+def metadata() -> str:
+    run(tool("twine"), "check", "--strict", *sorted(DIST.iterdir()))
+    return "twine check --strict"
+
+
+def wanted(tracked: list[str]) -> set[str]:
+    """What the wheel is to hold of the files of the tree, by its names there."""
+    own = {name for name in tracked if name.split("/")[0] in ("tactometry", *WINGS) and "/" in name}
+    links = {f"tactometry/{room}" for room in WINGS}
+    return {name if name.startswith("tactometry/") else f"tactometry/{name}" for name in own - links}
+
+
+def contents() -> str:
+    """Whether the wheel holds the tree, no more and no less, and the sdist what builds it."""
+    held = {name for name in zipfile.ZipFile(only("*.whl")).namelist() if ".dist-info/" not in name}
+    differ = held ^ wanted(run("git", "ls-files").splitlines())
+    if differ:
+        raise Failed(f"{len(differ)} files are in the wheel or in the tree alone, such as {sorted(differ)[0]}")
+    with tarfile.open(only("*.tar.gz")) as packed:
+        names = {name.partition("/")[2] for name in packed.getnames()}
+    missing = {"LICENSES/GPL-3.0-or-later.txt", "README.md", "pyproject.toml", "setup.py"} - names
+    if missing:
+        raise Failed(f"the sdist lacks {', '.join(sorted(missing))}")
+    return f"{len(held)} files in the wheel, as in the tree"
+
+
+def only(pattern: str) -> Path:
+    (path,) = DIST.glob(pattern)
+    return path
+
+
+def licences() -> str:
+    run(tool("reuse"), "lint", "--quiet")
+    return "reuse lint"
+
+
+def python_of(minor: str) -> Path:
+    """A Python of this version that runs: of the path, of pyenv, or of uv."""
+    ours = os.environ.get("PYENV_ROOT", str(Path.home() / ".pyenv"))
+    candidates = [shutil.which(f"python{minor}"), *sorted(Path(ours, "versions").glob(f"{minor}.*/bin/python"))]
+    for candidate in filter(None, candidates):
+        asked = [str(candidate), "-c", "import sys, venv, ensurepip; print('%d.%d' % sys.version_info[:2])"]
+        told = subprocess.run(asked, capture_output=True, text=True, check=False)
+        if told.stdout.strip() == minor:
+            return Path(candidate)
+    raise NotDone(f"no Python {minor} with venv runs here")
+
+
+def install(minor: str) -> str:
+    """The wheel in an empty environment, under the constraints, and a session with its analysis in it."""
+    with TemporaryDirectory() as folder:
+        place = Path(folder)
+        run(python_of(minor), "-m", "venv", place / "v")
+        run(place / "v/bin/python", "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", only("*.whl"))
+        program = place / "v/bin/tactometry"
+        told = run(program, "--version").strip()
+        run(program, "simulate", "tutorial", "--participants", "2", "--seed", "1", "--out", "d", cwd=place)
+        run(program, "validate", "d", cwd=place)
+        run(program, "analyse", "d", "--report", "d/report.html", cwd=place)
+        if minor == PYTHONS[0]:
+            bill_of_materials(place / "v/bin/python")
+        return f"{told} on {run(place / 'v/bin/python', '--version').strip()}: simulated, validated, analysed"
+
+
+def bill_of_materials(python: Path) -> None:
+    """CycloneDX, of the environment in which the wheel was installed."""
+    cyclonedx = (tool("cyclonedx-py"), "environment", "--pyproject", ROOT / "pyproject.toml", "--output-reproducible")
+    run(*cyclonedx, "--output-file", DIST / "tactometry.cdx.json", python)
+
+
+def materials() -> str:
+    """Whether the list was written, as the wheel was installed."""
+    path = DIST / "tactometry.cdx.json"
+    if not path.exists():
+        raise NotDone(f"the wheel was not installed on {PYTHONS[0]}")
+    return f"{path.name} (CycloneDX), {path.read_text(encoding='utf-8').count(chr(34) + 'purl' + chr(34))} packages"
+
+
+def resolves() -> str:
+    asked = ("--python-version", NEWEST, "--no-header", "--output-file", os.devnull, "pyproject.toml")
+    run(tool("uv"), "pip", "compile", "--quiet", *asked)
+    return f"the core on {NEWEST}"
+
+
+def audit() -> str:
+    """Known holes in the packages of the constraints."""
+    try:
+        run(
+            tool("pip-audit"), "--progress-spinner", "off", "--disable-pip", "--no-deps", "-r", ROOT / "constraints.txt"
+        )
+    except Failed as failure:
+        if any(word in str(failure) for word in UNREACHED):
+            last = str(failure).splitlines()[-1]
+            raise NotDone(f"its service was not reached, so that nothing was audited ({last:.120})") from None
+        raise
+    return "pip-audit of constraints.txt: no known hole"
+
+
+def steps() -> Iterator[tuple[str, Callable[[], str]]]:
+    yield "version", version
+    yield "build", build
+    yield "metadata", metadata
+    yield "contents", contents
+    yield "licences", licences
+    for minor in PYTHONS:
+        yield f"install {minor}", lambda minor=minor: install(minor)
+    yield f"resolve {NEWEST}", resolves
+    yield "materials", materials
+    yield "audit", audit
+
+
+def main() -> int:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--untagged", action="store_true", help="a build that is no release will do")
+    parser.add_argument("--unaudited", action="store_true", help="an audit that cannot be made is excused")
+    said = parser.parse_args()
+    excused = {"version": said.untagged, "audit": said.unaudited}
+    wrong = 0
+    for name, step in steps():
+        try:
+            print(f"{name:14}{step()}", flush=True)
+        except NotDone as reason:
+            wrong += not excused.get(name, False)
+            print(f"{name:14}NOT DONE: {reason}", flush=True)
+        except Failed as reason:
+            wrong += 1
+            print(f"{name:14}FAILED: {reason}", flush=True)
+    print(f"{DIST}: nothing was published" if not wrong else f"{wrong} steps failed or were not done; do not publish")
+    return 1 if wrong else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

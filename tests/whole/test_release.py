@@ -1,0 +1,109 @@
+"""What `make release` demands: one version in source, tag and changelog; the tree in the wheel; nothing passed over."""
+
+import importlib.util
+import re
+import shutil
+import sys
+
+import pytest
+from places import ROOT
+
+from tactometry import __version__
+
+PLACE = importlib.util.spec_from_file_location("release", ROOT / ".ci" / "release.py")
+release = importlib.util.module_from_spec(PLACE)
+PLACE.loader.exec_module(release)
+TAG = f"v{__version__}"
+
+
+@pytest.fixture
+def source(tmp_path):
+    (tmp_path / "tactometry").mkdir()
+    shutil.copy(ROOT / "tactometry" / "__init__.py", tmp_path / "tactometry")
+    (tmp_path / "CHANGELOG.md").write_text(f"## [Unreleased]\n\n## [{__version__}] - 2026-11-23\n", "utf-8")
+    return tmp_path
+
+
+def test_the_version_is_read_without_running_the_package():
+    assert release.version_of(ROOT) == __version__
+
+
+def test_a_release_is_the_commit_whose_tag_says_its_version(source):
+    assert release.check_version(source, [TAG], clean=True) == __version__
+
+
+def test_without_a_tag_it_is_no_release(source):
+    with pytest.raises(release.NotDone, match=f"git tag {TAG} makes it one"):
+        release.check_version(source, [], clean=True)
+
+
+@pytest.mark.parametrize(
+    ("tags", "clean", "sentence"),
+    [(["v9.9.9"], True, f"found the tag v9.9.9, expected {TAG}"), ([TAG], False, "files that are not committed")],
+)
+def test_a_tag_that_says_otherwise_or_a_tree_that_differs_fails(source, tags, clean, sentence):
+    with pytest.raises(release.Failed, match=re.escape(sentence)):
+        release.check_version(source, tags, clean=clean)
+
+
+def test_a_release_has_its_section_in_the_changelog(source):
+    (source / "CHANGELOG.md").write_text("## [Unreleased]\n", "utf-8")
+    with pytest.raises(release.Failed, match="rename \\[Unreleased\\]"):
+        release.check_version(source, [TAG], clean=True)
+
+
+def test_the_rooms_stand_in_the_wheel_under_our_name_and_links_do_not():
+    tracked = ["tactometry/errors.py", "tactometry/stimuli", "stimuli/hybrid.py", "tests/conftest.py", "README.md"]
+    assert release.wanted(tracked) == {"tactometry/errors.py", "tactometry/stimuli/hybrid.py"}
+
+
+@pytest.mark.parametrize(
+    ("raised", "words", "status", "told"),
+    [
+        (None, [], 0, "nothing was published"),
+        (release.Failed("a hole"), [], 1, "FAILED: a hole"),
+        (release.Failed("a hole"), ["--unaudited"], 1, "FAILED: a hole"),
+        (release.NotDone("not reached"), [], 1, "NOT DONE: not reached"),
+        (release.NotDone("not reached"), ["--unaudited"], 0, "NOT DONE: not reached"),
+    ],
+)
+def test_what_was_not_done_is_told_and_passes_by_its_option_alone(monkeypatch, capsys, raised, words, status, told):
+    def audit():
+        if raised is not None:
+            raise raised
+        return "no known hole"
+
+    monkeypatch.setattr(release, "steps", lambda: iter([("audit", audit)]))
+    monkeypatch.setattr(sys, "argv", ["release.py", *words])
+    assert release.main() == status
+    assert told in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("said", ["requests.exceptions.ConnectionError: no route", "ServiceError: 503"])
+def test_an_audit_whose_service_is_not_reached_is_not_done(monkeypatch, said):
+    def run(*_command):
+        raise release.Failed(said)
+
+    monkeypatch.setattr(release, "run", run)
+    with pytest.raises(release.NotDone, match="nothing was audited"):
+        release.audit()
+
+
+def test_a_known_hole_fails_the_audit(monkeypatch):
+    def run(*_command):
+        raise release.Failed("Found 1 known vulnerability in 1 package")
+
+    monkeypatch.setattr(release, "run", run)
+    with pytest.raises(release.Failed, match="known vulnerability"):
+        release.audit()
+
+
+def test_a_python_that_is_absent_is_told(monkeypatch, tmp_path):
+    monkeypatch.setenv("PYENV_ROOT", str(tmp_path))
+    with pytest.raises(release.NotDone, match=r"no Python 3\.99"):
+        release.python_of("3.99")
+
+
+def test_one_licence_is_stated_for_all_files():
+    assert 'SPDX-License-Identifier = "GPL-3.0-or-later"' in (ROOT / "REUSE.toml").read_text("utf-8")
+    assert (ROOT / "LICENSE").read_bytes() == (ROOT / "LICENSES" / "GPL-3.0-or-later.txt").read_bytes()
