@@ -67,20 +67,15 @@ check: static system $(VENV)/.test ## the static checks, then all tests with bra
 bench: system $(VENV)/.test ## every benchmark, and benchmarks/README.md; ARGS="watch traces" renews two
 	@$(BIN)/python benchmarks/table.py $(ARGS)
 
-<<<<<<< HEAD
 docs: $(VENV)/.test ## build the site into docs/_build/html, without a network; a warning or a dead link fails
 	@$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --nitpicky docs docs/_build/html $(ARGS)
 	echo "The site is docs/_build/html/index.html"
 
-pages: $(VENV)/.test ## write docs/explanation/cost.md (accuracy), docs/explanation/reproduced.md (the thesis) and docs/explanation/stability.md (hard cases) anew
-	@$(BIN)/tactometry cost all --page docs/explanation/cost.md >/dev/null
-=======
 release: $(VENV)/release ## build and check wheel and sdist into dist/, with a list of materials; publishes nothing
 	@$(VENV)/release/bin/python .ci/release.py $(ARGS)
 
-pages: $(VENV)/.test ## write docs/cost.md (accuracy), docs/reproduced.md (the thesis) and docs/stability.md (hard cases) anew
-	@$(BIN)/tactometry cost all --page docs/cost.md >/dev/null
->>>>>>> 67fa958b (A release is built and checked by one command: version, tag and changelog could say three things, no licence stood for the files, and nobody had installed the wheel in an empty environment)
+pages: $(VENV)/.test ## write docs/explanation/cost.md (accuracy), docs/explanation/reproduced.md (the thesis) and docs/explanation/stability.md (hard cases) anew
+	@$(BIN)/tactometry cost all --page docs/explanation/cost.md >/dev/null
 	$(MAKE) --no-print-directory reproduced stability
 
 reproduced: $(VENV)/.core ## write docs/explanation/reproduced.md: what of the thesis comes out

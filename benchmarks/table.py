@@ -25,9 +25,9 @@ FOLDER = Path(__file__).resolve().parent
 RESULTS, PAGE = "results.json", "README.md"
 LONGEST_S = 3600.0
 ELSEWHERE = {
-    "census": "docs/analysis.md, statuses",
-    "census_comparisons": "docs/analysis.md, comparisons",
-    "ladder_peers": "docs/cost.md",
+    "census": "docs/reference/analysis.md, statuses",
+    "census_comparisons": "docs/reference/analysis.md, comparisons",
+    "ladder_peers": "docs/explanation/cost.md",
 }
 """They write what a page of the docs shows, and run by name alone."""
 HEAD = """\

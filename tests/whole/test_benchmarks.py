@@ -66,6 +66,10 @@ def test_each_benchmark_tells_results(name: str) -> None:
     assert re.search(r"\b(tell|row)\(", text)
 
 
+def test_pages_that_hold_the_results_of_others_stand() -> None:
+    assert all((BENCHMARKS.parent / page.partition(",")[0]).is_file() for page in table.ELSEWHERE.values())
+
+
 def test_the_page_is_that_of_the_results_that_are_kept() -> None:
     kept = table.read(BENCHMARKS / "results.json")
     assert kept
