@@ -1,4 +1,4 @@
-"""CONTRIBUTING.md and CHANGELOG.md stand at the root of the repository, and are pages of the site too."""
+"""CONTRIBUTING.md and others stand where a clone is looked at, beside `docs/`, and are pages of the site too."""
 
 from pathlib import Path
 from typing import Any
@@ -6,7 +6,12 @@ from typing import Any
 from sphinx.application import Sphinx
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = {"contributing": "CONTRIBUTING.md", "changelog": "CHANGELOG.md"}
+PAGES = {
+    "contributing": "CONTRIBUTING.md",
+    "changelog": "CHANGELOG.md",
+    "benchmarks": "benchmarks/README.md",
+    "security": "SECURITY.md",
+}
 
 
 def _of_the_root(text: str) -> str:

@@ -1,6 +1,7 @@
 """What `make release` demands: one version in source, tag and changelog; the tree in the wheel; nothing passed over."""
 
 import importlib.util
+import json
 import re
 import shutil
 import sys
@@ -89,6 +90,18 @@ def test_an_audit_whose_service_is_not_reached_is_not_done(monkeypatch, said):
         release.audit()
 
 
+KNOWN, UNKNOWN = {"name": "a", "vulns": []}, {"name": "b", "skip_reason": "not found"}
+
+
+def test_a_package_that_the_service_does_not_know_was_not_audited(monkeypatch):
+    """Pip-audit itself ends well then."""
+    monkeypatch.setattr(release, "run", lambda *_: json.dumps({"dependencies": [KNOWN, UNKNOWN]}))
+    with pytest.raises(release.NotDone, match="1 of 2 packages are unknown to its service, such as b"):
+        release.audit()
+    monkeypatch.setattr(release, "run", lambda *_: json.dumps({"dependencies": [KNOWN]}))
+    assert release.audit() == "pip-audit: no known hole in 1 packages"
+
+
 def test_a_known_hole_fails_the_audit(monkeypatch):
     def run(*_command):
         raise release.Failed("Found 1 known vulnerability in 1 package")
@@ -107,3 +120,7 @@ def test_a_python_that_is_absent_is_told(monkeypatch, tmp_path):
 def test_one_licence_is_stated_for_all_files():
     assert 'SPDX-License-Identifier = "GPL-3.0-or-later"' in (ROOT / "REUSE.toml").read_text("utf-8")
     assert (ROOT / "LICENSE").read_bytes() == (ROOT / "LICENSES" / "GPL-3.0-or-later.txt").read_bytes()
+
+
+def test_the_citation_says_the_version():
+    assert f"\nversion: {__version__}\n" in (ROOT / "CITATION.cff").read_text("utf-8")
