@@ -85,8 +85,9 @@ validated: $(VENV)/.core ## write docs/explanation/validated.md anew: our method
 	@$(BIN)/tactometry validate-method --out docs/.validated --rounds 20 --jobs 2 --page docs/explanation/validated.md >/dev/null
 	@rm -rf docs/.validated
 
-keys: $(VENV)/.core ## write the tables of keys in docs/reference anew
+keys: $(VENV)/.core ## write the tables of keys and the page of commands in docs/reference anew
 	@$(BIN)/python -m tactometry.experiments.reference.pages
+	$(BIN)/python -m tactometry.cli.reference
 
 stability: system $(VENV)/.test ## write docs/explanation/stability.md from the hard cases of the tests
 	@$(BIN)/python -m pytest -q --stability

@@ -79,7 +79,7 @@ def keys_of(table: KeyTable) -> tuple[Key, ...]:
 
     >>> from tactometry.experiments.reference.tables import tables
     >>> [(key.name, key.within, key.otherwise) for key in keys_of(tables()["task.forced_choice"])]
-    [('kind', '"forced_choice"', ''), ('n_intervals', '2, 3 or 4', '2')]
+    [('kind', '`"forced_choice"`', ''), ('n_intervals', '2, 3 or 4', '2')]
     """
     hints, given = typing.get_type_hints(table.reader), table.given()
     fields = {name: one for name, one in fields_of(table.reader).items() if name not in given}
@@ -91,7 +91,7 @@ def keys_of(table: KeyTable) -> tuple[Key, ...]:
 
 def _kind(table: KeyTable) -> Key:
     stated = toml_value(table.kind)
-    return Key("kind", "a text", "", stated, stated if table.usual else "", summary(table.reader), stated)
+    return Key("kind", "a text", "", f"`{stated}`", stated if table.usual else "", summary(table.reader), stated)
 
 
 def _of_kinds(table: KeyTable, name: str) -> Key:

@@ -97,8 +97,15 @@ def _row(key: Key, alike: list[KeyTable], page: str) -> str:
     held = kinds if key.name == "kind" and len(alike) > 1 else holds(key)
     means = "Which kind it is." if key.name == "kind" else key.means
     see = f" Its keys: {_link(key.see, page)}." if key.see else ""
-    cells = (f"`{key.name}`", held, key.otherwise or "**required**", f"{means}{see}")
-    return f"| {' | '.join(cell.replace('|', '&#124;') for cell in cells)} |"
+    cells = (f"`{key.name}`", held, _otherwise(key), f"{means}{see}")
+    escaped = (cell.replace("|", "\\|") for cell in cells)
+    return f"| {' | '.join(escaped)} |"
+
+
+def _otherwise(key: Key) -> str:
+    """What is taken in its place: a value as a file writes it, or that it must be there."""
+    in_words = key.required or key.otherwise in ("none", "its own")
+    return (key.otherwise or "**required**") if in_words else f"`{key.otherwise}`"
 
 
 def _texts_in_words() -> str:

@@ -44,7 +44,7 @@ class NamedFile(click.Path):
         return named or super().shell_complete(ctx, param, incomplete)
 
 
-STUDY: Final = NamedFile("tactometry.experiments.study.study_file:builtin")
+STUDY: Final = NamedFile("tactometry.experiments.study.study_file:shipped")
 SCENE: Final = NamedFile("tactometry.experiments.scenes:names")
 
 

@@ -18,7 +18,7 @@ from tactometry.experiments.reference.pages import path_of, text_of
 from tactometry.experiments.reference.study_tables import GREY
 from tactometry.experiments.reference.tables import PAGES, tables
 from tactometry.experiments.study.cells import merge
-from tactometry.experiments.study.study_file import builtin
+from tactometry.experiments.study.study_file import shipped
 
 TABLES = tables()
 per_table = pytest.mark.parametrize("name", TABLES)
@@ -77,7 +77,7 @@ def test_a_key_is_what_its_class_says():
 
 
 def test_a_kind_is_the_first_key_of_its_table():
-    assert keys_of(gadget(kind="round"))[0] == Key("kind", "a text", "", '"round"', "", "A gadget.", '"round"')
+    assert keys_of(gadget(kind="round"))[0] == Key("kind", "a text", "", '`"round"`', "", "A gadget.", '"round"')
     assert keys_of(gadget(kind="round", usual=True))[0].otherwise == '"round"'
 
 
@@ -152,9 +152,9 @@ def test_samples_are_of_keys_that_are_there():
         assert set(table.samples) <= set().union(*map(names_of, group)), name
 
 
-@pytest.mark.parametrize("study", builtin())
-def test_every_key_of_a_built_in_study_is_in_a_table(study):
-    table = read_table(builtin()[study], "a study file")
+@pytest.mark.parametrize("study", shipped())
+def test_every_key_of_a_shipped_study_is_in_a_table(study):
+    table = read_table(shipped()[study], "a study file")
     assert set(table) <= names_of("study")
     varied = [change for levels in table.get("variants", {}).values() for change in levels.values()]
     for where in ("stimulus", "touch", "task", "procedure", "observer", "finger", "practice", "limits", "plan"):

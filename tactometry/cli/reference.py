@@ -1,0 +1,76 @@
+"""The page of the docs that has every command and option, as `--help` tells them.
+
+`python -m tactometry.cli.reference` (`make keys`) writes it.
+"""
+
+import inspect
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Final
+
+import click
+
+from . import tactometry
+
+PAGE: Final = Path(__file__).resolve().parents[2] / "docs" / "reference" / "commands.md"
+HEAD: Final = """# Commands
+
+<!-- Written by `make keys`. -->
+
+Every command and option, as `--help` tells them. The exit status is 0 where all was done, 1 where the answer is no, 2
+where what was given cannot be used, 3 where a device failed. Results are printed as JSON with `--json`; a bar shows the
+progress on a terminal alone.
+"""
+
+
+def text() -> str:
+    """The page, as it should be."""
+    root = click.Context(tactometry, info_name="tactometry")
+    return "\n".join([HEAD, *_sections(tactometry, root)])
+
+
+def _sections(group: click.Group, context: click.Context) -> Iterator[str]:
+    """The commands of a group, and of those that are groups themselves, in their order."""
+    for name in group.list_commands(context):
+        command = group.get_command(context, name)
+        if command is not None:
+            inner = click.Context(command, info_name=name, parent=context)
+            yield _section(command, inner)
+            yield from _sections(command, inner) if isinstance(command, click.Group) else ()
+
+
+def _section(command: click.Command, context: click.Context) -> str:
+    usage = " ".join([context.command_path, *command.collect_usage_pieces(context)])
+    options = [record for one in command.get_params(context) if _is_told(one) and (record := _record(one, context))]
+    table = ["| option | meaning |", "|---|---|", *(f"| `{names}` | {said} |" for names, said in options)]
+    example = (command.epilog or "").partition(": ")[2]
+    parts = [
+        f"## `{context.command_path}`",
+        inspect.cleandoc(command.help or ""),
+        f"Usage: `{usage}`",
+        *(["\n".join(table)] if options else []),
+        *([f"Example: `{example}`"] if example else []),
+    ]
+    return "\n\n".join(parts) + "\n"
+
+
+def _is_told(parameter: click.Parameter) -> bool:
+    return isinstance(parameter, click.Option) and not parameter.hidden and "--help" not in parameter.opts
+
+
+def _record(parameter: click.Parameter, context: click.Context) -> tuple[str, str] | None:
+    """An option as its line of the help has it, in cells of a table."""
+    record = parameter.get_help_record(context)
+    return record and (_cell(record[0]), _cell(record[1]))
+
+
+def _cell(text: str) -> str:
+    return " ".join(text.split()).replace("|", "\\|").replace("<", "&lt;")
+
+
+def main() -> None:
+    PAGE.write_text(text(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
