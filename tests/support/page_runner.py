@@ -12,7 +12,7 @@ from page_console import ALIKE, alike, run_console
 from page_files import READERS, read_toml
 from places import ROOT
 
-LANGUAGES = ("console", "python", "toml", "csv", "text")
+LANGUAGES = ("console", "python", "toml", "text")
 SAID = re.compile(r"^ *print\(.*\)(?:  |\n *)# (.+)$", re.MULTILINE)
 """What a print is told to print: a comment behind it, or in the line below it."""
 
