@@ -5,6 +5,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from tactometry.analysis.wording import in_unit, plain_text, with_unit
+from tactometry.errors import count_of
 from tactometry.session.progress import Progress, TrackProgress
 from tactometry.trials.tasks import TASKS, YES_OR_NO
 from tactometry.trials.trial import Trial
@@ -141,9 +142,9 @@ def levels_plot(name: str, title: str, track: TrackProgress) -> Plot | None:
 
 
 def _levels_words(last: Trial, n_presented: int, n_reversals: int, unit: str) -> str:
-    turned = f", {n_reversals} reversals" if n_reversals else ""
+    turned = f", {count_of(n_reversals, 'reversal')}" if n_reversals else ""
     level = "" if last.level is None else f"; the last level was {in_unit(plain_text(last.level), unit)}"
-    return f"{n_presented} presentations{turned}{level}."
+    return f"{count_of(n_presented, 'presentation')}{turned}{level}."
 
 
 def samples_plot(

@@ -164,7 +164,7 @@ def test_the_status_says_where_the_session_is_and_what_went_wrong():
     progress = progress.after_event(Event("trial", 10.0, facts={"n_frames": 300, "n_dropped_frames": 7}))
     words = status_words(progress, PARTS)
     assert words == (
-        "trial 3 of 40 · 4 min left · frequency_hz 60 · last blank · 0 reversals · 1 false alarms of 1 · "
+        "trial 3 of 40 · 4 min left · frequency_hz 60 · last blank · 0 reversals · 1 false alarm of 1 · "
         "7 frames dropped · 0 gaps"
     )
     aborted = progress.after(Record(TRIAL, aborted="block 1 is aborted: so"), Done(20.0))

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from typing import Any
 
+from ...errors import count_of
 from ...session.event import Event
 from ...session.progress import PartAhead, Progress
 from ...session.request import Request
@@ -15,7 +16,7 @@ def status_words(progress: Progress, parts: Sequence[PartAhead]) -> str:
     """The line, what matters most first: a narrow terminal cuts its end.
 
     >>> status_words(Progress(), [PartAhead(n_trials=20, lasts_s=100.0)])
-    'trial 1 of 20 · 2 min left · no false alarms of 0 · 0 frames dropped · 0 gaps'
+    'trial 1 of 20 · 2 min left · 0 false alarms of 0 · 0 frames dropped · 0 gaps'
     """
     n_trials = sum(part.n_trials for part in parts)
     n_next = min(progress.n_valid() + 1, max(n_trials, 1))
@@ -26,9 +27,9 @@ def status_words(progress: Progress, parts: Sequence[PartAhead]) -> str:
         f"{n_aborted} aborted" if n_aborted else "",
         ", ".join(f"{name} {cell(level)}" for name, level in progress.factors.items()),
         *_track_words(progress),
-        f"{progress.n_false_alarms or 'no'} false alarms of {progress.n_catch}",
-        f"{progress.n_dropped_frames} frames dropped",
-        f"{progress.n_gaps} gaps",
+        f"{count_of(progress.n_false_alarms, 'false alarm')} of {progress.n_catch}",
+        f"{count_of(progress.n_dropped_frames, 'frame')} dropped",
+        count_of(progress.n_gaps, "gap"),
     ]
     return " · ".join(filter(None, phrases))
 
@@ -38,7 +39,7 @@ def _track_words(progress: Progress) -> list[str]:
     if track is None or last is None:
         return []
     level = "blank" if last.level is None else f"{last.level:g} {last.level_unit}"
-    return [] if last.is_form else [f"last {level}", f"{len(track.reversals)} reversals"]
+    return [] if last.is_form else [f"last {level}", count_of(len(track.reversals), "reversal")]
 
 
 class StatusLine:
