@@ -184,7 +184,7 @@ def test_every_answer_that_is_to_be_repeated_is_not_valid(bench_with, terminal, 
     bench.answer(PRESS)
     watched.shown.queue.clear()
     terminal.types("r")
-    participant.answers(0.3, *keys)
+    participant.answers(lambda: terminal.shows("this trial will be asked again"), *keys)
     assert not bench.answer(ask).valid
     bench.answer(ROW)
     watched.shown.queue.clear()
