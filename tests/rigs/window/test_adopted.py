@@ -148,7 +148,7 @@ def test_keys_are_heard_by_whose_page_is_up(scene, window, hands):
 
     def taps(key):
         hands.tap(key)
-        time.sleep(0.1)  # until PsychoPy's thread has it, whoever's it is
+        time.sleep(0.4)  # until PsychoPy's thread has it, whoever's it is
 
     taps("a")
     window.present(Page())
