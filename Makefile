@@ -68,7 +68,7 @@ bench: system $(VENV)/.test ## every benchmark, and benchmarks/README.md; ARGS="
 	@$(BIN)/python benchmarks/table.py $(ARGS)
 
 docs: $(VENV)/.test ## build the site into docs/_build/html, without a network; a warning or a dead link fails
-	@$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --nitpicky docs docs/_build/html $(ARGS)
+	@$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --nitpicky --fresh-env --write-all docs docs/_build/html $(ARGS)
 	echo "The site is docs/_build/html/index.html"
 
 release: $(VENV)/release ## build and check wheel and sdist into dist/, with a list of materials; publishes nothing

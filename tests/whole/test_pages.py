@@ -14,7 +14,7 @@ from places import DOCS, ROOT
 
 from tactometry.cli import tactometry
 
-PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.glob("[a-z]*/**/*.md"))]
+PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted(DOCS.glob("*.md")), *sorted(DOCS.glob("[a-z]*/**/*.md"))]
 LONG = re.compile(r"^<!-- long: .+ -->$", re.MULTILINE)
 
 
