@@ -9,9 +9,28 @@ project = "Tactometry"
 author = "the authors of Tactometry"
 copyright = "the authors of Tactometry, GPL-3.0-or-later"  # noqa: A001
 
-extensions = ["myst_parser", "sphinx_design", "sphinx_copybutton", "mathml", "root_pages"]
+extensions = [
+    "sphinx.ext.autodoc",
+    "sphinx.ext.napoleon",
+    "myst_parser",
+    "sphinx_design",
+    "sphinx_copybutton",
+    "api_pages",
+    "mathml",
+    "root_pages",
+]
 exclude_patterns = ["_build", "_extensions", ".validated"]
 nitpicky = True
+nitpick_ignore_regex = [("py:.*", ".*")]
+
+default_role = "code"
+autodoc_typehints = "none"
+autodoc_preserve_defaults = True
+autodoc_member_order = "alphabetical"
+napoleon_google_docstring = False
+napoleon_use_param = False
+napoleon_use_rtype = False
+napoleon_use_ivar = True
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4

@@ -59,6 +59,8 @@ class StepFit:
 
 
 class Status(NotedStatus):
+    """What the answers say of a threshold: ``ok``, or why there is none, or a bound alone."""
+
     OK = "ok", ""
     BELOW = "threshold_below_range", "the threshold is below the levels tested: the interval's upper end is its bound"
     ABOVE = "threshold_above_range", "the threshold is above the levels tested: the interval's lower end is its bound"

@@ -91,7 +91,7 @@ class ParameterGrid:
             return np.asarray(np.log(x) - np.log(t))
 
     def log_likelihood_at(self, distances: Array, outcome: int) -> Array:
-        """log P(outcome) at distances from the threshold, (*shape of the distances, n_widths, n_rates): a logarithm of
+        """log P(outcome) at distances from the threshold, of shape ``(*distances, n_widths, n_rates)``: a logarithm of
         a sum of positive terms, or a sum of logarithms where the floor is 0."""
         shape, (guess, lapse) = shape_named(self.shape), self.rates
         z = shape.z50 + distances[..., None] / np.asarray(self.widths) * shape.z_width
@@ -110,7 +110,7 @@ class ParameterGrid:
         return self.log_likelihood_at(self.distances([level])[0], outcome).ravel()
 
     def certainty(self, distances: Array) -> Array:
-        """Sum over answers of p log p, (*shape of the distances, n_widths, n_rates)."""
+        """Sum over answers of p log p, of shape ``(*distances, n_widths, n_rates)``."""
         return np.asarray(sum(p_log_p(np.exp(self.log_likelihood_at(distances, answer))) for answer in (0, 1)))
 
     def likelihoods(self, levels: Sequence[float]) -> "MixtureLikelihoods":

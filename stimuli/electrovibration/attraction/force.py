@@ -56,15 +56,15 @@ class ForceForm:
 def force_form(law: str | None, skin: Skin, area_m2: NotNegative) -> ForceForm:
     """A law on a skin and a contact area (m^2, at least 0).
 
-    ================== ==================================================================================
-    law                force
-    ================== ==================================================================================
-    ``sc_layer``       ``e0 e_sc A (V_sc/d_sc)^2/2``, V_sc across the leaky corneum (Vezzoli, Vardar)
-    ``interface``      ``e0 A E^2/2``, field ``E = e_i V_i/d_i`` in a (vanishing) gap (Meyer, Shultz);
-                       leakage raises the force at low frequencies
+    =================== ==================================================================================
+    law                 force
+    =================== ==================================================================================
+    ``sc_layer``        ``e0 e_sc A (V_sc/d_sc)^2/2``, V_sc across the leaky corneum (Vezzoli, Vardar)
+    ``interface``       ``e0 A E^2/2``, field ``E = e_i V_i/d_i`` in a (vanishing) gap (Meyer, Shultz);
+                        leakage raises the force at low frequencies
     ``total_thickness`` ``e0 A V^2/(2 S (d_i + d_sc))``, lossless, ``S = d_i/e_i + d_sc/e_sc`` (Strong)
-    ``parallel_plate`` ``e0 e_i A V^2/(2 d_i^2)``: the insulator alone, the finger a conductor
-    ================== ==================================================================================
+    ``parallel_plate``  ``e0 e_i A V^2/(2 d_i^2)``: the insulator alone, the finger a conductor
+    =================== ==================================================================================
 
     Raises
     ------

@@ -36,13 +36,13 @@ SIDEBANDS: Mapping[str, tuple[tuple[float, float], ...]] = {
 class AmplitudeModulated(Ramped):
     """``V0 m(t) sin(2 pi f_c t)``, ``c = cos(2 pi f t)``, f the programmed frequency, m by `modulation`:
 
-    =====================  ======================  ============================================
-    modulation             m(t)                    low-passed force in units of V0^2 (lossless)
-    =====================  ======================  ============================================
-    ``square_root``        ``sqrt((1 + c)/2)``     0.25 + 0.25 c: a pure tone at f
-    ``full``               ``(1 + c)/2``           0.1875 + 0.25 c + 0.0625 cos(2 pi 2f t)
-    ``suppressed_carrier`` ``c``                   0.25 + 0.25 cos(2 pi 2f t): a pure tone at 2f
-    =====================  ======================  ============================================
+    ======================  ======================  ============================================
+    modulation              m(t)                    low-passed force in units of V0^2 (lossless)
+    ======================  ======================  ============================================
+    ``square_root``         ``sqrt((1 + c)/2)``     0.25 + 0.25 c: a pure tone at f
+    ``full``                ``(1 + c)/2``           0.1875 + 0.25 c + 0.0625 cos(2 pi 2f t)
+    ``suppressed_carrier``  ``c``                   0.25 + 0.25 cos(2 pi 2f t): a pure tone at 2f
+    ======================  ======================  ============================================
 
     Parameters
     ----------

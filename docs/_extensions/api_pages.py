@@ -1,0 +1,39 @@
+"""The pages of Python names are made by autodoc from docstrings; with the tag `quick` they are left empty."""
+
+import re
+from typing import Any
+
+from sphinx.application import Sphinx
+
+OF_VALUES = ("property", "attribute", "data")
+AS_WRITTEN: dict[str, list[str]] = {}
+
+
+def read(app: Sphinx, page: str, source: list[str]) -> None:
+    if page.startswith("reference/api/") and app.tags.has("quick"):
+        source[0] = re.sub(r"```{eval-rst}.*?```", "", source[0], flags=re.DOTALL)
+
+
+def before(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
+    """An example below a section gets a heading of its own."""
+    del app, thing, options
+    if what in OF_VALUES:
+        AS_WRITTEN[name] = list(lines)
+    first = next((n for n, line in enumerate(lines) if line.startswith(">>>")), None)
+    headed = [line for line in lines[:first] if re.fullmatch(r"-{3,}", line)]
+    if first is not None and headed and "Examples" not in lines[:first]:
+        lines[first:first] = ["Examples", "--------"]
+
+
+def behind(app: Sphinx, what: str, name: str, thing: object, options: object, lines: list[str]) -> None:
+    """What stands before a colon in the line of a property is no type, as napoleon takes it to be."""
+    del app, thing, options
+    if what in OF_VALUES:
+        lines[:] = AS_WRITTEN.pop(name, lines)
+
+
+def setup(app: Sphinx) -> dict[str, Any]:
+    app.connect("source-read", read)
+    app.connect("autodoc-process-docstring", before, priority=400)
+    app.connect("autodoc-process-docstring", behind, priority=600)
+    return {"parallel_read_safe": True}

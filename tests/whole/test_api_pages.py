@@ -1,0 +1,36 @@
+"""Every face of the product has its page of Python names, which autodoc fills from docstrings."""
+
+import inspect
+import re
+from importlib import import_module
+
+import pytest
+from places import DOCS, ROOT
+from source_tree import sources
+
+PAGES = {path.stem: path.read_text(encoding="utf-8") for path in (DOCS / "reference" / "api").glob("*.md")}
+PINNED = ("tactometry.protocols", "tactometry.psychometric", "tactometry.signal", "tactometry.contact")
+"""Modules that are no faces, whose names are promised."""
+
+
+def faces():
+    """The packages that name what others may call."""
+    for path in sources():
+        if path.name == "__init__.py" and "exports(__name__" in path.read_text(encoding="utf-8"):
+            yield f"tactometry.{'.'.join(path.parent.relative_to(ROOT).parts)}"
+
+
+@pytest.mark.parametrize("module", [*faces(), *PINNED])
+def test_a_module_of_public_names_has_its_page(module):
+    name = module.removeprefix("tactometry.").replace(".", "_")
+    assert f"automodule:: {module}\n   :members:" in PAGES[name]
+    assert re.search(rf"^{name}$", PAGES["index"], re.MULTILINE)
+
+
+@pytest.mark.parametrize("module", [*faces(), *PINNED])
+def test_a_public_name_says_what_it_is(module):
+    face = import_module(module)
+    public = getattr(face, "__all__", [])
+    named = {name: getattr(face, name) for name in public}
+    told = {name: thing for name, thing in named.items() if isinstance(thing, type) or inspect.isroutine(thing)}
+    assert [name for name, thing in told.items() if not (thing.__doc__ or "").strip()] == []
