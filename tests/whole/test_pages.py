@@ -90,6 +90,21 @@ def test_a_part_of_a_study_with_an_unknown_key_fails() -> None:
         run_block(block, {})
 
 
+NOT_RUN = [
+    pytest.param(block, id=f"{path.relative_to(ROOT).with_suffix('').as_posix()}:{block.line}")
+    for path in PAGES
+    for block in blocks_of(path)
+    if block.mark == "not run"
+]
+
+
+@pytest.mark.parametrize("block", NOT_RUN)
+def test_why_a_block_is_not_run_names_tests_that_are_there(block: Block) -> None:
+    """`pytest --collect-only -q -k not_run_names tests/whole/test_pages.py` lists all of them."""
+    assert len(block.said.split()) > 2
+    assert [path for path in re.findall(r"tests/[\w./]*\w", block.said) if not (ROOT / path).exists()] == []
+
+
 def test_a_block_that_is_not_run_says_why(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     page.write_text("<!-- not run: it needs a force sensor -->\n```console\n$ false\n```\n", encoding="utf-8")
