@@ -18,6 +18,9 @@ EXTRAS := window,audio,serial,lsl,ni,watch,power,cluster,hdf5,film,docs,dev
 SYSTEM_PACKAGES := xvfb xauth libgl1 libglu1-mesa libfontconfig1 libportaudio2 pulseaudio pulseaudio-utils libasound2-plugins
 PLATFORMS := x86_64-manylinux_2_36 aarch64-apple-darwin x86_64-apple-darwin x86_64-pc-windows-msvc
 PYTHONS := 3.11 3.12
+# Ground and ink of the dark figure; blue is too dark on it, and the palette's sky is not.
+NIGHT := \#0d1117
+MOON := \#e6edf3
 RELEASE_TOOLS := build twine reuse cyclonedx-bom pip-audit uv
 
 # A shell function: install the named Debian packages that are missing, where the user may; else say which ones.
@@ -41,7 +44,7 @@ debian() {
 }
 endef
 
-.PHONY: help demo test soak static check bench docs release pages reproduced validated keys stability constraints platforms clean system
+.PHONY: help demo test soak static check bench docs figure release pages reproduced validated keys stability constraints platforms clean system
 
 help: ## what can be made
 	@sed -nE 's/^([a-z]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 20
@@ -70,6 +73,13 @@ bench: system $(VENV)/.test ## every benchmark, and benchmarks/README.md; ARGS="
 docs: $(VENV)/.test ## build the site into docs/_build/html, without a network; a warning or a dead link fails
 	@$(BIN)/python -m sphinx --quiet --fail-on-warning --keep-going --nitpicky --fresh-env --write-all docs docs/_build/html $(ARGS)
 	echo "The site is docs/_build/html/index.html"
+
+figure: $(VENV)/.core ## draw the figure of the README anew, light and dark
+	@$(BIN)/tactometry demo --out demo >/dev/null
+	$(BIN)/tactometry analyse demo --figures demo/figures >/dev/null
+	cp demo/figures/threshold.svg docs/readme/light.svg
+	sed -e 's/#ffffff/$(NIGHT)/; s/#000000/$(MOON)/g; s/#0072b2/#56b4e9/g; 1s/<svg /<svg fill="$(MOON)" /' \
+	    docs/readme/light.svg > docs/readme/dark.svg
 
 release: $(VENV)/release ## build and check wheel and sdist into dist/, with a list of materials; publishes nothing
 	@$(VENV)/release/bin/python .ci/release.py $(ARGS)

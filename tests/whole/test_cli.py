@@ -4,13 +4,13 @@ import io
 import json
 import os
 import re
-import shlex
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
 
+import numpy as np
 import pytest
 from command_line import call, output, status
 from places import ROOT
@@ -195,34 +195,37 @@ def test_the_sine_variant_is_one_line_and_its_censored_cells_stay_bounds(tmp_pat
 
 @pytest.mark.parametrize(
     ("study", "n_participants"),
-    [("tutorial", 4), pytest.param(simulations.STUDY, simulations.N_PARTICIPANTS, marks=pytest.mark.slow)],
+    [("tutorial", 4), pytest.param(simulations.DEMO_STUDY, simulations.N_PARTICIPANTS, marks=pytest.mark.slow)],
 )
 def test_the_main_job_end_to_end(tmp_path, capsys, monkeypatch, study, n_participants):
     """As people call it, and with a short study: those of the README take the long one the same way."""
-    monkeypatch.setattr(simulations, "STUDY", study)
+    is_long = study == simulations.DEMO_STUDY
+    monkeypatch.setattr(simulations, "DEMO_STUDY", study)
     monkeypatch.setattr(simulations, "N_PARTICIPANTS", n_participants)
     out = output(capsys, "demo", "--out", tmp_path / "demo")
     assert (tmp_path / "demo" / "report.html").stat().st_size > 100_000
     assert "report:" in out
     assert len(list((tmp_path / "demo" / "data").glob("*.csv"))) == n_participants
+    if is_long:
+        drawn = points(tmp_path / "demo" / "report.html")
+        shown = points(ROOT / "docs" / "readme" / "light.svg")
+        assert len(shown) > 200
+        assert np.abs(shown[:, None] - drawn).max(axis=2).min(axis=1).max() < HALF_A_POINT
 
 
-def readme_commands():
-    text = (ROOT / "README.md").read_text("utf-8")
-    blocks = re.findall(r"```console\n(.*?)```", text, re.DOTALL)
-    return [
-        line.removeprefix("$ ") for block in blocks for line in block.splitlines() if line.startswith("$ tactometry")
-    ]
+HALF_A_POINT = 0.5
 
 
-@pytest.mark.slow
-def test_the_commands_of_the_readme_work_as_printed(tmp_path, capsys, monkeypatch):
-    commands = [shlex.split(command) for command in readme_commands()]
-    assert len(commands) >= 5
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(sys, "stdin", io.StringIO())
-    for _, *words in commands:
-        output(capsys, *words)
+def points(drawing):
+    """Where the markers of a drawing lie, shape (marker, 2)."""
+    found = re.findall(r'<use [^>]*x="([\d.]+)" y="([\d.]+)"', drawing.read_text("utf-8"))
+    return np.array(found, dtype=float)
+
+
+def test_the_figure_of_the_readme_is_one_figure_by_day_and_by_night():
+    light, dark = (ROOT / "docs" / "readme" / name for name in ("light.svg", "dark.svg"))
+    np.testing.assert_array_equal(points(light), points(dark))
+    assert "#ffffff" not in dark.read_text("utf-8")
 
 
 def test_the_command_is_on_the_path(tmp_path):
