@@ -19,6 +19,7 @@ import zipfile
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 ROOT = Path(__file__).resolve().parents[1]
 DIST = ROOT / "dist"
@@ -167,7 +168,16 @@ def install(minor: str) -> str:
 def bill_of_materials(python: Path) -> None:
     """CycloneDX, of the environment in which the wheel was installed."""
     cyclonedx = (tool("cyclonedx-py"), "environment", "--pyproject", ROOT / "pyproject.toml", "--output-reproducible")
-    run(*cyclonedx, "--output-file", DIST / "tactometry.cdx.json", python)
+    path = DIST / "tactometry.cdx.json"
+    run(*cyclonedx, "--output-file", path, python)
+    bill = with_version(json.loads(path.read_text(encoding="utf-8")), version_of(ROOT))
+    path.write_text(json.dumps(bill, indent=2) + "\n", encoding="utf-8")
+
+
+def with_version(bill: dict[str, Any], version: str) -> dict[str, Any]:
+    """A list of materials whose product has a version, which its tool reads from pyproject.toml alone."""
+    metadata = bill["metadata"]
+    return {**bill, "metadata": {**metadata, "component": {**metadata["component"], "version": version}}}
 
 
 def materials() -> str:
@@ -175,7 +185,7 @@ def materials() -> str:
     path = DIST / "tactometry.cdx.json"
     if not path.exists():
         raise NotDone(f"the wheel was not installed on {PYTHONS[0]}")
-    return f"{path.name} (CycloneDX), {path.read_text(encoding='utf-8').count(chr(34) + 'purl' + chr(34))} packages"
+    return f"{path.name} (CycloneDX), {len(json.loads(path.read_text(encoding='utf-8'))['components'])} packages"
 
 
 def resolves() -> str:

@@ -8,7 +8,7 @@ code.
 
 import os
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -137,7 +137,13 @@ def _is_of_set(root: Path, path: Path) -> bool:
 
 
 def _content(path: Path) -> bytes:
-    return b"" if path.is_symlink() else read_file(path, "a file to search")
+    """What is searched: nothing of a link, and no text where a file is too large, a pipe, or may not be read."""
+    if path.is_symlink():
+        return b""
+    try:
+        return read_file(path, "a file to search")
+    except InvalidFile:
+        return b"\0"
 
 
 def says(content: bytes, code: str) -> bool:
@@ -202,18 +208,22 @@ def _left_of_others(root: Path, code: str, of_others: Collection[Path]) -> Itera
     study = root / STUDY
     is_word_of_study = study in of_others and says(_content(study), code)
     for path in of_others:
-        name, content = _name(root, path), _content(path)
-        lines = content.split(b"\n")
-        if path.suffix == ".csv":
-            places = [n for n, line in enumerate(lines, 1) if line.startswith(f"{code},".encode())]
-        elif path.suffix == ".jsonl" and path.parent != root:
-            places = [n for n, line in enumerate(lines, 1) if line.startswith(b'{"event":') and says(line, code)]
-        elif path.name.endswith("_events.tsv") or (path.name == NAME and not is_word_of_study):
-            places = [n for n, line in enumerate(lines, 1) if says(line, code)]
-        else:
-            continue
-        if places:
-            yield Left(name, f"names {code} in line {places[0]}", names=True)
+        tells = None if path.name == NAME and is_word_of_study else _teller(root, path, code)
+        lines = [] if tells is None else _content(path).split(b"\n")
+        place = next((n for n, line in enumerate(lines, 1) if tells and tells(line)), None)
+        if place is not None:
+            yield Left(_name(root, path), f"names {code} in line {place}", names=True)
+
+
+def _teller(root: Path, path: Path, code: str) -> Callable[[bytes], bool] | None:
+    """Which lines of a file name the participant; None of a file where the code may be a word of the study."""
+    if path.suffix == ".csv":
+        return lambda line: line.startswith(f"{code},".encode())
+    if path.suffix == ".jsonl" and path.parent != root:
+        return lambda line: line.startswith(b'{"event":') and says(line, code)
+    if path.name.endswith("_events.tsv") or path.name == NAME:
+        return lambda line: says(line, code)
+    return None
 
 
 def _other_sets(root: Path, code: str) -> Iterator[Left]:

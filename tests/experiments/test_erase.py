@@ -1,6 +1,7 @@
 """One participant is erased from a data set: nothing of them is left, others' files stand, and a record says so."""
 
 import json
+import os
 import shutil
 from contextlib import suppress
 from pathlib import Path
@@ -237,9 +238,27 @@ def test_what_people_wrote_stays_and_is_told(capsys, two, name):
 
 def test_what_cannot_be_searched_is_told(two):
     (two / "fits.rds").write_bytes(b"\x1f\x8b\xff")
+    os.mkfifo(two / "pipe")
     done = erase(two, "QX7")
-    assert [(left.file, left.names) for left in done.left] == [("fits.rds", False)]
+    assert [(left.file, left.names) for left in done.left] == [("fits.rds", False), ("pipe", False)]
     assert done.is_free
+
+
+def test_a_description_that_a_person_added_to_is_told_and_a_word_of_the_study_is_not(two):
+    content = (two / "dataset_description.json").read_text("utf-8")
+    (two / "dataset_description.json").write_text(content.replace("{", '{"funding": "not of QX7",', 1), "utf-8")
+    assert [left.file for left in find(two, "QX7").left] == ["dataset_description.json"]
+    with (two / "study.toml").open("a", encoding="utf-8") as file:
+        file.write("# pattern QX7\n")
+    assert find(two, "QX7").left == ()
+
+
+def test_rows_of_the_participant_in_the_table_of_another_are_told(two):
+    table = Session("P01", 1, "tutorial").trials(two)
+    with table.open("a", encoding="utf-8") as file:
+        file.write("QX7,1,tutorial\n")
+    n_lines = len(table.read_bytes().splitlines())
+    assert [left.why for left in find(two, "QX7").left] == [f"names QX7 in line {n_lines}"]
 
 
 def test_a_remark_about_the_participant_in_a_journal_of_another_is_told(two):

@@ -124,3 +124,11 @@ def test_one_licence_is_stated_for_all_files():
 
 def test_the_citation_says_the_version():
     assert f"\nversion: {__version__}\n" in (ROOT / "CITATION.cff").read_text("utf-8")
+
+
+def test_the_list_of_materials_names_the_version():
+    bill = {"metadata": {"component": {"name": "tactometry"}, "tools": []}, "components": [{"name": "numpy"}]}
+    assert release.with_version(bill, "0.2.0") == {
+        "metadata": {"component": {"name": "tactometry", "version": "0.2.0"}, "tools": []},
+        "components": [{"name": "numpy"}],
+    }
