@@ -1,0 +1,155 @@
+"""What an install brings, in MB on the disk: `python benchmarks/install_size.py [PAGE]`, which writes the tables of the
+page (docs/how_to/install.md) anew.
+
+The core goes into an empty virtual environment, under the constraints, then one extra after the other. A package counts
+with what it alone brings; pip and setuptools are not counted. What is downloaded comes in wheels, a third of the size.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+import tomllib
+from pathlib import Path
+
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+REASONS = {
+    "numpy": "arrays: every signal, every table",
+    "scipy": "distributions, special functions, filters, searches: the physics and the fits",
+    "numba": "machine code of loops: the finger that sticks and slips, the plate in time, thousands of tracks at once",
+    "pandas": "tables of trials and of results",
+    "matplotlib": "figures, and the report",
+    "pillow": "images on pages, height maps of textures",
+    "msgspec": "journals and study files, read strictly",
+    "tomlkit": "a bench file that is changed keeps its comments (`calibrate --write`)",
+    "click": "the command line",
+    "rich": "tables and progress in the terminal",
+    "jinja2": "the pages of reports and of `watch`",
+    "joblib": "work on several cores (`--jobs`)",
+    "portalocker": "one session at a time writes a journal",
+    "threadpoolctl": "threads of linear algebra: told by `check`, held while time is measured",
+}
+EXTRAS = {
+    "power": "Parquet files: `power --out`, `write_tracks`",
+    "audio": "sound cards as outputs, microphones as sensors",
+    "serial": "sensors on a serial line",
+    "lsl": "sensors of Lab Streaming Layer",
+    "ni": "NI cards",
+    "hdf5": "impulse responses in HDF5 files",
+    "film": "films of scenes",
+    "watch": "the experimenter's page of a session",
+    "cluster": "`--scheduler`: work on a Dask cluster",
+    "window": "sessions in a PsychoPy window",
+}
+INSTALLED = """
+import json
+from importlib.metadata import distributions
+def size(file):
+    path = file.locate()
+    return path.stat().st_blocks * 512 if path.is_file() else 0
+print(json.dumps({d.name: [sum(map(size, d.files or [])), d.requires or []] for d in distributions()}))
+"""
+OURS = "tactometry"
+NOT_COUNTED = {"pip", "setuptools", OURS}
+
+
+class Environment:
+    """An empty virtual environment that takes our packages."""
+
+    def __init__(self, place: Path) -> None:
+        subprocess.run([sys.executable, "-m", "venv", place], check=True)
+        self.python = place / "bin" / "python"
+
+    def pip(self, *command: str) -> None:
+        pinned = ["--constraint", str(ROOT / "constraints.txt")]
+        subprocess.run([self.python, "-m", "pip", *command, *pinned], check=True, capture_output=True, cwd=ROOT)
+
+    def downloaded_mb(self) -> float:
+        """The wheels of the core."""
+        with tempfile.TemporaryDirectory() as folder:
+            self.pip("download", "--dest", folder, ".")
+            return sum(file.stat().st_size for file in Path(folder).iterdir() if OURS not in file.name) / 1e6
+
+    def packages(self) -> dict[str, tuple[float, set[str]]]:
+        """Each package with its MB and the names of what it needs."""
+        said = subprocess.run([self.python, "-c", INSTALLED], check=True, capture_output=True, text=True).stdout
+        found = {
+            canonicalize_name(name): (size / 1e6, needs(wanted)) for name, (size, wanted) in json.loads(said).items()
+        }
+        return {name: of for name, of in found.items() if name not in NOT_COUNTED}
+
+
+def needs(requirements: list[str]) -> set[str]:
+    """The names of requirements that hold here, without extras."""
+    wanted = map(Requirement, requirements)
+    return {canonicalize_name(one.name) for one in wanted if not one.marker or one.marker.evaluate({"extra": ""})}
+
+
+def brought(packages: dict[str, tuple[float, set[str]]], direct: list[str]) -> dict[str, list[str]]:
+    """Of each package that is asked for, those that come with it and with none before it."""
+    left = packages.keys() - set(direct)
+    found: dict[str, list[str]] = {}
+    for name in direct:
+        waiting, mine = list(packages[name][1]), set()
+        while waiting:
+            one = waiting.pop()
+            if one in left - mine:
+                mine.add(one)
+                waiting += packages[one][1]
+        found[name], left = sorted(mine), left - mine
+    return found
+
+
+def core_table(packages: dict[str, tuple[float, set[str]]]) -> str:
+    direct = [canonicalize_name(Requirement(text).name) for text in PROJECT["dependencies"]]
+    comes = brought(packages, direct)
+    size = {name: packages[name][0] + sum(packages[other][0] for other in comes[name]) for name in direct}
+    rows = [
+        f"| {name} | {size[name]:.0f} | {', '.join(comes[name])} | {REASONS[name]} |"
+        for name in sorted(direct, key=lambda name: -size[name])
+    ]
+    return "\n".join(["| package | MB | with | what for |", "|---|---|---|---|", *rows])
+
+
+def extras_table(environment: Environment) -> str:
+    """Each extra, with what it brings beside those above it."""
+    rows, before = [], total(environment)
+    for extra, reason in EXTRAS.items():
+        environment.pip("install", f".[{extra}]")
+        now = total(environment)
+        rows.append(f"| `{extra}` | {max(now - before, 0):.0f} | {reason} |")
+        before = now
+    return "\n".join(["| extra | MB more | what for |", "|---|---|---|", *rows])
+
+
+def total(environment: Environment) -> float:
+    return sum(size for size, _ in environment.packages().values())
+
+
+def page_text(text: str, tables: str) -> str:
+    """With the tables between the marks of a page."""
+    begin, end = "<!-- sizes: begin -->", "<!-- sizes: end -->"
+    head, _, rest = text.partition(begin)
+    return f"{head}{begin}\n{tables}\n{end}{rest.partition(end)[2]}"
+
+
+def main() -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        environment = Environment(Path(folder) / "venv")
+        downloaded = environment.downloaded_mb()
+        environment.pip("install", ".")
+        python = f"Python {sys.version_info.major}.{sys.version_info.minor}, {sys.platform}"
+        whole = f"The core: {total(environment):.0f} MB on the disk, {downloaded:.0f} MB to download ({python})."
+        core = core_table(environment.packages())
+        tables = "\n\n".join([whole, core, extras_table(environment)])
+    print(tables)
+    for page in map(Path, sys.argv[1:]):
+        page.write_text(page_text(page.read_text(encoding="utf-8"), tables), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
