@@ -142,7 +142,7 @@ $(VENV)/.python:
 	touch $@
 
 $(VENV)/.core: $(VENV)/.python pyproject.toml setup.py constraints.txt
-	@echo "Installing Tactometry with the packages of its core (225 MB to download) ..."
+	@echo "Installing Tactometry with the packages of its core (155 MB to download) ..."
 	$(INSTALL) setuptools wheel
 	$(INSTALL) --no-build-isolation --editable .
 	touch $@

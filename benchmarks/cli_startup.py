@@ -1,6 +1,7 @@
-"""CPU time of `tactometry --help`, beside a bare interpreter and one that imports pandas.
+"""CPU time of `tactometry --help` and of the imports of an analysis, beside a bare interpreter and one that imports
+pandas.
 
-Interleaved, one warm-up each; CPU time is user plus system time of the child. The limit is 0.3 s.
+Interleaved, one warm-up each; CPU time is user plus system time of the child. The limit is 0.3 s, of an import 1 s.
 """
 
 import os
@@ -13,10 +14,16 @@ from measured import ratios, tell
 
 RUNS = 15
 LIMIT_S = 0.3
+IMPORT_LIMIT_S = 1.0
+IMPORTS = {
+    "import tactometry.analysis": "import tactometry.analysis",
+    "import of fit": "from tactometry.analysis.threshold import fit",
+}
 COMMANDS = {
     "tactometry --help": [str(Path(sys.executable).with_name("tactometry")), "--help"],
     "python -c pass": [sys.executable, "-c", "pass"],
     "python -c 'import pandas'": [sys.executable, "-c", "import pandas"],
+    **{name: [sys.executable, "-c", code] for name, code in IMPORTS.items()},
 }
 
 
@@ -47,6 +54,9 @@ def main() -> None:
         spread = f"min {min(each):.3f}  max {max(each):.3f}"
         print(f"{name:26} median {median:.3f} s  {spread}  ratio {median / reference:.2f}")
     tell("tactometry --help", times["tactometry --help"], "s", at_most=LIMIT_S)
+    for name in IMPORTS:
+        tell(name, times[name], "s", at_most=IMPORT_LIMIT_S)
+        tell(f"{name} over that of pandas", ratios(times[name], times["python -c 'import pandas'"]))
     tell("tactometry --help over a bare interpreter", ratios(times["tactometry --help"], times["python -c pass"]))
 
 

@@ -134,7 +134,7 @@ def page_text(text: str, tables: str) -> str:
     """With the tables between the marks of a page."""
     begin, end = "<!-- sizes: begin -->", "<!-- sizes: end -->"
     head, _, rest = text.partition(begin)
-    return f"{head}{begin}\n{tables}\n{end}{rest.partition(end)[2]}"
+    return f"{head}{begin}\n\n{tables}\n\n{end}{rest.partition(end)[2]}"
 
 
 def main() -> None:

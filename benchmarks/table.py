@@ -27,6 +27,7 @@ LONGEST_S = 3600.0
 ELSEWHERE = {
     "census": "docs/reference/analysis.md, statuses",
     "census_comparisons": "docs/reference/analysis.md, comparisons",
+    "install_size": "docs/how_to/install.md",
     "ladder_peers": "docs/explanation/cost.md",
 }
 """They write what a page of the docs shows, and run by name alone."""

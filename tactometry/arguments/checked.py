@@ -15,6 +15,7 @@ from ..errors import InvalidParameter, nearest
 from .annotations import AnnotationRule, Demand, as_array, parts_of, rule_of
 from .magnitudes import domain
 from .require import excerpt
+from .signatures import in_short
 
 T = TypeVar("T", bound=Callable[..., Any])
 
@@ -51,7 +52,8 @@ def checked(thing: T) -> T:
 
 
 def _with_check(function: Callable[..., Any], owner: str) -> Callable[..., Any]:
-    names = tuple(inspect.signature(function).parameters)
+    signature = inspect.signature(function)
+    names = tuple(signature.parameters)
 
     @functools.cache
     def rules() -> tuple[tuple[AnnotationRule | None, ...], Mapping[str, AnnotationRule], Mapping[str, Demand], bool]:
@@ -76,6 +78,7 @@ def _with_check(function: Callable[..., Any], owner: str) -> Callable[..., Any]:
         named = {name: _as_array(by_name.get(name), value) for name, value in kwargs.items()}
         return function(*map(_as_array, by_place, args), *args[len(names) :], **named)
 
+    guarded.__signature__ = in_short(signature)  # type: ignore[attr-defined]
     return guarded
 
 

@@ -95,8 +95,9 @@ def test_a_signal_is_told_in_one_line(shape):
     assert said.endswith(" 0 V)" if shape[1] == 0 else "peak 2.5 V)")
 
 
-def test_help_of_the_analysis_says_names_and_not_what_they_stand_for():
-    room = import_module("tactometry.analysis")
+@pytest.mark.parametrize("name", ["analysis", "stimuli.electrovibration", "stimuli.time_reversal"])
+def test_help_says_names_and_not_what_they_stand_for(name):
+    room = import_module(f"tactometry.{name}")
     for public in room.__all__:
         said = str(inspect.signature(getattr(room, public))) if inspect.isfunction(getattr(room, public)) else ""
         assert "_typing" not in said, public
