@@ -1,8 +1,11 @@
 """A table of keys as words, and as lines that a file may hold."""
 
+from collections.abc import Mapping
+
 from .key_table import KeyTable
 from .keys import Key, keys_of
 from .meanings import summary
+from .toml_text import toml_value
 
 
 def heading(table: KeyTable) -> str:
@@ -14,7 +17,7 @@ def heading(table: KeyTable) -> str:
     """
     place = table.header or "the top of the file"
     kind = f' with kind = "{table.kind}"' if table.kind else ""
-    return f"{place}{kind}. {summary(table.reader)}"
+    return " ".join(filter(None, [f"{place}{kind}.", summary(table.reader), table.note]))
 
 
 def holds(key: Key) -> str:
@@ -27,7 +30,8 @@ def holds(key: Key) -> str:
 
 
 def block(table: KeyTable) -> str:
-    """The table as a file may hold it: what must be there, and the other keys as comments.
+    """The table as a file may hold it: what must be there, and the other keys as comments; tables at the top of a file
+    stand behind both.
 
     >>> from tactometry.experiments.reference.tables import tables
     >>> print(block(tables()["touch.press"]), end="")
@@ -40,6 +44,12 @@ def block(table: KeyTable) -> str:
     """
     keys = [key for key in keys_of(table) if key.example]
     stated = [key for key in keys if key.required or key.name in table.shown]
-    lines = [f"{key.name} = {key.example}" for key in stated]
+    apart = [] if table.header else [key for key in stated if isinstance(table.shown.get(key.name), Mapping)]
+    lines = [f"{key.name} = {key.example}" for key in stated if key not in apart]
     others = [f"# {key.name} = {key.example}" for key in keys if key not in stated]
-    return "".join(f"{line}\n" for line in [*filter(None, [table.header]), *lines, *others])
+    parts = [line for key in apart for line in ("", f"[{key.name}]", *_lines(table.shown[key.name]))]
+    return "".join(f"{line}\n" for line in [*filter(None, [table.header]), *lines, *others, *parts])
+
+
+def _lines(values: Mapping[str, object]) -> list[str]:
+    return [f"{name} = {toml_value(value)}" for name, value in values.items()]

@@ -26,6 +26,8 @@ class KeyTable:
         The value of its key ``kind``; empty where it has none.
     usual : bool
         Whether ``kind`` may be left out.
+    note : str
+        What its class does not say of it.
     example : mapping or str
         A table that is valid, with its required keys at least; or the target string of one.
     samples : mapping
@@ -49,6 +51,7 @@ class KeyTable:
     reads: str
     kind: str = ""
     usual: bool = False
+    note: str = ""
     example: Values | str = field(default_factory=dict)
     samples: Values = field(default_factory=dict)
     instead: Mapping[str, Values] = field(default_factory=dict)

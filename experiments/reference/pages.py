@@ -84,10 +84,11 @@ def _section(alike: list[KeyTable], page: str) -> str:
     table = alike[0]
     place = f"In `{table.header}`." if table.header else "At the top of the file."
     also = " and ".join(_link(name, page) for name in table.also)
-    beside = f" Beside its keys stand those of {also}." if also else ""
+    beside = f"Beside its keys stand those of {also}." if also else ""
     rows = [_row(key, alike, page) for key in keys_of(table)]
     head = ["| key | holds | if left out | meaning |", "|---|---|---|---|"]
-    lines = [f"### {_names(alike)}", "", f"{place} {summary(table.reader)}{beside}", "", *head, *rows]
+    said = " ".join(filter(None, [place, summary(table.reader), *(each.note for each in alike), beside]))
+    lines = [f"### {_names(alike)}", "", said, "", *head, *rows]
     return "\n".join([*lines, "", f"<!-- keys: {table.name} -->", "```toml", block(table).rstrip(), "```"])
 
 

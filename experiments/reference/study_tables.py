@@ -62,6 +62,10 @@ _EXAMPLES: Final[Mapping[str, Values]] = {
     "wav": _FILE,
 }
 _SAMPLES: Final[Values] = {**_TRAIN, "sha256": DIGEST}
+_NOTES: Final[Mapping[str, str]] = {
+    "pattern": "`pattern` says which train it is.",
+    "measured_focus": "Nobody feels a `measured_focus`: a vibrometer reads it, under what `[sensation]` says.",
+}
 _PRESS: Final[Values] = {"force_n": 1.0, "hold_s": 0.3, "timeout_s": 10.0}
 _OF_TOUCH: Final[Values] = {"tolerance": 0.15, "speed_tolerance": 0.3}
 _OF_PROCEDURE: Final[Values] = {
@@ -142,6 +146,7 @@ def _stimulus(kind: str, known: StimulusKind) -> KeyTable:
         "[stimulus]",
         known.stimulus,
         kind,
+        note=_NOTES.get(kind, ""),
         example=_EXAMPLES.get(kind, {}),
         samples=_SAMPLES,
         instead={"volts_per_unit": {**_FILE, "level_unit": "dB re file", "volts_per_unit": 10.0}},

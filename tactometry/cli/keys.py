@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from tactometry.experiments.reference.keys import Key
 
 WIDTH: Final = 80
-"""Of a terminal, which the list of names fits."""
+"""Of a terminal that all of it fits."""
 
 
 class TableName(click.ParamType[str]):
@@ -100,7 +100,8 @@ def _text(table: "KeyTable") -> str:
     with console.capture() as capture:
         console.print(shown, markup=False, highlight=False)
     lines = [line.rstrip() for line in capture.get().splitlines()]
-    return "\n".join([f"{table.name}: {heading(table)}", "", *lines, "", block(table).rstrip()])
+    opened = fill(f"{table.name}: {heading(table)}".replace("`", ""), WIDTH, break_on_hyphens=False)
+    return "\n".join([opened, "", *lines, "", block(table).rstrip()])
 
 
 def _holds(key: "Key") -> str:

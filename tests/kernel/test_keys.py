@@ -18,7 +18,8 @@ from tactometry.experiments.reference.pages import path_of, text_of
 from tactometry.experiments.reference.study_tables import GREY
 from tactometry.experiments.reference.tables import PAGES, tables
 from tactometry.experiments.study.cells import merge
-from tactometry.experiments.study.study_file import shipped
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import parse, shipped
 
 TABLES = tables()
 per_table = pytest.mark.parametrize("name", TABLES)
@@ -135,6 +136,10 @@ def test_a_block_reads_where_it_stands_in_a_bench_file(name):
     has_kind = "kind" in stated["sensors"]["NAME"]
     base = merge(BENCH, {"sensors": {"NAME": None}}) if has_kind else BENCH
     parse_bench(merge(base, stated))
+
+
+def test_the_block_of_a_study_is_a_study():
+    wire(parse(block(TABLES["study"]).encode(), "s.toml"), "s.toml")
 
 
 @per_table

@@ -1,0 +1,103 @@
+"""`tactometry keys`: what the reference says, at the prompt; and where a refusal leads to it."""
+
+import json
+import subprocess
+import sys
+
+import pytest
+from command_line import output, refused
+
+from tactometry.experiments.reference.keys import keys_of
+from tactometry.experiments.reference.tables import tables
+
+NAMES = ("procedure.staircase", "stimulus.focus", "touch.slide", "bench.output", "map", "scene.contacts", "study")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_each_key_is_told_within_80_columns(name, capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    said = output(capsys, "keys", name)
+    assert said.startswith(f"{name}: ")
+    assert [key.name for key in keys_of(tables()[name]) if key.name not in said] == []
+    assert max(map(len, said.splitlines())) <= 80
+
+
+def test_the_same_is_told_to_a_program(capsys):
+    [table] = json.loads(output(capsys, "keys", "touch.press", "--json"))
+    assert (table["name"], table["table"]) == ("touch.press", "[touch]")
+    assert table["keys"][1] == {
+        "name": "force_n",
+        "holds": "a number",
+        "unit": "N",
+        "within": "above 0",
+        "otherwise": "",
+        "means": "The force that is asked for.",
+        "example": "1.0",
+        "see": "",
+        "required": True,
+    }
+    assert table["example"].startswith('[touch]\nkind = "press"\nforce_n = 1.0\n')
+
+
+def test_tables_whose_keys_stand_together_are_told_together(capsys):
+    told = json.loads(output(capsys, "keys", "bench.force", "--json"))
+    assert [table["name"] for table in told] == ["bench.force", "bench.force.calibration"]
+
+
+def test_without_a_name_every_name_is_listed(capsys):
+    assert json.loads(output(capsys, "keys", "--json")) == list(tables())
+    lines = output(capsys, "keys").splitlines()
+    assert "touch       press slide" in lines
+    assert max(map(len, lines)) <= 80
+
+
+def test_the_beginning_of_names_lists_them(capsys):
+    assert output(capsys, "keys", "touch").split() == ["touch.press", "touch.slide"]
+
+
+@pytest.mark.parametrize(
+    ("name", "near"), [("touch.slied", "touch.slide"), ("scene.finger", "scene.effects.finger_load"), ("", "lists")]
+)
+def test_an_unknown_name_is_refused_with_the_nearest(name, near, capsys):
+    said = refused(capsys, "keys", name)
+    assert said.startswith(f"tactometry: NAME: found {name!r}, expected ")
+    assert near in said
+
+
+def test_the_built_in_studies_are_listed_by_new_too(capsys):
+    assert output(capsys, "new", "--list") == output(capsys, "studies")
+    assert (
+        refused(capsys, "new") == "tactometry: STUDY: found none, expected the name of a study: tactometry new --list"
+    )
+
+
+WRONG = {
+    "bench.toml": ('[output]\nkind = "file"\nfoldr = "played"\n', ["check", "--bench"], "bench.output.file"),
+    "part.toml": ("[screens]\n", ["check", "--bench"], "bench"),
+    "scene.toml": (
+        'outputs = ["t_s"]\nsurface = { kind = "electrovibration" }\n',
+        ["scene"],
+        "scene.surface.electrovibration",
+    ),
+    "plate.toml": ("length_m = 1.0\n", ["design", "--plate"], "plate"),
+    "study.toml": ("[touch]\n", ["run", "--participant", "P01", "--dry-run"], "study"),
+}
+
+
+@pytest.mark.parametrize("file", WRONG)
+def test_a_refused_key_names_the_command_that_tells_all(file, capsys, tmp_path, monkeypatch):
+    text, command, name = WRONG[file]
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / file).write_text(text, encoding="utf-8")
+    said = refused(capsys, *command, file)
+    assert said.endswith(f" (all keys: tactometry keys {name})")
+
+
+def test_only_what_a_name_asks_for_is_imported():
+    """None of the libraries that a table of a study needs for a session, an analysis or a figure."""
+    code = (
+        "import sys\nfrom tactometry.cli import main\ntry:\n    main(['keys', 'touch.slide'])\n"
+        "except SystemExit:\n    print(sorted({'scipy', 'pandas', 'matplotlib', 'numba'} & set(sys.modules)))"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
