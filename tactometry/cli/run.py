@@ -81,8 +81,9 @@ def command(
 
 def _check_duration(experiment: Experiment, who: Who, *, begun: bool) -> None:
     """Tell of a long session; refuse one that nobody sits through, unless it has begun."""
+    planned = plan(experiment, who.counterbalancing_number, who.session, who.seed or 0)
     try:
-        caution = check_duration(experiment, plan(experiment, who.counterbalancing_number, who.session, who.seed or 0))
+        caution = check_duration(experiment, planned)
     except InvalidParameter as too_long:
         if not begun:
             raise

@@ -327,6 +327,11 @@ COMMAND_LINES = {
         2,
         "participant 'AK': found no number from 1 for counterbalancing, .*; or give --number",
     ),
+    "code without number, to go on": (
+        ["run", "tutorial", "--participant", "AK", "--rig", "console", "--out", "d", "--resume"],
+        2,
+        "participant 'AK': found no number from 1 for counterbalancing, .*; or give --number",
+    ),
     "session 0": (
         ["run", "tutorial", "--participant", "P01", "--session", "0", "--rig", "simulated", "--out", "d"],
         2,
