@@ -148,7 +148,7 @@ $(VENV)/.core: $(VENV)/.python pyproject.toml setup.py constraints.txt
 	touch $@
 
 $(VENV)/.test: $(VENV)/.python pyproject.toml setup.py constraints.txt
-	@echo "Installing Tactometry with all that its tests need, PsychoPy too (650 MB to download) ..."
+	@echo "Installing Tactometry with all that its tests need, PsychoPy too (695 MB to download) ..."
 	$(INSTALL) setuptools wheel
 	$(INSTALL) --no-build-isolation --editable '.[$(EXTRAS)]'
 	touch $(VENV)/.core $@

@@ -109,7 +109,7 @@ def core_table(packages: dict[str, tuple[float, set[str]]]) -> str:
     comes = brought(packages, direct)
     size = {name: packages[name][0] + sum(packages[other][0] for other in comes[name]) for name in direct}
     rows = [
-        f"| {name} | {size[name]:.0f} | {', '.join(comes[name])} | {REASONS[name]} |"
+        f"| {name} | {megabytes(size[name])} | {', '.join(comes[name])} | {REASONS[name]} |"
         for name in sorted(direct, key=lambda name: -size[name])
     ]
     return "\n".join(["| package | MB | with | what for |", "|---|---|---|---|", *rows])
@@ -121,9 +121,13 @@ def extras_table(environment: Environment) -> str:
     for extra, reason in EXTRAS.items():
         environment.pip("install", f".[{extra}]")
         now = total(environment)
-        rows.append(f"| `{extra}` | {max(now - before, 0):.0f} | {reason} |")
+        rows.append(f"| `{extra}` | {megabytes(now - before)} | {reason} |")
         before = now
     return "\n".join(["| extra | MB more | what for |", "|---|---|---|", *rows])
+
+
+def megabytes(size: float) -> str:
+    return f"{size:.0f}" if size >= 0.5 else "under 1"
 
 
 def total(environment: Environment) -> float:

@@ -37,7 +37,7 @@ from .output import STUDY, allow_code_option, path_option, say, subcommand
 @click.option("--most", type=int, default=1000, show_default=True, help="Studies to simulate of each kind at most.")
 @click.option("--dropout", type=float, default=0.0, show_default=True, help="Share of participants who leave midway.")
 @click.option("--dependent", default="", help="What is compared, where a task has several values.")
-@path_option("--out", help="A folder for tables and what is needed to repeat them.")
+@path_option("--out", help="A folder for tables and what is needed to repeat them (extra: power).")
 @click.option("--keep-data", is_flag=True, help="Keep the trials of each simulated study too, as Parquet (with --out).")
 @click.option("--resume", is_flag=True, help="Go on where an interrupted analysis stopped (with --out).")
 @click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
