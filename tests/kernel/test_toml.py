@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
-from pages_of_docs import blocks
+from page_blocks import texts_of
 from places import ROOT
 
 from tactometry.analysis.plan import read_plan
@@ -69,9 +69,9 @@ def test_an_absent_file_is_told(tmp_path: Path, what: str) -> None:
         READERS[what](tmp_path / "none.toml")
 
 
-MAPS_AND_PLAN = blocks("reference/analysis.md", "toml")
+MAPS_AND_PLAN = texts_of("reference/analysis.md", "toml")
 SOUND = {
-    "a bench file": blocks("reference/devices.md", "toml")[0],
+    "a bench file": texts_of("reference/devices.md", "toml")[0],
     "a column map": MAPS_AND_PLAN[0],
     "a plan of analysis": MAPS_AND_PLAN[-1],
     "a plate": 'glass = "Borofloat 33"\nlength_m = 0.3\nwidth_m = "210 mm"\nthickness_m = 1e-3\nboundary = "FFFF"\n',

@@ -2,14 +2,14 @@
 
 from benches import PRESSED_ELECTRODE
 from emulated import Emulator
-from pages_of_docs import blocks
+from page_blocks import texts_of
 
 
 def hand_and_bench(folder):
     """The hand, to be closed; study, bench and the maps of the page lie in the folder."""
     hand = Emulator("udp", folder, profile="1:100")
     names = ("touch.toml", "columns.toml", "attrakdiff.toml")
-    written = dict(zip(names, blocks("how_to/psychopy.md", "toml"), strict=True))
+    written = dict(zip(names, texts_of("how_to/psychopy.md", "toml"), strict=True))
     written["bench.toml"] = PRESSED_ELECTRODE.format(folder="played", port=hand.udp_port)
     for name, text in written.items():
         (folder / name).write_text(text, encoding="utf-8")

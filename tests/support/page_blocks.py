@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from markdown_it import MarkdownIt
+from places import DOCS
 
 MARK = re.compile(r"<!-- ([a-z ]+)(?:: (.+?))? -->\s*", re.DOTALL)
 
@@ -45,3 +46,8 @@ def blocks_of(page: Path) -> list[Block]:
             found.append(Block(page, token.map[0] + 1, language, token.content, mark, said))
             mark, said = "", ""
     return [block for block in found if not (block.language or "").startswith("{")]
+
+
+def texts_of(page: str, language: str) -> list[str]:
+    """The blocks of a page of the docs in a language."""
+    return [block.text for block in blocks_of(DOCS / page) if block.language == language]

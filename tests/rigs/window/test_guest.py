@@ -8,7 +8,7 @@ import sys
 import pytest
 from command_line import call
 from guest_bench import hand_and_bench
-from pages_of_docs import blocks
+from page_blocks import texts_of
 from tables import rows_of
 from window_sitting import sit
 
@@ -28,7 +28,7 @@ def sitting(display, tmp_path_factory):
     """The script of the docs, and the bench with a hand that presses 1 N."""
     folder = tmp_path_factory.mktemp("script")
     hand = hand_and_bench(folder)
-    [script] = blocks("how_to/psychopy.md", "python")
+    [script] = texts_of("how_to/psychopy.md", "python")
     (folder / "script.py").write_text(script, encoding="utf-8")
     process = subprocess.Popen(
         [sys.executable, "script.py"],
@@ -62,7 +62,7 @@ def test_a_script_of_psychopys_gains_a_touch_a_stimulus_a_procedure_and_a_questi
 
 
 def test_what_the_page_calls_nine_lines_are_nine():
-    [script] = blocks("how_to/psychopy.md", "python")
+    [script] = texts_of("how_to/psychopy.md", "python")
     numbered = [line for line in script.splitlines() if "  # " in line]
     assert [int(line.split("  # ")[1].split(":")[0]) for line in numbered] == list(range(1, OURS + 1))
 
