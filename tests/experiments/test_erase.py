@@ -99,7 +99,8 @@ def test_figures_that_name_nobody_hold_the_participant_too(two):
         (figures / name).write_text("force_n\n1\n")
     (two / "trial-17.png").write_bytes(b"\x89PNG")
     (two / "setup.png").write_bytes(b"\x89PNG")
-    assert erase(two, "QX7").derived == (*(f"figures/{name}" for name in drawn), "trial-17.png")
+    (two / "who.csv").write_text("participant\nQX7\n")
+    assert erase(two, "QX7").derived == (*(f"figures/{name}" for name in drawn), "trial-17.png", "who.csv")
     assert not figures.exists()
     assert (two / "setup.png").exists()
 
@@ -219,7 +220,7 @@ def test_a_participant_after_an_erasure_gets_the_order_that_they_would_have_got(
 def test_a_journal_under_another_name_is_known_by_its_head(two):
     journal = Session("QX7", 1, "tutorial").journal(two)
     shutil.copy(journal, two / "journals" / "copy.jsonl")
-    erase(two, "QX7")
+    assert "journals/copy.jsonl" in erase(two, "QX7").own
     assert sorted(path.name for path in (two / "journals").iterdir()) == [
         Session(code, 1, "tutorial").journal(two).name for code in ("P01", "P03")
     ]
@@ -285,21 +286,27 @@ def test_a_link_is_erased_and_what_it_leads_to_is_not(two, tmp_path):
     outside.write_text("QX7")
     link = two / "data" / "participant-QX7_session-2_study-tutorial_data.csv"
     link.symlink_to(outside)
-    erase(two, "QX7")
+    (two / "elsewhere.csv").symlink_to(outside)
+    (two / "folder").symlink_to(tmp_path)
+    done = erase(two, "QX7")
     assert not link.is_symlink()
     assert outside.read_text() == "QX7"
+    assert [left.file for left in done.left] == ["elsewhere.csv", "folder"]
+    assert all("leads elsewhere" in left.why for left in done.left)
 
 
 def test_a_plan_that_somebody_wrote_erases_nothing_of_others(two, tmp_path):
     outside = tmp_path / "kept.csv"
     outside.write_text("1")
-    names = [f"journals/{Session('P01', 1, 'tutorial').stem}.jsonl", "../kept.csv", "study.toml"]
+    (tmp_path / "empty").mkdir()
+    names = [f"journals/{Session('P01', 1, 'tutorial').stem}.jsonl", "../kept.csv", "../empty/x.csv", "study.toml"]
     forged = {"participant": "QX7", "begun_utc": "2026-01-01", "version": "0", "n_sessions": 1, "n_files": 1}
     (two / RECORD).write_text(json.dumps(forged | {"files": names}) + "\n")
     before = recorded_of(tree(two), "P01")
     erase(two, "QX7")
     assert recorded_of(tree(two), "P01") == before
     assert outside.exists()
+    assert (tmp_path / "empty").exists()
     assert (two / "study.toml").exists()
 
 
@@ -354,3 +361,13 @@ def test_of_any_codes_those_of_others_stand(tmp_path_factory, code, others):
     left = tree(root)
     assert left.pop(RECORD)
     assert left == kept
+
+
+def test_interrupted_it_says_how_to_go_on(capsys, monkeypatch, two):
+    def interrupted(path, missing_ok=False):
+        raise KeyboardInterrupt
+
+    with monkeypatch.context() as patched:
+        patched.setattr(Path, "unlink", interrupted)
+        status, said, _ = call(capsys, "erase", two, "--participant", "QX7", "--yes")
+    assert (status, said) == (130, "tactometry: interrupted; say it again: what was begun is finished")
