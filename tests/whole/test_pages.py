@@ -105,6 +105,12 @@ def test_why_a_block_is_not_run_names_tests_that_are_there(block: Block) -> None
     assert [path for path in re.findall(r"tests/[\w./]*\w", block.said) if not (ROOT / path).exists()] == []
 
 
+@pytest.mark.parametrize("page", [page for page in PAGES if any(block.mark == "file" for block in blocks_of(page))])
+def test_a_reader_is_told_into_which_file_a_block_goes(page: Path) -> None:
+    told = page.read_text(encoding="utf-8")
+    assert [block.said for block in blocks_of(page) if block.mark == "file" and f"`{block.said}`" not in told] == []
+
+
 def test_a_block_that_is_not_run_says_why(tmp_path: Path) -> None:
     page = tmp_path / "page.md"
     page.write_text("<!-- not run: it needs a force sensor -->\n```console\n$ false\n```\n", encoding="utf-8")
