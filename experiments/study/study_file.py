@@ -102,7 +102,9 @@ class InquiryTable:
 
 @dataclass(frozen=True)
 class Study:
-    """One experiment. Tables whose keys depend on their `kind` are kept as they stand and built in `cells`.
+    """One experiment.
+
+    Tables whose keys depend on their `kind` are kept as they stand and built in `cells`.
 
     `scene` is the physics between stimulus and skin, in place of the default formula that `sensation` states. `nested`
     gives the levels of a factor within a level of another; `variants` what a factor's level changes in the tables of

@@ -45,7 +45,7 @@ def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...
 
 @dataclass(frozen=True)
 class QuestPlusSettings:
-    """The numbers of a `QuestPlus` over a `ParameterGrid`; `procedure()` makes it.
+    """QUEST+: the numbers of a `QuestPlus` over a `ParameterGrid`; `procedure()` makes it.
 
     Parameters
     ----------

@@ -27,7 +27,7 @@ class SceneFile:
 
 @dataclass(frozen=True)
 class SceneTables:
-    """The keys of a scene file.
+    """The physics between an output and the skin: what is computed, on which surface, with which effects.
 
     Parameters
     ----------

@@ -45,7 +45,7 @@ class Place:
 @checked
 @dataclass(frozen=True)
 class PlacedFoci(FocusTrain):
-    """As `FocusTrain`, with foci at named places instead of the setup's focus; the level is their mean amplitude.
+    """Foci at named places instead of the setup's focus, else as `FocusTrain`; the level is their mean amplitude.
 
     Foci at once come from one drive, whose waveform is the sum of the reversed responses of their places: each is
     heard at the others (crosstalk), by the physics of the plate.

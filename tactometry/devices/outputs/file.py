@@ -17,7 +17,8 @@ from .output import UnconnectedDriver
 
 @dataclass(frozen=True)
 class FileSettings:
-    """`folder` gets files 0001.npz and on (``samples`` in V, ``rate_hz``, ``unit``, ``digest``), or 0001.wav.
+    """Files in place of a device: `folder` gets 0001.npz and on (``samples`` in V, ``rate_hz``, ``unit``,
+    ``digest``), or 0001.wav.
 
     A WAV file holds 64-bit numbers in volt, the same samples to the last bit; its rate is a whole number.
 

@@ -24,7 +24,8 @@ from .output import AmplifiedDriver
 
 @dataclass(frozen=True)
 class NiSettings:
-    """`channels` by their physical names, such as ``Dev1/ao0``; `range_v` is the device's, V, of either sign.
+    """Cards of National Instruments: `channels` by their physical names, such as ``Dev1/ao0``; `range_v` is the
+    device's, V, of either sign.
 
     Parameters
     ----------

@@ -142,7 +142,7 @@ class NullOutput(UnconnectedDriver):
 
 @dataclass(frozen=True)
 class NullSettings:
-    """Nothing to set."""
+    """No output: nothing is played, and there is nothing to set."""
 
     connected: ClassVar[bool] = False
 

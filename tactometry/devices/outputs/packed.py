@@ -196,7 +196,7 @@ def _n_unread(pipe: int) -> int:
 
 @dataclass(frozen=True)
 class PackedSettings:
-    """`path` is opened for appending; `rate_hz` and `n_channels` are the board's.
+    """A one-bit board: `path` is opened for appending; `rate_hz` and `n_channels` are the board's.
 
     `electrode` is the channel (from 0) that leads to an electrode, where one does; the others lead to transducers.
     With ``gain`` a bit of 1 is 1 unit: ``volts_per_unit * amplifier_gain`` is what a board's supply puts on a load.

@@ -26,7 +26,7 @@ SETTINGS_FILES = ("lsl_api.cfg", "~/lsl_api/lsl_api.cfg", "/etc/lsl_api/lsl_api.
 
 @dataclass(frozen=True)
 class LslSettings(SensorSettings):
-    """The outlet by its name; `rate_hz` is what its head must state.
+    """A stream of Lab Streaming Layer: the outlet by its name; `rate_hz` is what its head must state.
 
     `source_id` tells it from others of the same name; without it there may be no other.
 

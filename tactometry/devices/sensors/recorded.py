@@ -20,7 +20,8 @@ STEP_S = 0.005
 
 @dataclass(frozen=True)
 class RecordedSettings(SensorSettings):
-    """A CSV file with a header, of which the first column is ``time_s`` and the others are channels, in counts.
+    """A recording: a CSV file with a header, of which the first column is ``time_s`` and the others are channels, in
+    counts.
 
     Parameters
     ----------

@@ -16,7 +16,7 @@ LARGEST_READ = 65_536
 
 @dataclass(frozen=True)
 class SerialSettings(SensorSettings):
-    """`port` such as ``/dev/ttyACM0`` or ``COM3``; `rate_hz` is what the device states.
+    """A serial line: `port` such as ``/dev/ttyACM0`` or ``COM3``; `rate_hz` is what the device states.
 
     Parameters
     ----------

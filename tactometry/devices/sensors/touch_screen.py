@@ -35,7 +35,7 @@ HELD_S = 0.01
 
 @dataclass(frozen=True)
 class TouchSettings(SensorSettings):
-    """`path` such as ``/dev/input/event5``; channels are x, y and pressure, in the device's units.
+    """A touch screen: `path` such as ``/dev/input/event5``; channels are x, y and pressure, in the device's units.
 
     Parameters
     ----------

@@ -28,7 +28,8 @@ SILENT_S = 0.5
 
 @dataclass(frozen=True)
 class UdpSettings(SensorSettings):
-    """The sensor's address; `sensor_rate_hz` is the rate of its own samples, of which it may send each n-th.
+    """A sensor that sends datagrams: its address; `sensor_rate_hz` is the rate of its own samples, of which it may
+    send each n-th.
 
     Parameters
     ----------
