@@ -187,9 +187,9 @@ def _with_header(cells: pd.DataFrame, file: Path) -> pd.DataFrame:
             raise InvalidFile(f"{file}, row 1: found the column {name!r} twice, expected each once")
         seen.add(name)
     body = cells.iloc[1:].set_axis(names, axis=1)
-    # In a table of one column an empty line is an empty cell.
-    blank = (body == "").all(axis=1) if len(names) > 1 else pd.Series(False, index=body.index)
-    body = body[~blank]
+    if len(names) > 1:  # in a table of one column an empty line is an empty cell
+        begun = body[body[names[0]] == ""]  # so that no more cells are compared than must be
+        body = body.drop(index=begun.index[(begun == "").all(axis=1)]) if len(begun) else body
     return body.assign(row=body.index + 1)
 
 
