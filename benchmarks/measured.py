@@ -77,7 +77,7 @@ def tell(
     at_most: float | None = None,
 ) -> None:
     """Print a result, and keep it where the table asks for it; `values` are its repeats."""
-    repeats = tuple(map(float, values if isinstance(values, Sequence) else (values,)))
+    repeats = tuple(float(f"{value:.4g}") for value in (values if isinstance(values, Sequence) else (values,)))
     found = Measured(what, repeats, unit, at_least, at_most)
     print(found, flush=True)
     if kept := os.environ.get(ROWS):

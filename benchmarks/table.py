@@ -167,7 +167,8 @@ def read(path: Path) -> dict[str, Outcome]:
 
 def write(outcomes: Mapping[str, Outcome], folder: Path) -> None:
     kept = {name: asdict(outcome) for name, outcome in sorted(outcomes.items())}
-    (folder / RESULTS).write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
+    lines = ",\n".join(f"{json.dumps(name)}: {json.dumps(each)}" for name, each in kept.items())
+    (folder / RESULTS).write_text(f"{{\n{lines}\n}}\n", encoding="utf-8")
     (folder / PAGE).write_text(page(outcomes, programs(folder)), encoding="utf-8")
 
 
