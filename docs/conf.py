@@ -12,7 +12,7 @@ copyright = "the authors of Tactometry, GPL-3.0-or-later"  # noqa: A001
 extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
-    "myst_parser",
+    "myst_nb",
     "sphinx_design",
     "sphinx_copybutton",
     "api_pages",
@@ -31,6 +31,9 @@ napoleon_google_docstring = False
 napoleon_use_param = False
 napoleon_use_rtype = False
 napoleon_use_ivar = True
+
+# notebooks hold what they show: `make notebooks` writes it, and the tests compare
+nb_execution_mode = "off"
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath"]
 myst_heading_anchors = 4

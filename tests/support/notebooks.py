@@ -1,0 +1,70 @@
+"""The notebooks of the docs, executed as Jupyter does it; `make notebooks` writes what they show into them."""
+
+import base64
+from pathlib import Path
+
+import nbformat
+from nbclient import NotebookClient
+from nbformat import NotebookNode
+from patience import LONGEST_PROGRAM_S
+from places import DOCS
+from small_pictures import small
+
+WIDTH_PIXELS = 1000
+NOTEBOOKS = sorted((DOCS / "notebooks").glob("*.ipynb"))
+
+
+def read(path: Path) -> NotebookNode:
+    return nbformat.read(path, as_version=4)
+
+
+def executed(notebook: NotebookNode, folder: Path) -> NotebookNode:
+    """It with what its cells show, top to bottom in a new kernel that stands in the folder.
+
+    Raises
+    ------
+    CellExecutionError
+        If a cell fails.
+    """
+    client = NotebookClient(
+        notebook,
+        timeout=LONGEST_PROGRAM_S,
+        kernel_name="python3",
+        resources={"metadata": {"path": str(folder)}},
+        record_timing=False,
+        coalesce_streams=True,
+    )
+    return client.execute()
+
+
+def shown(notebook: NotebookNode) -> dict[str, list[str]]:
+    """What each cell shows: texts as they are, of anything else which kind it is."""
+    return {cell.id: [_text_or_kind(output) for output in cell.outputs] for cell in notebook.cells if "outputs" in cell}
+
+
+def _text_or_kind(output: NotebookNode) -> str:
+    if output.output_type == "stream":
+        return f"{output.name}: {output.text}"
+    kinds = sorted(kind for kind in output.data if kind != "text/plain")
+    is_picture = any(kind.startswith("image/") for kind in kinds)
+    return f"{kinds}" if is_picture else f"{kinds} {output.data.get('text/plain')}"
+
+
+def write(path: Path) -> None:
+    """The notebook anew, with what it shows and without what a machine or a run adds."""
+    notebook = executed(read(path), path.parent)
+    kernel = {"display_name": "Python 3", "language": "python", "name": "python3"}
+    notebook.metadata = NotebookNode(kernelspec=kernel, language_info={"name": "python"})
+    for output in (output for cell in notebook.cells for output in cell.get("outputs", ())):
+        _make_small(output.get("data", {}))
+    nbformat.write(notebook, path)
+
+
+def _make_small(data: dict[str, str]) -> None:
+    if "image/png" in data:
+        data["image/png"] = base64.b64encode(small(base64.b64decode(data["image/png"]), WIDTH_PIXELS)).decode()
+
+
+if __name__ == "__main__":
+    for each in NOTEBOOKS:
+        write(each)

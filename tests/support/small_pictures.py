@@ -1,0 +1,17 @@
+"""Pictures of the docs, as few bytes as they can be looked at with."""
+
+from io import BytesIO
+
+from PIL import Image
+
+N_COLOURS = 96
+
+
+def small(png: bytes, width: int) -> bytes:
+    """A PNG at most so many pixels wide, of few colours."""
+    with Image.open(BytesIO(png)) as picture:
+        opaque = Image.alpha_composite(Image.new("RGBA", picture.size, "white"), picture.convert("RGBA")).convert("RGB")
+        opaque.thumbnail((width, 10 * width), Image.Resampling.LANCZOS)
+        kept = BytesIO()
+        opaque.quantize(N_COLOURS, dither=Image.Dither.NONE).save(kept, "PNG", optimize=True)
+    return kept.getvalue()

@@ -1,0 +1,47 @@
+"""Every notebook of the docs runs, in seconds, and shows what it says that it shows."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+from places import DOCS
+
+pytest.importorskip("nbclient")
+pytest.importorskip("ipykernel")
+
+from nbclient.exceptions import CellExecutionError
+from nbformat.v4 import new_code_cell, new_notebook
+from notebooks import NOTEBOOKS, executed, read, shown
+
+LONG = {"plan_a_study", "analyse_a_csv", "design_a_screen"}
+"""Of several seconds: whole studies are simulated, every figure of an analysis and the modes of a plate are made."""
+
+pytestmark = pytest.mark.filterwarnings("ignore")  # of Jupyter's own sockets and loops
+
+
+def notebook_of(path: Path) -> object:
+    return pytest.param(path, marks=pytest.mark.slow if path.stem in LONG else (), id=path.stem)
+
+
+@pytest.mark.parametrize("path", [notebook_of(path) for path in NOTEBOOKS])
+def test_what_a_notebook_shows_is_so(tmp_path: Path, path: Path) -> None:
+    for file in (DOCS / "notebooks").glob("*.csv"):
+        shutil.copy(file, tmp_path)
+    kept = shown(read(path))
+    assert kept == shown(executed(read(path), tmp_path))
+    assert any(kept.values())
+
+
+def test_a_cell_that_fails_fails(tmp_path: Path) -> None:
+    with pytest.raises(CellExecutionError, match="ZeroDivisionError"):
+        executed(new_notebook(cells=[new_code_cell("1 / 0")]), tmp_path)
+
+
+def test_what_a_notebook_shows_is_told_cell_by_cell(tmp_path: Path) -> None:
+    """So that one that shows something else fails."""
+    cells = [new_code_cell("print(1)", id="said"), new_code_cell("2", id="value"), new_code_cell("x = 3", id="none")]
+    assert shown(executed(new_notebook(cells=cells), tmp_path)) == {
+        "said": ["stdout: 1\n"],
+        "value": ["[] 2"],
+        "none": [],
+    }
