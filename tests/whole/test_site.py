@@ -9,7 +9,8 @@ import pytest
 from patience import LONGEST_PROGRAM_S
 from places import DOCS
 
-pytest.importorskip("sphinx")
+for package in ("sphinx", "myst_nb", "furo", "sphinx_design", "sphinx_copybutton"):
+    pytest.importorskip(package)
 
 DEAD = """# A page
 
