@@ -1,7 +1,8 @@
-"""CPU time of `tactometry --help` and of the imports of an analysis, beside a bare interpreter and one that imports
-pandas.
+"""CPU time of `tactometry --help`, of a table of keys and of the imports of an analysis, beside a bare interpreter and
+one that imports pandas.
 
-Interleaved, one warm-up each; CPU time is user plus system time of the child. The limit is 0.3 s, of an import 1 s.
+Interleaved, one warm-up each; CPU time is user plus system time of the child. The limit is 0.3 s, of keys and an import
+1 s.
 """
 
 import os
@@ -21,6 +22,7 @@ IMPORTS = {
 }
 COMMANDS = {
     "tactometry --help": [str(Path(sys.executable).with_name("tactometry")), "--help"],
+    "tactometry keys touch.slide": [str(Path(sys.executable).with_name("tactometry")), "keys", "touch.slide"],
     "python -c pass": [sys.executable, "-c", "pass"],
     "python -c 'import pandas'": [sys.executable, "-c", "import pandas"],
     **{name: [sys.executable, "-c", code] for name, code in IMPORTS.items()},
@@ -57,6 +59,9 @@ def main() -> None:
     for name in IMPORTS:
         tell(name, times[name], "s", at_most=IMPORT_LIMIT_S)
         tell(f"{name} over that of pandas", ratios(times[name], times["python -c 'import pandas'"]))
+    keys = "tactometry keys touch.slide"
+    tell(keys, times[keys], "s", at_most=IMPORT_LIMIT_S)
+    tell(f"{keys} over an import of pandas", ratios(times[keys], times["python -c 'import pandas'"]))
     tell("tactometry --help over a bare interpreter", ratios(times["tactometry --help"], times["python -c pass"]))
 
 
