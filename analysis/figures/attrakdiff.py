@@ -103,6 +103,7 @@ def portfolio_figure(portfolio: pd.DataFrame) -> Drawing:
             axes.plot([row["PQ"]], [row["HQ"]], linestyle="none", label=row["condition"], **style)
         axes.set(xlim=(-3, 3), ylim=(-3, 3), xlabel="Pragmatic quality PQ", ylabel="Hedonic quality HQ")
         axes.set_aspect("equal")
+        axes.set_anchor("W")  # in the middle it is laid out for its full width, and the label leaves the page
         figure.legend(loc="outside right center")
         return drawing_of(figure)
 

@@ -22,6 +22,7 @@ from tactometry.analysis.attrakdiff.scoring import (
     summary,
     word_pairs,
 )
+from tactometry.analysis.figures.attrakdiff import portfolio_figure
 from tactometry.analysis.outcomes.ratings import ratings
 from tactometry.analysis.reading.study_file import forms_of
 from tactometry.analysis.reading.trials import read_trials
@@ -157,6 +158,16 @@ def test_the_portfolio_names_regions_and_holds_a_rectangle(scored) -> None:
     assert list(found["pattern"]) == list(PATTERNS)
     assert ((found["PQ_low"] < found["PQ"]) & (found["PQ"] < found["PQ_high"])).all()
     assert [region(p, h) for p, h in zip(found["PQ"], found["HQ"], strict=True)] == found["region"].tolist()
+
+
+def test_the_label_of_the_portfolio_stands_on_the_page(scored) -> None:
+    drawn = portfolio_figure(portfolio(scored).rename(columns={"pattern": "condition"}))
+    [label] = re.findall(r'font-size: (\d+)px[^>]* x="([^"]+)"[^>]*>Hedonic quality HQ', drawn.svg)
+    assert float(label[1]) > ASCENT * float(label[0])
+
+
+ASCENT = 0.93
+"""Of a letter of DejaVu Sans, in its size: how far it reaches from where it stands."""
 
 
 @pytest.mark.parametrize(
