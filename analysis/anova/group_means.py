@@ -33,6 +33,7 @@ LEVELS = ("threshold", "pse")
 MEANS = ("mean", "mean_low", "mean_high", "sd", "within_low", "within_high")
 _SIDES = ((HIGH, LOW), (LOW, HIGH))
 MODEL = "censored model"
+OF_FIT = "interval of the fit"
 DIFFERENCE = float(np.sqrt(0.5))
 """What shortens an interval so that two which do not meet tell a difference (Baguley 2012)."""
 
@@ -49,7 +50,8 @@ def group_table(
 
     `n_below`, `n_above` and `n_missing` count the values of which an upper, a lower or no bound is known. A condition
     with bounds has no mean of its own: that of `model` (as `CensoredAnova.means`) stands there, and `method` says so;
-    without one the numbers are empty.
+    without one the numbers are empty. Of one participant alone it is the value with the interval of its fit, where it
+    has one: `method` is `OF_FIT`.
     """
     halves = {} if model is not None else _within_halves(estimates, factors, dependent, interval)
     rows = []
@@ -57,7 +59,24 @@ def group_table(
         names = dict(zip(factors, key, strict=True))
         of_model = None if model is None else _row_of(model, names)
         rows.append(names | _group(condition, dependent, interval, halves.get(key), of_model))
-    return pd.DataFrame(rows)
+    table = pd.DataFrame(rows)
+    is_one = "participant" in estimates.columns and estimates["participant"].nunique() == 1
+    return _with_own_intervals(table, estimates, factors, dependent) if is_one else table
+
+
+def _with_own_intervals(
+    table: pd.DataFrame, estimates: pd.DataFrame, factors: Sequence[str], dependent: str
+) -> pd.DataFrame:
+    """A table of one participant, with the intervals of the fits where a condition has one value."""
+    if dependent not in BOUNDS or not set(BOUNDS[dependent]) <= set(estimates.columns):
+        return table
+    rows: list[dict[str, Any]] = [dict(row) for row in table.to_dict("records")]
+    for row, (_, condition) in zip(rows, parts(estimates, factors), strict=True):
+        low, high = (condition[name].astype(float).iloc[0] for name in BOUNDS[dependent])
+        if len(condition) == 1 and row["n"] == 1 and np.isfinite([low, high]).all():
+            row |= {"mean_low": low, "mean_high": high, "method": OF_FIT}
+            row["text"] = f"{interval_text(row['mean'], low, high)} (n = 1)"
+    return pd.DataFrame(rows, columns=table.columns)
 
 
 def bounds_of(estimates: pd.DataFrame, dependent: str) -> pd.DataFrame:

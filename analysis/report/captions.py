@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from ..anova.group_means import MODEL
+from ..anova.group_means import MODEL, OF_FIT
 
 BETWEEN = "95 % interval between participants"
 
@@ -22,6 +22,8 @@ def means_text(means: pd.DataFrame) -> str:
     """
     if not _has(means, "mean"):
         return NONE
+    if is_of_fit(means):
+        return "value, 95 % interval of its fit"
     return f"mean, {BETWEEN if _has(means, 'mean_low') else 'no interval'}"
 
 
@@ -31,6 +33,8 @@ def means_sentence(means: pd.DataFrame) -> str:
     >>> means_sentence(pd.DataFrame({"mean": [1.0], "n": [1]}))
     'Values of one participant; there is no interval between participants.'
     """
+    if is_of_fit(means):
+        return f"{ONE.capitalize()}, each with the 95 % interval of its fit."
     if _has(means, "mean_low"):
         model = "; where a value is a bound, of the censored model" if is_modelled(means) else ""
         return f"Mean over participants with {BETWEEN}{model}."
@@ -39,6 +43,11 @@ def means_sentence(means: pd.DataFrame) -> str:
     if means_of(means) == ONE:
         return f"{ONE.capitalize()}; there is no interval between participants."
     return "Mean over participants; there is no interval between participants."
+
+
+def is_of_fit(means: pd.DataFrame) -> bool:
+    """Whether the intervals are those of one participant's fits, and none between participants."""
+    return "method" in means.columns and bool((means["method"] == OF_FIT).any())
 
 
 def is_modelled(means: pd.DataFrame) -> bool:
@@ -55,7 +64,7 @@ def figure_text(means: pd.DataFrame, dots: str = "") -> str:
     'values of one participant'
     """
     if means_of(means) == ONE:
-        return ONE
+        return ONE + "; bars are 95 % intervals of the fits" * is_of_fit(means)
     return f"{means_of(means)}{bars_text(means)}{'; ' if dots else ''}{dots}"
 
 

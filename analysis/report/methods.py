@@ -12,6 +12,7 @@ from ..result import Analysis
 from ..tasks.kinds import CURVES, RESULTS
 from ..tasks.localisation import OF_PARTICIPANTS
 from ..wording import PROCEDURES
+from .captions import is_of_fit
 
 PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "matplotlib")
 SHAPES = {
@@ -170,7 +171,7 @@ def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: 
     models = [outcome.model for outcome in every if outcome.model is not None]
     has_reference = any(form.against is not None for form in forms)
     applies = {
-        BETWEEN: any(table["mean_low"].notna().any() for table in means),
+        BETWEEN: any(table["mean_low"].notna().any() and not is_of_fit(table) for table in means),
         WITHIN: any(table["within_low"].notna().any() for table in means),
         _primary(every, named): True,
         CORRECTED: has_effects or any(outcome.within for outcome in tested),

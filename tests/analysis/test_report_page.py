@@ -53,14 +53,27 @@ def captions(found: Analysis) -> dict[str, str]:
     return {figure.name: figure.caption for figure in figures_of(found)}
 
 
-def test_one_participant_is_promised_no_interval(one) -> None:
+def test_one_participant_is_promised_no_interval_between_participants(one) -> None:
     page, told = render(one), captions(one)
-    assert "interval" not in told["threshold"] + told["force"]
-    assert told["threshold"] == "Detection threshold: values of one participant."
-    assert "Values of one participant; there is no interval between participants." in page
-    assert "(mean, no interval, n)" in summary_text(one)
+    assert "between" not in told["threshold"] + told["force"]
+    assert "interval" not in told["force"]
+    assert "t-intervals between participants" not in page
     assert "1 participant," in page
     assert "in 1 file;" in page
+
+
+def test_one_participant_has_the_intervals_of_the_fits(one) -> None:
+    [outcome] = one.outcomes
+    known = outcome.estimates["threshold"].notna()
+    assert known.any()
+    for end, own in (("mean_low", "interval_low"), ("mean_high", "interval_high")):
+        of_fit = outcome.group.loc[known.to_numpy(), end].to_numpy(float)
+        np.testing.assert_array_equal(of_fit, outcome.estimates.loc[known, own])
+    assert captions(one)["threshold"] == (
+        "Detection threshold: values of one participant; bars are 95 % intervals of the fits."
+    )
+    assert "Values of one participant, each with the 95 % interval of its fit." in render(one)
+    assert "(value, 95 % interval of its fit, n)" in summary_text(one)
 
 
 def test_two_participants_have_the_intervals_that_are_promised(two) -> None:

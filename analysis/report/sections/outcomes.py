@@ -13,7 +13,7 @@ from ...result import Analysis
 from ...tasks.kinds import CURVES
 from ...tasks.magnitude import DEPENDENT as EXPONENT, GROWTH
 from ...wording import cross_table, dependent_name, dependent_title, in_words, interval_text, p_text, with_unit
-from ..captions import figure_text, means_sentence, means_text
+from ..captions import figure_text, is_of_fit, means_sentence, means_text
 from ..section import Blocks, Details, Figure, Folded, Heading, Lead, ResultKind, Section, Sentences, TextTable, grid
 from ..sentences import hierarchical_sentences, outcome_sentences, primary_sentences
 
@@ -82,6 +82,8 @@ def _figure(outcome: Outcome, analysis: Analysis) -> Figure:
     # With their bounds, which are drawn where a value is not known.
     name, values = dependent_title(outcome.dependent), bounds_of(outcome.estimates, outcome.dependent)
     label = with_unit(name, outcome.unit(analysis.unit))
+    if is_of_fit(outcome.group):  # whose values are the means
+        values = values[values[outcome.dependent].isna()]
     drawing = psychophysics.threshold_figure(outcome.group, values, outcome.factors, outcome.dependent, label)
     triangles = ", open triangles bounds" if values[[LOW, HIGH]].notna().any(axis=None) else ""
     text = f"{name}: {figure_text(outcome.group, f'faint dots are participants{triangles}')}."
