@@ -70,13 +70,18 @@ def _with_own_intervals(
     """A table of one participant, with the intervals of the fits where a condition has one value."""
     if dependent not in BOUNDS or not set(BOUNDS[dependent]) <= set(estimates.columns):
         return table
-    rows: list[dict[str, Any]] = [dict(row) for row in table.to_dict("records")]
+    rows: list[dict[Any, Any]] = table.to_dict("records")
     for row, (_, condition) in zip(rows, parts(estimates, factors), strict=True):
         low, high = (condition[name].astype(float).iloc[0] for name in BOUNDS[dependent])
         if len(condition) == 1 and row["n"] == 1 and np.isfinite([low, high]).all():
             row |= {"mean_low": low, "mean_high": high, "method": OF_FIT}
             row["text"] = f"{interval_text(row['mean'], low, high)} (n = 1)"
     return pd.DataFrame(rows, columns=table.columns)
+
+
+def is_of_fit(means: pd.DataFrame) -> bool:
+    """Whether the intervals are those of one participant's fits, and none between participants."""
+    return "method" in means.columns and bool((means["method"] == OF_FIT).any())
 
 
 def bounds_of(estimates: pd.DataFrame, dependent: str) -> pd.DataFrame:

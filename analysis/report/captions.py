@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from ..anova.group_means import MODEL, OF_FIT
+from ..anova.group_means import MODEL, is_of_fit
 
 BETWEEN = "95 % interval between participants"
 
@@ -43,11 +43,6 @@ def means_sentence(means: pd.DataFrame) -> str:
     if means_of(means) == ONE:
         return f"{ONE.capitalize()}; there is no interval between participants."
     return "Mean over participants; there is no interval between participants."
-
-
-def is_of_fit(means: pd.DataFrame) -> bool:
-    """Whether the intervals are those of one participant's fits, and none between participants."""
-    return "method" in means.columns and bool((means["method"] == OF_FIT).any())
 
 
 def is_modelled(means: pd.DataFrame) -> bool:

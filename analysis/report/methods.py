@@ -5,6 +5,7 @@ from importlib.metadata import version
 
 import pandas as pd
 
+from ..anova.group_means import is_of_fit
 from ..outcomes.findings import RULE, Outcome, Primary
 from ..outcomes.ratings import Ratings
 from ..plan import AnalysisPlan
@@ -12,7 +13,6 @@ from ..result import Analysis
 from ..tasks.kinds import CURVES, RESULTS
 from ..tasks.localisation import OF_PARTICIPANTS
 from ..wording import PROCEDURES
-from .captions import is_of_fit
 
 PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "matplotlib")
 SHAPES = {

@@ -5,7 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import pandas as pd
 
-from ...anova.group_means import HIGH, LOW, bounds_of
+from ...anova.group_means import HIGH, LOW, bounds_of, is_of_fit
 from ...figures import psychophysics
 from ...outcomes.findings import Outcome
 from ...outcomes.hierarchical_outcome import HierarchicalOutcome
@@ -13,7 +13,7 @@ from ...result import Analysis
 from ...tasks.kinds import CURVES
 from ...tasks.magnitude import DEPENDENT as EXPONENT, GROWTH
 from ...wording import cross_table, dependent_name, dependent_title, in_words, interval_text, p_text, with_unit
-from ..captions import figure_text, is_of_fit, means_sentence, means_text
+from ..captions import figure_text, means_sentence, means_text
 from ..section import Blocks, Details, Figure, Folded, Heading, Lead, ResultKind, Section, Sentences, TextTable, grid
 from ..sentences import hierarchical_sentences, outcome_sentences, primary_sentences
 
