@@ -44,7 +44,7 @@ debian() {
 }
 endef
 
-.PHONY: help demo test soak static check bench docs notebooks figure release pages reproduced validated keys stability constraints platforms clean system
+.PHONY: help demo test soak static check bench docs gallery notebooks figure release pages reproduced validated keys stability constraints platforms clean system
 
 help: ## what can be made
 	@sed -nE 's/^([a-z]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 20
@@ -83,6 +83,9 @@ figure: $(VENV)/.core ## draw the figure of the README anew, light and dark
 
 release: $(VENV)/release ## build and check wheel and sdist into dist/, with a list of materials; publishes nothing
 	@$(VENV)/release/bin/python .ci/release.py $(ARGS)
+
+gallery: $(VENV)/.test ## run the pages of docs/gallery, and keep the figures that they show
+	@$(BIN)/python tests/support/gallery.py >/dev/null
 
 notebooks: $(VENV)/.test ## run docs/notebooks, and write into them what they show
 	@$(BIN)/python tests/support/notebooks.py
