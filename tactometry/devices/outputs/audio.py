@@ -5,7 +5,6 @@ import functools
 import json
 import subprocess
 import time
-from collections import deque
 from dataclasses import dataclass
 from typing import Any, ClassVar, Final, Literal
 
@@ -27,8 +26,6 @@ FADE_S = 1e-3
 LONGEST_START_S = 2.0
 LONGEST_S: Final = {"block_s": 1.0, "latency_s": 10.0, "position_latency_s": 1.0}
 """Of what is stated: later nothing stops, and nothing follows a finger (unverified default)."""
-N_LEADS: Final = 400
-"""Blocks whose lead is remembered: two seconds, as `block_s` is by default."""
 POSITION_AGE_S: Final = 0.005
 """How old the last place of a finger may be when it is needed: an interval of the sensor, its way to us, and turns of
 threads (unverified default)."""
@@ -111,9 +108,8 @@ class AudioOutput(AmplifiedDriver):
         self._stream: Any = None
         self._device: str | None = None
         self._course: FrameFeed | None = None
-        self._n_frames, self._dry = 0, DryRuns(settings.latency_s / 2)
+        self._n_frames, self._dry = 0, DryRuns(settings.latency_s)
         self._clocks = ClockMap()
-        self._leads_s: deque[float] = deque(maxlen=N_LEADS)
         self._numbers = functools.lru_cache(maxsize=1)(self._round_to_zero)
         """What the card gets, (n_channels, n_samples); the last signal's is kept, so that `play` begins at once."""
 
@@ -193,7 +189,7 @@ class AudioOutput(AmplifiedDriver):
     def _position_latency_s(self) -> float:
         """From a place of the finger to the voltage that answers it: the card's longest lead of late covers the bursts
         in which a sound server asks for blocks."""
-        stated_s, longest_lead_s = self._settings.position_latency_s, max(list(self._leads_s), default=0.0)
+        stated_s, longest_lead_s = self._settings.position_latency_s, max(list(self._dry.leads_s), default=0.0)
         return longest_lead_s + self._settings.block_s + POSITION_AGE_S if stated_s is None else stated_s
 
     def course(self) -> Course | None:
@@ -227,7 +223,6 @@ class AudioOutput(AmplifiedDriver):
         course = self._course  # read once: `play` puts another in its place while this runs in PortAudio's thread
         lead_s = max(0.0, times.outputBufferDacTime - times.currentTime)
         block_s = n_frames / self.rate_hz
-        self._leads_s.append(lead_s)
         underflow = bool(status.output_underflow)
         gap_s = self._dry.after(now_s=now_s, lead_s=lead_s, block_s=block_s, underflow=underflow)
         if course is not None and gap_s is not None:
