@@ -27,6 +27,15 @@ class Plan:
     given: tuple[str, ...]
     outputs: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        """In one line: the stages by name, from what is given to what comes out.
+
+        >>> Plan((Stage("force", ("voltage_v",), "force_n", "math:sqrt"),), ("voltage_v",), ("force_n",))
+        Plan(voltage_v > force > force_n)
+        """
+        stages = ", ".join(stage.name for stage in self.stages)
+        return f"Plan({', '.join(self.given)} > {stages} > {', '.join(self.outputs)})"
+
     @property
     def error(self) -> float:
         """Predicted relative error of the outputs: the sum of those of the stages."""
