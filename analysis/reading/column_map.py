@@ -39,8 +39,10 @@ class ColumnMap:
         ``linear``, ``log10`` or ``db``: the axis on which the levels, as they stand after `units`, are fitted.
     missing : list of str
         What stands for a value that was not measured.
-    decimal, separator : str
-        The decimal sign ("." or ",") and what separates columns (by default a comma, in ``.tsv`` a tab).
+    decimal : str
+        The decimal sign, "." or ",".
+    separator : str
+        What separates columns: one sign, as ";"; left out, a comma, and in ``.tsv`` a tab.
 
     Raises
     ------

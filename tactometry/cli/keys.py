@@ -92,7 +92,11 @@ def _text(table: "KeyTable") -> str:
     from tactometry.experiments.reference.keys import keys_of
 
     keys = keys_of(table)
-    columns = (Column("key", overflow="fold", ratio=5), Column("holds", ratio=5), Column("if left out", ratio=3))
+    columns = (
+        Column("key", overflow="fold", ratio=5),
+        Column("holds", ratio=5),
+        Column("if left out", overflow="fold", ratio=3),
+    )
     shown = Table(*columns, Column("meaning", ratio=7), box=None, padding=(0, 1), expand=True)
     for key in keys:
         shown.add_row(key.name, _holds(key), key.otherwise or "required", _means(key))

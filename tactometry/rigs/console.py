@@ -51,7 +51,7 @@ class Console(DeviceRig):
     Where the output of the `equipment` is a null output, stimuli are rendered and held against the limits, and nothing
     is emitted or delivered; with another they play through its guard, under the conditions of the sensors, as on a
     bench. A line that is no answer is asked again, up to `N_TRIES` times; Escape and the end of the input stop the
-    session.
+    session. A page is left with return at a terminal; where lines come from elsewhere, none is for it.
     """
 
     def __init__(
@@ -195,7 +195,16 @@ class Console(DeviceRig):
 
     def _show(self, request: Show) -> Done:
         self._tell_page(request)
+        if self._source.isatty() and request.message != "end":
+            self._leave(request)
         return self._done_between()
+
+    def _leave(self, request: Show) -> None:
+        """Somebody reads: a page stays for its time, or until they go on."""
+        if request.duration_s is None:
+            self._ask(self._phrases.of("go_on"), str)
+        else:
+            time.sleep(request.duration_s)
 
     def _record(self, request: Record) -> Done:
         self._supervisor.end_trial(request.trial)

@@ -96,6 +96,7 @@ ctrl_c              | ctrl-c                         | strg-c                   
 console.plays       | play through {output}          | werden über {output}               | passent par {output}
 console.silent      | nothing study --bench          | nichts studie --bench              | rien étude --bench
 console.stopping    | stops ctrl-d safe              | hält strg-d sicher                 | arrête ctrl-d sûreté
+console.go_on       | return on                      | weiter eingabetaste                | entrée continuer
 console.no_answer   | {line} expected answer         | {line} keine antwort               | {line} pas réponse
 console.trial       | trial                          | durchgang                          | essai
 console.interval    | interval                       | intervall                          | intervalle

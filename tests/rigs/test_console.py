@@ -9,18 +9,18 @@ import pytest
 from tactometry.errors import Stopped
 from tactometry.rigs.console import N_TRIES, Console
 from tactometry.rigs.texts import phrases_in, texts_in
-from tactometry.session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Record, Slide
+from tactometry.session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Record, Show, Slide
 from tactometry.trials.trial import Trial
 
 FELT = Choose("felt", (0, 1), ("no", "yes"))
 
 
-def console(text, language="en", texts=None):
+def console(text, language="en", texts=None, source=None):
     said = io.StringIO()
     rig = Console(
         catalogue.silent(catalogue.AnyStimulus(), catalogue.LIMITS),
         texts_in(language, texts or {}),
-        source=io.StringIO(text),
+        source=source or io.StringIO(text),
         output=said,
     )
     return rig, said
@@ -49,6 +49,32 @@ def test_what_is_no_answer_is_asked_again():
     rig, said = console("maybe\n\n7\nyes\n")
     assert rig.answer(FELT).option == 1
     assert said.getvalue().count("expected an answer to") == 3
+
+
+class Typed(io.StringIO):
+    """Lines of somebody at a terminal."""
+
+    def isatty(self):
+        return True
+
+
+def test_a_page_waits_for_somebody_at_a_terminal_alone():
+    rig, said = console("1\n")
+    rig.answer(Show("rest"))
+    assert rig.answer(FELT).option == 1
+    assert "Return goes on" not in said.getvalue()
+    rig, said = console("", source=Typed("\n1\n"))
+    rig.answer(Show("rest"))
+    rig.answer(Show("right", duration_s=0.001))
+    rig.answer(Show("end"))
+    assert rig.answer(FELT).option == 1
+    assert said.getvalue().count("Return goes on") == 1
+
+
+def test_escape_on_a_page_stops_the_session():
+    rig, _ = console("", source=Typed("\x1b\n"))
+    with pytest.raises(Stopped, match="Escape was typed"):
+        rig.answer(Show("rest"))
 
 
 def test_after_twenty_lines_that_are_none_the_session_stops():

@@ -265,7 +265,10 @@ def test_a_session_at_a_real_terminal_stops_with_each_of_them(tmp_path, key, sta
                 seen += os.read(master, 4096)
             except OSError:
                 break
-        if typed and seen.rstrip().endswith(b"(0 = no, 1 = yes):"):
+        if seen.rstrip().endswith(b"Return goes on:"):
+            os.write(master, b"\r")
+            seen += b"|"
+        elif typed and seen.rstrip().endswith(b"(0 = no, 1 = yes):"):
             os.write(master, typed.pop(0))
             seen += b"|"
     try:

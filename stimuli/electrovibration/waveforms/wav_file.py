@@ -37,7 +37,8 @@ class WavFile:
     path : str
         The file: whole numbers of 8 to 32 bits, or floating point; it is looked for from where the program runs.
     sha256 : str
-        Its digest, which says that it is still the same; a refusal tells that of the file.
+        Its digest, which says that it is still the same. Without it the file is refused, in a sentence that
+        tells it: write it then.
     rate_hz, duration_s : float
         Those of the file, which a reader of the data need not have.
     level_unit : {"dB re 1 V", "V", "dB re file"}
