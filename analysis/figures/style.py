@@ -75,6 +75,8 @@ class Drawing:
     figure: "Figure"
     svg: str
     """An SVG element without date."""
+    about: str | None = None
+    """What is drawn, in words that stand in the file."""
 
     def png(self) -> bytes:
         """Pixels for print."""
@@ -85,20 +87,22 @@ class Drawing:
             self.figure.set_dpi(PRINT_DPI)
             # Else the version of matplotlib stands in the file.
             canvas: Any = FigureCanvasAgg(self.figure)
-            canvas.print_png(target, metadata={"Software": None}, pil_kwargs={"compress_level": PACKING})
+            about = {"Description": self.about} if self.about else {}
+            canvas.print_png(target, metadata={"Software": None, **about}, pil_kwargs={"compress_level": PACKING})
             self.figure.set_dpi(dpi)
         return target.getvalue()
 
 
-def drawing_of(figure: "Figure") -> Drawing:
-    """The figure as it stands, within the house style."""
+def drawing_of(figure: "Figure", about: str | None = None) -> Drawing:
+    """The figure as it stands, within the house style; `about` says in the file what is drawn."""
     target = io.StringIO()
     # Not `savefig`, which draws all twice: it measures first what it may have to cut.
-    figure.canvas.print_svg(target, metadata={"Date": None, "Creator": "tactometry"})  # type: ignore[attr-defined]
+    metadata = {"Date": None, "Creator": "tactometry", "Description": about}
+    figure.canvas.print_svg(target, metadata=metadata)  # type: ignore[attr-defined]
     figure.set_layout_engine("none")  # all has its place: pixels need not seek it again
     text = target.getvalue()
     # Without the XML declaration: the page holds the drawing as one of its elements.
-    return Drawing(figure, text[text.index("<svg") :])
+    return Drawing(figure, text[text.index("<svg") :], about)
 
 
 def look(place: int) -> dict[str, Any]:

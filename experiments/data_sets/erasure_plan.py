@@ -79,7 +79,7 @@ def plan(root: Path, code: str, begun: Collection[str] = ()) -> ErasurePlan:
         tuple(path for path in own if _is_journal(root, path)),
         tuple(path for path in own if not _is_journal(root, path)),
         tuple(sorted(derived)),
-        (*_left_beside(root, code, stays), *_left_of_others(root, code, of_others), *_other_sets(root, code)),
+        (*_left_beside(root, code, stays), *_left_of_others(root, code, of_others), *_unsearched(root, code)),
     )
 
 
@@ -226,13 +226,17 @@ def _teller(root: Path, path: Path, code: str) -> Callable[[bytes], bool] | None
     return None
 
 
-def _other_sets(root: Path, code: str) -> Iterator[Left]:
-    """Data sets of their own within the folder that hold the participant too."""
+def _unsearched(root: Path, code: str) -> Iterator[Left]:
+    """Hidden folders, and data sets of their own within the folder that hold the participant too."""
     for folder, folders, _ in os.walk(root):
         within = [
             Path(folder) / name for name in folders if not name.startswith(".") and _is_a_set(Path(folder) / name)
         ]
-        folders[:] = [name for name in folders if not name.startswith(".") and Path(folder) / name not in within]
+        hidden = [Path(folder) / name for name in sorted(folders) if name.startswith(".")]
+        yield from (
+            Left(_name(root, path), "is hidden and was not searched; look there", names=False) for path in hidden
+        )
+        folders[:] = [name for name in folders if Path(folder) / name not in (*hidden, *within)]
         for other in within:
             if any(is_named_for(path.name, code) for path in other.rglob("*")):
                 yield Left(_name(root, other), f"is a data set of its own; tactometry erase {other} too", names=True)

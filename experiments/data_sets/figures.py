@@ -59,7 +59,13 @@ def touch_figure(touches: Sequence[TouchTrace]) -> Drawing:
         named = [pair for axes in grid.flat for pair in zip(*axes.get_legend_handles_labels(), strict=True)]
         lines = {text: line for line, text in named}  # each name once
         figure.legend(lines.values(), lines.keys(), loc="outside right upper")
-        return drawing_of(figure)
+        return drawing_of(figure, whose(touches))
+
+
+def whose(touches: Sequence[TouchTrace]) -> str:
+    """Of whom the touches of a trial are, as the file of their figure says it: an erasure finds it by that."""
+    head, trial = touches[0].head, touches[0].trial
+    return f"participant {head.participant}, session {head.session}, trial {trial.trial}"
 
 
 def heading(touch: TouchTrace) -> str:

@@ -44,6 +44,8 @@ class TouchTrace:
 
     Parameters
     ----------
+    head : Head
+        Of the sitting: whose touch it is.
     trial : Trial
         The (first) row of its trial.
     request, answer
@@ -56,6 +58,7 @@ class TouchTrace:
         Why it can't.
     """
 
+    head: Head
     trial: Trial
     request: Asked
     answer: Felt
@@ -198,7 +201,7 @@ def _read(root: Path, touch: RecordedTouch, bank: Mapping[str, Stimulus]) -> Tou
     emitted = _computed(touch, bank) if stored is None else _stored(root, stored)
     along = None if force is None else Samples(force.times_s, force.values[:, 0])
     unknown = _unknown(touch) if touch.digest is not None and emitted is None else None
-    return TouchTrace(touch.trial, touch.request, touch.answer, along, position, emitted, unknown)
+    return TouchTrace(touch.head, touch.trial, touch.request, touch.answer, along, position, emitted, unknown)
 
 
 def _samples(root: Path, part: TracePart | None) -> Samples | None:

@@ -1,6 +1,6 @@
 """`tactometry show`: what happened in one trial."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,7 +38,15 @@ def command(
     records = [{"touch": heading(touch), **_record(touch)} for touch in touches]
     told = f"figure: {drawn}" if drawn else f"trial {trial}: nothing was felt in it"
     lines = ["\n".join(_text(record)) for record in records]
-    say("\n".join([*lines, told]), {"trial": trial, "touches": records, "figure": drawn and str(drawn)})
+    say(
+        "\n".join([*lines, told]),
+        {"trial": trial, **_whose(touches), "touches": records, "figure": drawn and str(drawn)},
+    )
+
+
+def _whose(touches: "Sequence[TouchTrace]") -> dict[str, Any]:
+    """By this an erasure finds what was kept of it."""
+    return {name: getattr(touch.head, name) for touch in touches[:1] for name in ("participant", "session")}
 
 
 def _write(drawing: "Drawing", path: Path) -> None:
@@ -49,7 +57,7 @@ def _write(drawing: "Drawing", path: Path) -> None:
         case ".png":
             path.write_bytes(drawing.png())
         case _:
-            drawing.figure.savefig(path, metadata={"CreationDate": None})
+            drawing.figure.savefig(path, metadata={"CreationDate": None, "Subject": drawing.about})
 
 
 def _record(touch: "TouchTrace") -> dict[str, Any]:

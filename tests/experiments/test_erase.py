@@ -105,6 +105,23 @@ def test_figures_that_name_nobody_hold_the_participant_too(two):
     assert (two / "setup.png").exists()
 
 
+@pytest.mark.parametrize("end", ["pdf", "png", "svg"])
+def test_what_show_told_of_a_trial_is_known_by_whom_it_is_of(capsys, two, end):
+    drawn = two / f"shown.{end}"
+    told = output(capsys, "show", two, "--trial", 1, "--participant", "QX7", "--figure", drawn, "--json")
+    (two / "touch.json").write_text(told, "utf-8")
+    output(capsys, "show", two, "--trial", 1, "--participant", "P01", "--figure", two / f"other.{end}")
+    assert erase(two, "QX7").derived == (drawn.name, "touch.json")
+
+
+def test_a_hidden_folder_is_told_and_left(two):
+    hidden = two / "data" / ".checkpoints" / "a.csv"
+    hidden.parent.mkdir()
+    hidden.write_text("QX7")
+    assert [(left.file, left.names) for left in erase(two, "QX7").left] == [("data/.checkpoints", False)]
+    assert hidden.exists()
+
+
 def test_the_record_says_whom_when_by_what_and_how_much(two):
     done = erase(two, "QX7")
     line = json.loads((two / RECORD).read_text("utf-8"))
