@@ -185,6 +185,7 @@ def _draw_emitted(axes: "Axes", touch: TouchTrace) -> None:
 
 def _draw_nothing(axes: "Axes", touch: TouchTrace) -> None:
     del touch
+    axes.yaxis.set_visible(False)
     axes.text(0.5, 0.5, "no sensor, and nothing was emitted", ha="center", transform=axes.transAxes)
 
 

@@ -11,7 +11,22 @@ from ..arguments.require import expect
 from ..errors import Stopped
 from ..session.answer import Adjusted, Chosen, Done, Filled, Marked, Played, Rated, Touched
 from ..session.event import EventLog
-from ..session.request import Adjust, Choose, Enter, Facts, Fill, Play, Press, Question, Rate, Record, Show, Slide, Wait
+from ..session.request import (
+    CONSENT,
+    Adjust,
+    Choose,
+    Enter,
+    Facts,
+    Fill,
+    Play,
+    Press,
+    Question,
+    Rate,
+    Record,
+    Show,
+    Slide,
+    Wait,
+)
 from ..trials.trial import Trial
 from .device_rig import DeviceRig, Equipment
 from .experimenter.terminal import ExperimenterTerminal
@@ -146,7 +161,8 @@ class Console(DeviceRig):
         labels = [self._texts.label(label) for label in request.labels]
         words = ", ".join(f"{n} = {label}" for n, label in zip(request.options, labels, strict=True))
         question = self._texts.message(request.question)
-        prompt = f"{self._next()} {question} ({words}):"
+        of_trial = "" if request.question == CONSENT else f"{self._next()} "
+        prompt = f"{of_trial}{question} ({words}):"
         return Chosen(*self._ask(prompt, lambda line: _option(line, request.options, labels)))
 
     def _rate(self, request: Rate) -> Rated:

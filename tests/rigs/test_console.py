@@ -71,6 +71,14 @@ def test_a_page_waits_for_somebody_at_a_terminal_alone():
     assert said.getvalue().count("Return goes on") == 1
 
 
+def test_whether_somebody_takes_part_is_asked_in_no_trial():
+    rig, said = console("yes\nyes\n")
+    rig.answer(Choose("agree", (0, 1), ("no", "yes")))
+    assert "[trial" not in said.getvalue()
+    rig.answer(FELT)
+    assert "[trial 1]" in said.getvalue()
+
+
 def test_escape_on_a_page_stops_the_session():
     rig, _ = console("", source=Typed("\x1b\n"))
     with pytest.raises(Stopped, match="Escape was typed"):
