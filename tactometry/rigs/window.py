@@ -5,6 +5,7 @@ from its `ptb` back end only, its clock is the wall clock on Linux, taps are mis
 """
 
 import ctypes
+import sys
 import time
 import warnings
 from collections.abc import Callable
@@ -39,10 +40,21 @@ def _psychopy() -> SimpleNamespace:
 
         logging.console.setLevel(logging.ERROR)
         import pyglet
+
+        _refuse_documented()
         from psychopy import event, monitors, visual
         from psychopy.hardware import keyboard
     parts = {"pyglet": pyglet, "event": event, "monitors": monitors, "visual": visual, "keyboard": keyboard}
     return SimpleNamespace(logging=logging, **parts)
+
+
+def _refuse_documented() -> None:
+    """Where sphinx came first, pyglet makes no context of OpenGL, without which PsychoPy's import ends the process."""
+    if getattr(sys, "is_pyglet_doc_run", False):
+        raise DeviceFailed(
+            "window: found sphinx in this process, beside which pyglet draws nothing, expected a process without it; "
+            "start the session in another, or import tactometry.rigs.window and call load_psychopy first"
+        )
 
 
 def load_psychopy() -> SimpleNamespace:
@@ -51,7 +63,7 @@ def load_psychopy() -> SimpleNamespace:
     Raises
     ------
     DeviceFailed
-        If it is not installed, a library of the system is missing, or there is no display.
+        If it is not installed, a library of the system is missing, there is no display, or sphinx is imported.
     """
     no_display = "window: found no display", ", expected a screen; start it from a desktop session, or set DISPLAY"
     with failing_as(*no_display):

@@ -45,6 +45,14 @@ def test_without_a_display_one_sentence_says_so(home, display_name):
     assert line.endswith("expected a screen; start it from a desktop session, or set DISPLAY 3")
 
 
+@pytest.mark.skipif(find_spec("psychopy") is None, reason="no psychopy: pip install 'tactometry[window]'")
+def test_beside_sphinx_one_sentence_says_so(display, home):
+    """The process ended there by a fault of memory: pyglet had made no context."""
+    line = said("import sys; sys.modules['sphinx'] = sys" + OPEN, HOME=home, DISPLAY=os.environ["DISPLAY"])
+    assert line.startswith("window: found sphinx in this process")
+    assert line.endswith("3")
+
+
 def test_without_psychopy_one_sentence_says_what_to_install(home):
     line = said("import sys; sys.modules['psychopy'] = None" + OPEN, HOME=home)
     assert line.startswith("window: found no module 'psychopy', expected PsychoPy; install it with pip install")
