@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import pandas as pd
 
+from tactometry.analysis.reading.text_table import TEXT
 from tactometry.analysis.reading.trials import Trials, trials_in
 from tactometry.records.data_set import Session, row
 from tactometry.records.description import SIMULATED
@@ -97,5 +98,5 @@ def _table(experiment: Experiment, who: Who) -> tuple[Path, pd.DataFrame]:
 def _cells(trials: Sequence[Trial], session: Session, columns: Sequence[Column]) -> pd.DataFrame:
     """As the trials file of a session would be read, row by row below its header."""
     texts = [row(trial, session, SIMULATED, columns) for trial in trials]
-    table = pd.DataFrame(texts, columns=[column.name for column in columns], dtype=str)
+    table = pd.DataFrame(texts, columns=[column.name for column in columns], dtype=TEXT)
     return table.assign(row=range(2, len(texts) + 2))

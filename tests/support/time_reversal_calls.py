@@ -209,6 +209,7 @@ def calls(folder: Path) -> Mapping[str, Mapping[str, Any]]:
         },
         "plate.glass": {
             "read_plate": {"path": toml},
+            "NamedGlass": {"glass": "soda-lime"},
             "Glass.plate": {
                 "self": Glass("x", 64e9, 0.2, 2230.0, "here"), "length_m": 0.2, "width_m": 0.1, "thickness_m": 1e-3,
                 "boundary": "SSSS",
