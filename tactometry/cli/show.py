@@ -37,10 +37,14 @@ def command(
             _write(touch_figure(touches), drawn)
     records = [{"touch": heading(touch), **_record(touch)} for touch in touches]
     told = f"figure: {drawn}" if drawn else f"trial {trial}: nothing was felt in it"
-    lines = ["\n".join(_text(record)) for record in records]
+    whose = _whose(touches)
+    lines = [
+        ", ".join(f"{name} {value}" for name, value in whose.items()),
+        *("\n".join(_text(record)) for record in records),
+    ]
     say(
-        "\n".join([*lines, told]),
-        {"trial": trial, **_whose(touches), "touches": records, "figure": drawn and str(drawn)},
+        "\n".join([*filter(None, lines), told]),
+        {"trial": trial, **whose, "touches": records, "figure": drawn and str(drawn)},
     )
 
 

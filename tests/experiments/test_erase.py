@@ -114,6 +114,12 @@ def test_what_show_told_of_a_trial_is_known_by_whom_it_is_of(capsys, two, end):
     assert erase(two, "QX7").derived == (drawn.name, "touch.json")
 
 
+def test_what_show_said_of_a_trial_is_told_where_somebody_kept_it(capsys, two):
+    said = output(capsys, "show", two, "--trial", 1, "--participant", "QX7", "--figure", two / "trial-1.png")
+    (two / "touch.txt").write_text(said, "utf-8")
+    assert [(left.file, left.names) for left in erase(two, "QX7").left] == [("touch.txt", True)]
+
+
 def test_a_hidden_folder_is_told_and_left(two):
     hidden = two / "data" / ".checkpoints" / "a.csv"
     hidden.parent.mkdir()

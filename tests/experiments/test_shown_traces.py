@@ -35,6 +35,7 @@ def test_show_tells_and_draws_what_happened_in_a_trial(tmp_path, capsys, monkeyp
     monkeypatch.chdir(tmp_path)
     (row, *_) = trial_rows(RECORDED_TRACES)
     said = output(capsys, "show", RECORDED_TRACES, "--trial", 1)
+    assert said.startswith(f"participant {row['participant']}, session {row['session']}\n")
     assert f"onset_s             {row['onset_s']}" in said
     assert "amplitude_modulated, frequency_hz=60: 34 dB re 1 V" in said
     assert (tmp_path / "trial-1.png").read_bytes().startswith(b"\x89PNG")
