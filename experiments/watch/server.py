@@ -9,6 +9,7 @@ import json
 import secrets
 import socket
 import threading
+import warnings
 from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, MutableMapping
 from contextlib import suppress
 from dataclasses import dataclass
@@ -169,7 +170,8 @@ def serve(scenery: Scenery, port: int, tell: Callable[[str], None], until: Binar
         server = uvicorn.Server(config)
         if until is not None:
             threading.Thread(target=_end_with, args=(until, server), daemon=True).start()
-        with suppress(KeyboardInterrupt):  # Ctrl-C is how it ends
+        # Ctrl-C is how it ends, also before the loop has begun, of which Python would tell that nobody awaited it.
+        with warnings.catch_warnings(action="ignore", category=RuntimeWarning), suppress(KeyboardInterrupt):
             tell(f"http://{LOOPBACK}:{port}/{token}/")
             server.run(sockets=[listening])
 
