@@ -40,7 +40,8 @@ def commands_of(text: str) -> Iterator[Command]:
 def said_by(line: str) -> tuple[int, str]:
     """The status of a command, and all that it says."""
     words = shlex.split(line, comments=True)
-    shell = words[0] != "tactometry" or {"|", ">", "&&"} & set(words)
+    # Processes for --jobs are kept by the one that began them, in the folder that it was in then.
+    shell = words[0] != "tactometry" or {"|", ">", "&&", "--jobs"} & set(words)
     return _of_the_shell(line) if shell else _own(words[1:])
 
 
