@@ -60,7 +60,7 @@ class Task:
 
     name: str
     guess: float
-    rmse_asked: float
+    rmse_asked: float = float("inf")
     """The error after 160 trials that was asked for, in standard deviations of the observer."""
 
     def chance(self, level, threshold):
