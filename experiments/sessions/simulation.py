@@ -1,7 +1,7 @@
 """Many simulated participants of one study."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 
@@ -86,5 +86,7 @@ def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None =
     The result does not depend on where it is computed.
     """
     flaw(simulation.check(), simulation.root)
+    if n_jobs != 1 or scheduler is not None:  # a process that is kept, or on another machine, is in a folder of its own
+        simulation = replace(simulation, root=simulation.root.absolute())
     with workers(n_jobs, scheduler) as spread:
         yield from spread(simulation.record, simulation.sessions())

@@ -232,3 +232,14 @@ def test_the_command_is_on_the_path(tmp_path):
     environment = os.environ | {"PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}"}
     done = subprocess.run(["tactometry", "studies"], cwd=tmp_path, env=environment, capture_output=True, check=False)
     assert (done.returncode, b"tutorial" in done.stdout) == (0, True)
+
+
+@pytest.mark.slow
+def test_processes_that_are_kept_write_where_the_command_is(tmp_path, monkeypatch):
+    """They stay in the folder in which the first command began them."""
+    for name in ("here", "there"):
+        folder = tmp_path / name
+        folder.mkdir()
+        monkeypatch.chdir(folder)
+        assert status("simulate", "tutorial", "--participants", "2", "--seed", "1", "--jobs", "2", "--out", "d") == 0
+        assert len(list((folder / "d" / "data").glob("*_data.csv"))) == 2
