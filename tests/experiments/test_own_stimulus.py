@@ -226,12 +226,12 @@ def test_a_file_is_played_and_its_data_are_read_without_it(filed, tmp_path, caps
     monkeypatch.setattr("sys.stdin", io.StringIO("1\n" * 300))
     words = ("--participant", "P01", "--rig", "console", "--bench", "bench.toml", "--out", tmp_path / "d")
     assert call(capsys, "run", filed, *words)[0] == 0
-    [level, *_] = [float(row["level"]) for row in trial_rows(tmp_path / "d") if row["level"]]
+    [(trial, level), *_] = [(row["trial"], float(row["level"])) for row in trial_rows(tmp_path / "d") if row["level"]]
     played = read_signal(tmp_path / "played" / "0001.npz")
     wanted = as_int16(TONE) / as_int16(TONE).max() * 10 ** (level / 20)
     assert (played.rate_hz, played.samples.shape) == (RATE_HZ, (1, N_SAMPLES))
     assert played.samples[0] == pytest.approx(wanted, rel=1e-12, abs=1e-12)
-    shown = ("show", tmp_path / "d", "--trial", "1", "--figure", tmp_path / "shown.svg")
+    shown = ("show", tmp_path / "d", "--trial", trial, "--figure", tmp_path / "shown.svg")
     with_it = output(capsys, *shown)
     (tmp_path / "buzz.wav").unlink()
     for command in ("validate", "replay"):
