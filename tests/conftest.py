@@ -62,8 +62,9 @@ def place_of(item):
 
 
 def pytest_xdist_auto_num_workers():
-    """One more than the cores: the process that has the display waits for half of its time."""
-    return (os.cpu_count() or 1) + 1
+    """Two more than the cores: the process that has the display waits for more than half of its time, and those of the
+    devices for a third."""
+    return (os.cpu_count() or 1) + 2
 
 
 @pytest.hookimpl(wrapper=True)

@@ -31,7 +31,11 @@ def reduced(problem: Problem) -> Problem:
     return replace(problem, rungs=tuple(rung for group in groups for rung in group[: N_RUNGS.get(problem.name)]))
 
 
-@pytest.fixture(scope="module", params=LADDERS)
+DEAR = ("procedures", "threshold-bootstrap", "group-threshold", "scene-hybrid-screen")
+CLIMBED = [pytest.param(name, marks=pytest.mark.slow if name in DEAR else ()) for name in LADDERS]
+
+
+@pytest.fixture(scope="module", params=CLIMBED)
 def found(request):
     return climb(reduced(problem_of(request.param)), n_rounds=0)
 

@@ -81,6 +81,7 @@ def test_any_number_of_workers_gives_the_same_bytes(study, tmp_path, capsys, mon
     assert contents(tmp_path / "two") == contents(tmp_path / "one")
 
 
+@pytest.mark.slow
 def test_a_cluster_finds_it_by_the_path_of_the_study(study, tmp_path, capsys):
     pytest.importorskip("distributed", reason="the extra 'cluster' is not installed")
     output(capsys, "simulate", study, *ALL, "--out", tmp_path / "one", "--allow-code")

@@ -105,7 +105,7 @@ def test_what_the_row_says_of_a_touch_follows_from_its_trace(recorded):
         assert forces_n[during].mean() == pytest.approx(float(row["force_mean_n"]), abs=1e-6)
         # the gate opened on a sample, after the force had been held
         held = (times_s <= touch.answer.gate_s) & (times_s >= touch.answer.gate_s - touch.request.hold_s)
-        assert np.min(np.abs(times_s - touch.answer.gate_s)) <= 1e-6
+        assert np.min(np.abs(times_s - touch.answer.gate_s)) <= 1.5e-6  # both are told to a microsecond
         assert np.all(forces_n[held] == 1.0)
 
 

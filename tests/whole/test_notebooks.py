@@ -13,14 +13,14 @@ from nbclient.exceptions import CellExecutionError
 from nbformat.v4 import new_code_cell, new_notebook
 from notebooks import NOTEBOOKS, executed, read, shown
 
-LONG = {"plan_a_study", "analyse_a_csv", "design_a_screen"}
-"""Of several seconds: whole studies are simulated, every figure of an analysis and the modes of a plate are made."""
+SHORT = {"write_an_effect"}
+"""`make test` runs these; the others take several seconds each."""
 
 pytestmark = pytest.mark.filterwarnings("ignore")  # of Jupyter's own sockets and loops
 
 
 def notebook_of(path: Path) -> object:
-    return pytest.param(path, marks=pytest.mark.slow if path.stem in LONG else (), id=path.stem)
+    return pytest.param(path, marks=() if path.stem in SHORT else pytest.mark.slow, id=path.stem)
 
 
 @pytest.mark.parametrize("path", [notebook_of(path) for path in NOTEBOOKS])

@@ -56,13 +56,15 @@ def reads_of(tree):
     """What each call of a reader reads, as it is written, also where a call is prepared."""
     for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
         prepared = isinstance(call.func, ast.Name) and call.func.id == "partial" and call.args
-        name = ast.unparse(call.args[0] if prepared else call.func)
-        if name in POSITION:
-            yield ast.unparse(call.args[POSITION[name] + bool(prepared)])
+        reader = call.args[0] if prepared else call.func
+        if isinstance(reader, ast.Name) and reader.id in POSITION:
+            yield ast.unparse(call.args[POSITION[reader.id] + bool(prepared)])
 
 
 def readers():
     for path in sources():
+        if not any(name in path.read_text(encoding="utf-8") for name in POSITION):
+            continue  # each process of the tests comes here, and to read a file costs less than to parse it
         for written in reads_of(parsed(path)):
             yield pytest.param(path, written, id=f"{path_of(path)}-{written}")
 

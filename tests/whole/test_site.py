@@ -27,6 +27,7 @@ def built(docs: Path, out: Path, builder: str) -> subprocess.CompletedProcess[st
     return subprocess.run(command, capture_output=True, text=True, check=False, timeout=LONGEST_PROGRAM_S)
 
 
+@pytest.mark.slow
 def test_no_page_has_a_warning_or_a_dead_link(tmp_path: Path) -> None:
     """A picture that is not there, a page that no table of contents leads to, and a heading that is gone, too."""
     done = built(DOCS, tmp_path, "dummy")

@@ -65,6 +65,7 @@ def numbers():
         yield from ("space", "1", "Return")
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(importlib.util.find_spec("sounddevice") is None, reason="no sounddevice: extra audio")
 def test_a_texture_in_the_window_sounds_as_the_places_of_the_pointer_ask_for(display, sink, tmp_path):
     study, device = texture_study(tmp_path), Emulator("udp", tmp_path, profile=RELEASED)

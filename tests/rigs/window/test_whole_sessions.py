@@ -16,18 +16,16 @@ from tactometry.experiments.study.study_file import builtin
 from tactometry.rigs.texts import FOLDER, languages
 
 SOURCES = ("udp", "serial", "lsl")
-FIRST = ("tutorial", "en")
 
 
 def sessions():
-    """Each study in each language of its questionnaires, with one of the sources of force; `make test` has one,
-    `make check` each study."""
+    """Each study in each language of its questionnaires, with one of the sources of force; `make check` has each study
+    once, and `make test` those of `test_forms`, of which a script marks the answers."""
     for n, name in enumerate(SHORT):
         spoken = [each for each in languages() if all(each in form.languages for form in forms_of(shortened(name)))]
         for k, language in enumerate(spoken):
-            once = k == n % len(spoken)
-            marks = () if (name, language) == FIRST else (pytest.mark.slow if once else pytest.mark.soak,)
-            yield pytest.param(name, language, SOURCES[(n + k) % len(SOURCES)], marks=marks, id=f"{name}-{language}")
+            mark = pytest.mark.slow if n % len(spoken) == k else pytest.mark.soak
+            yield pytest.param(name, language, SOURCES[(n + k) % len(SOURCES)], marks=mark, id=f"{name}-{language}")
 
 
 def test_every_built_in_study_has_a_short_one():
