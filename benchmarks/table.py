@@ -31,6 +31,14 @@ ELSEWHERE = {
     "ladder_peers": "docs/explanation/cost.md",
 }
 """They write what a page of the docs shows, and run by name alone."""
+WHY_MISSED = {
+    "scene_in_study": "a first call imports the stages of a scene, once per process: 5 to 10 ms more than a formula by "
+    "hand; all later calls are as quick, or quicker",
+    "time_reversal_finger": "the sum without contacts became twice as quick (one decay for all modes is one row), that "
+    "with contacts less so. One sum in place of two would give 1.7 and 2.1 x, but a contact without impedance would no "
+    "longer leave every bit as it is",
+}
+"""Said below the table where a row of the benchmark is missed."""
 HEAD = """\
 # Benchmarks
 
@@ -122,7 +130,7 @@ def page(outcomes: Mapping[str, Outcome], names: Sequence[str]) -> str:
     """The page; benchmarks that were never run are named too."""
     machines = list(dict.fromkeys(each.machine for name in names if (each := outcomes.get(name)) and each.rows))
     known = {name: outcomes.get(name, Outcome()) for name in names}
-    lines = [*_summary(known.values()), "", *_table(known, machines), "", *_failures(known)]
+    lines = [*_summary(known.values()), "", *_table(known, machines), "", *_failures(known), *_reasons(known)]
     lines += [f"- Machine {n}: {each}" for n, each in enumerate(machines, 1)]
     lines += [f"- `{name}.py` by name alone: what it finds stands in {where}." for name, where in ELSEWHERE.items()]
     return HEAD + "\n".join(lines) + "\n"
@@ -155,6 +163,12 @@ def _failures(known: Mapping[str, Outcome]) -> Iterator[str]:
         if outcome.failed:
             kept = "its rows are of the run before" if outcome.rows else "there is no run before"
             yield f"- **{name} FAILED** ({outcome.failed}); {kept}."
+
+
+def _reasons(known: Mapping[str, Outcome]) -> Iterator[str]:
+    for name, outcome in known.items():
+        if name in WHY_MISSED and any(row.holds is False for row in outcome.rows):
+            yield f"- {name}, missed: {WHY_MISSED[name]}."
 
 
 def read(path: Path) -> dict[str, Outcome]:

@@ -106,6 +106,14 @@ def test_a_miss_and_a_failure_are_told_and_results_before_stay(folder: Path) -> 
     assert re.search(r"\*\*whole FAILED\*\* .* its rows are of the run before", page)
 
 
+def test_a_miss_that_is_understood_has_its_reason_below_the_table(folder: Path, monkeypatch) -> None:
+    monkeypatch.setitem(table.WHY_MISSED, "whole", "theirs became quicker")
+    reason = "- whole, missed: theirs became quicker."
+    for value, told in ((2.0, True), (1.0, False)):
+        outcome = table.Outcome((measured.Measured("ours over theirs", (value,), at_most=1.5),), machine="one")
+        assert (reason in table.page({"whole": outcome}, table.programs(folder))) is told
+
+
 def test_one_that_is_renewed_leaves_the_others_with_their_dates(folder: Path) -> None:
     before = table.Outcome((measured.Measured("older", (1.0,)),), "2026-01-02", 0.5, "a machine", 1, 2.0)
     table.write({"torn": before}, folder)
