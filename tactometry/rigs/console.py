@@ -101,8 +101,11 @@ class Console(DeviceRig):
             "terminal": self._source.isatty(),
         }
 
-    def _ask(self, prompt: str, read: Callable[[str], T]) -> tuple[T, float, float, str]:
-        """An answer, the onset of its question, its latency, and the time of day when it was given."""
+    def _ask(self, prompt: str, read: Callable[[str], T], expected: str = "") -> tuple[T, float, float, str]:
+        """An answer, the onset of its question, its latency, and the time of day when it was given.
+
+        A line that `read` refuses is told beside what was `expected`, and the question is put again.
+        """
         onset_s = time.perf_counter()
         for _ in range(N_TRIES):
             print(prompt, end=" ", file=self._output, flush=True)
@@ -114,7 +117,7 @@ class Console(DeviceRig):
             try:
                 return read(line.strip()), *self._times(onset_s, time.perf_counter())
             except ValueError:
-                self._terminal.tell(self._phrases.of("no_answer", line=repr(line.strip()), prompt=prompt))
+                self._terminal.tell(self._phrases.of("no_answer", expected=expected, line=repr(line.strip())))
         raise self._stop(f"{N_TRIES} lines were no answers")
 
     def _pause(self, by: str, over: Callable[[], bool]) -> None:
@@ -163,17 +166,26 @@ class Console(DeviceRig):
         question = self._texts.message(request.question)
         of_trial = "" if request.question == CONSENT else f"{self._next()} "
         prompt = f"{of_trial}{question} ({words}):"
-        return Chosen(*self._ask(prompt, lambda line: _option(line, request.options, labels)))
+        expected = self._either(request.options)
+        return Chosen(*self._ask(prompt, lambda line: _option(line, request.options, labels), expected))
+
+    def _either(self, options: Sequence[int]) -> str:
+        *others, last = map(str, options)
+        return self._phrases.of("either", options=", ".join(others), last=last) if others else last
+
+    def _number(self, low: float, high: float) -> str:
+        return self._phrases.of("number_from" if high == math.inf else "number", low=low, high=high)
 
     def _rate(self, request: Rate) -> Rated:
         prompt = f"{request.item} ({request.low:g} = {request.low_label}, {request.high:g} = {request.high_label}):"
-        return Rated(*self._ask(prompt, lambda line: _within(line, request.low, request.high)))
+        expected = self._number(request.low, request.high)
+        return Rated(*self._ask(prompt, lambda line: _within(line, request.low, request.high), expected))
 
     def _enter(self, request: Enter) -> Rated:
         low, high = request.low, math.inf if request.high is None else request.high
-        numbers = "number_from" if request.high is None else "number"
-        prompt = f"{self._texts.message(request.question)} ({self._phrases.of(numbers, low=low, high=high)}):"
-        return Rated(*self._ask(prompt, lambda line: _within(line, request.low, high)))
+        expected = self._number(low, high)
+        prompt = f"{self._texts.message(request.question)} ({expected}):"
+        return Rated(*self._ask(prompt, lambda line: _within(line, low, high), expected))
 
     def _fill(self, request: Fill) -> Filled:
         onset_s = time.perf_counter()
@@ -196,14 +208,17 @@ class Console(DeviceRig):
         step = (request.high - request.low) / (request.steps - 1) if request.steps else 1.0
         by = "" if step == 1 else self._phrases.of("steps", step=step)
         ends = f"{request.low:g} = {left}, {request.high:g} = {right}{by}"
-        prompt = f"{statement} ({ends}; {self._phrases.of('ways')}):".lstrip()
-        return self._ask(prompt, lambda line: WAYS.get(line) or (1, _on_scale(line, request)))[0]
+        ways = self._phrases.of("ways")
+        prompt = f"{statement} ({ends}; {ways}):".lstrip()
+        expected = f"{self._number(request.low, request.high)}{by} ({ways})"
+        return self._ask(prompt, lambda line: WAYS.get(line) or (1, _on_scale(line, request)), expected)[0]
 
     def _adjust(self, request: Adjust) -> Adjusted:
         adjustment = "an adjustment, whose level plays while it is set"
         expect(not self._equipment.output.emits, "console", adjustment, "a task without one; use --rig bench")
         prompt = self._phrases.of("level", stimulus=request.stimulus, low=request.low, high=request.high)
-        return Adjusted(*self._ask(prompt, lambda line: _within(line, request.low, request.high)))
+        expected = self._number(request.low, request.high)
+        return Adjusted(*self._ask(prompt, lambda line: _within(line, request.low, request.high), expected))
 
     def _wait(self, request: Wait) -> Done:
         time.sleep(request.duration_s)

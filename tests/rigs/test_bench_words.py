@@ -97,7 +97,7 @@ console.plays       | play through {output}          | werden über {output}    
 console.silent      | nothing study --bench          | nichts studie --bench              | rien étude --bench
 console.stopping    | stops ctrl-d safe              | hält strg-d sicher                 | arrête ctrl-d sûreté
 console.go_on       | return on                      | weiter eingabetaste                | entrée continuer
-console.no_answer   | {line} expected answer         | {line} keine antwort               | {line} pas réponse
+console.no_answer   | expected {expected} {line}     | erwartet {expected} {line}         | attendue {expected} {line}
 console.trial       | trial                          | durchgang                          | essai
 console.interval    | interval                       | intervall                          | intervalle
 console.play        | play {duration_s:g} s          | spielt {duration_s:g} s            | émission {duration_s:g} s
@@ -106,6 +106,7 @@ console.slide       | slide {force_n:g} n mm/s       | gleiten {force_n:g} n mm/
 console.lift        | lift first                     | zuerst heben                       | levez d'abord
 console.number      | number from to                 | zahl von bis                       | nombre de à
 console.number_from | number from                    | zahl ab                            | nombre partir
+console.either      | {options} or {last}            | {options} oder {last}              | {options} ou {last}
 console.steps       | steps                          | schritten                          | pas de
 console.ways        | - leaves < back                | - lässt < zurück                   | - laisse < arrière
 console.level       | level                          | pegel                              | niveau

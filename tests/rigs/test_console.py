@@ -9,10 +9,11 @@ import pytest
 from tactometry.errors import Stopped
 from tactometry.rigs.console import N_TRIES, Console
 from tactometry.rigs.texts import phrases_in, texts_in
-from tactometry.session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Record, Show, Slide
+from tactometry.session.request import Adjust, Choose, Enter, Fill, Play, Press, Question, Rate, Record, Show, Slide
 from tactometry.trials.trial import Trial
 
 FELT = Choose("felt", (0, 1), ("no", "yes"))
+POLES = {"en": ("warm", "not", "much"), "de": ("warm", "nicht", "sehr"), "fr": ("chaud", "pas", "très")}
 
 
 def console(text, language="en", texts=None, source=None):
@@ -48,7 +49,31 @@ def test_an_answer_is_the_number_or_the_word_that_is_shown(typed, language, opti
 def test_what_is_no_answer_is_asked_again():
     rig, said = console("maybe\n\n7\nyes\n")
     assert rig.answer(FELT).option == 1
-    assert said.getvalue().count("expected an answer to") == 3
+    assert said.getvalue().count("[trial 1] Did you feel something?") == 4
+
+
+REFUSED = (
+    (FELT, "2\n1\n", "en", "expected 0 or 1, found '2'"),
+    (FELT, "vielleicht\n1\n", "de", "erwartet wird 0 oder 1, nicht 'vielleicht'"),
+    (FELT, "x\n1\n", "fr", "réponse attendue : 0 ou 1, au lieu de 'x'"),
+    (Choose("which_place", (1, 2, 3), ("a", "b", "c")), "4\n1\n", "en", "expected 1, 2 or 3, found '4'"),
+    (Rate("warm", 0.0, 10.0, None, "not", "much"), "11\n1\n", "en", "expected a number from 0 to 10, found '11'"),
+    (Enter("how_strong", 0.0), "-1\n1\n", "en", "expected a number from 0, found '-1'"),
+    (Adjust("tone", 5.0, 1.0, 0.0, 10.0), "x\n5\n", "en", "expected a number from 0 to 10, found 'x'"),
+    (
+        Fill("f", (Question("a", POLES),), 0.0, 1.0, 5),
+        "0.3\n0.25\n",
+        "en",
+        "expected a number from 0 to 1, in steps of 0.25 (- leaves it open, < goes back), found '0.3'",
+    ),
+)
+
+
+@pytest.mark.parametrize(("request_", "typed", "language", "told"), REFUSED)
+def test_a_line_that_is_no_answer_is_told_with_what_was_expected(request_, typed, language, told):
+    rig, said = console(typed, language)
+    rig.answer(request_)
+    assert said.getvalue().count(told) == 1
 
 
 class Typed(io.StringIO):
@@ -93,7 +118,6 @@ def test_after_twenty_lines_that_are_none_the_session_stops():
         rig.answer(FELT)
 
 
-POLES = {"en": ("warm", "not", "much"), "de": ("warm", "nicht", "sehr"), "fr": ("chaud", "pas", "très")}
 ASKED = (
     Press("tone", None, 0.5, target_n=1.0, tolerance=0.2, hold_s=0.1, timeout_s=5.0, interval=2),
     Slide("tone", None, 0.5, 1.0, 0.2, 0.1, 5.0, speed_m_per_s=0.05),
@@ -109,7 +133,7 @@ TOLD = {
         "[Durchgang 1] 0.5 s lang mit 1 N drücken, Intervall 2",
         "[Durchgang 1] 0.5 s lang mit 1 N und 50 mm/s gleiten",
         "[Durchgang 1] spielt 0.01 s lang",
-        "Wie stark war es? (eine Zahl ab 0): 'x' ist keine Antwort auf: Wie stark war es? (eine Zahl ab 0):",
+        "Wie stark war es? (eine Zahl ab 0): erwartet wird eine Zahl ab 0, nicht 'x'",
         "Wie stark war es? (eine Zahl ab 0): "
         "warm (0 = nicht, 1 = sehr, in Schritten von 0.25; - lässt sie offen, < geht zurück): "
         "Pegel von tone (0 bis 10): "
@@ -121,7 +145,7 @@ TOLD = {
         "[essai 1] glissez avec 1 N à 50 mm/s pendant 0.5 s",
         "[essai 1] émission pendant 0.01 s",
         "Quelle était l'intensité ? (un nombre à partir de 0): "
-        "'x' n'est pas une réponse à : Quelle était l'intensité ? (un nombre à partir de 0):",
+        "réponse attendue : un nombre à partir de 0, au lieu de 'x'",
         "Quelle était l'intensité ? (un nombre à partir de 0): "
         "chaud (0 = pas, 1 = très, par pas de 0.25; - laisse sans réponse, < revient en arrière): "
         "niveau de tone (0 à 10) : "
