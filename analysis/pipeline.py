@@ -36,15 +36,15 @@ from .tasks.task_analysis import Results
 
 
 def analyse(
-    path: Path,
+    path: str | Path,
     *,
-    report: Path | None = None,
+    report: str | Path | None = None,
     pdf: bool = False,
     within: Sequence[str] | None = None,
     column_map: ColumnMap | None = None,
     level_scale: str | None = None,
     plan: AnalysisPlan | None = None,
-    figures: Path | None = None,
+    figures: str | Path | None = None,
     warnings: Sequence[str] = (),
     replay: Replay | None = None,
     touches: Callable[[], pd.DataFrame] | None = None,
@@ -53,9 +53,9 @@ def analyse(
 
     Parameters
     ----------
-    path : Path
+    path : str or Path
         Data set or CSV file of trials.
-    report : Path, optional
+    report : str or Path, optional
         An HTML file to write; the tables go into the folder ``<name>_tables`` beside it.
     pdf : bool
         Also print the report to ``<name>.pdf`` through an installed browser or WeasyPrint.
@@ -68,7 +68,7 @@ def analyse(
     plan : AnalysisPlan, optional
         What is left out, and which differences count as none, stated before the data; by default what the study of
         the data set states in its table ``[analysis]``.
-    figures : Path, optional
+    figures : str or Path, optional
         A folder for every figure as SVG and, at 300 dots per inch, PNG.
     warnings : sequence of str
         What is known of the data beside the table; it stands before the other warnings.
@@ -87,6 +87,7 @@ def analyse(
         If the report cannot be written, or nothing prints it.
     """
     expect(report is not None or not pdf, "--pdf", "no --report", "one: the PDF is printed from it")
+    path, report, figures = Path(path), _path(report), _path(figures)
     if report is not None:
         check_report(report)  # before the analysis, which may take minutes
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
@@ -103,6 +104,10 @@ def analyse(
     if figures is not None:
         analysis = write_figures(analysis, figures, sections)
     return analysis if report is None else write_report(analysis, report, pdf=pdf, sections=sections)
+
+
+def _path(given: str | Path | None) -> Path | None:
+    return None if given is None else Path(given)
 
 
 def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay: Replay | None = None) -> Analysis:

@@ -58,7 +58,7 @@ class AnalysisPlan:
             expect(name in factors, f"equivalence.{name}", "no such factor", expected)
 
 
-def read_plan(path: Path) -> AnalysisPlan:
+def read_plan(path: str | Path) -> AnalysisPlan:
     """A plan from a TOML file with the tables `[exclusion]` and `[equivalence]`.
 
     Raises
@@ -66,7 +66,7 @@ def read_plan(path: Path) -> AnalysisPlan:
     InvalidFile
         If it cannot be read, or holds anything else.
     """
-    return read_toml(AnalysisPlan, path, "a plan of analysis")
+    return read_toml(AnalysisPlan, Path(path), "a plan of analysis")
 
 
 def plan_of(path: Path) -> AnalysisPlan:

@@ -73,7 +73,7 @@ class ColumnMap:
             expect(of_name == symbol, f"units.{name}", f"{unit!r}, which is in {symbol}", f"a unit of {of_name}")
 
 
-def read_column_map(path: Path) -> ColumnMap:
+def read_column_map(path: str | Path) -> ColumnMap:
     """Read a column map from TOML with the keys of `ColumnMap`.
 
     Raises
@@ -81,7 +81,7 @@ def read_column_map(path: Path) -> ColumnMap:
     InvalidFile
         If the file cannot be read, is no TOML, or holds something else.
     """
-    return read_toml(ColumnMap, path, "a column map")
+    return read_toml(ColumnMap, Path(path), "a column map")
 
 
 def translate(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:

@@ -68,7 +68,7 @@ class Trials:
 
 
 def read_trials(
-    path: Path,
+    path: str | Path,
     *,
     within: Sequence[str] | None = None,
     column_map: ColumnMap | None = None,
@@ -88,6 +88,7 @@ def read_trials(
     InvalidParameter
         If `within` names a column that is not there, or the levels cannot be put on the scale.
     """
+    path = Path(path)
     files = trial_files(path, OWN_FILES if column_map is None else OWN_FILES + FOREIGN_FILES)
     given = column_map or ColumnMap()
     read = {file: _text_of(file, given) for file in files}

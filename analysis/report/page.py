@@ -28,7 +28,7 @@ PDF_TIMEOUT_S = 120.0
 
 
 def write_report(
-    analysis: Analysis, path: Path, *, pdf: bool = False, sections: Sequence[Section] | None = None
+    analysis: Analysis, path: str | Path, *, pdf: bool = False, sections: Sequence[Section] | None = None
 ) -> Analysis:
     """Write the report to `path`, its tables to the folder ``<stem>_tables``, and a PDF if asked for; its `sections`
     are drawn unless they are given.
@@ -40,6 +40,7 @@ def write_report(
     DeviceFailed
         If something cannot be written or printed.
     """
+    path = Path(path)
     check_report(path)
     folder = path.with_name(f"{path.stem}_tables")
     with attempt(path, "cannot be written, or its tables", "a place to write to"):

@@ -59,7 +59,7 @@ class SceneTables:
     settings: dict[str, dict[str, float | int | str]] | None = None
 
 
-def load_scene(path: Path) -> SceneFile:
+def load_scene(path: str | Path) -> SceneFile:
     """The scene of a file.
 
     Raises
@@ -68,6 +68,7 @@ def load_scene(path: Path) -> SceneFile:
         If it cannot be read, is not TOML, a key is unknown, missing or of another type, or the scene cannot be; the
         sentence opens with the file and the key path.
     """
+    path = Path(path)
     table = read_table(path, "a scene file")
     with errors_in(path):
         return scene_of(table)

@@ -86,7 +86,7 @@ class NamedGlass:
 
 
 @checked
-def read_plate(path: Path) -> Plate:
+def read_plate(path: str | Path) -> Plate:
     """The plate of a file such as::
 
         glass = "Borofloat 33"
@@ -100,6 +100,7 @@ def read_plate(path: Path) -> Plate:
     InvalidFile
         If the file cannot be read, a key is unknown or missing, or a value is out of range.
     """
+    path = Path(path)
     table = read_table(path, "a plate")
     with errors_in(path):
         named = {"glass": table.pop("glass")} if "glass" in table else None
