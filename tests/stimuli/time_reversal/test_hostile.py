@@ -224,7 +224,7 @@ def _tried(name: str, call: Call) -> Iterator[str]:
                 result = call.function(**{**call.arguments, argument: value})
                 yield from (f"{at}: {fault}" for fault in _faults(result, "result", infinite=infinite))
             except TactometryError as error:
-                if "\n" in str(error) or ": found" not in str(error):
+                if "\n" in str(error) or not any(found in str(error) for found in (": found", ": cannot be read (")):
                     yield f"{at}: says {error}"
             except Exception as error:
                 yield f"{at}: {type(error).__name__}: {error}"
