@@ -66,6 +66,12 @@ class Trials:
     n_files: int
     notes: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        """In one line: how much was read, and which conditions it holds."""
+        of_whom = count_of(self.rows["participant"].nunique(), "participant")
+        factors = f"; {', '.join(self.factors)}" if self.factors else ""
+        return f"Trials({count_of(len(self.rows), 'row')} of {of_whom}{factors})"
+
 
 def read_trials(
     path: str | Path,

@@ -1,4 +1,4 @@
-"""An analysis in a notebook: one line, and its tables behind their names."""
+"""An analysis in a notebook: one line, and its tables behind their names; and the trials that it read."""
 
 import re
 from dataclasses import replace
@@ -6,9 +6,11 @@ from dataclasses import replace
 import analysis_data
 import numpy as np
 import pytest
+from places import RECORDED
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
+from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.result import Analysis
 
 
@@ -37,3 +39,7 @@ def test_a_notebook_has_every_table_and_the_estimates_first(found: Analysis) -> 
 def test_a_notebook_has_the_warnings_as_text(found: Analysis) -> None:
     shown = replace(found, warnings=("one < two", "three"))._repr_html_()
     assert "<li>one &lt; two</li><li>three</li>" in shown
+
+
+def test_trials_are_one_line_as_text() -> None:
+    assert repr(read_trials(RECORDED / "yes-no")) == "Trials(41 rows of 2 participants; frequency_hz)"
