@@ -1,49 +1,22 @@
 """All participants at once: derivatives, truths found again, real data, and the cases where the data say little."""
 
-from dataclasses import replace
-
 import numpy as np
 import pandas as pd
 import pytest
+from group_study import LAPSE_RATE, LEVELS, RARE, SD, WIDTH, fitted, simulated
 from hard_cases import exact_case
 from places import SHARED
-from scipy.linalg import helmert
 from scipy.special import ndtri
-from scipy.stats import binom, chi2, f as fisher
+from scipy.stats import binom
 from soak import SOAK
 
-from tactometry.analysis.anova.contrasts import epsilons
-from tactometry.analysis.hierarchical.fitting import GroupStatus, HierarchicalFit, fit_hierarchical
+from tactometry.analysis.hierarchical.fitting import GroupStatus, fit_hierarchical
 from tactometry.analysis.hierarchical.model import mixed_model, start
 from tactometry.analysis.hierarchical.study import StudyCounts
 from tactometry.analysis.mixed_models.laplace import inner_mode, log_marginal
 from tactometry.analysis.threshold.fitting import fit
 from tactometry.errors import InvalidParameter
 from tactometry.psychometric import SHAPES, PsychometricFunction
-
-LEVELS = np.linspace(5, 33, 7)
-SD, LOG_WIDTH_SD, CELL_SD, WIDTH, LAPSE_RATE = 2.5, 0.2, 0.8, 8.0, 0.02
-RARE = 1e-4
-
-
-def simulated(rng, *, n=8, means=None, n_trials=20, guess_rate=0.5) -> tuple[pd.DataFrame, dict]:
-    """Counts of participants in conditions (forces), and the true thresholds of the cells."""
-    means, rows, truth = means or {0.5: 18.0, 1.0: 19.0}, [], {}
-    for p in range(n):
-        own, width = SD * rng.normal(), WIDTH * np.exp(LOG_WIDTH_SD * rng.normal())
-        for force_n, mean in means.items():
-            threshold = truth[f"P{p}", force_n] = mean + own + CELL_SD * rng.normal()
-            curve = PsychometricFunction("normal", threshold, width, guess_rate, LAPSE_RATE)
-            k = rng.binomial(n_trials, curve.probability(LEVELS))
-            rows += [(f"P{p}", force_n, x, each, n_trials) for x, each in zip(LEVELS, k, strict=True)]
-    return pd.DataFrame(rows, columns=["participant", "force_n", "level", "k", "n"]), truth
-
-
-def fitted(rows: pd.DataFrame, **options) -> HierarchicalFit:
-    chosen = {"shape": "normal", "guess_rate": 0.5} | options
-    return fit_hierarchical(
-        rows["level"], rows["k"], rows["n"], rows["participant"], {"force_n": rows["force_n"]}, **chosen
-    )
 
 
 @pytest.fixture(scope="module")
@@ -312,92 +285,6 @@ def test_a_weibull_is_a_gumbel_of_the_logarithm(study) -> None:
     for name in ("threshold", "interval_low", "interval_high"):
         assert np.log(one[name].to_numpy(float)) == pytest.approx(other[name].to_numpy(float), rel=1e-9)
     assert one["standard_error"].to_numpy() == pytest.approx(other["standard_error"].to_numpy(), rel=1e-9)
-
-
-def test_effects_of_a_factorial() -> None:
-    rng, parts = np.random.default_rng(), []
-    for frequency_hz, base in ((60.0, 22.0), (240.0, 14.0)):
-        rows, _ = simulated(rng, means={0.5: base, 1.0: base}, n_trials=30)
-        parts.append(rows.assign(frequency_hz=frequency_hz))
-    rows = pd.concat(parts)
-    conditions = {"frequency_hz": rows["frequency_hz"], "force_n": rows["force_n"]}
-    found = fit_hierarchical(
-        rows["level"], rows["k"], rows["n"], rows["participant"], conditions, shape="normal", guess_rate=0.5
-    )
-    frequency, both = found.effect("frequency_hz"), found.effect("frequency_hz", "force_n")
-    assert (frequency.df, both.df) == (1, 1)
-    assert frequency.df_error == (7 if found.components["threshold_cell"] else np.inf)
-    assert frequency.p < 1e-3
-    assert both.p > RARE
-    weights = {(60.0, 0.5): 0.5, (60.0, 1.0): 0.5, (240.0, 0.5): -0.5, (240.0, 1.0): -0.5}
-    assert found.contrast(weights).t ** 2 == pytest.approx(frequency.f, rel=1e-9)
-
-
-def test_without_a_variance_of_participants_deviations_there_is_no_f(study) -> None:
-    found = fitted(study[0])
-    none = replace(found, components={**found.components, "threshold_cell": 0.0}).effect("force_n")
-    assert none.df_error == np.inf
-    assert none.p == pytest.approx(float(chi2.sf(none.f, 1)), rel=1e-9)
-
-
-def test_uneven_deviations_cost_degrees_of_freedom() -> None:
-    """As the covariance of the participants' thresholds says."""
-    rows, _ = simulated(np.random.default_rng(), n=6, means={0.5: 18.0, 1.0: 19.0, 2.0: 19.0}, n_trials=30)
-    found = fitted(rows)
-    noise = np.random.default_rng().normal(0, 30, 6)
-    table = found.participants
-    uneven = replace(
-        found,
-        components={**found.components, "threshold_cell": 1.0},
-        participants=table.assign(threshold=table["threshold"] + np.outer(noise, [0, 0, 1]).ravel()),
-    )
-    one, other = (each.effect("force_n") for each in (found, uneven))
-    values = uneven.participants.pivot(index="participant", columns="force_n", values="threshold").to_numpy()
-    expected = epsilons(np.cov(values @ helmert(3).T, rowvar=False), 5)[2]
-    assert other.epsilon == pytest.approx(expected, rel=1e-9)
-    assert other.epsilon < 0.9
-    assert other.f == one.f
-    assert other.p == pytest.approx(float(fisher.sf(other.f, 2 * expected, 10 * expected)), rel=1e-9)
-
-
-def test_widths_that_were_taken_to_be_the_same_have_no_test(study) -> None:
-    with pytest.raises(InvalidParameter, match="of: found 'log_width' over force_n, expected conditions whose widths"):
-        fitted(study[0]).effect("force_n", of="log_width")
-
-
-@pytest.mark.soak
-def test_false_alarms_with_one_noisy_condition_are_near_5_percent() -> None:
-    rng, n_studies = np.random.default_rng(), 400
-    found = [fitted(noisy(rng), guess_rate=0.02).effect("force_n").p < 0.05 for _ in range(n_studies)]
-    assert abs(np.mean(found) - 0.05) < 0.015 + 3.9 * np.sqrt(0.05 * 0.95 / n_studies)
-
-
-def noisy(rng) -> pd.DataFrame:
-    """Ten participants, four conditions of one mean, the first with deviations three times as large."""
-    rows = []
-    for p in range(10):
-        own = 18.0 + 2.0 * rng.normal()
-        for condition, sd in enumerate((3.0, 1.0, 1.0, 1.0)):
-            curve = PsychometricFunction("normal", own + sd * rng.normal(), WIDTH, 0.02, LAPSE_RATE)
-            k = rng.binomial(20, curve.probability(LEVELS))
-            rows += [(f"P{p}", condition, x, each, 20) for x, each in zip(LEVELS, k, strict=True)]
-    return pd.DataFrame(rows, columns=["participant", "force_n", "level", "k", "n"])
-
-
-@pytest.mark.parametrize(
-    ("call", "message"),
-    [
-        (lambda found: found.effect("frequency_hz"), "factors: found frequency_hz over 2 conditions"),
-        (
-            lambda found: found.contrast({(3.0,): 1.0}),
-            r"weights: found \(3.0,\), expected conditions, such as \(0.5,\)",
-        ),
-        (lambda found: found.contrast({(0.5,): 1.0}, of="width"), "of: found 'width', expected 'threshold'"),
-    ],
-)
-def test_refuses_contrasts_of_what_is_not_there(study, call, message) -> None:
-    with pytest.raises(InvalidParameter, match=f"^{message}"):
-        call(fitted(study[0]))
 
 
 @pytest.mark.parametrize(
