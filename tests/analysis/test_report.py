@@ -18,9 +18,8 @@ from tactometry.analysis.figures.style import drawing_of, new_figure
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import Exclusion
-from tactometry.analysis.report.page import BROWSERS, WEASYPRINT, figures_of, print_pdf, write_report
+from tactometry.analysis.report.page import BROWSERS, WEASYPRINT, print_pdf, write_report
 from tactometry.analysis.report.sentences import primary_sentences
-from tactometry.analysis.report.summary import summary
 from tactometry.analysis.result import Analysis
 from tactometry.analysis.tasks.task_analysis import DIFFERENCE_PER_WIDTH
 from tactometry.analysis.threshold.fitting import fit
@@ -280,21 +279,7 @@ def test_refuses_levels_in_two_units(tmp_path) -> None:
         analyse(path)
 
 
-# --- force, questionnaires, plan, figures
-
-
-@pytest.fixture(scope="module")
-def patterns(tmp_path_factory) -> Path:
-    """AttrakDiff answers of six participants to P0 to P6, the high frequency better."""
-    from attrakdiff_answers import study as answers_of
-
-    better = {f"P{n}": 1.5 for n in (4, 5, 6)}
-    table = answers_of(np.random.default_rng(), n=6, effect=better)
-    table = table.assign(session=1, study="patterns", block=1, trial=range(1, len(table) + 1), level="", valid=1)
-    path = tmp_path_factory.mktemp("patterns") / "answers.csv"
-    first = ["participant", "session", "study", "block", "trial", "pattern", "procedure", "level"]
-    table[[*first, "task", "item", "response", "valid"]].to_csv(path, index=False)
-    return path
+# --- force, plan, figures
 
 
 @pytest.fixture(scope="module")
@@ -377,22 +362,6 @@ def test_a_figure_is_drawn_once_as_vectors_for_page_and_file_and_once_as_pixels(
     assert n_drawn == 2 * len(list(found.figures_folder.glob("*.png"))) > 0
 
 
-@pytest.fixture(scope="module")
-def rated(patterns, tmp_path_factory) -> Analysis:
-    return analyse(patterns, report=tmp_path_factory.mktemp("rated") / "r.html")
-
-
-@pytest.fixture(scope="module")
-def drawn_once(rated) -> list:
-    return figures_of(rated)
-
-
-@pytest.mark.slow
-def test_a_figure_has_the_same_bytes_again(rated, drawn_once) -> None:
-    one, other = (figures[1].drawing for figures in (drawn_once, figures_of(rated)))
-    assert (one.svg, one.png()) == (other.svg, other.png())
-
-
 def test_the_pixels_of_a_figure_have_the_places_of_its_lines():
     with new_figure(3.0, 2.0) as figure:
         for axes in figure.subplots(1, 2):
@@ -401,38 +370,6 @@ def test_the_pixels_of_a_figure_have_the_places_of_its_lines():
     places = [axes.get_position().bounds for axes in figure.axes]
     drawing.png()
     assert [axes.get_position().bounds for axes in figure.axes] == places
-
-
-def test_a_study_of_a_questionnaire_alone_is_reported(rated) -> None:
-    found, page = rated, rated.report.read_text()
-    for text in ("AttrakDiff", "Portfolio", "Word pairs", "Patterns against P0", "Cronbach&#39;s alpha"):
-        assert text in page
-    assert (found.outcomes, found.warnings) == ((), ())
-    (form,) = found.forms
-    assert form.crossed.set_index(["dimension", "Source"]).loc[("HQ", "frequency"), "p_unc"] < 0.05
-    assert list(form.cross().columns) == ["condition", "PQ", "HQI", "HQS", "ATT", "HQ"]
-    assert {"attrakdiff_scores", "attrakdiff_portfolio", "attrakdiff_against_P0"} <= set(found.tables)
-    assert summary(found)["questionnaires"]["attrakdiff"][0]["condition"] == "P0"
-
-
-def test_word_pairs_are_compared_by_frequency_and_envelope_beside_the_single_focus(rated, drawn_once) -> None:
-    """Figures 5.9 to 5.13 of the thesis."""
-    (form,) = rated.forms
-    names = {figure.name.removeprefix("attrakdiff_") for figure in drawn_once}
-    by = {"word_pairs_by_frequency", "word_pairs_by_envelope", "word_pairs_low_frequency", "word_pairs_high_frequency"}
-    assert names == by | {"scores", "portfolio", "frequency_by_envelope"}
-    means = form.grouped.set_index(["of", "condition", "item"])["mean"]
-    own = form.profile.set_index(["condition", "item"])["mean"]
-    item = form.profile["item"].iloc[0]
-    assert means["frequency", "high", item] == pytest.approx(np.mean([own[code, item] for code in ("P4", "P5", "P6")]))
-    assert means["envelope", "sinc", item] == pytest.approx(np.mean([own[code, item] for code in ("P3", "P6")]))
-    assert means["envelope", "P0", item] == own["P0", item]
-
-
-def test_the_terminal_shows_scores_and_comparisons(rated) -> None:
-    text = summary_text(rated)
-    assert "AttrakDiff (mean, 95 % interval between participants, n)" in text
-    assert "frequency: F(1, 5)" in " ".join(text.split())
 
 
 def test_a_bound_of_no_factor_is_refused(pressed) -> None:

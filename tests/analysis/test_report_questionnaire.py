@@ -1,0 +1,73 @@
+"""The report of a study that asks a questionnaire alone: scores, comparisons, and figures of word pairs."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from attrakdiff_answers import study as answers_of
+
+from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.report.page import figures_of
+from tactometry.analysis.report.summary import summary
+from tactometry.analysis.result import Analysis
+from tactometry.cli.analyse import summary_text
+
+
+@pytest.fixture(scope="module")
+def patterns(tmp_path_factory) -> Path:
+    """AttrakDiff answers of six participants to P0 to P6, the high frequency better."""
+    better = {f"P{n}": 1.5 for n in (4, 5, 6)}
+    table = answers_of(np.random.default_rng(), n=6, effect=better)
+    table = table.assign(session=1, study="patterns", block=1, trial=range(1, len(table) + 1), level="", valid=1)
+    path = tmp_path_factory.mktemp("patterns") / "answers.csv"
+    first = ["participant", "session", "study", "block", "trial", "pattern", "procedure", "level"]
+    table[[*first, "task", "item", "response", "valid"]].to_csv(path, index=False)
+    return path
+
+
+@pytest.fixture(scope="module")
+def rated(patterns, tmp_path_factory) -> Analysis:
+    return analyse(patterns, report=tmp_path_factory.mktemp("rated") / "r.html")
+
+
+@pytest.fixture(scope="module")
+def drawn_once(rated) -> list:
+    return figures_of(rated)
+
+
+@pytest.mark.slow
+def test_a_figure_has_the_same_bytes_again(rated, drawn_once) -> None:
+    one, other = (figures[1].drawing for figures in (drawn_once, figures_of(rated)))
+    assert (one.svg, one.png()) == (other.svg, other.png())
+
+
+def test_a_study_of_a_questionnaire_alone_is_reported(rated) -> None:
+    found, page = rated, rated.report.read_text()
+    for text in ("AttrakDiff", "Portfolio", "Word pairs", "Patterns against P0", "Cronbach&#39;s alpha"):
+        assert text in page
+    assert (found.outcomes, found.warnings) == ((), ())
+    (form,) = found.forms
+    assert form.crossed.set_index(["dimension", "Source"]).loc[("HQ", "frequency"), "p_unc"] < 0.05
+    assert list(form.cross().columns) == ["condition", "PQ", "HQI", "HQS", "ATT", "HQ"]
+    assert {"attrakdiff_scores", "attrakdiff_portfolio", "attrakdiff_against_P0"} <= set(found.tables)
+    assert summary(found)["questionnaires"]["attrakdiff"][0]["condition"] == "P0"
+
+
+def test_word_pairs_are_compared_by_frequency_and_envelope_beside_the_single_focus(rated, drawn_once) -> None:
+    """Figures 5.9 to 5.13 of the thesis."""
+    (form,) = rated.forms
+    names = {figure.name.removeprefix("attrakdiff_") for figure in drawn_once}
+    by = {"word_pairs_by_frequency", "word_pairs_by_envelope", "word_pairs_low_frequency", "word_pairs_high_frequency"}
+    assert names == by | {"scores", "portfolio", "frequency_by_envelope"}
+    means = form.grouped.set_index(["of", "condition", "item"])["mean"]
+    own = form.profile.set_index(["condition", "item"])["mean"]
+    item = form.profile["item"].iloc[0]
+    assert means["frequency", "high", item] == pytest.approx(np.mean([own[code, item] for code in ("P4", "P5", "P6")]))
+    assert means["envelope", "sinc", item] == pytest.approx(np.mean([own[code, item] for code in ("P3", "P6")]))
+    assert means["envelope", "P0", item] == own["P0", item]
+
+
+def test_the_terminal_shows_scores_and_comparisons(rated) -> None:
+    text = summary_text(rated)
+    assert "AttrakDiff (mean, 95 % interval between participants, n)" in text
+    assert "frequency: F(1, 5)" in " ".join(text.split())
