@@ -29,7 +29,7 @@ class Analysis:
     """What was found in one data set.
 
     `tables` maps a name to the table that is written as NAME.csv; `n_choices` are the alternatives of a forced choice.
-    `report` and `tables_folder` are None until written."""
+    `report`, `pdf` and `tables_folder` are None until written."""
 
     trials: Trials
     unit: str
@@ -45,6 +45,7 @@ class Analysis:
     origin: Origin = field(default_factory=Origin)
     study: StudyText = field(default_factory=StudyText)
     report: Path | None = None
+    pdf: Path | None = None
     tables_folder: Path | None = None
     figures_folder: Path | None = None
 

@@ -222,6 +222,8 @@ def _with_model(result: Outcome, design: EstimateDesign, forces: pd.DataFrame) -
 def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outcome:
     primary, reason = primary_analysis(named, is_whole=is_whole)
     if primary not in result.analyses():
+        if not result.analyses() and named in (None, Primary.ANOVA):  # the notes say already why there is none
+            return result
         note = f"no primary analysis: {TITLES[primary]} ({reason}) has no answer here"
         return replace(result, notes=(*result.notes, note))
     result = replace(result, primary=primary, reason=reason)

@@ -50,7 +50,7 @@ def write_report(
         path.write_text(page, encoding="utf-8")
     if pdf:
         print_pdf(path)
-    return replace(analysis, report=path, tables_folder=folder)
+    return replace(analysis, report=path, tables_folder=folder, pdf=path.with_suffix(".pdf") if pdf else None)
 
 
 def check_report(path: Path) -> None:

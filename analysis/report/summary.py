@@ -19,6 +19,7 @@ def summary(analysis: Analysis) -> dict[str, object]:
     """The result as plain values for JSON."""
     of_kinds = {name: plain(value) for kind in KINDS for name, value in kind.values(analysis)}
     places = {"report": analysis.report, "tables": analysis.tables_folder, "figures": analysis.figures_folder}
+    places |= {"pdf": analysis.pdf}
     return {
         "path": str(analysis.trials.path),
         "n_trials": len(analysis.trials.rows),

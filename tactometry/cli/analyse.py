@@ -80,4 +80,6 @@ def summary_text(analysis: "Analysis") -> str:
             console.print(f"figures: {analysis.figures_folder}", markup=False, soft_wrap=True)
         if analysis.report is not None:
             console.print(f"report: {analysis.report}\ntables: {analysis.tables_folder}", markup=False, soft_wrap=True)
+        if analysis.pdf is not None:
+            console.print(f"PDF: {analysis.pdf}", markup=False, soft_wrap=True)
     return capture.get().rstrip("\n")

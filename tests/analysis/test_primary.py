@@ -122,6 +122,13 @@ def test_the_plan_names_the_analysis_that_answers(named) -> None:
     assert left_out == (named in ("anova", "permutation"))
 
 
+@pytest.mark.parametrize("named", [None, "anova"])
+def test_why_one_participant_has_no_analysis_of_variance_is_said_once(named) -> None:
+    alone = estimates(np.random.default_rng()).query("participant == 'P1'")
+    found = told(alone, primary=named)
+    assert found.notes == ("no analysis of variance: no three participants share two conditions with a value",)
+
+
 def test_a_named_analysis_that_has_no_answer_leaves_the_question_open() -> None:
     found = told(estimates(np.random.default_rng()), primary="mixed_model")
     assert (found.primary, primary_sentences(found)) == (None, [])

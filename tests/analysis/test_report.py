@@ -20,6 +20,7 @@ from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.reading.quality import Exclusion
 from tactometry.analysis.report.page import BROWSERS, WEASYPRINT, print_pdf, write_report
 from tactometry.analysis.report.sentences import primary_sentences
+from tactometry.analysis.report.summary import summary
 from tactometry.analysis.result import Analysis
 from tactometry.analysis.tasks.task_analysis import DIFFERENCE_PER_WIDTH
 from tactometry.analysis.threshold.fitting import fit
@@ -384,6 +385,14 @@ def test_the_page_is_printed_by_what_is_there(tmp_path) -> None:
     page = tmp_path / "r.html"
     page.write_text("<details><summary>closed</summary><p>inside</p></details>")
     assert print_pdf(page).read_bytes().startswith(b"%PDF")
+
+
+def test_the_pdf_that_was_written_is_named(found, tmp_path, monkeypatch) -> None:
+    monkeypatch.setattr("tactometry.analysis.report.page.print_pdf", lambda path: path.with_suffix(".pdf"))
+    printed = write_report(found, tmp_path / "r.html", pdf=True)
+    assert f"PDF: {tmp_path / 'r.pdf'}" in summary_text(printed).splitlines()
+    assert summary(printed)["pdf"] == str(tmp_path / "r.pdf")
+    assert summary(found)["pdf"] is None
 
 
 def test_without_a_printer_the_page_is_kept_and_that_is_said(tmp_path, monkeypatch) -> None:

@@ -54,7 +54,7 @@ def test_a_new_kind_of_result_is_told_on_page_terminal_and_in_json(found, added)
     assert "Reactions. Numbers: reactions.csv." in text
     assert [each.name for each in page.figures_of(found)][-1] == "reactions"
     assert "no test of reactions" in summary_text(found)
-    assert list(json.summary(found))[-4:] == ["reactions", "report", "tables", "figures"]
+    assert list(json.summary(found))[-5:] == ["reactions", "report", "tables", "figures", "pdf"]
 
 
 def test_json_holds_the_tables_that_an_analysis_lacks_as_empty(found) -> None:

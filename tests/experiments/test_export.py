@@ -273,6 +273,14 @@ def test_psychopys_form_is_read_back_through_its_column_map(data_set, tmp_path) 
 # --- jsPsych
 
 
+@pytest.mark.parametrize("form", ["psychopy", "jspsych"])
+def test_an_export_without_its_column_map_names_it(data_set, tmp_path, form) -> None:
+    out = tmp_path / form
+    export(data_set, form, out)
+    with pytest.raises(InvalidFile, match=f"expected --columns {re.escape(str(out / 'columns.toml'))}; its first line"):
+        read_trials(out)
+
+
 def test_jspsychs_form_is_read_back_through_its_column_map(data_set, tmp_path) -> None:
     export(data_set, "jspsych", tmp_path / "js")
     own = read_trials(data_set)
