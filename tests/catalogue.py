@@ -264,14 +264,14 @@ class AnyStimulus(dict):
         return replace(STIMULI["amplitude_modulated"], duration_s=0.1)
 
 
-def simulated(seed=0, observer="default"):
+def simulated(seed=0, observer="default", *, limits=LIMITS, sensation=None, finger=None):
     """A simulated rig for any protocol."""
     return SimulatedRig(
         AnyStimulus(),
-        LIMITS,
-        sensation=Loudness(),
+        limits,
+        sensation=sensation or Loudness(),
         observer=OBSERVERS[observer],
-        finger=SimulatedFinger(),
+        finger=finger or SimulatedFinger(),
         rng_of=lambda n_trials: np.random.default_rng([seed, n_trials]),
         decisions=task_table.DECISIONS,
     )

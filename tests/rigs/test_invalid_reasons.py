@@ -7,35 +7,19 @@ import numpy as np
 import pytest
 from memory import Memory
 
-from tactometry.experiments.study.task_table import DECISIONS
 from tactometry.gates import Compliance, SpeedCompliance
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.protocols import Sliding
 from tactometry.protocols.block import run_block
 from tactometry.protocols.tasks.task import Reply, TrialOutcome
 from tactometry.rigs.judgement import broken_condition
-from tactometry.rigs.simulated import SimulatedRig
 from tactometry.session.answer import Adjusted, Chosen, Touched
 from tactometry.session.run import run
 from tactometry.trials.row_rules import defects
 from tactometry.trials.trial import REASON_WORDS, REASONS, Trial, validity
 
 GATED = Sliding(0.2, 1.0, hold_s=0.1, timeout_s=5.0, speed_m_per_s=0.05, tolerance=0.2, speed_tolerance=0.1)
-
-
 FINGER = SimulatedFinger(waver_cv=0.1, speed_cv=0.1)
-
-
-def rig(finger):
-    return SimulatedRig(
-        catalogue.AnyStimulus(),
-        catalogue.LIMITS,
-        sensation=catalogue.Loudness(),
-        observer=catalogue.OBSERVERS["default"],
-        finger=finger,
-        rng_of=lambda n_trials: np.random.default_rng([7, n_trials]),
-        decisions=DECISIONS,
-    )
 
 
 def rows(task, touch, finger):
@@ -43,7 +27,7 @@ def rows(task, touch, finger):
     track = replace(block.tracks[0], condition=replace(block.tracks[0].condition, touch=touch))
     block = replace(block, tracks=(track,), options=replace(block.options, n_attempts=1000))
     memory = Memory()
-    run(run_block(block, 1, 1, np.random.default_rng(1)), rig(finger), memory)
+    run(run_block(block, 1, 1, np.random.default_rng(1)), catalogue.simulated(7, finger=finger), memory)
     return memory.trials
 
 

@@ -1,0 +1,195 @@
+"""Details of a block: what is felt and delivered, what is asked again, and how its procedures end."""
+
+from dataclasses import replace
+from functools import partial
+
+import catalogue
+import numpy as np
+import pytest
+from memory import Memory
+
+from tactometry.errors import LimitExceeded
+from tactometry.observers.finger import SimulatedFinger
+from tactometry.protocols import ConstantStimuli, Staircase
+from tactometry.protocols.block import run_block
+from tactometry.protocols.block_state import catch_schedule
+from tactometry.safety.limits import Limits
+from tactometry.session.answer import Touched
+from tactometry.session.request import Choose, Record, Slide
+from tactometry.session.run import run
+
+rig = partial(catalogue.simulated, 7)
+SLIDE = Slide("tone", 20.0, 0.2, 1.0, 0.2, 0.5, 5.0, 0.05)
+
+
+def a_block(task="yes_no", procedure="constant_stimuli"):
+    return run_block(catalogue.block(task, procedure), 1, 1, np.random.default_rng(1))
+
+
+def test_the_simulated_rig_holds_signals_against_the_limits():
+    with pytest.raises(LimitExceeded, match="found a peak of"):
+        rig(limits=Limits(voltage_peak_v=1.0)).answer(SLIDE)
+
+
+class Noting(catalogue.Loudness):
+    def __init__(self):
+        self.contacts = []
+
+    def sensation_db(self, signal, contact):
+        self.contacts.append(contact)
+        return super().sensation_db(signal, contact)
+
+
+def test_what_is_felt_depends_on_the_force_and_speed_that_were_held():
+    noting = Noting()
+    touched = rig(sensation=noting).answer(SLIDE)
+    (contact,) = noting.contacts
+    assert contact.force_n == pytest.approx(touched.force_mean_n, abs=1e-6)
+    assert contact.speed_m_per_s == pytest.approx(touched.speed_mean_m_per_s, abs=1e-6)
+    assert contact.force_n != SLIDE.target_n
+    assert contact.speed_m_per_s != SLIDE.speed_m_per_s
+
+
+def test_holding_the_force_and_playing_take_their_time():
+    simulated_rig = rig()
+    first, second = simulated_rig.answer(SLIDE), simulated_rig.answer(SLIDE)
+    assert first.onset_s == SLIDE.hold_s
+    assert second.onset_s - first.onset_s == pytest.approx(SLIDE.hold_s + SLIDE.duration_s)
+
+
+def test_a_force_that_wavers_out_of_the_band_makes_the_touch_invalid():
+    assert not rig(finger=SimulatedFinger(waver_cv=0.9)).answer(SLIDE).valid
+
+
+class Clipping:
+    """A rig that delivers 3 dB less than it is asked for, and loses the first `n_lost` touches."""
+
+    def __init__(self, n_lost=0):
+        self._rig, self.n_lost = rig(), n_lost
+
+    def answer(self, request):
+        touched = self._rig.answer(request)
+        if not isinstance(request, Slide):
+            return touched
+        self.n_lost -= 1
+        level = None if touched.level_delivered is None else touched.level_delivered - 3.0
+        return replace(touched, level_delivered=level, valid=self.n_lost < 0)
+
+    def __getattr__(self, name):
+        return getattr(self._rig, name)
+
+
+def test_a_procedure_learns_the_level_that_was_delivered():
+    memory = Memory()
+    course = a_block(procedure="staircase_1_up_1_down")
+    (track,), _ = run(course, Clipping(), memory)
+    delivered = [trial.level_delivered for trial in memory.trials if not trial.catch]
+    assert list(track.procedure.delivered) == delivered
+    assert all(trial.level_delivered == trial.level - 3.0 for trial in memory.trials if not trial.catch)
+
+
+def test_an_invalid_touch_of_a_staircase_is_asked_again_at_once():
+    memory = Memory()
+    course = a_block(procedure="staircase_1_up_1_down")
+    run(course, Clipping(n_lost=2), memory)
+    first = [(trial.trial, trial.attempt, trial.valid, trial.response is None) for trial in memory.trials[:3]]
+    assert first == [(1, 1, False, True), (1, 2, False, True), (1, 3, True, False)]
+    assert len({trial.level for trial in memory.trials[:3]}) == 1
+
+
+def test_invalid_touches_of_constant_stimuli_come_again_at_the_end_of_the_block():
+    memory = Memory()
+    (track,), next_trial = run(a_block(), Clipping(n_lost=2), memory)
+    lost, again = memory.trials[:2], memory.trials[-2:]
+    assert [(trial.trial, trial.attempt, trial.valid) for trial in lost] == [(1, 1, False), (2, 1, False)]
+    assert [(trial.trial, trial.attempt, trial.valid) for trial in again] == [(1, 2, True), (2, 2, True)]
+    assert [trial.level for trial in again] == [trial.level for trial in lost]
+    assert track.ending == "trials"
+    assert next_trial == 1 + len({trial.trial for trial in memory.trials})
+    felt = sorted(trial.level for trial in memory.trials if trial.valid and not trial.catch)
+    assert felt == sorted(catalogue.PROCEDURES["constant_stimuli"].begin().order)
+
+
+def test_a_block_of_which_no_touch_is_valid_is_aborted():
+    memory = Memory()
+    (track,), _ = run(a_block(), Clipping(n_lost=10**6), memory)
+    assert track.ending == "aborted"
+    assert [trial.trial for trial in memory.trials] == [1, 2, 3, 4, 5]
+
+
+def test_catch_trials_come_at_any_place_of_their_group():
+    schedule = catch_schedule(0.25, np.random.default_rng())
+    groups = [[next(schedule) for _ in range(4)] for _ in range(200)]
+    assert all(sum(group) == 1 for group in groups)
+    assert {group.index(True) for group in groups} == {0, 1, 2, 3}
+
+
+def test_repeats_of_constant_stimuli_have_orders_of_their_own():
+    order = ConstantStimuli((1.0, 2.0, 3.0, 4.0), repeats=50).begin(np.random.default_rng()).order
+    assert len({order[n : n + 4] for n in range(0, 200, 4)}) > 1
+
+
+def test_a_catch_trial_delivers_nothing():
+    touched = rig().answer(replace(SLIDE, level=None))
+    assert isinstance(touched, Touched)
+    assert (touched.level_delivered, touched.digest) == (None, None)
+
+
+def test_a_forced_choice_row_holds_the_touch_of_the_stimulus_and_the_onset_of_the_first_interval():
+    memory = Memory()
+    course = a_block("forced_choice")
+    run(course, rig(finger=SimulatedFinger(waver_cv=0.0)), memory)
+    answers = [(request, answer) for request, answer in memory.entries if isinstance(request, Slide | Record)]
+    for n in range(0, len(answers), 3):
+        touches, trial = [answer for _, answer in answers[n : n + 2]], answers[n + 2][0].trial
+        assert trial.force_mean_n == touches[trial.target - 1].force_mean_n
+        assert trial.onset_s == touches[0].onset_s
+    assert {trial.target for trial in memory.trials} == {1, 2}
+
+
+def test_an_interval_that_is_not_valid_ends_its_trial_unasked():
+    memory = Memory()
+    course = a_block("forced_choice")
+    run(course, Clipping(n_lost=1), memory)
+    assert [type(request).__name__ for request, _ in memory.entries[:4]] == ["Slide", "Record", "Slide", "Slide"]
+
+
+class Refusing(Clipping):
+    """A rig whose first answer the experimenter declares invalid."""
+
+    def __init__(self):
+        super().__init__()
+        self.n_answers = 0
+
+    def answer(self, request):
+        answer = super().answer(request)
+        if not isinstance(request, Choose):
+            return answer
+        self.n_answers += 1
+        return replace(answer, valid=self.n_answers > 1)
+
+
+@pytest.mark.parametrize("task", ["yes_no", "forced_choice"])
+def test_an_answer_that_was_declared_invalid_is_not_scored_and_asked_again(task):
+    memory = Memory()
+    run(a_block(task), Refusing(), memory)
+    first, second = memory.trials[0], memory.trials[-1]
+    assert (first.valid, first.correct, first.attempt) == (False, None, 1)
+    assert (second.valid, second.attempt, second.trial, second.level) == (True, 2, first.trial, first.level)
+
+
+def test_a_censored_run_with_reversals_has_no_threshold():
+    rule = Staircase(start=10.0, steps=(4.0,), low=0.0, high=40.0, n_down=1, n_reversals=20, n_at_bound=3)
+    for answer in (1, 0, 1, 0, 1, 0, 1, 1, 1, 1, 1, 1, 1):
+        rule = rule if rule.finished else rule.after(answer)
+    assert len(rule.reversals) >= 4
+    assert (rule.ending, rule.threshold) == ("censored_below", None)
+
+
+def test_responses_at_a_bound_count_in_a_row_only():
+    rule = Staircase(start=40.0, steps=(2.0,), low=0.0, high=40.0, n_down=1, n_reversals=99, n_at_bound=3)
+    for answer in (0, 0, 1, 0, 0, 0):
+        assert rule.ending is None
+        rule = rule.after(answer)
+    assert rule.ending is None
+    assert rule.after(0).ending == "censored_above"
