@@ -3,7 +3,9 @@
 import re
 from typing import Any
 
+from docutils import nodes
 from sphinx.application import Sphinx
+from sphinx.domains import Domain
 
 OF_VALUES = ("property", "attribute", "data")
 AS_WRITTEN: dict[str, list[str]] = {}
@@ -32,8 +34,15 @@ def behind(app: Sphinx, what: str, name: str, thing: object, options: object, li
         lines[:] = AS_WRITTEN.pop(name, lines)
 
 
+def unresolved(app: Sphinx, domain: Domain | None, node: nodes.Element) -> bool | None:
+    """Without docstrings no name of Python is known, so that a link to one is no error."""
+    del node
+    return True if app.tags.has("quick") and domain is not None and domain.name == "py" else None
+
+
 def setup(app: Sphinx) -> dict[str, Any]:
     app.connect("source-read", read)
     app.connect("autodoc-process-docstring", before, priority=400)
     app.connect("autodoc-process-docstring", behind, priority=600)
+    app.connect("warn-missing-reference", unresolved)
     return {"parallel_read_safe": True}

@@ -19,6 +19,14 @@ DEAD = """# A page
 
 [gone](gone.md), [no such part](index.md#no-such-part)
 """
+NAMES = """# A page
+
+{py:func}`nope`, {class}`tactometry.stimuli.Nope`, {py:func}`tactometry.errors.count_of`
+
+```{eval-rst}
+.. autofunction:: tactometry.errors.count_of
+```
+"""
 
 
 def built(docs: Path, out: Path, builder: str) -> subprocess.CompletedProcess[str]:
@@ -34,13 +42,24 @@ def test_no_page_has_a_warning_or_a_dead_link(tmp_path: Path) -> None:
     assert (done.returncode, done.stderr) == (0, "")
 
 
-def test_a_dead_link_fails(tmp_path: Path) -> None:
-    docs = tmp_path / "docs"
+def site_of(page: str, docs: Path) -> Path:
+    """A site of one page, made as ours is."""
     docs.mkdir()
     for part in ("conf.py", "_extensions", "_static"):
         (docs / part).symlink_to(DOCS / part)
-    (docs / "index.md").write_text(DEAD, encoding="utf-8")
-    done = built(docs, tmp_path / "out", "dummy")
+    (docs / "index.md").write_text(page, encoding="utf-8")
+    return docs
+
+
+def test_a_name_of_python_that_is_not_there_fails(tmp_path: Path) -> None:
+    """Every such link was let pass, for the sake of the errors that docstrings name."""
+    done = built(site_of(NAMES, tmp_path / "docs"), tmp_path / "out", "html")
+    assert done.returncode == 1
+    assert re.findall("reference target not found: (.*) \\[", done.stderr) == ["nope", "tactometry.stimuli.Nope"]
+
+
+def test_a_dead_link_fails(tmp_path: Path) -> None:
+    done = built(site_of(DEAD, tmp_path / "docs"), tmp_path / "out", "dummy")
     assert done.returncode == 1
     assert "gone.md" in done.stderr
     assert "no-such-part" in done.stderr
