@@ -31,3 +31,9 @@ def refused(capsys, *arguments):
     code, said, _ = call(capsys, *arguments)
     assert (code, said.count("\n")) == (2, 0), said
     return said
+
+
+def assert_one_sentence(said):
+    assert said.startswith("tactometry: ")
+    assert "\n" not in said
+    assert "Traceback" not in said
