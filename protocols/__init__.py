@@ -1,5 +1,7 @@
 """What is asked, and when: procedures, tasks, blocks and their order."""
 
+from tactometry.loading import named
+
 from .bayesian.outcome_model import (
     FunctionModel as FunctionModel,
     OutcomeModel as OutcomeModel,
@@ -28,3 +30,5 @@ from .tasks.rating import Rating as Rating
 from .tasks.same_different import SameDifferent as SameDifferent
 from .tasks.touch import Pressing as Pressing, Sliding as Sliding
 from .tasks.yes_no import YesNo as YesNo
+
+__dir__ = named(__name__)

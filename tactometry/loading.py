@@ -4,6 +4,7 @@ import ast
 import sys
 from collections.abc import Callable
 from importlib import import_module
+from inspect import ismodule
 from operator import attrgetter
 from pathlib import Path
 from typing import Any
@@ -23,7 +24,8 @@ def exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[],
     """The `__getattr__` and `__dir__` of the face `package`, whose ``__init__.py`` is `file`.
 
     The face names each thing once, under ``if TYPE_CHECKING:`` as ``from .module import Name as Name``, which type
-    checkers and editors take for a re-export; those lines are read here. ``__all__`` is set from them.
+    checkers and editors take for a re-export; those lines are read here. ``__all__`` is set from them, and ``dir``
+    lists them alone.
 
     Examples
     --------
@@ -32,7 +34,8 @@ def exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[],
     ['Status', 'ThresholdFit', 'fit', 'fit_many']
     """
     module_of = dict(_named_under_type_checking(Path(file).read_text(encoding="utf-8")))
-    vars(sys.modules[package])["__all__"] = sorted(module_of)
+    names = sorted(module_of)
+    vars(sys.modules[package])["__all__"] = names
 
     def ask(name: str) -> Any:
         if name not in module_of:
@@ -41,10 +44,24 @@ def exports(package: str, file: str) -> tuple[Callable[[str], Any], Callable[[],
         setattr(sys.modules[package], name, thing)
         return thing
 
-    def names() -> list[str]:
-        return sorted({*vars(sys.modules[package]), *module_of})
+    return ask, names.copy
 
-    return ask, names
+
+def named(package: str) -> Callable[[], list[str]]:
+    """The `__dir__` of a `package` that has imported its public names, and sets its ``__all__``: what stands there but
+    modules, and this function.
+
+    Examples
+    --------
+    >>> import tactometry.protocols
+    >>> dir(tactometry.protocols)[:3]
+    ['AdjustmentTask', 'Block', 'BlockOptions']
+    """
+    things = vars(sys.modules[package])
+    public = {name: thing for name, thing in things.items() if not (name.startswith("_") or ismodule(thing))}
+    names = sorted(public.keys() - {named.__name__})
+    things["__all__"] = names
+    return names.copy
 
 
 def _named_under_type_checking(source: str) -> list[tuple[str, str]]:

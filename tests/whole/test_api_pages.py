@@ -27,6 +27,13 @@ def test_a_module_of_public_names_has_its_page(module):
     assert re.search(rf"^{name}$", PAGES["index"], re.MULTILINE)
 
 
+@pytest.mark.parametrize("module", [*faces(), "tactometry.protocols"])
+def test_a_face_lists_its_public_names_alone(module):
+    face = import_module(module)
+    assert dir(face) == sorted(face.__all__)
+    assert [name for name in dir(face) if name.startswith("_") or inspect.ismodule(getattr(face, name))] == []
+
+
 @pytest.mark.parametrize("module", [*faces(), *PINNED])
 def test_a_public_name_says_what_it_is(module):
     face = import_module(module)
