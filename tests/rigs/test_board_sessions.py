@@ -5,56 +5,22 @@ import os
 import re
 import threading
 from contextlib import suppress
-from dataclasses import replace
-from datetime import date
 
 import numpy as np
 import pytest
-from benches import gain_toml
 from command_line import call
+from one_bit_board import COMMANDED, LOWEST_V, SUPPLY_V, board_in, check_decoded
 from soak import SOAK
 from study_texts import changed
 from tables import trial_rows
 
-from tactometry.devices.outputs.bit_stream import HEADER_BYTES, decode, encode, word_bytes
-from tactometry.errors import DeviceFailed, InvalidFile, InvalidParameter
-from tactometry.experiments.bench.bench_file import load_bench
-from tactometry.experiments.bench.stimuli import bank_on, board_of
+from tactometry.devices.outputs.bit_stream import HEADER_BYTES, decode, word_bytes
+from tactometry.experiments.bench.stimuli import bank_on
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import builtin, load
 from tactometry.records.journal import read
-from tactometry.safety.limits import Limits
 from tactometry.session.request import Press, Slide
-from tactometry.signal import Signal
-from tactometry.stimuli.electrovibration.waveforms.amplitude_modulated import AmplitudeModulated
-from tactometry.stimuli.hybrid import Hybrid
-from tactometry.stimuli.time_reversal.stimulus.focus_train import FocusTrain
 
-SUPPLY_V = 100.0
-RATE_HZ, CAPACITANCE_F, PER_VOLT_M = 250e3, 5e-9, 1e-8
-DURATION_S, CURRENT_A, DISPLACEMENT_M = 1.0, 0.5, 100e-6
-BOARD = """
-[output]
-kind = "packed"
-path = "{path}"
-n_channels = 33
-rate_hz = "250 kHz"
-electrode = 4
-ungated = true
-{more}
-{gain}
-[output.load]
-kind = "piezo"
-capacitance_f = {capacitance_f}
-displacement_m_per_v = [{per_volt_m}]
-[limits]
-voltage_peak_v = {supply_v}
-duration_s = {duration_s}
-current_peak_a = {current_a}
-displacement_peak_m = {displacement_m}
-duty = 1.0
-session_s = "45 min"
-"""
 SHORT = {
     "time-reversal-threshold": {
         "force_n = [0.5, 1.5, 3.0] ": "force_n = [0.5] ",
@@ -73,30 +39,11 @@ WHOLE = {"time-reversal-threshold": 450, "time-reversal-patterns": 7, "hybrid-bu
 """Trials of a session of the built-in study."""
 LOOPED = tuple(WHOLE) if SOAK else ("time-reversal-threshold",)
 """A terminal device takes 4 kB at a time: on a busy machine not each stream of the others in its time."""
-LOWEST_V = 20.0
-COMMANDED = f"lowest_supply_v = {LOWEST_V}"
 FIXED = [*((name, way, "") for name in WHOLE for way in ("file", "pipe")), *((name, "loopback", "") for name in LOOPED)]
 WAYS = {"time-reversal-threshold": "loopback", "time-reversal-patterns": "file", "hybrid-button": "pipe"}
 SESSIONS = FIXED + [(name, way, COMMANDED) for name, way, _ in FIXED if SOAK or WAYS[name] == way]
 """With one supply each way; with one that is commanded each way at full size."""
 PATIENCE_S = 1000.0 if SOAK else 20.0
-ELECTRODE, PLATES = 4, [channel for channel in range(33) if channel != 4]
-
-
-def board_in(folder, path, supply_v=SUPPLY_V, more=""):
-    text = BOARD.format(
-        path=path,
-        more=more,
-        gain=gain_toml(f"packed {path}", supply_v, 1.0),
-        capacitance_f=CAPACITANCE_F,
-        per_volt_m=PER_VOLT_M,
-        supply_v=supply_v,
-        duration_s=DURATION_S,
-        current_a=CURRENT_A,
-        displacement_m=DISPLACEMENT_M,
-    )
-    (folder / "bench.toml").write_text(text, encoding="utf-8")
-    return load_bench(folder / "bench.toml")
 
 
 def short(name, folder):
@@ -202,64 +149,6 @@ def commanded_v(experiment, asked):
     return max(SUPPLY_V * 10 ** ((asked.level - highest) / 20), LOWEST_V)
 
 
-def check_decoded(stimulus, level, signal, supply_v=SUPPLY_V):
-    """Foci by the responses of the plate, the electrode by its mean square, and the limits of the bench."""
-    check_limits(signal)
-    assert set(np.unique(np.abs(signal.samples))) <= {0.0, signal.peak}
-    assert signal.peak == pytest.approx(supply_v)
-    foci, electrode = signal.samples[PLATES], signal.samples[ELECTRODE]
-    match stimulus:
-        case FocusTrain():
-            assert not electrode.any()
-            check_foci(stimulus, level, foci)
-        case AmplitudeModulated():
-            assert not foci.any()
-            check_pulses(stimulus, level, electrode, supply_v)
-        case Hybrid():
-            check_foci(stimulus.focus, level, foci)
-            check_pulses(stimulus.friction, level + stimulus.electrode_offset_db, electrode, supply_v)
-
-
-def check_limits(signal):
-    steps = np.diff(np.pad(signal.samples, ((0, 0), (1, 1))), axis=1)
-    assert signal.duration_s <= DURATION_S
-    assert CAPACITANCE_F * np.abs(steps).max() * signal.rate_hz <= CURRENT_A
-    assert PER_VOLT_M * np.abs(signal.samples).max(axis=1).sum() <= DISPLACEMENT_M
-
-
-def check_foci(train, level, drives):
-    """Each focus of the pattern, at its instant, by a plain sum over what was emitted before it."""
-    heard = train.setup.responses_at(*train.setup.focus_m).samples[0]
-    n_reversal = round(train.emission_s * RATE_HZ)
-    instants = np.round(train.foci.times_s * RATE_HZ).astype(int) + n_reversal - 1
-    made_m = [displacement_m(drives, heard, instant) for instant in instants]
-    asked_m = 1e-6 * 10 ** (level / 20) * train.foci.weights
-    np.testing.assert_allclose(made_m, asked_m, atol=0.01 * np.abs(asked_m).max())
-
-
-def displacement_m(drives, heard, instant):
-    n = min(instant + 1, heard.shape[1])
-    return np.sum(drives[:, instant - n + 1 : instant + 1][:, ::-1] * heard[:, :n])
-
-
-def check_pulses(waveform, level, pulses, supply_v):
-    """The square of the voltage, summed to the end of any half period of the carrier, to half a sample."""
-    asked = replace(waveform, rate_hz=RATE_HZ).at(level).samples[0]
-    ends = np.flatnonzero(np.diff(np.sign(asked)))
-    owed = np.cumsum(asked**2 - pulses[: len(asked)] ** 2)[ends]
-    assert np.abs(owed).max() <= 0.501 * supply_v**2
-
-
-@pytest.mark.parametrize("name", ["time-reversal-threshold", "time-reversal-patterns", "hybrid-button", "force-loss"])
-def test_every_strongest_stimulus_of_a_built_in_study_passes_the_guard_of_a_board_of_100_v(name, tmp_path):
-    bench, experiment = board_in(tmp_path, "board"), wire(load(name)[0], name)
-    output = bench.devices(experiment.study.limits, date.today()).output
-    for strongest in experiment.strongest(bank_on(experiment, bench)):
-        limits, final = output.check(strongest.signal)
-        assert final.peak == SUPPLY_V <= limits.voltage_peak_v
-        assert final.digest() == strongest.signal.digest()
-
-
 def checked(capsys, monkeypatch, folder, study):
     """As `on_the_console`; without a display, whose keys would be waited for."""
     monkeypatch.delenv("DISPLAY", raising=False)
@@ -295,35 +184,6 @@ def test_electrovibration_below_a_fixed_supply_is_refused_with_the_cure(tried, t
     assert "raise the level or the rate of the board, or lower its supply or command it (lowest_supply_v" in said
     assert "nothing was played" in said
     assert not list(streams((tmp_path / "board").read_bytes()))
-
-
-# --- a supply that is commanded
-
-
-def test_electrovibration_runs_on_a_board_whose_supply_is_commanded(tmp_path):
-    """From -10 to 46 dB re 1 V: what the driver would emit is decoded."""
-    text = builtin()["electrovibration-threshold"].read_text("utf-8")
-    changes = {"[30, 60, 120, 180, 240, 320, 480]": "[30, 480]", 'duration_s = "1 s"': 'duration_s = "150 ms"'}
-    (tmp_path / "study.toml").write_text(changed(text, changes), encoding="utf-8")
-    study, _ = load(str(tmp_path / "study.toml"))
-    experiment, bench = wire(study, "s"), board_in(tmp_path, "board", 200.0, "lowest_supply_v = 1.5")
-    output = bench.devices(study.limits, date.today(), touched=False).output
-    for name, made in bank_on(experiment, bench).items():
-        for level in (-10.0, 4.5, 46.0):
-            _, final = output.check(made.at(level))
-            supply_v = max(200.0 * 10 ** ((level - 46.0) / 20), 1.5)
-            check_decoded(experiment.bank[name], level, decode(encode(final)), supply_v)
-
-
-def test_a_commanded_supply_makes_foci_of_every_level_by_the_same_bits(tmp_path):
-    experiment, bench = wire(load("time-reversal-threshold")[0], "s"), board_in(tmp_path, "board", 100.0, COMMANDED)
-    [(name, made)] = bank_on(experiment, bench).items()
-    signals = {level: made.at(level) for level in (10.0, 14.0, 22.0, 30.0)}
-    for level, signal in signals.items():
-        supply_v = max(100.0 * 10 ** ((level - 30.0) / 20), 20.0)
-        check_decoded(experiment.bank[name], level, signal, supply_v)
-    assert np.array_equal(np.sign(signals[22.0].samples), np.sign(signals[30.0].samples))  # above 20 V
-    assert np.count_nonzero(signals[10.0].samples) < np.count_nonzero(signals[14.0].samples)  # below it, bursts
 
 
 class Supplying:
@@ -378,53 +238,3 @@ def test_a_supply_that_fails_ends_the_session_and_loses_nothing(
     assert len(kept) < len(rows)
     assert rows[: len(kept)] == kept
     assert call(capsys, "validate", tmp_path / "d")[0] == 0
-
-
-def test_a_board_that_says_no_supply_below_its_own_keeps_it(tmp_path):
-    limits = Limits(voltage_peak_v=100.0)
-    output = board_in(tmp_path, "board", 100.0, COMMANDED).devices(limits, date.today(), touched=False).output
-    bits = np.ones((33, 4))
-    for supply_v in (20.0, 73.0, 100.0):
-        assert output.driver.final(Signal(supply_v * bits, RATE_HZ, "V")).peak == supply_v
-    with pytest.raises(DeviceFailed, match="found a signal of 19 V, expected the 20 to 100 V of the supply"):
-        output.driver.final(Signal(19.0 * bits, RATE_HZ, "V"))
-
-
-def test_a_supply_lower_than_the_lowest_is_refused(tmp_path):
-    with pytest.raises(InvalidParameter, match=r"output.lowest_supply_v: found 101 V, expected at most the 100 V"):
-        board_in(tmp_path, "board", 100.0, "lowest_supply_v = 101.0").devices(
-            Limits(voltage_peak_v=100.0), date.today(), touched=False
-        )
-
-
-def test_the_lowest_level_of_practice_is_made_too(tmp_path):
-    text = builtin()["electrovibration-threshold"].read_text("utf-8")
-    changes = {"low = -10.0": "low = 30.0", "high = 46.0": "high = 42.0", "start = 46.0": "start = 40.0"}
-    changes["[procedure]"] = PRACTICE
-    (tmp_path / "study.toml").write_text(changed(text, changes), encoding="utf-8")
-    study, _ = load(str(tmp_path / "study.toml"))
-    with pytest.raises(InvalidParameter, match="level: found 9.999 V, expected at least 17.89 V"):
-        bank_on(wire(study, "s"), board_in(tmp_path, "board"))
-
-
-PRACTICE = "[practice]\nlevels = [20.0]\n[procedure]"
-
-
-def test_a_level_below_the_board_is_refused_before_anything_plays(tmp_path):
-    study, _ = load("electrovibration-threshold")
-    with pytest.raises(InvalidParameter, match="^output, amplitude_modulated.*: level: found .*; nothing was played$"):
-        bank_on(wire(study, "s"), board_in(tmp_path, "board"))
-
-
-def test_without_a_board_the_stimuli_are_those_of_the_study(tmp_path):
-    experiment, bench = wire(load("hybrid-button")[0], "s"), load_bench(None)
-    assert board_of(bench.output) is None
-    assert bank_on(experiment, bench) == experiment.bank
-
-
-def test_an_electrode_is_a_channel_of_the_board(tmp_path):
-    board_in(tmp_path, "board")
-    text = (tmp_path / "bench.toml").read_text().replace("electrode = 4", "electrode = 33")
-    (tmp_path / "bench.toml").write_text(text)
-    with pytest.raises(InvalidFile, match="electrode: found 33, expected .*32"):
-        load_bench(tmp_path / "bench.toml")
