@@ -60,15 +60,15 @@ def bench(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> "Rig
     from tactometry.rigs.bench import Bench
     from tactometry.rigs.experimenter.live import experimenter_terminal
     from tactometry.rigs.experimenter.status import StatusLine
-    from tactometry.rigs.images import image_of
     from tactometry.rigs.texts import texts_in
 
     from ..study.dry_run import parts_ahead
+    from ..study.rehearsal import page_images
     from .recording import RigKind
 
     screen = bench_file.screen
-    images = {name: image_of(table, f"images.{name}") for name, table in experiment.study.images.items()}
-    texts = replace(texts_in(screen.language, experiment.words_in(screen.language)), images=images)
+    words = texts_in(screen.language, experiment.words_in(screen.language))
+    texts = replace(words, images=page_images(experiment))
 
     def make(seed: int, log: "EventLog") -> Bench:
         devices = replace(equipment(experiment, bench_file, log), dry_run=screen.dry_run)

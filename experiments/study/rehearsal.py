@@ -10,6 +10,7 @@ from tactometry.choice_form import ChoiceForm
 from tactometry.errors import InvalidParameter, nearest, rewording
 from tactometry.protocols.session import pages
 from tactometry.questionnaire import Questionnaire
+from tactometry.rigs.images import PageImage, image_of
 from tactometry.rigs.texts import LIST, N_NEAREST, Texts, languages, texts_in
 from tactometry.session.request import Show
 
@@ -110,6 +111,18 @@ def _pages(experiment: Experiment) -> Iterator[Show]:
 def _fill(texts: Texts, shown: Show | str, where: str) -> None:
     with rewording(lambda words: f"{where}: {words}"):
         texts.page(shown) if isinstance(shown, Show) else texts.message(shown)
+
+
+def page_images(experiment: Experiment) -> dict[str, PageImage]:
+    """The images of the pages of a window, each looked at, by message.
+
+    Raises
+    ------
+    InvalidParameter
+        If a file is missing, another than the study states, or no image.
+    """
+    with rewording(lambda words: f"{experiment.where}, {words}"):
+        return {name: image_of(table, f"images.{name}") for name, table in experiment.study.images.items()}
 
 
 def rehearse_forms(experiment: Experiment, language: str) -> None:

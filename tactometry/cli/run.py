@@ -14,7 +14,7 @@ from tactometry.experiments.sessions.rig_kinds import rig_kind
 from tactometry.experiments.study.dry_run import check_duration, duration_s, plan
 from tactometry.experiments.study.experiment import Experiment, wire
 from tactometry.experiments.study.felt_and_lost import felt_and_lost
-from tactometry.experiments.study.rehearsal import rehearse, rehearse_forms
+from tactometry.experiments.study.rehearsal import page_images, rehearse, rehearse_forms
 from tactometry.experiments.study.study_file import folder_of, load
 
 from ..errors import InvalidParameter, count_of
@@ -66,6 +66,8 @@ def command(
         _check_duration(experiment, who, begun=resume)
     if dry_run:
         rehearse(experiment)
+        if rig == "bench":  # the others show no image
+            page_images(experiment)
         _print_plan(experiment, who)
         return 0
     if rig == "simulated":

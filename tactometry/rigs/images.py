@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..arguments.require import expect
+from ..errors import rewording
 from ..files.durable import read_file
 from ..provenance import sha256
 
@@ -41,15 +42,14 @@ def image_of(table: ImageTable, where: str) -> PageImage:
 
     Raises
     ------
-    InvalidFile
-        If the file cannot be read.
     InvalidParameter
-        If it is another than the study states, or no image.
+        If the file cannot be read, is another than the study states, or no image.
     """
     from PIL import Image as Pillow, UnidentifiedImageError
 
     path = Path(table.path)
-    content = read_file(path, "an image", LARGEST_IMAGE)
+    with rewording(lambda words: f"{where}.path: {words}; it is looked for from where the program runs"):
+        content = read_file(path, "an image", LARGEST_IMAGE)
     digest = sha256(content)
     is_this = f"that of {path}, {digest!r}; state it, so that another file is not shown in its place"
     expect(table.sha256 == digest, f"{where}.sha256", repr(table.sha256) if table.sha256 else "no such key", is_this)

@@ -62,16 +62,17 @@ def test_what_is_no_such_image_is_refused_in_one_sentence(file):
 
 
 @pytest.mark.parametrize(
-    ("rig", "table", "message"),
+    ("words", "table", "message"),
     [
-        ("simulated", '[images.welcom]\npath = "setup.png"\n', "images: found 'welcom', expected one of "),
-        ("bench", '[images.welcome]\npath = "setup.png"\n', "setup.png: cannot be read"),
+        (("--rig", "simulated"), '[images.welcom]\npath = "setup.png"\n', "images: found 'welcom', expected one of "),
+        ((), '[images.welcome]\npath = "setup.png"\n', "s.toml, images.welcome.path: setup.png: cannot be read"),
+        (("--dry-run",), '[images.welcome]\npath = "setup.png"\n', "s.toml, images.welcome.path: setup.png: cannot"),
     ],
-    ids=["page", "file"],
+    ids=["page", "file", "dry run"],
 )
-def test_a_session_does_not_begin_without_its_image(tmp_path, capsys, rig, table, message):
+def test_a_session_does_not_begin_without_its_image(tmp_path, capsys, words, table, message):
     (tmp_path / "s.toml").write_text(f"{TUTORIAL}{table}", "utf-8")
-    run = ("run", tmp_path / "s.toml", "--participant", "P01", "--rig", rig, "--out", tmp_path / "d")
+    run = ("run", tmp_path / "s.toml", "--participant", "P01", *words, "--out", tmp_path / "d")
     status, said, _ = call(capsys, *run)
     assert status == 2
     assert message in said
