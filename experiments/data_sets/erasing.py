@@ -89,6 +89,10 @@ def _plan(root: Path, participant: str) -> ErasurePlan:
     expect(PARTICIPANT.fullmatch(participant) is not None, "--participant", repr(participant), "a code such as P01")
     is_set = (root / NAME).is_file() and ((root / "journals").is_dir() or (root / "data").is_dir())
     expect(is_set, root, f"no {NAME} with data or journals", "the folder of a data set", InvalidFile)
+    for part in PARTS:
+        # Behind a link nothing is erased, and a journal that stays gives all the rest back.
+        it = "the folder itself; put what the link leads to in its place"
+        expect(not (root / part).is_symlink(), root / part, "a link", it, InvalidFile)
     erasures = read_erasures(root)
     begun = unfinished(erasures, participant)
     found = plan(root, participant, begun.files if begun else ())

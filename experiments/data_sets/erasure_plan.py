@@ -79,7 +79,12 @@ def plan(root: Path, code: str, begun: Collection[str] = ()) -> ErasurePlan:
         tuple(path for path in own if _is_journal(root, path)),
         tuple(path for path in own if not _is_journal(root, path)),
         tuple(sorted(derived)),
-        (*_left_beside(root, code, stays), *_left_of_others(root, code, of_others), *_unsearched(root, code)),
+        (
+            *_left_behind(root, own),
+            *_left_beside(root, code, stays),
+            *_left_of_others(root, code, of_others),
+            *_unsearched(root, code),
+        ),
     )
 
 
@@ -179,6 +184,13 @@ def _exports(root: Path, beside: Mapping[Path, bytes]) -> Iterator[Path]:
     for path, content in beside.items():
         if path.name in _BEGINNINGS and content.startswith(_BEGINNINGS[path.name]) and path.parent != root:
             yield path.parent
+
+
+def _left_behind(root: Path, own: Collection[Path]) -> Iterator[Left]:
+    """What links of the participant lead to: the link goes, and what was recorded stays elsewhere."""
+    for path in own:
+        if path.is_symlink() and path.exists():
+            yield Left(_name(root, path), f"is a link; erase {path.resolve()} too, which it leads to", names=True)
 
 
 def _left_beside(root: Path, code: str, stays: Mapping[Path, bytes]) -> Iterator[Left]:

@@ -314,8 +314,10 @@ def test_a_link_is_erased_and_what_it_leads_to_is_not(two, tmp_path):
     done = erase(two, "QX7")
     assert not link.is_symlink()
     assert outside.read_text() == "QX7"
-    assert [left.file for left in done.left] == ["elsewhere.csv", "folder"]
-    assert all("leads elsewhere" in left.why for left in done.left)
+    assert [left.file for left in done.left] == [f"data/{link.name}", "elsewhere.csv", "folder"]
+    assert str(outside) in done.left[0].why
+    assert not done.is_free
+    assert all("leads elsewhere" in left.why for left in done.left[1:])
 
 
 def test_a_plan_that_somebody_wrote_erases_nothing_of_others(two, tmp_path):
