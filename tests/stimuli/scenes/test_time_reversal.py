@@ -7,29 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
-from scene_cases import (
-    RESTING,
-    TIME_REVERSAL,
-    VOLT,
-    effect,
-    finest_of,
-    refusal,
-    screen,
-    screens,
-    small_screen,
-    tuned,
-)
+from scene_cases import RESTING, TIME_REVERSAL, VOLT, effect, finest_of, refusal, screen, screens, small_screen, tuned
 from scene_errors import LOSSY, error_of, finer, run
 from soak import SOAK
 
-from tactometry.errors import InvalidParameter
 from tactometry.experiments.scenes import path_of
 from tactometry.signal import Signal
 from tactometry.stimuli.composition.effect import FingerContact
 from tactometry.stimuli.scenes.file import load_scene
 from tactometry.stimuli.scenes.scene import Scene
 from tactometry.stimuli.scenes.stages.truncation import cut, n_frequencies, n_modes
-from tactometry.stimuli.scenes.surfaces.time_reversal import TimeReversal
 from tactometry.stimuli.time_reversal.field.field import field
 from tactometry.stimuli.time_reversal.field.merit import deformation_energy_j
 from tactometry.stimuli.time_reversal.filters import Band
@@ -266,19 +253,7 @@ def test_a_focus_of_few_patches_beside_one_of_them_keeps_its_accuracy(n, aside_m
         assert error_of(run(asked), reference, "focus_displacement_m") <= asked.resolve().error <= accuracy
 
 
-def test_an_accuracy_that_takes_too_much_is_refused_with_the_reason():
-    large = Scene(TimeReversal(), (LOSSY,), ("field_m",), 5e-5)
-    with pytest.raises(InvalidParameter, match=r"field_m: .*for a grid, which takes .* points, .*loosen"):
-        large.resolve()
-    long = Scene(small_screen(reversal_s=30.0), (), ("peak_m",), 1e-3)
-    with pytest.raises(InvalidParameter, match=r"accuracy: .*for the modes, which takes .* numbers, .*reversal_s"):
-        long.resolve()
-    free = screen(effect("edges", boundary="FFFF"), LOSSY, accuracy=1e-7)
-    with pytest.raises(InvalidParameter, match=r"accuracy: .*edges are not simply supported.*remove 'edges'"):
-        replace(free, surface=TimeReversal(reversal_s=1e-3)).resolve()
-
-
-# --- order and conflicts
+# --- order
 
 
 def test_the_order_of_the_tuple_does_not_matter():
@@ -286,100 +261,6 @@ def test_the_order_of_the_tuple_does_not_matter():
     chosen = [effect(kind, **TIME_REVERSAL[kind][0]) for kind in kinds]
     first, *others = (screen(*order).resolve() for order in itertools.permutations(chosen))
     assert all(plan == first for plan in others)
-
-
-@pytest.mark.parametrize(
-    ("effects", "message"),
-    [
-        (lambda: [ONE_BIT, effect("sigma_delta")], r"'sigma_delta' beside 'one_bit', .*both are the quantiser; remove"),
-        (lambda: [LOSSY, LOSSY], r"'attenuation' beside 'attenuation', expected one of them"),
-        (lambda: [effect("airborne_sound")], r"'airborne_sound' without an effect of attenuation, .*add it or remove"),
-        (
-            lambda: [effect("shear"), effect("finger_load")],
-            r"'finger_load' beside 'shear', expected one of them: .*remove 'shear' or 'finger_load'",
-        ),
-        (lambda: [effect("friction")], r"'friction', which 'time_reversal' does not know"),
-    ],
-)
-def test_effects_that_contradict_each_other_are_refused_with_the_cure(effects, message):
-    with pytest.raises(InvalidParameter, match=message):
-        screen(*effects())
-
-
-def test_a_finger_load_without_contact_is_refused_with_the_cure():
-    with pytest.raises(InvalidParameter, match=r"'finger_load' without a resting contact, .*\[\[contacts\]\]"):
-        Scene(small_screen(), (effect("finger_load"),), ("peak_m",))
-    with pytest.raises(InvalidParameter, match=r"'finger_load' without a resting contact, .*no speed"):
-        Scene(small_screen(), (effect("finger_load"),), ("peak_m",), contacts=(FingerContact(1.0, 0.05),))
-
-
-@pytest.mark.parametrize(
-    ("changes", "message"),
-    [
-        ({"glass": "Borofloat"}, r"TimeReversal\.glass: .*did you mean 'Borofloat 33'"),
-        ({"focus_x_m": 0.2}, r"TimeReversal\.focus_x_m: found 0\.2, expected a place between the edges"),
-        ({"f_max_hz": 40e3}, r"TimeReversal\.f_max_hz: .*half of rate_hz, 30000\.0; lower it or raise"),
-        ({"flank_hz": 20e3}, r"TimeReversal\.flank_hz: .*at most f_max_hz"),
-        ({"inset_m": 0.05}, r"TimeReversal\.inset_m: .*half of the shorter side"),
-        ({"n_transducers": 0}, r"TimeReversal\.n_transducers: found 0, expected a whole number, at least 1"),
-        ({"thickness_m": float("nan")}, r"TimeReversal\.thickness_m: found nan"),
-    ],
-)
-def test_a_screen_outside_of_its_domain_is_refused(changes, message):
-    with pytest.raises(InvalidParameter, match=message):
-        small_screen(**changes)
-
-
-@pytest.mark.parametrize(
-    ("kind", "values", "message"),
-    [
-        ("edges", {"boundary": "SSSS"}, r"leave the effect out"),
-        ("edges", {"boundary": "SSXF"}, r"expected four letters of S, C, F"),
-        (
-            "temperature_drift",
-            {"kelvin": 3e4},
-            r"shift_of_frequencies: found -1\.5, expected a number from -0\.1 to 0\.1",
-        ),
-        ("temperature_drift", {"kelvin": 0.0}, r"without a drift leave the effect out"),
-        ("foci", {"x_m": (0.1,), "y_m": ()}, r"expected as many"),
-        ("sigma_delta", {"order": 3}, r"expected 1 or 2"),
-        ("repetition", {"envelope": "sync"}, r"did you mean 'sinc'"),
-        ("finger_load", {"resistance_n_s_per_m": 0.0}, r"expected a finite number above 0"),
-        ("attenuation", {"tau_s": 0.0}, r"Attenuation\.tau_s: found 0\.0"),
-    ],
-)
-def test_an_effect_outside_of_its_domain_is_refused(kind, values, message):
-    with pytest.raises(InvalidParameter, match=message):
-        effect(kind, **values)
-
-
-@pytest.mark.parametrize(
-    ("kind", "values", "message"),
-    [
-        ("patches", {"side_m": 0.03}, r"patches: .*raise inset_m to 0\.015 or lower side_m"),
-        ("attenuation", {"tau_s": float("inf")}, r"attenuation\.tau_s: found inf, .* leave the effect out"),
-        ("audible_filter", {}, r"audible_filter: .*lower cutoff_hz or raise f_max_hz"),
-        ("pulse_width", {"carrier_hz": 20e3}, r"PulseWidth\.carrier_hz: .*lower it or raise rate_hz"),
-    ],
-)
-def test_an_effect_that_does_not_fit_the_screen_is_refused_with_the_cure(kind, values, message):
-    with pytest.raises(InvalidParameter, match=message):
-        screen(effect(kind, **values)).resolve()
-
-
-def test_a_finger_off_the_plate_is_refused():
-    scene = replace(screen(effect("finger_load")), contacts=(FingerContact(1.0, x_m=0.3, y_m=0.01),))
-    with pytest.raises(
-        InvalidParameter, match=r"contacts\[0\]: found \(0\.3, 0\.01\) m, expected a place on the plate"
-    ):
-        run(scene)
-
-
-def test_a_finger_that_slides_over_a_focus_is_refused_with_the_cure():
-    slides = replace(screen(), contacts=(FingerContact(2.0), FingerContact(2.0, speed_m_per_s=0.05)))
-    message = r"contacts\[1\]: found a finger that slides \(0.05 m/s\) on a plate that focuses, .*'hybrid'"
-    with pytest.raises(InvalidParameter, match=message):
-        slides.resolve()
 
 
 # --- memory
@@ -408,10 +289,3 @@ def test_a_motion_under_a_finger_takes_the_memory_that_its_limit_counts_on():
     finally:
         tracemalloc.stop()
     assert peak_bytes <= 36 * n_numbers
-
-
-def test_losses_that_no_plate_has_are_refused_before_their_number_is_none():
-    with pytest.raises(
-        InvalidParameter, match=r"attenuation\.exponent: found 1e\+08, by which tau changes .* lower it"
-    ):
-        screen(effect("attenuation", exponent=1e8)).resolve()
