@@ -13,6 +13,7 @@ from hard_cases import exact_case
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 from packed_bits import RATE_HZ, volts
+from set_clock import Clock
 
 from tactometry.devices.outputs.file import FileSettings, read_signal
 from tactometry.devices.outputs.gain import Gain
@@ -63,13 +64,6 @@ class SixteenBits(Driver):
 
     def close(self):
         self.emitted.append("close")
-
-
-class Clock:
-    now_s = 0.0
-
-    def __call__(self):
-        return self.now_s
 
 
 # --- the guard

@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 from places import ROOT
 from progressed import with_row
+from set_clock import Clock
 from tutorial_session import live
 
 from tactometry.experiments.sessions.recording import Who
@@ -20,13 +21,6 @@ from tactometry.session.progress import PartAhead, Progress
 from tactometry.trials.trial import REASONS, Trial
 
 RECORDED = sorted(path.parent for path in (ROOT / "tests" / "recorded").glob("*/journals"))
-
-
-class Clock:
-    now_s = 0.0
-
-    def __call__(self):
-        return self.now_s
 
 
 @pytest.mark.parametrize("root", RECORDED, ids=lambda root: root.name)

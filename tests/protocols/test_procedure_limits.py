@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from followed_rule import follow
 from hypothesis import given, strategies as st
 from scipy.stats import norm
 
@@ -9,14 +10,6 @@ from tactometry.errors import InvalidParameter
 from tactometry.protocols import MethodOfLimits
 
 RULE = MethodOfLimits(low=0.0, high=10.0, step=2.0, n_series=4)
-
-
-def follow(rule, answers):
-    levels = []
-    for answer in answers:
-        levels.append(rule.level)
-        rule = rule.after(answer)
-    return levels, rule
 
 
 def test_alternating_series_fall_then_rise():

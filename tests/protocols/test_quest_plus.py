@@ -5,6 +5,7 @@ import warnings
 
 import numpy as np
 import pytest
+from followed_rule import follow
 from hard_cases import exact_case, hard_case
 from hypothesis import given, settings, strategies as st
 from scipy.stats import norm
@@ -25,14 +26,6 @@ def watson_grid(slopes=(3.5,), lapses=(0.02,)):
     scale = 20 / (slope * math.log(10))
     thresholds = tuple(x + scale * HALF_FROM_63 for x in LEVELS)
     return ParameterGrid(thresholds, (WIDTH_PER_SCALE * scale,), (0.5,), lapses)
-
-
-def follow(rule, answers):
-    levels = []
-    for answer in answers:
-        levels.append(rule.level)
-        rule = rule.after(answer)
-    return levels, rule
 
 
 def test_the_published_sequence():
