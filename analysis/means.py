@@ -1,5 +1,5 @@
 """Tables by condition, a row for each combination of values of some columns; a mean with its t-interval, a rate with
-Wilson's."""
+Wilson's or with the exact one."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any
@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
-from scipy.special import ndtri
+from scipy.special import betaincinv, ndtri
 from scipy.stats import t as student
 
 from .arrays import RELATIVE_ZERO, Array, size_of
@@ -75,3 +75,18 @@ def rate_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = INTER
         half = z * np.sqrt(rate * (1 - rate) / n + (z / (2 * n)) ** 2) / (1 + z**2 / n)
     # By rounding an end may miss a rate of exactly 0 or 1, and a bar of an error has no negative length.
     return np.minimum(middle - half, rate), np.maximum(middle + half, rate)
+
+
+def exact_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = INTERVAL) -> tuple[Array, Array]:
+    """Both ends of the exact interval of rates (Clopper and Pearson 1934, Biometrika 26, 404-413): it holds the true
+    rate at least as often as it says, however few the trials (at least one).
+
+    >>> [end.round(3).tolist() for end in exact_interval([0, 5, 10], [10, 10, 10])]
+    [[0.0, 0.187, 0.692], [0.308, 0.813, 1.0]]
+    """
+    k, n = (np.asarray(counts, dtype=np.float64) for counts in (n_yes, n_trials))
+    tail = (1 - interval) / 2
+    # A beta function of no trial is none: the end is then that of the axis.
+    low = np.where(k > 0, betaincinv(np.maximum(k, 1), n - k + 1, tail), 0.0)
+    high = np.where(k < n, betaincinv(k + 1, np.maximum(n - k, 1), 1 - tail), 1.0)
+    return low, high

@@ -21,7 +21,7 @@ from tactometry.errors import InvalidFile, nearest
 from tactometry.trials.columns import stated_factors
 
 from ..arrays import Array, Bools, Indices
-from ..means import parts
+from ..means import exact_interval, parts
 from ..reading.rows import no_column, numbers_of, place_of
 from ..reading.trials import Trials
 from ..wording import level_of
@@ -30,7 +30,7 @@ from .task_analysis import Results, TaskAnalysis
 
 Texts = NDArray[np.str_]
 
-TASK, ORDER = "preference", "first of the pair"
+TASK, SHARES, ORDER = "preference", "preference_shares", "first of the pair"
 ALWAYS_FIRST = "which of a pair came first decided what was preferred: no finite worths"
 ROBUST_FROM = 5
 """Participants from which standard errors count that the answers of one person are alike."""
@@ -207,6 +207,24 @@ def _of_a_condition(condition: dict[str, Any], rows: pd.DataFrame) -> pd.DataFra
     return table.assign(note=model.note, **condition)[[*condition, *table.columns, "note"]]
 
 
+def share_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Of the task's used rows, how often each item was preferred in each condition: its share of the pairs with it,
+    with the exact 95 % interval of answers that are independent.
+
+    Raises
+    ------
+    InvalidFile
+        If the table does not say which two items were compared.
+    """
+    worths = preference_table(rows, factors)
+    conditions = list(worths.columns[: worths.columns.get_loc("item")])
+    counts = worths.loc[worths["item"] != ORDER, [*conditions, "item", "n_pairs", "n_preferred"]]
+    low, high = exact_interval(counts["n_preferred"], counts["n_pairs"])
+    share = counts["n_preferred"] / counts["n_pairs"]
+    whole = counts.astype({"n_preferred": int})
+    return whole.assign(share=share, share_low=low, share_high=high).reset_index(drop=True)
+
+
 def _view(table: pd.DataFrame, trials: Trials, unit: str) -> pd.DataFrame:
     """Items with the unit of their factor, within each condition in the order of their numbers."""
     del unit
@@ -231,7 +249,7 @@ ANALYSIS = TaskAnalysis(
     "with({data}, BradleyTerry2::BTm(as.integer(response == 1), factor(item, unique(c(item, item_b))), "
     "factor(item_b, unique(c(item, item_b)))))",
     results=Results(
-        {TASK: preference_table},
+        {TASK: preference_table, SHARES: share_table},
         "Paired preferences were fitted by the Bradley-Terry model with an effect of the order (Bradley & Terry 1952), "
         "with 95 % intervals that from five participants on count that a person's answers are alike.",
         works=(

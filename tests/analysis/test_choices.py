@@ -5,12 +5,14 @@ import pandas as pd
 import pytest
 import statsmodels.api as sm
 from scipy.special import expit, logit
-from scipy.stats import norm, t as student
+from scipy.stats import binomtest, norm, t as student
 
+from tactometry.analysis.figures.preference import share_figure
+from tactometry.analysis.means import exact_interval
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.report.summary import summary
 from tactometry.analysis.tasks.answer_odds import logistic_fit
-from tactometry.analysis.tasks.preference import WorthStatus, bradley_terry, preference_table
+from tactometry.analysis.tasks.preference import WorthStatus, bradley_terry, preference_table, share_table
 from tactometry.analysis.tasks.same_different import differencing_sensitivity, independent_sensitivity
 from tactometry.cli.analyse import summary_text
 from tactometry.errors import InvalidParameter
@@ -181,6 +183,26 @@ def test_what_is_no_comparison_is_refused(first, second, preferred, message) -> 
         bradley_terry(first, second, preferred)
 
 
+def test_the_exact_interval_of_a_share_is_that_of_a_binomial() -> None:
+    for k, n in ((0, 7), (1, 1), (3, 12), (12, 12), (40, 90)):
+        peer = binomtest(k, n).proportion_ci(0.95, method="exact")
+        assert exact_interval(k, n) == pytest.approx((peer.low, peer.high), abs=1e-9)
+
+
+def test_each_share_of_a_condition_is_drawn_with_its_interval() -> None:
+    rng = np.random.default_rng()
+    rows = pd.concat([compared(rng, 2, 3, TRUTH).assign(force_n=force, source="t.csv") for force in (0.5, 2.0)])
+    shares = share_table(rows, ["force_n"])
+    assert shares["n_pairs"].tolist() == [rows["item"].isin([item]).sum() for item in [*TRUTH] * 2]
+    assert (shares["share"] == shares["n_preferred"] / shares["n_pairs"]).all()
+    items = list(TRUTH)
+    (axes,) = share_figure(shares, items).figure.axes
+    drawn = {line.get_label(): line.lines[0].get_xdata().tolist() for line in axes.containers}
+    of_force = shares.groupby("force_n")["share"].apply(list)
+    assert drawn == {"0.5 N": of_force[0.5], "2 N": of_force[2.0]}
+    assert [label.get_text() for label in axes.get_yticklabels()] == items
+
+
 def test_both_are_analysed_and_reported(tmp_path) -> None:
     rng = np.random.default_rng()
     table = compared(rng, 6, 8, TRUTH).assign(task="preference", level="", catch="", session=1)
@@ -201,6 +223,8 @@ def test_both_are_analysed_and_reported(tmp_path) -> None:
     for text in ("<h2>Preferences</h2>", "<h2>Same or different</h2>", "Bradley-Terry", "differencing"):
         assert text in page
     assert summary(found)["preference"][0]["item"] == "P0"
+    assert "How often each was preferred, of the pairs with it, all participants together" in page
+    assert found.tables["preference_shares"]["item"].tolist() == [*TRUTH]
 
 
 def test_the_factor_that_is_compared_is_no_condition_of_the_force(tmp_path) -> None:

@@ -4,9 +4,11 @@ from collections.abc import Iterator
 
 import pandas as pd
 
+from ...figures.preference import share_figure
 from ...result import Analysis
+from ...tasks import preference
 from ...tasks.kinds import RESULTS
-from ..section import Details, Lead, ResultKind, Section, TextTable, grid, rows_of
+from ..section import Details, Figure, Lead, ResultKind, Section, TextTable, grid, rows_of
 
 TOLD = {task: results for task, results in RESULTS.items() if results.title or results.dependent}
 
@@ -28,7 +30,22 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
             yield Section("", (Details(title, (grid(view, analysis.factors),)),))
     for task, view in _views(analysis):
         if TOLD[task].title:
-            yield Section(TOLD[task].title, (Lead(TOLD[task].lead), grid(view, analysis.factors)))
+            yield Section(
+                TOLD[task].title, (Lead(TOLD[task].lead), grid(view, analysis.factors), *_figures(analysis, task))
+            )
+
+
+def _figures(analysis: Analysis, task: str) -> Iterator[Figure]:
+    if task != preference.TASK:
+        return
+    shares = TOLD[task].view(analysis.tables[preference.SHARES], analysis.trials, analysis.unit)
+    together = "one participant" if analysis.trials.rows["participant"].nunique() == 1 else "all participants together"
+    text = (
+        f"How often each was preferred, of the pairs with it, {together}; bars are exact 95 % intervals, which count "
+        "each answer as independent, dotted is chance."
+    )
+    items = list(dict.fromkeys(shares["item"]))
+    yield Figure(preference.SHARES, share_figure(shares, items), text, preference.SHARES)
 
 
 def _terminal(analysis: Analysis) -> Iterator[TextTable]:
