@@ -55,7 +55,7 @@ class DeviceFailed(TactometryError):  # noqa: N818
 
 
 class SessionInUse(TactometryError):  # noqa: N818
-    """Another process writes this session."""
+    """Another process writes this session, or erases from this data set."""
 
 
 class Diverged(TactometryError):  # noqa: N818

@@ -18,16 +18,18 @@ from tactometry.errors import InvalidFile, InvalidParameter, attempt, nearest
 from tactometry.files.durable import drafts, sync_folder
 from tactometry.records.data_set import keys_of, sessions
 from tactometry.records.description import NAME
-from tactometry.records.open_journal import held
+from tactometry.records.open_journal import alone, held
 from tactometry.trials.cell_rules import PARTICIPANT
 
 from .erasure_plan import PARTS, ErasurePlan, Left, plan
-from .erasure_record import RECORD, Erasure, read_erasures, unfinished, write_erasures
+from .erasure_record import LOCK, RECORD, Erasure, read_erasures, unfinished, write_erasures
 
 UNREACHED: Final = (
     "not reached: backups, copies elsewhere, the history of git, the list of codes and names; and no program can "
     "promise that an SSD overwrites what it erases: keep data on an encrypted disk"
 )
+
+IN_USE: Final = "another process is erasing from this data set, expected to be the only one; wait, and say it again"
 
 
 @dataclass(frozen=True)
@@ -69,14 +71,22 @@ def erase(root: Path, participant: str) -> Erased:
     InvalidFile, InvalidParameter
         As `find`.
     SessionInUse
-        If a session of the participant is running; nothing was erased.
+        If a session of the participant is running, or another erasure; nothing was erased.
     DeviceFailed
         If a file can't be erased; say it again when that is mended.
     """
-    with held(_plan(root, participant).journals):
+    _refuse(root, participant)
+    with alone(root / LOCK, IN_USE):
+        return _erase(root, participant)
+
+
+def _erase(root: Path, participant: str) -> Erased:
+    before = _there(_plan(root, participant).journals)
+    with held(before):
         found = _plan(root, participant)
-        told, begun = _told(root, participant, found), _begin(root, participant, found)
-        _remove(found.files if os.name == "posix" else (*found.derived, *found.own))
+        with held(_there(found.journals) - before):  # of a session that began in between
+            told, begun = _told(root, participant, found), _begin(root, participant, found)
+            _remove(found.files if os.name == "posix" else (*found.derived, *found.own))
     _remove(found.journals)  # elsewhere a file that is open can't be erased
     _remove_empty(root, {*found.files, *(root / name for name in begun.files)})
     done = replace(begun, finished_utc=_now(), files=())
@@ -85,7 +95,13 @@ def erase(root: Path, participant: str) -> Erased:
     return replace(told, n_sessions=done.n_sessions, erasure=done)
 
 
-def _plan(root: Path, participant: str) -> ErasurePlan:
+def _there(journals: Iterable[Path]) -> set[Path]:
+    """Without links that lead to nothing: who locks one makes what it leads to."""
+    return {path for path in journals if path.exists()}
+
+
+def _refuse(root: Path, participant: str) -> None:
+    """Refuse what is no code or no data set."""
     expect(PARTICIPANT.fullmatch(participant) is not None, "--participant", repr(participant), "a code such as P01")
     is_set = (root / NAME).is_file() and ((root / "journals").is_dir() or (root / "data").is_dir())
     expect(is_set, root, f"no {NAME} with data or journals", "the folder of a data set", InvalidFile)
@@ -93,6 +109,10 @@ def _plan(root: Path, participant: str) -> ErasurePlan:
         # Behind a link nothing is erased, and a journal that stays gives all the rest back.
         it = "the folder itself; put what the link leads to in its place"
         expect(not (root / part).is_symlink(), root / part, "a link", it, InvalidFile)
+
+
+def _plan(root: Path, participant: str) -> ErasurePlan:
+    _refuse(root, participant)
     erasures = read_erasures(root)
     begun = unfinished(erasures, participant)
     found = plan(root, participant, begun.files if begun else ())
@@ -150,7 +170,7 @@ def _remove(files: Iterable[Path]) -> None:
 
 def _remove_empty(root: Path, files: Iterable[Path]) -> None:
     """Remove the folders that are empty now, but for those that a data set has."""
-    kept = {root, *(root / part for part in PARTS)}
+    kept = {root / part for part in PARTS}
     within = [path for path in files if ".." not in path.parts]
     folders = {folder for path in within for folder in path.parents if folder.is_relative_to(root)}
     for folder in sorted(folders - kept, key=lambda path: len(path.parts), reverse=True):

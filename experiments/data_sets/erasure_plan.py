@@ -34,6 +34,7 @@ _FIGURE: Final = (".csv", ".png", ".svg")
 _OF_TRIAL: Final = re.compile(r"trial-\d+\.(png|pdf|svg)")
 _BEGINNINGS: Final = {NAME: b"", "columns.toml": b"# tactometry analyse", "trials.R": b"# Reads trials.csv"}
 """Files by which the folder of an export is known, and how they begin."""
+_SHORT: Final = re.compile(r"[A-Za-z]{1,2}")
 _KEYS: Final = ("participant", "subject", "sub")
 
 
@@ -138,7 +139,7 @@ def _is_of_set(root: Path, path: Path) -> bool:
     """Whether it is a file that all share, or one of another participant's session."""
     if path.parent == root:
         return path.name in (NAME, STUDY, RECORD) or path in drafts(root, RECORD)
-    return path.parent.parent == root and path.parent.name in PARTS and "participant" in keys_of(path.stem.lstrip("."))
+    return path.parent.parent == root and path.parent.name in PARTS and "participant" in keys_of(path.stem)
 
 
 def _content(path: Path) -> bytes:
@@ -157,9 +158,23 @@ def says(content: bytes, code: str) -> bool:
     >>> says(b"sub-P1,3", "P1"), says(b"P10,3", "P1")
     (True, False)
     """
+    return re.search(_word(code), content) is not None
+
+
+def _word(code: str) -> bytes:
     # behind a line break or a tabulator that JSON writes as two letters too
-    word = rf"(?:(?<![A-Za-z0-9])|(?<=\\[nrt])){re.escape(code)}(?![A-Za-z0-9])"
-    return re.search(word.encode(), content) is not None
+    return rf"(?:(?<![A-Za-z0-9])|(?<=\\[nrt])){re.escape(code)}(?![A-Za-z0-9])".encode()
+
+
+def mention(content: bytes, code: str) -> str | None:
+    """The code as it stands there, in capitals or small letters: of one or two letters alone only as it is, as such a
+    word means much else.
+
+    >>> mention(b"p1 was ill", "P1"), mention(b"p10 was ill", "P1"), mention(b"a word", "A")
+    ('p1', None, None)
+    """
+    found = re.search(_word(code), content, 0 if _SHORT.fullmatch(code) else re.IGNORECASE)
+    return found and found[0].decode()
 
 
 def _derived(root: Path, code: str, beside: Mapping[Path, bytes]) -> Iterator[Path]:
@@ -189,23 +204,30 @@ def _exports(root: Path, beside: Mapping[Path, bytes]) -> Iterator[Path]:
 def _left_behind(root: Path, own: Collection[Path]) -> Iterator[Left]:
     """What links of the participant lead to: the link goes, and what was recorded stays elsewhere."""
     for path in own:
-        if path.is_symlink() and path.exists():
-            yield Left(_name(root, path), f"is a link; erase {path.resolve()} too, which it leads to", names=True)
+        if path.is_symlink():  # to what may be on a disk that is not there now, too
+            there = os.path.realpath(path)
+            yield Left(_name(root, path), f"is a link; erase {there} too, which it leads to", names=True)
 
 
 def _left_beside(root: Path, code: str, stays: Mapping[Path, bytes]) -> Iterator[Left]:
     """What others wrote, and what cannot be searched."""
     for path, content in stays.items():
         name = _name(root, path)
-        lines = [n for n, line in enumerate(content.split(b"\n"), 1) if says(line, code)]
-        if lines:
-            yield Left(name, f"names {code} in line {lines[0]}; edit or remove it", names=True)
-        elif says(name.encode(), code):
-            yield Left(name, f"is named for {code}; look at it", names=True)
+        place = _place(content, lambda line: mention(line, code))
+        if place is not None:
+            yield Left(name, f"names {place}; edit or remove it", names=True)
+        elif (of_name := mention(name.encode(), code)) is not None:
+            yield Left(name, f"is named for {of_name}; look at it", names=True)
         elif path.is_symlink():
             yield Left(name, "is a link that leads elsewhere; look there", names=False)
         elif not _is_text(content):
             yield Left(name, "is no text to search; look at it", names=False)
+
+
+def _place(content: bytes, tells: Callable[[bytes], str | None]) -> str | None:
+    """What the first line says that tells something."""
+    told = ((tells(line), n) for n, line in enumerate(content.split(b"\n"), 1))
+    return next((f"{what} in line {n}" for what, n in told if what is not None), None)
 
 
 def _is_text(content: bytes) -> bool:
@@ -218,23 +240,22 @@ def _is_text(content: bytes) -> bool:
 def _left_of_others(root: Path, code: str, of_others: Collection[Path]) -> Iterator[Left]:
     """What the files of others, which stay as they are byte for byte, say of the participant: remarks, strange rows."""
     study = root / STUDY
-    is_word_of_study = study in of_others and says(_content(study), code)
+    is_word_of_study = study in of_others and mention(_content(study), code) is not None
     for path in of_others:
-        tells = None if path.name == NAME and is_word_of_study else _teller(root, path, code)
-        lines = [] if tells is None else _content(path).split(b"\n")
-        place = next((n for n, line in enumerate(lines, 1) if tells and tells(line)), None)
+        tells = None if path.name == NAME and is_word_of_study else _teller(path, code)
+        place = None if tells is None else _place(_content(path), tells)
         if place is not None:
-            yield Left(_name(root, path), f"names {code} in line {place}", names=True)
+            yield Left(_name(root, path), f"names {place}", names=True)
 
 
-def _teller(root: Path, path: Path, code: str) -> Callable[[bytes], bool] | None:
-    """Which lines of a file name the participant; None of a file where the code may be a word of the study."""
+def _teller(path: Path, code: str) -> Callable[[bytes], str | None] | None:
+    """How a line of a file names the participant; None of a file where the code may be a word of the study."""
     if path.suffix == ".csv":
-        return lambda line: line.startswith(f"{code},".encode())
-    if path.suffix == ".jsonl" and path.parent != root:
-        return lambda line: line.startswith(b'{"event":') and says(line, code)
+        return lambda line: code if line.startswith(f"{code},".encode()) else None
+    if path.suffix == ".jsonl":
+        return lambda line: mention(line, code) if line.startswith(b'{"event":') else None
     if path.name.endswith("_events.tsv") or path.name == NAME:
-        return lambda line: says(line, code)
+        return lambda line: mention(line, code)
     return None
 
 

@@ -16,6 +16,8 @@ from tactometry.errors import InvalidFile
 from tactometry.files.durable import read_file, write_atomically
 
 RECORD: Final = "erasures.jsonl"
+LOCK: Final = ".erasures.lock"
+"""Of one erasure at a time: two that write the record would lose a line of it."""
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterable, Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any, Final
@@ -19,6 +19,10 @@ from ..session.request import CONSENT, Choose, Fill, Intervene, Record, Request,
 from .head import Head
 from .journal import Entry, Line, Recording, checksum, decode_journal, encode, encode_entry, encode_line
 
+_IN_USE: Final = (
+    "another process is writing this session, expected to be the only one; wait until it ends, or give another "
+    "--session number"
+)
 LASTING: Final = (Record, Intervene)
 """Requests whose answer an interruption does not take back: a journal is cut behind the last of them."""
 
@@ -168,12 +172,30 @@ def held(journals: Iterable[Path]) -> Iterator[None]:
         yield
 
 
-def _open_locked(path: Path) -> int:
-    """The journal, locked: not one that a repair elsewhere has replaced since it was opened."""
+@contextmanager
+def alone(path: Path, in_use: str) -> Iterator[None]:
+    """No other process is in here meanwhile: a file is made for it and locked, and goes at the end.
+
+    Raises
+    ------
+    SessionInUse
+        If another one is: `in_use` says of what.
+    """
+    file = _open_locked(path, in_use)
+    try:
+        yield
+    finally:
+        with suppress(OSError):  # elsewhere than on posix an open file stays
+            path.unlink()  # while it is locked: who has opened it sees that it is gone, and makes another
+        os.close(file)
+
+
+def _open_locked(path: Path, in_use: str = _IN_USE) -> int:
+    """The file, locked: not one that was replaced since it was opened, as by a repair elsewhere."""
     while True:
         file = open_private(path, os.O_RDWR)
         try:
-            _lock(file, path)
+            _lock(file, path, in_use)
             if os.path.samestat(os.fstat(file), path.stat()):
                 return file
         except FileNotFoundError:
@@ -192,11 +214,8 @@ def _refuse_recorded(path: Path, *, resume: bool) -> None:
         )
 
 
-def _lock(file: int, path: Path) -> None:
+def _lock(file: int, path: Path, in_use: str = _IN_USE) -> None:
     try:
         portalocker.lock(file, portalocker.LOCK_EX | portalocker.LOCK_NB)
     except portalocker.LockException:
-        raise SessionInUse(
-            f"{path}: another process is writing this session, expected to be the only one; wait until it ends, or "
-            "give another --session number"
-        ) from None
+        raise SessionInUse(f"{path}: {in_use}") from None

@@ -115,8 +115,8 @@ def test_a_journal_that_was_replaced_while_it_was_opened_is_opened_anew(cut_off,
 
     lock, content = module._lock, cut_off.read_bytes()
 
-    def replaced_meanwhile(file, path):
-        lock(file, path)
+    def replaced_meanwhile(file, path, *in_use):
+        lock(file, path, *in_use)
         if os.fstat(file).st_ino == first:
             path.with_name("other").write_bytes(content)
             path.with_name("other").replace(path)
