@@ -1,16 +1,18 @@
 """The gallery of the docs: `make gallery` runs its pages, and keeps the figures that they show.
 
 A section of a page is a heading, a picture `pictures/NAME.png`, and the code that writes a NAME.png. The first page of
-the gallery shows all of them, and follows from the others.
+the gallery shows all of them, and follows from the others. Pictures of pages need a browser: without it they stay.
 """
 
 import os
 import re
+import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from page_runner import run_page
+from page_blocks import blocks_of
+from page_runner import absent, run_page
 from places import DOCS
 from small_pictures import small
 
@@ -60,10 +62,14 @@ def _part(page: Path) -> str:
 
 def draw(page: Path) -> None:
     """Run the page in a folder of its own, and keep the figures that it shows."""
+    not_run = "".join(block.text for block in blocks_of(page) if absent(block))
     with tempfile.TemporaryDirectory() as folder:
         os.chdir(folder)
         run_page(page)
         for picture in pictures_of(page):
+            if f"{picture.name}.png" in not_run:
+                print(f"{picture.name}.png: no browser, so that it stays as it was", file=sys.stderr)
+                continue
             (drawn,) = Path(folder).rglob(f"{picture.name}.png")
             (PICTURES / drawn.name).write_bytes(small(drawn.read_bytes(), WIDTH_PIXELS))
 

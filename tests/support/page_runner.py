@@ -4,6 +4,7 @@ import contextlib
 import doctest
 import io
 import re
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -35,6 +36,8 @@ def run_block(block: Block, names: dict[str, Any]) -> None:
         )
     elif block.mark == "file":
         Path(block.said).write_text(block.text, encoding="utf-8")
+    elif absent(block):
+        pass
     elif block.language == "console":
         run_console(block)
     elif block.language == "python":
@@ -44,6 +47,11 @@ def run_block(block: Block, names: dict[str, Any]) -> None:
             f"{block.place}: TOML without a comment that says what reads it"
         )
         read_toml(block)
+
+
+def absent(block: Block) -> bool:
+    """Whether it needs a program that is not installed."""
+    return block.mark == "with" and shutil.which(block.said) is None
 
 
 def _lines(text: str) -> str:

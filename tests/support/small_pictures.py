@@ -4,16 +4,26 @@ from io import BytesIO
 
 from PIL import Image
 
-N_COLOURS = 256
+N_COLOURS = (256, 128, 64)
+MOST_BYTES = 150_000
 
 
 def small(png: bytes, width: int) -> bytes:
-    """A PNG at most so many pixels wide, of a few colours that are near to all of its own."""
+    """A PNG at most so many pixels wide, of a few colours that are near to all of its own; fewer where it is large."""
+    opaque = _opaque(png, width)
+    tried = [_encoded(opaque, n_colours) for n_colours in N_COLOURS]
+    return next((kept for kept in tried if len(kept) <= MOST_BYTES), tried[-1])
+
+
+def _opaque(png: bytes, width: int) -> Image.Image:
     with Image.open(BytesIO(png)) as picture:
         opaque = Image.alpha_composite(Image.new("RGBA", picture.size, "white"), picture.convert("RGBA")).convert("RGB")
-        opaque.thumbnail((width, 10 * width), Image.Resampling.LANCZOS)
-        kept = BytesIO()
-        opaque.quantize(N_COLOURS, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE).save(
-            kept, "PNG", optimize=True
-        )
+    opaque.thumbnail((width, 10 * width), Image.Resampling.LANCZOS)
+    return opaque
+
+
+def _encoded(opaque: Image.Image, n_colours: int) -> bytes:
+    kept = BytesIO()
+    few = opaque.quantize(n_colours, Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE)
+    few.save(kept, "PNG", optimize=True)
     return kept.getvalue()

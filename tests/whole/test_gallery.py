@@ -4,6 +4,7 @@ import pytest
 from gallery import GALLERY, PAGES, PICTURES, first_page, pictures_of
 from page_blocks import blocks_of
 from PIL import Image
+from small_pictures import MOST_BYTES as MOST_BYTES_EACH
 
 MOST_BYTES = 3_000_000
 EVERY = [picture for page in PAGES for picture in pictures_of(page)]
@@ -26,7 +27,8 @@ def test_it_has_each_picture_and_no_other_in_few_bytes() -> None:
 
 
 @pytest.mark.parametrize("path", sorted(PICTURES.iterdir()), ids=lambda path: path.stem)
-def test_a_picture_is_opaque_so_that_it_is_seen_on_a_dark_page(path) -> None:
+def test_a_picture_is_small_and_opaque_so_that_it_is_seen_on_a_dark_page(path) -> None:
+    assert path.stat().st_size <= MOST_BYTES_EACH
     with Image.open(path) as picture:
         assert picture.format == "PNG"
         assert picture.mode == "P"

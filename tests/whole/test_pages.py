@@ -90,6 +90,13 @@ def test_a_part_of_a_study_with_an_unknown_key_fails() -> None:
         run_block(block, {})
 
 
+@pytest.mark.usefixtures("scratch")
+def test_a_block_with_a_program_runs_where_that_is_installed() -> None:
+    run_block(Block(Path("page.md"), 1, "console", "$ false\n", "with", "no-such-program"), {})
+    with pytest.raises(AssertionError, match="ended with 1"):
+        run_block(Block(Path("page.md"), 1, "console", "$ false\n", "with", "bash"), {})
+
+
 NOT_RUN = [
     pytest.param(block, id=f"{path.relative_to(ROOT).with_suffix('').as_posix()}:{block.line}")
     for path in PAGES
