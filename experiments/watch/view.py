@@ -147,9 +147,10 @@ def level_plots(progress: Progress) -> list[Plot]:
 
 def _title(track: TrackProgress, name: str | None) -> str:
     last = track.presented[-1]
-    told = name or condition_words(last.factors)
-    practice = ", practice" if last.practice else ""
-    return f"{last.procedure.replace('_', ' ')}{practice}{f', {told}' if told else ''}"
+    # of the track's name, what the condition does not tell
+    labels = [part for part in (name or "").split(", ") if part.partition("=")[0] not in last.factors]
+    practice = "practice" if last.practice else ""
+    return ", ".join(filter(None, (last.procedure.replace("_", " "), practice, condition_words(last.factors), *labels)))
 
 
 @dataclass(frozen=True)

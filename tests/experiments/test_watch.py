@@ -153,6 +153,19 @@ def test_answers_to_a_questionnaire_are_no_catch_trials_and_leave_the_levels_whe
     assert [row.state for row in view.condition_rows(sight.progress)] == [""]
 
 
+@pytest.mark.parametrize(
+    ("name", "title"),
+    [
+        ("frequency_hz=60", "staircase, 60 Hz"),
+        ("frequency_hz=60, A - B", "staircase, 60 Hz, A - B"),
+        (None, "staircase, 60 Hz"),
+    ],
+)
+def test_a_track_is_called_by_its_condition_and_what_that_does_not_tell(name, title):
+    row = Trial(1, 1, {"frequency_hz": 60.0}, "staircase", 5.0, "dB", "yes_no", 1, track=name)
+    assert view.level_plots(with_row(Progress(), row))[0].title == title
+
+
 def test_levels_of_several_units_each_have_theirs():
     progress = with_row(Progress(), Trial(1, 1, {}, "staircase", 5.0, "dB", "yes_no", 1))
     assert [row.level for row in view.condition_rows(progress)] == ["5"]
