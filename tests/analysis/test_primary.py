@@ -244,6 +244,12 @@ def rated(tmp_path_factory):
     return analyse(path, report=path.with_name("r.html"))
 
 
+def test_the_plan_names_what_answers_of_questionnaires_too(rated) -> None:
+    planned = analyse(rated.trials.path, plan=AnalysisPlan(primary="permutation"))
+    for found, primary in ((rated, "anova"), (planned, "permutation")):
+        assert {one.primary for form in found.forms for one in form.outcomes.values()} == {primary}
+
+
 def test_patterns_of_ones_own_have_their_test_and_pairs(rated) -> None:
     (form,) = rated.forms
     assert list(form.outcomes) == ["PQ", "HQI", "HQS", "ATT", "HQ"]

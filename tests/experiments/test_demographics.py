@@ -11,6 +11,8 @@ from places import DOCS
 from tables import trial_rows
 
 from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.plan import AnalysisPlan
+from tactometry.analysis.reading.quality import Exclusion
 from tactometry.choice_form import NOT_SAID, load, shipped_choices
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.study.experiment import wire
@@ -202,3 +204,18 @@ def test_what_cannot_be_asked_is_refused_in_one_sentence(study, tmp_path, capsys
 
 def test_the_folder_of_shipped_forms_is_a_package_whose_data_a_wheel_holds():
     assert import_module("tactometry.questionnaires.choices").__file__ is not None
+
+
+def test_who_is_left_out_by_the_plan_is_in_no_category(simulated):
+    table = next((simulated / "data").glob("participant-P01_*.csv"))
+    header, *rows = [line.split(",") for line in table.read_text("utf-8").splitlines()]
+    task, valid = header.index("task"), header.index("valid")
+    for row in rows:
+        row[valid] = "0" if row[task] == "yes_no" else row[valid]
+    table.write_text("".join(f"{','.join(row)}\n" for row in (header, *rows)), "utf-8")
+    numbers = []
+    for share in (1.0, 0.5):
+        plan = AnalysisPlan(Exclusion(invalid_share_max=share), hierarchical=False)
+        counted = analyse(simulated, plan=plan).tables["categories"]
+        numbers.append(set(counted.groupby("item")["n"].sum()))
+    assert numbers == [{4}, {3}]

@@ -16,6 +16,7 @@ from tables import trial_rows
 
 from tactometry.devices.outputs.bit_stream import HEADER_BYTES, decode, word_bytes
 from tactometry.experiments.bench.stimuli import bank_on
+from tactometry.experiments.data_sets.traces import read_traces
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import builtin, load
 from tactometry.records.journal import read
@@ -127,6 +128,8 @@ def test_a_session_is_complete_and_the_board_decodes_what_was_asked_for(
     assert not SOAK or len(rows) >= WHOLE[name]
     assert call(capsys, "validate", tmp_path / "d")[0] == 0
     assert call(capsys, "replay", tmp_path / "d")[0] == 0
+    shown = read_traces(tmp_path / "d", int(rows[0]["trial"]), bench=tmp_path / "bench.toml")
+    assert [touch.emitted and touch.emitted.digest() for touch in shown] == [touch.answer.digest for touch in shown]
     [journal] = (tmp_path / "d" / "journals").glob("*.jsonl")
     felt = [(asked, answer) for asked, answer in read(journal).entries if isinstance(asked, Press | Slide)]
     blank = [answer.digest for asked, answer in felt if asked.level is None]

@@ -1,0 +1,64 @@
+"""Who is left out by a plan is in no table of results; what is given beside a data set reaches what it is for."""
+
+import pandas as pd
+import pytest
+from places import RECORDED
+
+from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.plan import AnalysisPlan
+from tactometry.analysis.reading.quality import Exclusion
+
+TOLD = {"quality", "excluded", "sittings", "happenings"}
+"""Tables of whoever took part."""
+STAIRCASES = RECORDED / "electrovibration-threshold"
+RULE = ["rule_estimate", "rule_sd", "rule_n", "rule_note"]
+
+
+def planned(path, **rules):
+    return analyse(path, plan=AnalysisPlan(Exclusion(**rules), hierarchical=False))
+
+
+def tables_with(analysis, code):
+    tables = analysis.tables.items()
+    return {name for name, table in tables if "participant" in table and code in set(table["participant"])} - TOLD
+
+
+@pytest.mark.parametrize(
+    ("name", "share", "code"), [("inquiries", 0.1, "P03"), ("electrovibration-threshold", 0.01, "P01")]
+)
+def test_who_is_left_out_is_in_no_table_of_results(name, share, code) -> None:
+    assert len(tables_with(planned(RECORDED / name), code)) >= 3
+    without = planned(RECORDED / name, invalid_share_max=share)
+    assert without.tables["excluded"]["participant"].tolist() == [code]
+    assert tables_with(without, code) == set()
+
+
+def test_a_rule_estimates_from_the_answers_that_are_left_out_too() -> None:
+    """The rule was told them."""
+    whole, some = planned(STAIRCASES), planned(STAIRCASES, latency_max_s=0.8)
+    keys = ["participant", "force_n", "frequency_hz"]
+    told, kept = (each.tables["thresholds"].set_index(keys) for each in (whole, some))
+    assert len(some.trials.rows) < len(whole.trials.rows)
+    assert len(kept)
+    pd.testing.assert_frame_equal(kept[RULE], told.loc[kept.index, RULE])
+
+
+@pytest.mark.parametrize(("level_scale", "is_asked"), [(None, True), ("linear", True), ("log10", False), ("db", False)])
+def test_a_rule_is_replayed_on_its_own_levels_alone(level_scale, is_asked, tmp_path) -> None:
+    asked = []
+
+    def replay(block):
+        asked.append(len(block))
+        return {}
+
+    path = tmp_path / "trials.csv"
+    (recorded, *_) = (STAIRCASES / "data").glob("*.csv")
+    path.write_text(recorded.read_text("utf-8").replace("dB re 1 V", "V"), "utf-8")
+    analyse(path, level_scale=level_scale, replay=replay)
+    assert bool(asked) == is_asked
+
+
+def test_without_courses_there_is_no_table_of_touches(tmp_path) -> None:
+    found = analyse(RECORDED / "same-different", report=tmp_path / "r.html", touches=pd.DataFrame)
+    assert "touches" not in found.tables
+    assert not (tmp_path / "r_tables" / "touches.csv").exists()
