@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from tactometry.analysis.pipeline import analyse
+from tactometry.analysis.plan import AnalysisPlan
 from tactometry.analysis.report.page import figures_of, render
 from tactometry.analysis.report.sentences import outcome_sentences
 from tactometry.analysis.report.summary import summary
@@ -196,3 +197,12 @@ def test_a_measurement_without_a_measured_level_or_its_unit_is_refused_in_a_sent
     table.write_text(table.read_text().replace("measurement,,", "measurement,7,"))
     with pytest.raises(InvalidFile, match="no valid answer of a task"):
         analyse(table)
+
+
+@pytest.mark.parametrize(("rows", "is_compared"), [(settings, True), (None, False)], ids=["settings", "exponents"])
+def test_a_difference_that_counts_as_none_is_one_of_levels(tmp_path, rows, is_compared) -> None:
+    """An exponent has not their unit."""
+    rng = np.random.default_rng()
+    path = written(tmp_path / "t.csv", rows(rng) if rows else numbers("dB re 1 V", noise=0.1, rng=rng))
+    (outcome,) = analyse(path, plan=AnalysisPlan(equivalence={"force_n": 50.0})).outcomes
+    assert ("force_n" in outcome.equivalence) == is_compared

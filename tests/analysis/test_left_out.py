@@ -62,3 +62,17 @@ def test_without_courses_there_is_no_table_of_touches(tmp_path) -> None:
     found = analyse(RECORDED / "same-different", report=tmp_path / "r.html", touches=pd.DataFrame)
     assert "touches" not in found.tables
     assert not (tmp_path / "r_tables" / "touches.csv").exists()
+
+
+def test_answers_that_are_left_out_count_no_more_than_those_that_were_never_given(tmp_path) -> None:
+    recorded = sorted((STAIRCASES / "data").glob("*.csv"))
+    rows = pd.concat([pd.read_csv(path, dtype=str, keep_default_na=False) for path in recorded], ignore_index=True)
+    is_slow = pd.to_numeric(rows["latency_s"]) > 1.1
+    assert is_slow.any()
+    paths = tmp_path / "all.csv", tmp_path / "quick.csv"
+    for path, some in zip(paths, (rows, rows[~is_slow]), strict=True):
+        some.to_csv(path, index=False)
+    left_out, never_given = planned(paths[0], latency_max_s=1.1), planned(paths[1])
+    for name in ("thresholds", "goodness", "counts", "rates", "tracks", "force_participants"):
+        one, other = (each.tables[name].drop(columns=RULE, errors="ignore") for each in (left_out, never_given))
+        pd.testing.assert_frame_equal(one, other)

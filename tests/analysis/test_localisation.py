@@ -276,3 +276,22 @@ def test_rates_of_participants_are_compared_between_distances(tmp_path):
     assert (outcome.dependent, outcome.factors) == ("rate_correct", ("separation_m",))
     assert found["F"] == pytest.approx(reference["F Value"].iloc[0])
     assert 0 < found["ng2"] <= 1
+
+
+def test_rates_that_are_compared_between_distances_have_no_model_of_the_force(tmp_path):
+    """The force that was applied is known by the factors alone, not by the distance between places."""
+    rng = np.random.default_rng()
+    people = [
+        drawn(12, rng, 2, f"P{k}").assign(force_n=force_n, force_mean_n=force_n * rng.uniform(0.9, 1.1))
+        for k in range(5)
+        for force_n in (0.5, 2.0)
+    ]
+    rows = pd.concat(people, ignore_index=True).assign(task="localisation", valid=1)
+    rows["trial"] = rows.groupby("participant").cumcount() + 1
+    rows["correct"] = (rows["target"].astype(str) == rows["response"]).astype(int)
+    rows.to_csv(tmp_path / "t.csv", index=False)
+    found = analyse(tmp_path / "t.csv", within=FACTORS)
+    (outcome,) = found.outcomes
+    assert outcome.factors == ("force_n", "separation_m")
+    assert "force" in found.tables
+    assert outcome.model is None
