@@ -1,0 +1,72 @@
+"""What a wired study asks at most of a stimulus and of a participant: limits rest on it, before anything plays."""
+
+from dataclasses import replace
+
+import pytest
+from study_texts import changed
+
+from tactometry.errors import InvalidParameter
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.study_file import builtin, parse
+
+TUTORIAL = builtin()["tutorial"].read_text("utf-8")
+LEVELS = "levels = [22, 28, 34, 40]                       # dB re 1 V peak\nrepeats = 4"
+TASK = 'kind = "yes_no"\ncatch_rate = 0.2'
+
+
+def wired(changes=(), more=""):
+    return wire(parse(changed(TUTORIAL + more, dict(changes)).encode(), "s.toml"), "s.toml")
+
+
+def together(first, second):
+    """A study whose one stimulus is asked for by two cells, each at the levels of another study's procedure."""
+    key, cell = next(iter(wired().cells.items()))
+    other = {tuple((name, f"{level} again") for name, level in key): replace(cell, procedure=second)}
+    return replace(wired(), cells={key: replace(cell, procedure=first)} | other)
+
+
+def test_a_scene_of_some_stimuli_alone_is_told_with_their_names():
+    study = wired()
+    (key, cell), *others = study.cells.items()
+    words = study.felt
+    assert words
+    assert cell.condition.stimulus not in words
+    of_one = replace(study, cells={key: cell} | {key: replace(cell, sensation=object()) for key, cell in others})
+    assert of_one.felt == f"{cell.condition.stimulus}: {words}"
+
+
+@pytest.fixture(scope="module")
+def procedures():
+    studies = wired(), wired([(LEVELS, LEVELS.replace("22, 28, 34, 40", "10, 20"))])
+    return [next(iter(study.cells.values())).procedure for study in studies]
+
+
+@pytest.mark.parametrize("order", [(0, 1), (1, 0)])
+def test_a_stimulus_of_several_cells_is_strongest_in_the_one_that_asks_for_most(procedures, order):
+    study = together(*(procedures[n] for n in order))
+    (strongest,) = study.strongest()
+    assert strongest.level == 40.0
+    assert study.bounds(strongest.name) == (10.0, 40.0)
+
+
+def test_what_begins_lowest_may_be_what_ends_highest():
+    study = wired([(LEVELS, LEVELS.replace("34, 40", "34"))], "\n[practice]\nlevels = [4, 40]\n")
+    assert {(each.where, each.level) for each in study.strongest()} == {("practice", 40.0)}
+
+
+@pytest.mark.parametrize(
+    ("task", "n_tracks"),
+    [(TASK, 2), ('kind = "localisation"\nover = "frequency_hz"', 1), ('kind = "preference"\nover = "frequency_hz"', 1)],
+)
+def test_alternatives_that_share_a_track_are_counted_once(task, n_tracks):
+    """At most a million trials in all: of two cells two tracks, or one of both."""
+    repeats = 1_000_000 // 4 // n_tracks
+    assert wired([(TASK, task), ("repeats = 4", f"repeats = {repeats}")]).cells
+    with pytest.raises(InvalidParameter, match="trials of all cells: found|repeats: found"):
+        wired([(TASK, task), ("repeats = 4", f"repeats = {repeats + 1}")])
+
+
+@pytest.mark.parametrize(("task", "has"), [(TASK, False), ('kind = "preference"\nover = "frequency_hz"', True)])
+def test_a_study_whose_blocks_hold_several_tracks_has_their_column(task, has):
+    columns = wired([(TASK, task)]).design(b"").columns
+    assert ("track" in {column.name for column in columns}) == has
