@@ -70,3 +70,13 @@ def test_alternatives_that_share_a_track_are_counted_once(task, n_tracks):
 def test_a_study_whose_blocks_hold_several_tracks_has_their_column(task, has):
     columns = wired([(TASK, task)]).design(b"").columns
     assert ("track" in {column.name for column in columns}) == has
+
+
+def test_cells_that_meet_the_finger_alike_are_felt_as_the_first_of_them():
+    """A tolerance is nothing that is felt."""
+    more = '\n[observer.people.effects_db.tolerance]\n"{}" = 1.0\n'
+    of_two = [("frequency_hz = [60, 240]", "frequency_hz = [60, 240]\ntolerance = [0.1, 0.3]"), ("tolerance = 0.2", "")]
+    plain, first, second = (wired(of_two, also) for also in ("", more.format(0.1), more.format(0.3)))
+    assert (len(plain.cells), len(plain.feelings("P01", 1))) == (4, 2)
+    assert plain.feelings("P01", 1) == second.feelings("P01", 1) != first.feelings("P01", 1)
+    assert {factors["tolerance"] for factors in plain._met_factors.values()} == {0.1}
