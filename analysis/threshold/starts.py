@@ -22,10 +22,12 @@ WIDEST_NODE, NARROWEST_NODE = 2.8, 0.03
 BEYOND = np.array([0.6, 0.75, 0.93])
 """Thresholds outside of the levels."""
 MOST_PLACES = 25
-RATES = {1: (0.003, 0.03, 0.1, 0.25, 0.45), 2: (0.003, 0.05, 0.2, 0.42)}
+RATES = {1: (0.003, 0.015, 0.04, 0.08, 0.15, 0.25, 0.45), 2: (0.003, 0.05, 0.2, 0.42)}
 """Nodes of a free rate, by the number of free rates."""
 LOW = 25.0
 """A summit of the coarse grid this far below its highest is none."""
+CLOSE = 3.0
+"""In log density: the best nodes of two rates may lead to summits of either order."""
 CHUNK = 2_000_000
 FLOOR = -1e6
 N_STEPS = 3
@@ -106,7 +108,7 @@ def _tops(sets: Indices, density: Array, nodes: Array) -> tuple[Starts, Starts]:
     ridge = np.take_along_axis(density, rate[..., None], axis=3)[..., 0]
     high = ridge >= ridge.max(axis=(1, 2), keepdims=True) - LOW
     i, v, m = np.nonzero(_is_top(ridge) & high)
-    summits = Starts(sets[i], nodes[v, m, rate[i, v, m]])
+    summits = Starts(sets[i], nodes[v, m, rate[i, v, m]]).joined(_of_other_rates(sets, density, nodes))
     every, middle = np.arange(len(sets)), ridge.shape[1] // 2
     halves = []
     for first, half in ((0, ridge[:, :middle]), (middle, ridge[:, middle:])):
@@ -115,6 +117,17 @@ def _tops(sets: Indices, density: Array, nodes: Array) -> tuple[Starts, Starts]:
         v_best = first + v_half
         halves.append(nodes[v_best, m_half, rate[every, v_best, m_half]])
     return summits, Starts(np.tile(sets, 2), np.concatenate(halves))
+
+
+def _of_other_rates(sets: Indices, density: Array, nodes: Array) -> Starts:
+    """The best node at each rate but the best one, where it is about as good: two summits that differ by their rate may
+    be one on the coarse grid."""
+    n_rates = density.shape[3]
+    by_rate = density.reshape(len(sets), -1, n_rates)
+    node, height = by_rate.argmax(axis=1), by_rate.max(axis=1)
+    highest = height.max(axis=1, keepdims=True)
+    i, r = np.nonzero((height >= highest - CLOSE) & (height < highest))
+    return Starts(sets[i], nodes.reshape(-1, n_rates, N_PARAMETERS)[node[i, r], r])
 
 
 def _is_top(ridge: Array) -> Bools:

@@ -9,6 +9,7 @@ from scipy.stats import binom
 from soak import SOAK
 
 from tactometry.analysis.threshold.counts import count_arrays, normalise
+from tactometry.analysis.threshold.fitting import fit
 from tactometry.analysis.threshold.log_posterior import LogPosterior
 from tactometry.analysis.threshold.mode import climb, find_mode
 from tactometry.analysis.threshold.prior import Prior
@@ -39,6 +40,16 @@ def test_the_mode_is_the_higher_of_a_shallow_and_a_steep_summit(k, guess_rate) -
     assert found.log_density[0] >= steep
     shallow = climb(posterior, np.array([[0.0, 0.3, 0.01, guess_rate or 0.01]]))
     assert found.log_density[0] > shallow.log_density[0] + 1
+
+
+@pytest.mark.parametrize(
+    ("k", "threshold", "lapse_rate"),
+    [([10, 11, 9, 13, 17, 18, 19], 4.7544, 0.0), ([8, 12, 17, 16, 18, 20, 17], 2.7524, 0.0737)],
+)
+def test_of_summits_that_differ_by_their_lapse_rate_the_higher_is_found(k, threshold, lapse_rate) -> None:
+    """The modes are psignifit 4.3's; of each a summit lower by 0.01 and 0.06 lies at another lapse rate."""
+    found = fit(range(1, 8), k, 20, shape="normal", guess_rate=0.5, method="map")
+    assert (found.threshold, found.lapse_rate) == pytest.approx((threshold, lapse_rate), abs=1e-3)
 
 
 def test_each_of_a_stack_has_the_summit_that_it_has_alone() -> None:
