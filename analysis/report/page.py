@@ -14,7 +14,8 @@ import pandas as pd
 
 from tactometry.arguments.require import expect
 from tactometry.errors import DeviceFailed, attempt, count_of
-from tactometry.files.safe_text import cell_text, file_text
+from tactometry.files.rows import spreadsheet_text
+from tactometry.files.safe_text import file_text
 
 from ..result import Analysis
 from ..wording import in_words, split_unit
@@ -92,18 +93,17 @@ def write_tables(tables: Mapping[str, pd.DataFrame], folder: Path) -> None:
         If the disk is full or fails.
     """
     for name, table in tables.items():
-        (folder / f"{file_text(name)}.csv").write_text(csv_text(table), encoding="utf-8")
+        (folder / f"{file_text(name)}.csv").write_bytes(csv_bytes(table))
 
 
-def csv_text(table: pd.DataFrame) -> str:
-    """A table as CSV: text that begins like a formula has an apostrophe before it, numbers stay as they are.
+def csv_bytes(table: pd.DataFrame) -> bytes:
+    """Format a table as CSV in which a spreadsheet computes no text; numbers stay as they are.
 
-    >>> csv_text(pd.DataFrame({"@pattern": ["=1+1", "P0"], "threshold": [-1.5, 2.0]}))
-    "'@pattern,threshold\\n'=1+1,-1.5\\nP0,2.0\\n"
+    >>> csv_bytes(pd.DataFrame({"@pattern": ["=1+1", "P0"], "threshold": [-1.5, None]}))
+    b"'@pattern,threshold\\n'=1+1,-1.5\\nP0,\\n"
     """
-    safe = table.map(lambda value: cell_text(value) if isinstance(value, str) else value)
-    safe.columns = [cell_text(str(name)) for name in table.columns]
-    return str(safe.to_csv(index=False, lineterminator="\n"))
+    cells = table.astype(object).where(table.notna(), None)
+    return spreadsheet_text(([str(name) for name in table.columns], *cells.itertuples(index=False, name=None)))
 
 
 def render(analysis: Analysis, sections: Sequence[Section] | None = None) -> str:

@@ -12,13 +12,15 @@ from tactometry import __version__
 from tactometry.analysis.attrakdiff.scoring import scores
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
+from tactometry.files.rows import spreadsheet_text
+from tactometry.files.safe_text import markdown_text
 from tactometry.questionnaire import Questionnaire
 from tactometry.records.description import KEYWORD
 from tactometry.trials.cells import cell
 from tactometry.trials.columns import Column
 from tactometry.trials.tasks import FORM_TASK
 
-from .source import ExportedDataSet, Row, delimited_text, json_text
+from .source import ExportedDataSet, Row, json_text, readme_heading
 
 BIDS_VERSION = "1.10.1"
 OWN = ("participant", "session", "study")
@@ -84,7 +86,7 @@ def _heading(source: ExportedDataSet, authors: Sequence[str]) -> dict[str, bytes
     files = {
         "dataset_description.json": json_text(description),
         "README.md": _readme(source).encode(),
-        "participants.tsv": delimited_text(["participant_id"], [[f"sub-{code}"] for code in people], "\t"),
+        "participants.tsv": spreadsheet_text([["participant_id"], *([f"sub-{code}"] for code in people)], "\t"),
         "participants.json": json_text({"participant_id": {"Description": "Code of the participant"}}),
     }
     for code in people:
@@ -99,15 +101,14 @@ def _sessions(source: ExportedDataSet, code: str) -> bytes:
         times = sorted(time for row in of_session if (time := row.get("timestamp_utc")))
         if participant == code:
             rows.append([f"ses-{session}", times[0][:19] if times else MISSING])
-    return delimited_text(["session_id", "acq_time"], rows, "\t")
+    return spreadsheet_text([["session_id", "acq_time"], *rows], "\t")
 
 
 def _readme(source: ExportedDataSet) -> str:
-    names = ", ".join(source.factors) or "none"
-    whose = f"{source.origin.line}\n\n" if source.origin.is_simulated else ""
+    names = markdown_text(", ".join(source.factors)) or "none"
     did = "simulated" if source.origin.is_simulated else "recorded"
     return (
-        f"# {source.title}\n\n{whose}{source.description}\n\n"
+        f"{readme_heading(source, source.origin.line)}\n\n"
         f"Psychophysics on touch, {did} with Tactometry and exported from its data set. Each row of an\n"
         "events.tsv is one trial: the level of the stimulus, the answer, the applied force, and whether the trial was\n"
         "valid. A beh.tsv holds the rows without an onset, and those of a questionnaire: one for each item, and one\n"
@@ -131,7 +132,7 @@ def _table(
     ]
     task = stem.split("_task-")[1].split("_", maxsplit=1)[0]
     sidecar = _sidecar(task, description, kept, rows, timed=timed)
-    return {f"{stem}.tsv": delimited_text(header, body, "\t"), f"{stem}.json": json_text(sidecar)}
+    return {f"{stem}.tsv": spreadsheet_text([header, *body], "\t"), f"{stem}.json": json_text(sidecar)}
 
 
 def _check_names(header: Sequence[str]) -> None:
@@ -186,7 +187,10 @@ def _phenotype(form: Questionnaire, answers: pd.DataFrame, source: ExportedDataS
     sidecar |= {"participant_id": {"Description": "Code of the participant"}}
     sidecar |= {name: {"Description": text} for name, text in columns.items()}
     stem = f"phenotype/{_label(form.name)}"
-    return {f"{stem}.tsv": delimited_text(["participant_id", *columns], rows, "\t"), f"{stem}.json": json_text(sidecar)}
+    return {
+        f"{stem}.tsv": spreadsheet_text([["participant_id", *columns], *rows], "\t"),
+        f"{stem}.json": json_text(sidecar),
+    }
 
 
 def _score(value: float | None) -> str:

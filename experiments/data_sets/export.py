@@ -10,6 +10,7 @@ from itertools import chain
 from pathlib import Path
 
 from tactometry.arguments.require import one_of
+from tactometry.files.rows import spreadsheet_text
 from tactometry.files.safe_text import cell_text
 from tactometry.records.description import KEYWORD
 
@@ -17,7 +18,7 @@ from .bids import bids_files, task_label
 from .exported_traces import traces_as
 from .jspsych import jspsych_files
 from .r_table import r_files
-from .source import ExportedDataSet, delimited_text, how_to_read, json_text, read_source, write_files
+from .source import ExportedDataSet, how_to_read, json_text, read_source, readme_heading, write_files
 
 SCHEMA_VERSION = "Psych-DS 1.5.0"
 RENAMED = {
@@ -41,13 +42,13 @@ def psychds_files(source: ExportedDataSet) -> dict[str, bytes]:
     study = (source.text("study") or "trials").replace("-", "")  # a hyphen parts key and value in names of files
     files = {
         "dataset_description.json": json_text(_description(source)),
-        "README.md": f"# {source.title}\n\n{source.description}\n\nWritten by tactometry export.\n".encode(),
+        "README.md": f"{readme_heading(source)}\n\nWritten by tactometry export.\n".encode(),
         "CHANGES.md": b"# Changes\n\n1.0.0: as exported.\n",
     }
     for participant, session, rows in source.sessions():
         body = [[row.get(name, "") for name in names] for row in rows]
         stem = f"subject-{participant}_session-{session}_study-{study}"
-        files[f"data/{stem}_data.csv"] = delimited_text(names, body, ",")
+        files[f"data/{stem}_data.csv"] = spreadsheet_text([names, *body])
     return files
 
 
@@ -76,7 +77,7 @@ def psychopy_files(source: ExportedDataSet) -> dict[str, bytes]:
     for participant, session, rows in source.sessions():
         study = source.text("study") or "study"
         body = [[_cell(name, row.get(name, "")) for name in ordered] for row in rows]
-        files[f"data/{participant}_{study}_session-{session}.csv"] = delimited_text(header, body, ",")
+        files[f"data/{participant}_{study}_session-{session}.csv"] = spreadsheet_text([header, *body])
     return files
 
 

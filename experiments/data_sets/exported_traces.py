@@ -14,6 +14,7 @@ import numpy as np
 from tactometry import __version__
 from tactometry.errors import InvalidFile
 from tactometry.files.durable import read_file
+from tactometry.files.rows import spreadsheet_text
 from tactometry.records.data_set import sessions
 from tactometry.records.journal import read
 from tactometry.records.traces import MISSING, decode_rows, kind_of, packed, read_text, sidecar_of
@@ -22,7 +23,7 @@ from tactometry.session.event import TraceKind
 from tactometry.signal import FloatArray
 
 from .session_files import json_table
-from .source import delimited_text, json_text
+from .source import json_text
 from .traces import RecordedTouch, touches
 
 Files = Iterator[tuple[str, bytes]]
@@ -147,7 +148,7 @@ def _motion(traced: TracedSession, folder: str, task: str) -> Files:
     header = ["name", "component", "type", "tracked_point", "units"]
     texts = [text for _, text in traced.texts()]
     yield f"{stem}_motion.tsv", b"".join(texts)
-    yield f"{stem}_channels.tsv", delimited_text(header, rows, "\t")
+    yield f"{stem}_channels.tsv", spreadsheet_text([header, *rows], "\t")
     measured = effective_rate_hz([decode_rows(text)[:, 0] for text in texts])
     rates = {"SamplingFrequency": traced.rate_hz} | ({"SamplingFrequencyEffective": measured} if measured else {})
     yield f"{stem}_motion.json", json_text({**_motion_sidecar(task, len(axes)), **rates})
@@ -189,7 +190,7 @@ def _stim(traced: TracedSession, folder: str, task: str) -> Files:
     ]
     for name in (file, sidecar_of(file)):
         yield f"sourcedata/{name.as_posix()}", read_file(traced.root / name, "traces")
-    yield f"sourcedata/{file.as_posix().removesuffix('.tsv.gz')}_touches.tsv", delimited_text(header, rows, "\t")
+    yield f"sourcedata/{file.as_posix().removesuffix('.tsv.gz')}_touches.tsv", spreadsheet_text([header, *rows], "\t")
 
 
 def _entities(folder: str) -> str:

@@ -10,12 +10,13 @@ import pandas as pd
 from tactometry.analysis.reading.rows import numbers_of
 from tactometry.analysis.tasks.kinds import ANALYSES
 from tactometry.analysis.tasks.task_analysis import R_OF_FORM
+from tactometry.files.rows import spreadsheet_text
 from tactometry.files.safe_text import cell_text
 from tactometry.questionnaire import Questionnaire
 from tactometry.trials.columns import ALWAYS, FIRST, OPTIONAL
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
 
-from .source import ExportedDataSet, delimited_text
+from .source import ExportedDataSet
 
 TEXT = {column.name for column in (*FIRST, *ALWAYS, *OPTIONAL)}.difference(NUMBERS, COUNTS, FLAGS)
 MOST_CATEGORIES = 15
@@ -43,7 +44,7 @@ def r_files(source: ExportedDataSet) -> dict[str, bytes]:
     names = [column.name for column in source.columns]
     ordered = [row for _, _, rows in source.sessions() for row in rows]
     body = [[row.get(name) or "NA" for name in names] for row in ordered]
-    return {"trials.csv": delimited_text(names, body, ","), "trials.R": _script(source, names).encode()}
+    return {"trials.csv": spreadsheet_text([names, *body]), "trials.R": _script(source, names).encode()}
 
 
 def r_string(text: str) -> str:

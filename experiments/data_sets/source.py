@@ -1,7 +1,5 @@
 """A data set as it is exported: its rows as text, with what its columns mean."""
 
-import csv
-import io
 import json
 import shlex
 from collections.abc import Iterable, Mapping, Sequence
@@ -20,7 +18,7 @@ from tactometry.analysis.reading.trials import Trials, read_trials, used_rows
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import InvalidFile, InvalidParameter, count_of
 from tactometry.files.durable import files_in, make_folder, write_atomically
-from tactometry.files.safe_text import cell_text
+from tactometry.files.safe_text import cell_text, markdown_text
 from tactometry.questionnaire import Questionnaire
 from tactometry.records.description import NAME
 from tactometry.records.traces import FOLDER
@@ -193,12 +191,14 @@ def write_files(files: Iterable[tuple[str, bytes]], folder: Path) -> list[Path]:
     return sorted(written)
 
 
-def delimited_text(header: Sequence[str], rows: Sequence[Sequence[str]], separator: str) -> bytes:
-    """A table as text with line feeds, in which no cell is a formula to a spreadsheet."""
-    text = io.StringIO()
-    writer = csv.writer(text, delimiter=separator, lineterminator="\n")
-    writer.writerows([cell_text(cell) for cell in row] for row in (header, *rows))
-    return text.getvalue().encode()
+def readme_heading(source: ExportedDataSet, *lines: str) -> str:
+    r"""Format the title, further lines and the description of a data set as Markdown.
+
+    >>> readme_heading(ExportedDataSet((), (), (), "<i>a", "A study."), "Simulated.")
+    '# \\<i>a\n\nSimulated.\n\nA study.'
+    """
+    title = " ".join(markdown_text(source.title).split())
+    return "\n\n".join([f"# {title}", *filter(None, lines), markdown_text(source.description)])
 
 
 def how_to_read(factors: Sequence[str]) -> str:

@@ -11,8 +11,9 @@ from pathlib import Path
 from ..arguments.require import expect
 from ..errors import InvalidFile
 from ..files.durable import files_in, make_folder, read_file, write_first
+from ..files.rows import delimited_text
 from ..trials.cell_rules import PARTICIPANT
-from ..trials.cells import cell, csv_bytes
+from ..trials.cells import cell
 from ..trials.columns import Column
 from ..trials.trial import Trial, Value
 from .description import NAME, StudyDescription
@@ -82,7 +83,7 @@ def row(trial: Trial, session: Session, rig: str, columns: Sequence[Column]) -> 
 def trials_csv(trials: Sequence[Trial], session: Session, rig: str, columns: Sequence[Column]) -> bytes:
     """The trials file of a session."""
     header = [column.name for column in columns]
-    return csv_bytes([header, *(row(trial, session, rig, columns) for trial in trials)])
+    return delimited_text([header, *(row(trial, session, rig, columns) for trial in trials)])
 
 
 def prepare(root: Path, design: StudyDescription) -> None:

@@ -14,6 +14,7 @@ import msgspec
 from ..arguments.require import expect
 from ..errors import InvalidFile, count_of
 from ..files.durable import drafts, open_private, read_file, replace_file, write_whole
+from ..files.rows import delimited_text
 from ..provenance import sha256
 from ..safety.limits import Exposure
 from ..session.answer import Marked, TracePart
@@ -22,7 +23,6 @@ from ..session.intervention import Intervention
 from ..session.replay import Replay
 from ..session.request import Intervene, Record, Request
 from ..signal import FloatArray
-from ..trials.cells import csv_bytes
 from ..trials.trial import Trial, tally
 from .agreement import is_beginning
 from .data_set import Session, keys_of, participants, prepare, row, sessions, trials_csv
@@ -230,7 +230,7 @@ class OpenSession:
 
     def _append_row(self, trial: Trial) -> None:
         self.recorded_s = time.perf_counter()
-        line = csv_bytes([row(trial, self._session, self._rig, self._columns)])
+        line = delimited_text([row(trial, self._session, self._rig, self._columns)])
         write_whole(self._file, line, self.trials, durable=False)
         self.tally = self.tally.after(trial)
 

@@ -1,8 +1,4 @@
-"""A value as a cell of the trials table, and rows of cells as CSV."""
-
-import csv
-import io
-from collections.abc import Sequence
+"""A value as a cell of the trials table."""
 
 from .trial import Value
 
@@ -20,9 +16,3 @@ def cell(value: Value) -> str:
     if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
         return str(int(value))
     return repr(value) if isinstance(value, float) else str(value)
-
-
-def csv_bytes(rows: Sequence[Sequence[str]]) -> bytes:
-    text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows(rows)
-    return text.getvalue().encode()

@@ -1,18 +1,23 @@
 """What a table says never becomes a path, a command or a formula in what is made of it."""
 
 import csv
+import io
+import json
 import re
 import shutil
 import subprocess
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from command_line import call, status
 from hypothesis import given, strategies as st
 from patience import LONGEST_PROGRAM_S
 
+from tactometry.analysis.report.page import write_tables
 from tactometry.experiments.data_sets.export import export
 from tactometry.experiments.data_sets.r_table import name, r_string
+from tactometry.files.rows import delimited_text, write_rows
 from tactometry.files.safe_text import FORMULA, cell_text, file_text
 
 COLUMNS = "participant,session,study,block,trial,{},procedure,level,level_unit,task,response,valid"
@@ -126,11 +131,28 @@ def test_texts_and_names_for_r_are_closed_on_one_line(text):
 # --- formulas
 
 
-@given(st.text())
+PAYLOADS = [
+    *("=cmd|'/c calc'!A1", "+1+1", "-1+1", "@SUM(A1)", "\tx", "\r=1+1", "\n=1+1", "x\r=1+1", "\ufeff=1+1"),
+    *("\uff1d1+1", "\uff0b1", "\uff0d1", "\uff20SUM(A1)"),
+]
+
+
+def is_formula(cell: str) -> bool:
+    return cell.startswith((*FORMULA, "\ufeff"))
+
+
+@given(st.text() | st.sampled_from(PAYLOADS))
 def test_no_cell_is_a_formula(text):
-    assert cell_text(text).removeprefix("'") == text.removeprefix("'") or cell_text(text) == f"'{text}"
-    if cell_text(text).startswith(FORMULA):
+    assert cell_text(text).removeprefix("'") == text.lstrip("\ufeff").removeprefix("'")
+    if is_formula(cell_text(text)):
         float(text)
+
+
+@given(st.lists(st.lists(st.text(st.sampled_from("a,\t\"'\r\n=")), min_size=2, max_size=2)))
+@pytest.mark.parametrize("separator", [",", "\t"])
+def test_delimited_text_reads_back_as_it_was(separator, rows):
+    text = delimited_text(rows, separator).decode()
+    assert list(csv.reader(io.StringIO(text, newline=""), delimiter=separator)) == rows
 
 
 @given(st.floats(allow_nan=False, allow_infinity=False))
@@ -138,22 +160,42 @@ def test_numbers_stay_numbers(number):
     assert cell_text(repr(number)) == repr(number)
 
 
-@pytest.mark.parametrize("level", ["=cmd|'/c calc'!A1", "+1+1", "-1+1", "@SUM(A1)", "\tx"])
+@pytest.mark.parametrize("level", PAYLOADS)
 @pytest.mark.parametrize("form", ["psych-ds", "psychopy", "jspsych", "r", "bids"])
 def test_exports_hold_no_formula(tmp_path, form, level):
     for path in export(table(tmp_path, level=level), form, tmp_path / "out"):
         if path.suffix in (".csv", ".tsv"):
             cells = cells_of(path)
-            assert not [cell for cell in cells if cell.startswith(FORMULA)]
+            assert not [cell for cell in cells if is_formula(cell)]
             assert path.name.startswith(("participants", "sub-P1_sessions", "sub-P2_sess", "sub-P3_sess")) or any(
                 cell == cell_text(level) for cell in cells
             )
 
 
+@pytest.mark.parametrize("text", PAYLOADS)
+def test_computed_tables_hold_no_formula(tmp_path, text):
+    table = pd.DataFrame({text: [text, "b"], "n": [1.5, -2.0]})
+    write_tables({"made": table}, tmp_path)
+    write_rows([text, "n"], [(text, 1.5), ("b", -2.0)], tmp_path / "rows.csv")
+    for path in tmp_path.iterdir():
+        assert cells_of(path) == [cell_text(text), "n", cell_text(text), "1.5", "b", "-2.0"]
+
+
+@pytest.mark.parametrize("form", ["psych-ds", "bids"])
+def test_readme_shows_markup_as_text(tmp_path, form):
+    (tmp_path / "data").mkdir()
+    table(tmp_path / "data").rename(tmp_path / "data/subject-P1_data.csv")
+    said = {"name": "\ufeff<script>\nx", "description": "<img src=x> [a](b)"}
+    (tmp_path / "dataset_description.json").write_text(json.dumps(said))
+    export(tmp_path, form, tmp_path / "out")
+    readme = (tmp_path / "out/README.md").read_text(encoding="utf-8")
+    assert readme.startswith("# \\<script> x\n\n\\<img src=x> \\[a](b)\n\n")
+
+
 def test_tables_of_an_analysis_hold_no_formula(analysed):
     written = [path for path in files(analysed) if path.suffix == ".csv" and path.name != "trials.csv"]
     assert written
-    found = [cell for path in written for cell in cells_of(path) if cell.startswith(FORMULA)]
+    found = [cell for path in written for cell in cells_of(path) if is_formula(cell)]
     assert all(float(cell) <= 0 for cell in found)
     assert "'=cmd|'/c calc'!A1" in {cell for path in written for cell in cells_of(path)}
 
