@@ -19,6 +19,10 @@ LARGEST_WORDS: Final = 2**20
 """Of a text beside the samples, bytes."""
 _CHUNK: Final = struct.Struct("<4sI")
 _FORMAT: Final = struct.Struct("<HHIIHH")
+_WAV_DAMAGES: Final = (
+    *(ValueError, TypeError, struct.error, EOFError, OverflowError, ZeroDivisionError, UnboundLocalError, MemoryError),
+)
+"""Errors of scipy for damaged bytes."""
 _ENDLESS: Final = 2**32 - 1
 _read_array: Final[Any] = np.lib.format.read_array
 
@@ -28,6 +32,19 @@ class Wav(NamedTuple):
 
     rate_hz: float
     frames: NDArray[Any]
+
+    def parts(self) -> NDArray[np.float64]:
+        """Convert the frames to parts of full scale; samples of 24 bits are read as the upper ones of 32.
+
+        >>> Wav(48_000.0, np.array([[0, 255]], np.uint8)).parts().tolist()
+        [[-1.0, 0.9921875]]
+        """
+        kind = self.frames.dtype
+        with np.errstate(invalid="ignore"):  # a damaged file may hold signalling NaN
+            frames = self.frames.astype(np.float64)
+        if kind.kind == "f":
+            return frames
+        return frames / 2.0 ** (8 * kind.itemsize - 1) - (1.0 if kind.kind == "u" else 0.0)
 
 
 def wav_of(content: bytes) -> Wav:
@@ -45,8 +62,9 @@ def wav_of(content: bytes) -> Wav:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # of chunks that are not samples
             rate, frames = wavfile.read(io.BytesIO(content))
-    except (struct.error, EOFError, OverflowError, ZeroDivisionError, UnboundLocalError, MemoryError) as error:
-        raise ValueError(f"found a damaged WAV file ({type(error).__name__}: {error}), expected a sound one") from None
+    except _WAV_DAMAGES as error:
+        words = " ".join(str(error).split())
+        raise ValueError(f"found a damaged WAV file ({words}), expected a sound one") from None
     return Wav(float(rate), np.reshape(frames, (len(frames), -1)))
 
 

@@ -17,7 +17,7 @@ from tables import trial_rows
 from tactometry.devices.outputs.file import read_signal
 from tactometry.experiments.bench.preflight import _study
 from tactometry.experiments.study.study_file import builtin
-from tactometry.stimuli.electrovibration.waveforms.wav_file import WavFile, samples_of
+from tactometry.stimuli.electrovibration.waveforms.wav_file import WavFile
 
 SECTION = (
     (DOCS / "reference" / "studies.md")
@@ -253,14 +253,14 @@ UNSOUND = {
     "another length": (wav(as_int16(TONE[:12_000])), "stimulus.duration_s: found 0.5 s, expected 0.25 s, that of the"),
     "clipped": (wav(as_int16(np.clip(3 * TONE, -1, 1 - 2**-15))), "3 neighbouring samples at full scale, from "),
     "clipped, floating": (wav(np.clip(3 * TONE, -1, 1)), "3 neighbouring samples at full scale, from "),
-    "empty": (wav(np.empty(0, "<i2")), "found 0 samples, expected at least two"),
+    "empty": (wav(np.empty(0, "<i2")), "found no samples, expected at least one"),
     "silent": (wav(np.zeros(N_SAMPLES, "<i2")), "found silence alone, expected a sample that is not 0"),
     "stereo": (wav(np.stack([as_int16(TONE)] * 2, axis=1)), "found 2 channels, expected one; keep the one that is"),
     "not a number": (wav(np.where(np.arange(N_SAMPLES) == 7, np.nan, TONE)), "found nan as sample 7, expected finite"),
-    "no WAV": (b"OggS" + bytes(100), "found no whole WAV file (File format b'OggS' not understood"),
-    "nothing": (b"", "found no whole WAV file"),
-    "cut off": (wav(as_int16(TONE))[:1000], "found no whole WAV file (Reached EOF prematurely"),
-    "cut off in its head": (wav(as_int16(TONE))[:20], "found no whole WAV file"),
+    "no WAV": (b"OggS" + bytes(100), "found no WAV file, expected one that begins with RIFF and WAVE"),
+    "nothing": (b"", "found no WAV file"),
+    "cut off": (wav(as_int16(TONE))[:1000], "found 956 of 48000 bytes of samples, expected all: the file is torn"),
+    "cut off in its head": (wav(as_int16(TONE))[:20], "found no whole chunk 'fmt ', expected one: the file is torn"),
 }
 
 
@@ -299,7 +299,7 @@ def test_re_the_file_a_sample_is_what_it_stands_for(tmp_path):
 
 
 @pytest.mark.parametrize("form", ["u1", "<i2", "<i4", "<f4", "<f8", "24 bits"])
-def test_each_form_is_the_same_voltage(form):
+def test_each_form_is_the_same_voltage(tmp_path, form):
     """To half of its last bit."""
     if form == "24 bits":
         body = b"".join(struct.pack("<i", round(value * 2**23))[:3] for value in TONE)
@@ -313,6 +313,7 @@ def test_each_form_is_the_same_voltage(form):
         content, step = wav(np.round(2.0**bits * TONE).astype(form)), 2.0**-bits
     else:
         content, step = wav(TONE.astype(form)), 1e-7
-    rate_hz, samples = samples_of(content)
-    assert rate_hz == RATE_HZ
+    (tmp_path / "x.wav").write_bytes(content)
+    stated = {"path": str(tmp_path / "x.wav"), "rate_hz": RATE_HZ, "duration_s": 0.5, "sha256": digest(content)}
+    samples = WavFile(**stated, level_unit="dB re file", volts_per_unit=1.0).at(0.0).samples[0]
     assert np.abs(samples - TONE).max() <= step / 2

@@ -17,6 +17,8 @@ from tactometry.devices.outputs.file import read_signal
 from tactometry.devices.sensors.recorded import RecordedSettings
 from tactometry.errors import InvalidFile, InvalidParameter, TactometryError
 from tactometry.files.durable import LARGEST_BYTES
+from tactometry.provenance import sha256
+from tactometry.stimuli.electrovibration.waveforms.wav_file import WavFile
 from tactometry.stimuli.time_reversal.responses.learning import read_provenance
 from tactometry.stimuli.time_reversal.responses.measured import read
 
@@ -42,6 +44,7 @@ SOUND = {
     "x.wav": wav((3000 * SAMPLES[0].T).astype("<i2")),
     "y.wav": wav(SAMPLES[0].T),
     "x.csv": (HEADER + ROWS).encode(),
+    "m.wav": wav(SAMPLES[0, 0] / 10),
     "r.csv": b"time_s,a\n0,1\n0.1,2\n",
 }
 
@@ -50,10 +53,15 @@ def recording(path):
     RecordedSettings(str(path), 10.0).source().open()
 
 
+def play(path):
+    WavFile(str(path), 48_000.0, 50 / 48_000, sha256(path.read_bytes()))
+
+
 READERS = {
     "x.npz": (lambda path: read([path]), read_provenance),
     "x.wav": (lambda path: read([path]), read_signal),
     "y.wav": (lambda path: read([path]), read_signal),
+    "m.wav": (play,),
     "x.csv": (lambda path: read([path]),),
     "r.csv": (recording,),
 }
@@ -69,9 +77,9 @@ def refusal(folder, name, content, reader=None):
         said = str(error)
     else:
         return None
-    assert said.startswith(f"{path}: ")
+    assert f"{path}: " in said
     assert "\n" not in said
-    return said.removeprefix(f"{path}: ")
+    return said.split(f"{path}: ", 1)[1]
 
 
 @pytest.mark.parametrize("name", SOUND)
@@ -133,6 +141,12 @@ DATA_AT = WAV.index(b"data") + 4
 def test_a_wav_file_that_claims_something_else_is_refused(tmp_path, content, message):
     said = refusal(tmp_path, "x.wav", content)
     assert message in said, said
+
+
+def test_wav_file_is_refused_when_floats_have_five_bytes(tmp_path):
+    content = changed(SOUND["m.wav"], 32, "<HH", 5, 40)
+    for reader in (play, lambda path: read([path])):
+        assert "found a damaged WAV file (" in refusal(tmp_path, "m.wav", content, reader)
 
 
 def test_a_long_wav_file_says_its_size_elsewhere(tmp_path):

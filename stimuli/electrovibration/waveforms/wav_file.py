@@ -1,8 +1,5 @@
 """A voltage from a WAV file."""
 
-import io
-import struct
-import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +10,7 @@ import numpy as np
 from tactometry.arguments import require
 from tactometry.errors import InvalidParameter, count_of
 from tactometry.files.durable import read_file
+from tactometry.files.samples import Wav, wav_of
 from tactometry.provenance import sha256
 from tactometry.signal import Signal
 
@@ -23,7 +21,6 @@ FileLevelUnit = Literal["dB re 1 V", "V", "dB re file"]
 LARGEST_WAV: Final = 2**28
 CLIPPED_RUN: Final = 3
 """So many neighbouring samples at full scale were cut off (unverified default)."""
-_FULL_SCALE: Final = {"u1": 128.0, "i2": 2.0**15, "i4": 2.0**31}
 _LARGEST: Final = {"u1": 127 / 128, "i2": 1 - 2.0**-15, "i4": 1 - 2.0**-23, "f4": 1.0, "f8": 1.0}
 """The largest sample of each form, as a part of full scale; 24 bits are read as the upper ones of 32."""
 
@@ -105,9 +102,11 @@ class WavFile:
         is_this = f"{digest!r}, which is that of {self.path}; write it, if this is the file that is meant"
         require.expect(self.sha256 == digest, "WavFile.sha256", repr(self.sha256), is_this)
         try:
-            rate_hz, samples = samples_of(content)
+            wav = wav_of(content)
+            samples = _one_channel(wav)
         except ValueError as damage:
-            raise InvalidParameter(f"WavFile.path: {self.path}: found {damage}") from None
+            raise InvalidParameter(f"WavFile.path: {self.path}: {damage}") from None
+        rate_hz = wav.rate_hz
         resample = f"{self.rate_hz:g} Hz, as stated; state that of the file, or resample it to that of the output"
         require.expect(rate_hz == self.rate_hz, "WavFile.rate_hz", f"a file at {rate_hz:g} Hz", resample)
         length_s = len(samples) / rate_hz
@@ -116,50 +115,39 @@ class WavFile:
         return samples
 
 
-def samples_of(content: bytes) -> tuple[float, FloatArray]:
-    """The rate (Hz) of the bytes of a WAV file, and its samples (n_samples,) as parts of full scale.
+def _one_channel(wav: Wav) -> FloatArray:
+    """Return the samples (n_samples,) of a file of one channel as parts of full scale.
 
     Raises
     ------
     ValueError
-        If it is no WAV file of one channel with finite samples that are not all 0 nor cut off at full scale; the words
-        say what was found, and what was expected.
+        If it has several channels, or samples that are not finite, are all 0 or are cut off at full scale.
     """
-    from scipy.io import wavfile  # slow to load
-
-    try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("error", wavfile.WavFileWarning)
-            warnings.filterwarnings("ignore", "Chunk", wavfile.WavFileWarning)  # of titles and the like
-            rate_hz, values = wavfile.read(io.BytesIO(content))
-    except (ValueError, EOFError, struct.error, wavfile.WavFileWarning) as damage:
-        raise ValueError(f"no whole WAV file ({damage}), expected one") from None
-    if values.ndim > 1:
-        raise ValueError(f"{count_of(values.shape[1], 'channel')}, expected one; keep the one that is meant")
-    form = values.dtype.str[1:]
+    n_channels = wav.frames.shape[1]
+    if n_channels != 1:
+        raise ValueError(f"found {n_channels} channels, expected one; keep the one that is meant")
+    form = wav.frames.dtype.str[1:]
     if form not in _LARGEST:
-        raise ValueError(f"samples of form {form}, expected whole numbers of 8 to 32 bits, or floating point")
-    samples = np.asarray(values, np.float64)
-    if form in _FULL_SCALE:
-        samples = samples / _FULL_SCALE[form] - (1.0 if form == "u1" else 0.0)
+        raise ValueError(f"found samples of form {form}, expected whole numbers of 8 to 32 bits, or floating point")
+    samples = wav.parts()[:, 0]
     _refuse_unsound(samples, _LARGEST[form], floating=form[0] == "f")
-    return float(rate_hz), samples
+    return samples
 
 
 def _refuse_unsound(samples: FloatArray, largest: float, *, floating: bool) -> None:
     if samples.size < 2:
-        raise ValueError(f"{count_of(samples.size, 'sample')}, expected at least two")
+        raise ValueError(f"found {count_of(samples.size, 'sample')}, expected at least two")
     if not np.isfinite(samples).all():
         place = int(np.argmin(np.isfinite(samples)))
-        raise ValueError(f"{samples[place]} as sample {place}, expected finite numbers alone")
+        raise ValueError(f"found {samples[place]} as sample {place}, expected finite numbers alone")
     peak = float(np.abs(samples).max())
     if peak == 0:
-        raise ValueError("silence alone, expected a sample that is not 0")
+        raise ValueError("found silence alone, expected a sample that is not 0")
     at_end = np.abs(samples) == largest if floating else np.abs(samples) >= largest
     run = np.convolve(at_end, np.ones(CLIPPED_RUN), "valid") == CLIPPED_RUN
     if run.any():
         place = int(np.argmax(run))
         raise ValueError(
-            f"{CLIPPED_RUN} neighbouring samples at full scale, from {place} on, expected none: it is clipped; write "
-            "it with a smaller peak"
+            f"found {CLIPPED_RUN} neighbouring samples at full scale, from {place} on, expected none: it is clipped; "
+            "write it with a smaller peak"
         )

@@ -201,18 +201,10 @@ def _read_one(path: Path, full_scale: float, quantity: str) -> Responses:
 
 
 def _read_wav(content: bytes, full_scale: float, quantity: str) -> Responses:
-    rate_hz, frames = wav_of(content)
-    zero, unit = _wav_zero_and_unit(frames.dtype)
-    with np.errstate(invalid="ignore"):  # what is no number is refused below
-        samples = (frames.astype(float) - zero) * (full_scale / unit)
-    return Responses(samples.T[None], rate_hz, quantity)
-
-
-def _wav_zero_and_unit(kind: np.dtype[np.generic]) -> tuple[float, float]:
-    if kind.kind == "f":
-        return 0.0, 1.0
-    half = 2.0 ** (8 * kind.itemsize - 1)
-    return (half if kind.kind == "u" else 0.0), half
+    wav = wav_of(content)
+    with np.errstate(all="ignore"):  # what is no number is refused below
+        samples = wav.parts() * full_scale
+    return Responses(samples.T[None], wav.rate_hz, quantity)
 
 
 def _read_npz(content: bytes, full_scale: float, quantity: str) -> Responses:
