@@ -14,10 +14,13 @@ import pandas as pd
 
 from tactometry.errors import InvalidFile
 from tactometry.files.durable import read_file
+from tactometry.files.json_file import json_items
 from tactometry.trials.row_rules import MOST_COLUMNS
 
 TEXT = pd.StringDtype("python", na_value=np.nan)
 """Of a cell: the same whether pyarrow is installed or not, without which `str` is this."""
+MOST_EMPTY = 10_000_000
+"""Cells without a value in a table of JSON, which a small file could otherwise fill the memory with."""
 LAST_LINE = "end"
 """Put behind a table that may hold quotation marks."""
 
@@ -41,11 +44,7 @@ def text_cells(file: Path, separator: str = "") -> pd.DataFrame:
     if not separator:
         separator = "\t" if file.suffix == ".tsv" else ","
         _expect_commas(header, separator, file)
-    if (n := header.count(separator) + 1) > MOST_COLUMNS:
-        raise InvalidFile(
-            f"{file}, row 1: found {n} columns, expected at most {MOST_COLUMNS}: a row for each trial, a column for "
-            "what is known of it"
-        )
+    _expect_few_columns(header.count(separator) + 1, f"{file}, row 1")
     cells = plain_cells(text, separator)
     if cells is None:
         cells = _any_cells(text, separator, file)
@@ -63,36 +62,49 @@ def json_cells(text: str, file: Path) -> pd.DataFrame:
     Raises
     ------
     InvalidFile
-        If it is no JSON, or another than a list of objects.
+        If it is no JSON, or another than a list of objects; or if it has more keys than `MOST_COLUMNS`, or more
+        than `MOST_EMPTY` trials and keys without a value.
 
     >>> json_cells('[{"level": 0.10, "correct": true}, {"rt": null}]', Path("j.json")).values.tolist()
     [['0.10', 'true', '', 1], ['', '', '', 2]]
     """
+    cells, names = [], dict[str, None]()
+    for trial in _json_trials(text, file):
+        cells.append({name.strip(): _json_text(value) for name, value in trial.items()})
+        names.update(dict.fromkeys(cells[-1]))
+        _expect_few_columns(len(names), f"{file}, trial {len(cells)}", "keys")
+    n_empty = len(cells) * len(names) - sum(map(len, cells))
+    if n_empty > MOST_EMPTY:
+        raise InvalidFile(
+            f"{file}: found {len(cells)} trials with {len(names)} keys in all, of which {n_empty} cells are empty, "
+            f"expected at most {MOST_EMPTY}; name what all trials have alike"
+        )
+    table = pd.DataFrame([[row.get(name, "") for name in names] for row in cells], columns=list(names), dtype=TEXT)
+    return table.assign(row=range(1, len(cells) + 1))
+
+
+def _json_trials(text: str, file: Path) -> Iterator[dict[str, object]]:
+    """Parse the trials one by one, so that a table beyond the bounds is not read to its end."""
+    n = 0
     try:
-        values = list(_json_values(text))
-    except (ValueError, RecursionError) as damage:
-        raise InvalidFile(f"{file}: found no valid JSON ({damage}), expected a list of trials") from None
-    lists = [value for value in values if isinstance(value, list)]
-    trials = [trial for each in lists for trial in each]
-    if len(lists) < len(values) or not trials or not all(isinstance(trial, dict) for trial in trials):
-        raise InvalidFile(f"{file}: found no list of objects, expected one for each trial, as jsPsych saves them")
-    names = list(dict.fromkeys(name.strip() for trial in trials for name in trial))
-    cells = [{name.strip(): _json_text(value) for name, value in trial.items()} for trial in trials]
-    table = pd.DataFrame([[row.get(name, "") for name in names] for row in cells], columns=names, dtype=TEXT)
-    return table.assign(row=range(1, len(trials) + 1))
+        for n, trial in enumerate(json_items(text), 1):
+            if not isinstance(trial, dict):
+                raise ValueError(f"item {n} is another")
+            yield trial
+        if n == 0:
+            raise ValueError("it is empty")
+    except ValueError as damage:
+        raise InvalidFile(
+            f"{file}: found no list of objects in JSON ({damage}), expected one for each trial, as jsPsych saves them"
+        ) from None
 
 
-def _json_values(text: str) -> Iterator[object]:
-    """Those of a text, one after the other.
-
-    >>> list(_json_values("[1]" + chr(10) + "[0.10, null] "))
-    [['1'], ['0.10', None]]
-    """
-    decoder, whole, place = json.JSONDecoder(parse_float=str, parse_int=str, parse_constant=str), text.rstrip(), 0
-    while place < len(whole):
-        begin = next(n for n in range(place, len(whole)) if not whole[n].isspace())
-        value, place = decoder.raw_decode(whole, begin)
-        yield value
+def _expect_few_columns(n: int, where: str, what: str = "columns") -> None:
+    if n > MOST_COLUMNS:
+        raise InvalidFile(
+            f"{where}: found {n} {what}, expected at most {MOST_COLUMNS}: a row for each trial, a column for what is "
+            "known of it"
+        )
 
 
 def _json_text(value: object) -> str:

@@ -7,6 +7,7 @@ import json
 from typing import Final
 
 from tactometry.arguments.require import expect
+from tactometry.files.json_file import json_value
 from tactometry.trials.row_rules import FLAGS
 
 from .source import ExportedDataSet, Row, how_to_read
@@ -81,7 +82,7 @@ def _value(name: str, text: str) -> object:
     if name in FLAGS:
         return text == "1"
     try:
-        number = json.loads(text)
+        number = json_value(text)
     except ValueError:
         return text
     return number if json.dumps(number) == text and isinstance(number, int | float) else text

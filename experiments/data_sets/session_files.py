@@ -1,14 +1,14 @@
 """The files of a session beside its journal: where they are, what they hold, whose they must be, and whether they still
 say what the journal holds: somebody may have edited them, or a crash cut them."""
 
-import json
 import os
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from tactometry.errors import TactometryError, count_of
+from tactometry.errors import InvalidFile, TactometryError, count_of
 from tactometry.files.durable import read_file
+from tactometry.files.json_file import json_object
 from tactometry.records.agreement import REBUILD, disagreement
 from tactometry.records.data_set import Session, trials_csv
 from tactometry.records.head import Head, columns_in
@@ -60,10 +60,9 @@ def n_rows(content: bytes) -> int:
 def json_table(path: Path) -> Mapping[str, Any]:
     """A JSON file that holds an object; empty if it does not."""
     try:
-        content = json.loads(path.read_bytes())
-    except (OSError, ValueError, RecursionError):
+        return json_object(path, "a JSON object")
+    except InvalidFile:
         return {}
-    return content if isinstance(content, dict) else {}
 
 
 def has_rows(root: Path, journal: Path) -> bool:

@@ -2,7 +2,6 @@
 
 import csv
 import io
-import json
 import os
 import re
 from collections.abc import Iterator
@@ -11,12 +10,13 @@ from dataclasses import dataclass
 from itertools import groupby
 from pathlib import Path
 
-from tactometry.errors import InvalidFile, TactometryError, count_of
+from tactometry.errors import InvalidFile, InvalidParameter, TactometryError, count_of
 from tactometry.files.durable import drafts, files_in, read_file
+from tactometry.files.json_file import json_object
 from tactometry.provenance import sha256
 from tactometry.records.agreement import REBUILD
 from tactometry.records.data_set import keys_of, participants, sessions
-from tactometry.records.description import NAME, SIMULATED
+from tactometry.records.description import NAME, SIMULATED, read_description, variable_names
 from tactometry.records.head import ADDED, changes, columns_in, heads
 from tactometry.records.journal import Recording, read
 from tactometry.session.event import COLUMNS, events_tsv
@@ -159,17 +159,18 @@ def _description(root: Path, contents: dict[Path, bytes]) -> Iterator[Defect]:
     if not os.path.lexists(root / name):
         yield Defect(name, None, "found no such file, expected the description that Psych-DS asks for")
         return
-    try:
-        description = json.loads(read_file(root / name, "a description"))
-        described = {variable["name"] for variable in description["variableMeasured"]}
-        wanted = {"@context": "https://schema.org/", "@type": "Dataset"}
-        wrong = [key for key, value in wanted.items() if description.get(key) != value]
-        missing = [key for key in ("name", "description") if not description.get(key)]
-    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
-        yield Defect(name, None, f"found no description ({type(error).__name__}: {error}), expected that of Psych-DS")
-        return
+    description = read_description(root / name)
+    wanted = {"@context": "https://schema.org/", "@type": "Dataset"}
+    wrong = [key for key, value in wanted.items() if description.get(key) != value]
+    texts = {key: description.get(key) for key in ("name", "description")}
+    missing = [key for key, text in texts.items() if not text or not isinstance(text, str)]
     for key in (*wrong, *missing):
-        yield Defect(name, None, f"{key}: found {description.get(key)!r}, expected {wanted.get(key, 'a text')!r}")
+        yield Defect(name, None, f"{key}: found {description.get(key)!r:.60}, expected {wanted.get(key, 'a text')!r}")
+    try:
+        described = set(variable_names(description))
+    except InvalidParameter as error:
+        yield Defect(name, None, str(error))
+        return
     for file, content in contents.items():
         header = set(header_of(content))
         for column in sorted(header - described | described - header - ADDED):
@@ -183,9 +184,9 @@ def _trials_file(file: Path, content: bytes, stems: list[str]) -> Iterator[Defec
         yield Defect(name, None, "found a name that Psych-DS forbids, expected key-value_..._data.csv")
     if file.stem.removesuffix("_data") not in stems:
         yield Defect(name, None, "found no journal of this session, expected one in journals/")
-    yield from _sidecar(file, header_of(content))
     yield from defects(content, name)
     yield from _strange_rows(file, content)
+    yield from _sidecar(file, header_of(content))
 
 
 def _strange_rows(file: Path, content: bytes) -> Iterator[Defect]:
@@ -213,11 +214,7 @@ def _sidecar(file: Path, header: list[str]) -> Iterator[Defect]:
     if not os.path.lexists(sidecar):
         yield Defect(name, None, f"found no such file, expected the description of every column; {REBUILD}")
         return
-    try:
-        described = list(json.loads(read_file(sidecar, "the description of every column")))
-    except (ValueError, TypeError, RecursionError) as error:
-        yield Defect(name, None, f"found no JSON ({error}), expected the description of every column; {REBUILD}")
-        return
+    described = json_object(sidecar, f"the description of every column; {REBUILD}")
     for column in header:
         if column not in described:
             yield Defect(name, None, f"found no description of the column {column!r}, expected one; {REBUILD}")

@@ -7,7 +7,8 @@ from typing import Any
 
 from ..errors import InvalidFile
 from ..provenance import versions
-from .durable import make_folder, read_file, write_atomically
+from .durable import make_folder, write_atomically
+from .json_file import json_object
 
 ASKED = "asked.json"
 
@@ -31,7 +32,7 @@ def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -
     """
     path = root / ASKED
     if path.exists():
-        held = _read(path, work)
+        held = json_object(path, f"what a {work} was asked; give another --out")
         other = next((name for name, value in wanted.items() if held.get(name) != value), None)
         if other is not None:
             found, asked = held.get(other), wanted[other]
@@ -40,13 +41,3 @@ def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -
             raise InvalidFile(f"{root}: found this {work}, expected none; go on with --resume")
     make_folder(root)
     write_atomically(path, json.dumps({**wanted, "versions": versions()}, indent=2).encode() + b"\n")
-
-
-def _read(path: Path, work: str) -> dict[str, Any]:
-    try:
-        held = json.loads(read_file(path, f"what a {work} was asked"))
-    except ValueError:
-        held = None
-    if not isinstance(held, dict):
-        raise InvalidFile(f"{path}: found no JSON object, expected what a {work} was asked; give another --out")
-    return held

@@ -1,6 +1,5 @@
 """How a data set describes itself, after Psych-DS: its study, its columns, and whether its data are simulated."""
 
-import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ import msgspec
 from ..arguments.require import expect
 from ..errors import InvalidFile
 from ..files.durable import read_file, write_atomically
+from ..files.json_file import json_object, json_value
 from ..trials.columns import Column
 
 NAME: Final = "dataset_description.json"
@@ -67,16 +67,31 @@ def read_description(path: Path) -> dict[str, object]:
     InvalidFile
         If it is none.
     """
-    try:
-        described = json.loads(read_file(path, "the description of a data set"))
-    except (ValueError, RecursionError) as error:
-        raise InvalidFile(
-            f"{path}: found no description ({error}), expected that of Psych-DS; remove it, and it is made anew"
-        ) from None
-    has_columns = isinstance(described, dict) and isinstance(described.get("variableMeasured"), list)
     anew = "the description of Psych-DS; remove it, and it is made anew"
+    described = json_object(path, anew)
+    has_columns = isinstance(described.get("variableMeasured"), list)
     expect(has_columns, path, "no list 'variableMeasured'", anew, InvalidFile)
-    return dict(described)
+    return described
+
+
+def variable_names(described: Mapping[str, Any]) -> list[str]:
+    """Return the names of the columns that a description explains.
+
+    Raises
+    ------
+    InvalidParameter
+        If an entry is no object with a name.
+
+    >>> variable_names({"variableMeasured": [{"name": "level"}]})
+    ['level']
+    """
+    names: list[str] = []
+    for n, variable in enumerate(described["variableMeasured"]):
+        name = variable.get("name") if isinstance(variable, Mapping) else None
+        is_named = isinstance(name, str) and bool(name)
+        expect(is_named, f"variableMeasured[{n}]", f"{variable!r:.60}", "an object with a text 'name'")
+        names.append(str(name))
+    return names
 
 
 def with_columns(described: Mapping[str, Any], columns: Sequence[Column]) -> dict[str, object]:
@@ -130,8 +145,8 @@ def describe_columns(path: Path, columns: Sequence[Column]) -> None:
 
 def _column_names(content: bytes) -> list[str]:
     try:
-        columns = json.loads(content)
-    except (ValueError, RecursionError):
+        columns = json_value(content)
+    except ValueError:
         return []
     return list(columns) if isinstance(columns, dict) else []
 

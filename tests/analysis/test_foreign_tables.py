@@ -4,6 +4,7 @@ import json
 import re
 import subprocess
 import sys
+import tracemalloc
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -14,6 +15,7 @@ from patience import LONGEST_PROGRAM_S
 from places import FOREIGN
 
 from tactometry.analysis.reading.column_map import ColumnMap
+from tactometry.analysis.reading.text_table import json_cells
 from tactometry.analysis.reading.trials import read_trials, used_rows
 from tactometry.errors import InvalidFile
 
@@ -149,13 +151,13 @@ def test_lists_one_after_the_other_are_one_table(tmp_path, between):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("[{", "found no valid JSON"),
+        ("[{", "found no list of objects in JSON"),
         ('[{"level": 1}] {}', "found no list of objects"),
-        ('[{"level": 1}] [', "found no valid JSON"),
-        ("[" * 100_000, "found no valid JSON"),
-        ("{}", "found no list of objects, expected one for each trial"),
-        ("[]", "found no list of objects"),
-        ("[1, 2]", "found no list of objects"),
+        ('[{"level": 1}] [', "found no list of objects in JSON"),
+        ("[" * 100_000, "found no list of objects in JSON"),
+        ("{}", "found no list of objects in JSON (Expecting a list"),
+        ("[]", "(it is empty), expected one for each trial"),
+        ("[1, 2]", "(item 1 is another)"),
         ('[{"level": 1}]', "found no column 'participant'"),
         ('[{"participant": "P1", "task": "yes_no", "level": 1, "response": [1]}]', "row 1, column 'response': found"),
     ],
@@ -165,6 +167,30 @@ def test_json_that_is_no_table_is_refused(tmp_path, text, message):
     file.write_text(text)
     with pytest.raises(InvalidFile, match=re.escape(message)):
         read_trials(file, within=["task"])
+
+
+TRIAL = {"participant": "P1", "level": 1, "task": "yes_no", "response": 1}
+
+
+@pytest.mark.parametrize(
+    ("trials", "message"),
+    [
+        ([TRIAL | {f"key_{n}": n} for n in range(20_000)], "trial 4997: found 5001 keys, expected at most 5000"),
+        ([TRIAL | {f"key_{t}_{n}": n for n in range(2000)} for t in range(50)], "trial 3: found 6004 keys"),
+        ([TRIAL | {f"key_{n % 4900}": n} for n in range(5000)], "of which 24495000 cells are empty"),
+        ([TRIAL | {"data": json.loads("[" * 200 + "]" * 200)}], "nested deeper than 100 levels"),
+    ],
+    ids=["key per trial", "keys per trial", "sparse", "deep"],
+)
+def test_json_is_refused_early_when_beyond_bounds(trials, message):
+    text = json.dumps(trials)
+    tracemalloc.start()
+    try:
+        with pytest.raises(InvalidFile, match=re.escape(message)):
+            json_cells(text, Path("j.json"))
+        assert tracemalloc.get_traced_memory()[1] < 2e7
+    finally:
+        tracemalloc.stop()
 
 
 # --- tables without a factor, and columns that mean two things

@@ -65,7 +65,15 @@ DEFECTS = {
     ),
     "broken description": (
         lambda root: (root / "dataset_description.json").write_text("{"),
-        "dataset_description.json: found no description",
+        "dataset_description.json: found no JSON",
+    ),
+    "unnamed column": (
+        lambda root: edit(root / "dataset_description.json", b'"name": "latency_s"', b'"name": null'),
+        "expected an object with a text 'name'",
+    ),
+    "title": (
+        lambda root: edit(root / "dataset_description.json", b'"name": "Tutorial', b'"name": [], "title": "Tutorial'),
+        "name: found [], expected 'a text'",
     ),
     "undescribed column": (
         lambda root: edit(root / "dataset_description.json", b'"name": "latency_s"', b'"name": "latenz_s"'),

@@ -20,6 +20,7 @@ from tactometry.arguments.checked import checked
 from tactometry.arguments.require import expect, within
 from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.files.durable import read_file
+from tactometry.files.json_file import json_value
 from tactometry.files.samples import Npz
 
 from ...arrays import FloatArray
@@ -242,6 +243,6 @@ def read_provenance(path: Path) -> dict[str, str | float | int]:
     content = read_file(path, "learnt responses")
     try:
         file = Npz(content)
-        return dict(json.loads(file.words("provenance"))) if "provenance" in file else {}
-    except (ValueError, TypeError, RecursionError) as error:
+        return dict(json_value(file.words("provenance"))) if "provenance" in file else {}
+    except (ValueError, TypeError) as error:
         raise InvalidFile(f"{path}: cannot be read as learnt responses ({error}), expected an NPZ file") from None

@@ -1,0 +1,113 @@
+"""JSON of files and cells, read within bounds of size and depth; a list of trials is read trial by trial."""
+
+import json
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, Final
+
+from ..errors import InvalidFile
+from .durable import read_file
+
+LARGEST_OBJECT: Final = 2**24
+"""Bytes of a file with one object (unverified default)."""
+DEEPEST: Final = 100
+"""Levels of lists and objects in one another."""
+_SPACE: Final = re.compile(r"\s*")
+_VERBATIM: Final = json.JSONDecoder(parse_float=str, parse_int=str, parse_constant=str)
+
+
+def json_value(text: str | bytes) -> Any:
+    """Parse JSON.
+
+    Raises
+    ------
+    ValueError
+        If it is no JSON, or nested deeper than `DEEPEST`.
+
+    >>> json_value('{"a": [1]}')
+    {'a': [1]}
+    """
+    try:
+        value = json.loads(text)
+    except RecursionError:
+        raise _too_deep() from None
+    return _shallow(value)
+
+
+def json_object(path: Path, what: str) -> dict[str, Any]:
+    """Read a file with one JSON object; `what` says in an error what was expected.
+
+    Raises
+    ------
+    InvalidFile
+        If it cannot be read, has more than `LARGEST_OBJECT` bytes, or is no JSON object.
+    """
+    content = read_file(path, what, LARGEST_OBJECT)
+    try:
+        value = json_value(content)
+    except ValueError as error:
+        raise InvalidFile(f"{path}: found no JSON ({error}), expected {what}") from None
+    if not isinstance(value, dict):
+        raise InvalidFile(f"{path}: found no JSON object, expected {what}")
+    return value
+
+
+def json_items(text: str) -> Iterator[Any]:
+    """Parse the items of JSON lists, one list after the other, item by item; numbers stay as they were written.
+
+    Raises
+    ------
+    ValueError
+        If the text is no list in JSON, or an item is nested deeper than `DEEPEST`.
+
+    >>> list(json_items("[1, [0.10]] [null]"))
+    ['1', ['0.10'], None]
+    """
+    place = _skip(text, 0)
+    while place < len(text):
+        if text[place] != "[":
+            raise json.JSONDecodeError("Expecting a list", text, place)
+        place = _skip(text, place + 1)
+        is_over = text[place : place + 1] == "]"
+        while not is_over:
+            item, place = _item(text, place)
+            yield item
+            place = _skip(text, place)
+            if text[place : place + 1] not in (",", "]"):
+                raise json.JSONDecodeError("Expecting ',' delimiter", text, place)
+            is_over = text[place] == "]"
+            place += not is_over
+        place = _skip(text, place + 1)
+
+
+def _item(text: str, place: int) -> tuple[Any, int]:
+    try:
+        item, end = _VERBATIM.raw_decode(text, _skip(text, place))
+    except RecursionError:
+        raise _too_deep() from None
+    return _shallow(item), end
+
+
+def _skip(text: str, place: int) -> int:
+    """Return the place of the next sign that is no space."""
+    space = _SPACE.match(text, place)
+    return space.end() if space else place
+
+
+def _shallow(value: Any) -> Any:
+    level = [value]
+    for _ in range(DEEPEST):
+        level = [
+            inner
+            for outer in level
+            if isinstance(outer, list | dict)
+            for inner in (outer.values() if isinstance(outer, dict) else outer)
+        ]
+        if not level:
+            return value
+    raise _too_deep()
+
+
+def _too_deep() -> ValueError:
+    return ValueError(f"nested deeper than {DEEPEST} levels")
