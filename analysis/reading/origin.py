@@ -15,6 +15,7 @@ from tactometry.records.head import Head, changes, heads
 from ..arrays import Bools
 from ..wording import NAMED
 from .level_scale import SETTINGS
+from .rows import holds
 from .trials import Trials
 
 SessionKey = tuple[str, float]
@@ -107,7 +108,7 @@ def _silence_warnings(rows: pd.DataFrame) -> Iterator[str]:
     if not {"rig", "level_delivered"} <= set(rows.columns):
         return
     is_felt = rows["level"].notna() & ~rows["task"].isin(SETTINGS)
-    asked = rows[(rows["rig"] != "") & (rows["valid"] == 1) & is_felt]
+    asked = rows[(rows["rig"] != "") & ~holds(rows, "valid", 0) & is_felt]
     silent = asked[asked["level_delivered"].isna()]
     if len(silent):
         yield f"nothing was played where a level was to be felt ({_codes(silent)}): these answers are to no stimulus"

@@ -128,6 +128,8 @@ def trials_in(
     tables = same_columns({file: _checked_table(table, file) for file, table in texts.items()})
     for file, table in tables.items() if named_by_us else ():  # the names of another program's files are its own
         _refuse_other_code(table, file)
+        if "rig" in table.columns:
+            expect_column(table, "valid", file, "; every table of a session has it")
     rows = pd.concat(tables.values(), ignore_index=True)
     named = _factors(list(rows.columns), within, path)
     for name in named:

@@ -6,25 +6,24 @@ it is, with a table of where each touch is.
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 
 from tactometry import __version__
-from tactometry.errors import InvalidFile
 from tactometry.files.durable import read_file
 from tactometry.files.rows import spreadsheet_text
 from tactometry.records.data_set import sessions
 from tactometry.records.journal import read
-from tactometry.records.traces import MISSING, decode_rows, kind_of, packed, read_text, sidecar_of
+from tactometry.records.traces import MISSING, TraceDescription, decode_rows, kind_of, packed, read_text, sidecar_of
 from tactometry.session.answer import TracePart
 from tactometry.session.event import TraceKind
 from tactometry.signal import FloatArray
 
-from .session_files import json_table
 from .source import json_text
-from .traces import RecordedTouch, touches
+from .traces import RecordedTouch, described, touches
 
 Files = Iterator[tuple[str, bytes]]
 NO_SAMPLE: Final = b"n/a\tn/a\n"
@@ -48,25 +47,16 @@ class TracedSession:
     study: str
     parts: tuple[tuple[RecordedTouch, TracePart], ...]
 
-    @property
-    def explained(self) -> Mapping[str, Any]:
-        """What the JSON file beside the samples says."""
-        return json_table(self.root / sidecar_of(Path(self.parts[0][1].file)))
-
-    @property
-    def rate_hz(self) -> float:
-        """The nominal rate of the sensor.
+    @cached_property
+    def description(self) -> TraceDescription:
+        """The sampling rate and the columns of the samples.
 
         Raises
         ------
         InvalidFile
-            If the JSON file does not say it.
+            If the JSON file next to the samples does not state them.
         """
-        rate_hz = self.explained.get("SamplingFrequency")
-        if not isinstance(rate_hz, int | float) or rate_hz <= 0:
-            beside = self.root / sidecar_of(Path(self.parts[0][1].file))
-            raise InvalidFile(f"{beside}: found no SamplingFrequency above 0, expected that of its samples")
-        return float(rate_hz)
+        return described(self.root, [part for _, part in self.parts])
 
     def texts(self) -> Iterator[tuple[RecordedTouch, bytes]]:
         return ((touch, read_text(self.root, part)) for touch, part in self.parts)
@@ -101,8 +91,7 @@ def _psychds(traced: TracedSession, task: str, files: Mapping[str, bytes]) -> Fi
     del task, files
     if traced.kind == "emitted":
         return
-    names = traced.explained.get("Columns", [])
-    lines = [",".join(["trial", "attempt", *names]).encode() + b"\n"]
+    lines = [spreadsheet_text([["trial", "attempt", *traced.description.names]])]
     for touch, text in traced.texts():
         whose = f"{touch.trial.trial},{touch.trial.attempt},".encode()
         rows = text.replace(b"\t", b",").replace(MISSING.encode(), b"").splitlines(keepends=True)
@@ -125,14 +114,14 @@ def _physio(traced: TracedSession, folder: str, task: str) -> Files:
     stamp, or n/a, between touches and where one was lost."""
     texts = [text for _, text in traced.texts()]
     times_s = np.concatenate([decode_rows(text)[:, 0] for text in texts])
-    begin_s = float(times_s[0])
-    places = np.rint((times_s - begin_s) * traced.rate_hz).astype(int)
+    begin_s, rate_hz = float(times_s[0]), traced.description.rate_hz
+    places = np.rint((times_s - begin_s) * rate_hz).astype(int)
     lines = [NO_SAMPLE] * (int(places.max()) + 1)
     for place, line in zip(places.tolist(), b"".join(texts).splitlines(keepends=True), strict=True):
         lines[place] = line
     stem = f"{folder}/beh/{_entities(folder)}_task-{task}_run-01_recording-force_physio"
-    columns = {name: traced.explained.get(name, {}) for name in traced.explained.get("Columns", [])}
-    timing = {"SamplingFrequency": traced.rate_hz, "StartTime": begin_s, "Columns": list(columns)}
+    columns = {c.name: {"Description": c.description, "Units": c.unit} for c in traced.description.columns}
+    timing = {"SamplingFrequency": rate_hz, "StartTime": begin_s, "Columns": list(columns)}
     told = {"TaskName": task, "PhysioType": "generic", **timing, **columns}
     yield f"{stem}.tsv.gz", packed(b"".join(lines))
     yield f"{stem}.json", json_text(told)
@@ -141,7 +130,7 @@ def _physio(traced: TracedSession, folder: str, task: str) -> Files:
 def _motion(traced: TracedSession, folder: str, task: str) -> Files:
     """Places with their stamps, which BIDS calls latencies."""
     stem = f"{folder}/motion/{_entities(folder)}_task-{task}_tracksys-finger_run-01"
-    names: Sequence[str] = traced.explained.get("Columns", [])[1:]
+    names = traced.description.names[1:]
     axes = [name.removesuffix("_m") for name in names]
     rows = [["time_s", MISSING, "LATENCY", MISSING, "s"]]
     rows += [[name, axis, "POS", "finger", "m"] for name, axis in zip(names, axes, strict=True)]
@@ -150,7 +139,9 @@ def _motion(traced: TracedSession, folder: str, task: str) -> Files:
     yield f"{stem}_motion.tsv", b"".join(texts)
     yield f"{stem}_channels.tsv", spreadsheet_text([header, *rows], "\t")
     measured = effective_rate_hz([decode_rows(text)[:, 0] for text in texts])
-    rates = {"SamplingFrequency": traced.rate_hz} | ({"SamplingFrequencyEffective": measured} if measured else {})
+    rates = {"SamplingFrequency": traced.description.rate_hz} | (
+        {"SamplingFrequencyEffective": measured} if measured else {}
+    )
     yield f"{stem}_motion.json", json_text({**_motion_sidecar(task, len(axes)), **rates})
 
 

@@ -21,7 +21,7 @@ from tactometry.files.durable import files_in, make_folder, write_atomically
 from tactometry.files.safe_text import cell_text, markdown_text
 from tactometry.questionnaire import Questionnaire
 from tactometry.records.description import NAME
-from tactometry.records.traces import FOLDER
+from tactometry.records.traces import FOLDER, read_sidecar, sidecar_of
 from tactometry.trials.columns import ALWAYS, FIRST, OPTIONAL, Column
 from tactometry.trials.row_rules import RULES
 from tactometry.trials.tasks import FORM_TASK
@@ -131,9 +131,9 @@ def read_source(path: Path) -> ExportedDataSet:
 
 def _trace_columns(root: Path, names: Sequence[str]) -> tuple[Column, ...]:
     """The columns of the files of traces of a data set, but for those that its rows have."""
-    explained = [json_table(file) for file in files_in(root / FOLDER, "*.json")]
-    units = {name: table.get(name) for table in explained for name in table.get("Columns", ()) if name not in names}
-    return tuple(Column(name, said["Description"], said["Units"]) for name, said in units.items() if said)
+    explained = [read_sidecar(sidecar_of(file)) for file in files_in(root / FOLDER, "*.tsv.gz")]
+    columns = {column.name: column for said in explained for column in said.columns}
+    return tuple(column for name, column in columns.items() if name not in names)
 
 
 def _rows(table: pd.DataFrame, names: Sequence[str]) -> list[Row]:

@@ -1,6 +1,6 @@
 """What happened in a touch: force, place and what was emitted, read back; and whether the files still hold it."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -12,7 +12,7 @@ from tactometry.provenance import versions
 from tactometry.records.data_set import keys_of, sessions
 from tactometry.records.head import Head
 from tactometry.records.journal import Entry, Recording, read
-from tactometry.records.traces import kind_of, part_flaw, read_part, sidecar_of
+from tactometry.records.traces import TraceDescription, kind_of, part_flaw, read_part, read_sidecar, sidecar_of
 from tactometry.rigs.emitter import render
 from tactometry.session.answer import Adjusted, Played, Touched, TracePart
 from tactometry.session.request import Adjust, Play, Press, Record, Slide
@@ -27,6 +27,8 @@ from ..study.study_file import parse
 
 Felt = Played | Touched | Adjusted
 Asked = Play | Press | Slide | Adjust
+MOST_SAMPLES: Final = 2**26
+"""Of a sensor in a session: 18 hours at 1 kHz (unverified default)."""
 RAMP: Final = "ramp_s"
 """How the head of a sitting says what ramps its signals had."""
 
@@ -243,12 +245,35 @@ def _unknown(touch: RecordedTouch) -> str:
 
 def trace_defects(root: Path, recording: Recording) -> Iterator[Defect]:
     """Whether the traces that the journal of a data set names are there, and are what was kept."""
-    parts = [part for line in recording.entries for part in getattr(line.answer, "trace", ())]
-    for part in parts:
-        flaw = part_flaw(root, part)
-        if flaw is not None:
-            yield Defect(part.file, None, flaw)
-    for name in dict.fromkeys(part.file for part in parts):
-        beside = sidecar_of(Path(name))
-        if not (root / beside).is_file():
-            yield Defect(beside.as_posix(), None, f"found no such file, expected the columns of {Path(name).name}")
+    parts: dict[str, list[TracePart]] = {}
+    for line in recording.entries:
+        for part in getattr(line.answer, "trace", ()):
+            parts.setdefault(part.file, []).append(part)
+    for name, of_file in parts.items():
+        flaws = [flaw for part in of_file if (flaw := part_flaw(root, part)) is not None]
+        yield from (Defect(name, None, flaw) for flaw in flaws)
+        try:
+            _ = None if flaws else described(root, of_file)
+        except InvalidFile as error:
+            beside = sidecar_of(Path(name))
+            yield Defect(beside.as_posix(), None, str(error).removeprefix(f"{root / beside}: "))
+
+
+def described(root: Path, parts: Sequence[TracePart]) -> TraceDescription:
+    """Read the description of a file of traces, and check it against the samples of its parts.
+
+    Raises
+    ------
+    InvalidFile
+        If it is missing, damaged, or does not fit the samples.
+    """
+    beside = root / sidecar_of(Path(parts[0].file))
+    said = read_sidecar(beside)
+    first, last = read_part(root, parts[0]), read_part(root, parts[-1])
+    one_each = f"one for each of the {first.shape[1]} columns of its samples"
+    expect(first.shape[1] == len(said.columns), f"{beside}: Columns", said.names, one_each, InvalidFile)
+    if kind_of(parts[0]) != "emitted":
+        n_samples = (last[-1, 0] - first[0, 0]) * said.rate_hz
+        rate = f"the rate of its samples, of at most {MOST_SAMPLES} in a session"
+        expect(n_samples < MOST_SAMPLES, f"{beside}: SamplingFrequency", f"{said.rate_hz:g} Hz", rate, InvalidFile)
+    return said

@@ -19,6 +19,7 @@ from tactometry.records.data_set import keys_of, participants, sessions
 from tactometry.records.description import NAME, SIMULATED, read_description, variable_names
 from tactometry.records.head import ADDED, changes, columns_in, heads
 from tactometry.records.journal import Recording, read
+from tactometry.records.traces import FOLDER, read_sidecar, sidecar_of
 from tactometry.session.event import COLUMNS, events_tsv
 from tactometry.trials.row_rules import Defect, defects, merge_alike
 from tactometry.trials.trial import tally
@@ -59,6 +60,7 @@ def validate(path: Path) -> Soundness:
     n_trials, unsound = n_rows(content), list(defects(content, path.name))
     if not unsound and n_trials == 0:
         unsound = [Defect(path.name, None, "found a header alone, expected a row for each trial")]
+    unsound += _refusals(path) if not unsound else ()
     return Soundness(1, n_trials, tuple(merge_alike(unsound)), ())
 
 
@@ -78,7 +80,28 @@ def _data_set(root: Path) -> Soundness:
     unsound += _mixture(journals)
     for journal in journals:
         unsound += _with_unreadable(root, f"journals/{journal.name}", _session(root, journal, experiment, notes))
-    return Soundness(len(files), sum(map(n_rows, contents.values())), tuple(merge_alike(unsound)), tuple(notes))
+    unsound += _trace_descriptions(root)
+    different = dict.fromkeys(unsound)  # a session and its files of traces may state one defect
+    return Soundness(len(files), sum(map(n_rows, contents.values())), tuple(merge_alike(different)), tuple(notes))
+
+
+def _trace_descriptions(root: Path) -> Iterator[Defect]:
+    """Find what `export` would refuse in files of traces, also in those that no journal names."""
+    for file in files_in(root / FOLDER, "*.tsv.gz"):
+        try:
+            read_sidecar(sidecar_of(file))
+        except InvalidFile as error:
+            yield _unreadable(root, FOLDER, error)
+
+
+def _refusals(path: Path) -> Iterator[Defect]:
+    """Find what `analyse` and `export` would refuse in a trials file in which nothing else is wrong."""
+    from .source import read_source  # slow to load
+
+    try:
+        read_source(path)
+    except TactometryError as error:
+        yield _unreadable(path.parent, path.name, error)
 
 
 def _with_unreadable(root: Path, name: str, unsound: Iterator[Defect]) -> Iterator[Defect]:
@@ -86,9 +109,14 @@ def _with_unreadable(root: Path, name: str, unsound: Iterator[Defect]) -> Iterat
     try:
         yield from unsound
     except InvalidFile as error:
-        path, _, what = str(error).partition(": ")
-        within = Path(path).is_relative_to(root)
-        yield Defect(Path(path).relative_to(root).as_posix() if within else name, None, what)
+        yield _unreadable(root, name, error)
+
+
+def _unreadable(root: Path, name: str, error: TactometryError) -> Defect:
+    """Return an error as a defect of the file below `root` that it begins with, or of `name`."""
+    path, _, what = str(error).partition(": ")
+    within = Path(path).is_relative_to(root)
+    return Defect(Path(path).relative_to(root).as_posix() if within else name, None, what if within else str(error))
 
 
 def _read(file: Path, name: str, unsound: list[Defect], what: str = "a trials file") -> bytes | None:

@@ -9,8 +9,9 @@ journal names is of a touch whose trial was interrupted.
 import os
 import zlib
 from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final, TypeGuard
 
 import numpy as np
 
@@ -25,6 +26,7 @@ from ..files.durable import (
     write_first,
     write_whole,
 )
+from ..files.json_file import json_object
 from ..provenance import digest_of
 from ..session.answer import TracePart
 from ..session.event import TraceKind
@@ -49,6 +51,7 @@ _FORMS: Final[Mapping[TraceKind, tuple[str, str]]] = {
 }
 """How a number of the first column is written, and of the others: to the microsecond and the nanometre, and a voltage
 to what a card of 24 bits tells apart."""
+HIGHEST_RATE_HZ: Final = 1e9
 _LEVEL: Final = 4
 """Of compression."""
 _GZIP: Final = zlib.MAX_WBITS + 16
@@ -238,6 +241,50 @@ def trace_file(root: Path, session: Session, kind: TraceKind) -> Path:
 def sidecar_of(path: Path) -> Path:
     """The JSON file that explains a file of traces."""
     return path.with_name(path.name.removesuffix(".tsv.gz") + ".json")
+
+
+@dataclass(frozen=True)
+class TraceDescription:
+    """The sampling rate and the columns of a file of traces."""
+
+    rate_hz: float
+    columns: tuple[Column, ...]
+
+    @property
+    def names(self) -> list[str]:
+        return [column.name for column in self.columns]
+
+
+def read_sidecar(path: Path) -> TraceDescription:
+    """Read the JSON file that explains a file of traces.
+
+    Raises
+    ------
+    InvalidFile
+        If it does not state the sampling rate, or what each column is.
+    """
+    said = json_object(path, "the sampling rate and the columns of its samples")
+    rate_hz: Any = said.get("SamplingFrequency")
+    names = said.get("Columns")
+    if type(rate_hz) not in (int, float) or not 0 < rate_hz <= HIGHEST_RATE_HZ:
+        above = f"a number of Hz above 0 and at most {HIGHEST_RATE_HZ:g}"
+        raise InvalidFile(f"{path}: SamplingFrequency: found {rate_hz!r:.60}, expected {above}")
+    if not _are_names(names):
+        raise InvalidFile(f"{path}: Columns: found {names!r:.60}, expected a list of different names")
+    return TraceDescription(float(rate_hz), tuple(_explained(path, name, said.get(name)) for name in names))
+
+
+def _are_names(names: object) -> TypeGuard[list[str]]:
+    are_texts = isinstance(names, list) and bool(names) and all(isinstance(name, str) and name for name in names)
+    return are_texts and isinstance(names, list) and len(set(names)) == len(names)
+
+
+def _explained(path: Path, name: str, said: object) -> Column:
+    texts = [said.get(key) for key in ("Description", "Units")] if isinstance(said, Mapping) else [None]
+    if not all(isinstance(text, str) for text in texts):
+        wanted = "an object with the texts Description and Units"
+        raise InvalidFile(f"{path}: {name!r:.60}: found {said!r:.60}, expected {wanted}")
+    return Column(name, *map(str, texts))
 
 
 def sidecar(columns: Iterable[Column], rate_hz: float) -> bytes:

@@ -96,6 +96,26 @@ def test_validate_names_the_defect(copied, capsys, defect):
     assert message in out
 
 
+@pytest.mark.parametrize("words", [("analyse",), ("export", "--to", "r", "--out", "out")])
+def test_table_without_valid_is_refused(copied, tmp_path, capsys, monkeypatch, words):
+    monkeypatch.chdir(tmp_path)
+    for path in (copied / "data").glob("*.csv"):
+        edit(path, b",valid,", b",valis,")
+    command, *rest = words
+    status, said, _ = call(capsys, command, copied, *rest)
+    assert status == 2
+    assert "found no column 'valid'; did you mean 'valis'?; every table of a session has it" in said
+
+
+def test_validate_reports_what_analyse_refuses(copied, capsys):
+    edit(trials_of(copied), b",catch,", b",catsh,")  # a column that a table may lack
+    status, said, _ = call(capsys, "analyse", trials_of(copied))
+    assert status == 2
+    status, _, out = call(capsys, "validate", trials_of(copied))
+    assert status == 1
+    assert said.split(": ", 2)[2] in out
+
+
 def test_validate_finds_nothing_in_a_sound_data_set(copied, capsys):
     status, _, out = call(capsys, "validate", copied)
     assert (status, out.strip()) == (0, f"{copied}: sound; 2 sessions, {n_trials(copied)} rows")

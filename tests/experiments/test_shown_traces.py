@@ -136,6 +136,38 @@ def test_a_report_shows_how_force_and_speed_went_around_the_onset(copied, tmp_pa
     assert "cannot be read" not in page
 
 
+FORCE = {"Description": "Applied force", "Units": "N"}
+
+
+@pytest.mark.parametrize(
+    ("changed", "message"),
+    [
+        ({"SamplingFrequency": None}, "SamplingFrequency: found None, expected a number of Hz above 0"),
+        ({"SamplingFrequency": float("inf")}, "SamplingFrequency: found inf, expected"),
+        ({"SamplingFrequency": 10**400}, "SamplingFrequency: found 1000"),
+        ({"SamplingFrequency": True}, "SamplingFrequency: found True, expected"),
+        ({"SamplingFrequency": 1e9}, "SamplingFrequency: found 1e+09 Hz, expected the rate of its samples"),
+        ({"Columns": None}, "Columns: found None, expected a list of different names"),
+        ({"Columns": ["time_s", 1]}, "Columns: found ['time_s', 1], expected a list of different names"),
+        ({"Columns": ["time_s", "time_s"]}, "Columns: found ['time_s', 'time_s'], expected"),
+        ({"Columns": ["time_s"]}, "Columns: found ['time_s'], expected one for each of the 2 columns of its samples"),
+        ({"force_n": None}, "'force_n': found None, expected an object with the texts Description and Units"),
+        ({"force_n": {"Units": "N"}}, "'force_n': found {'Units': 'N'}, expected an object"),
+        ({"force_n": FORCE | {"Units": 1}}, "'force_n': found {'Description': 'Applied force', 'Units': 1}, expected"),
+    ],
+)
+@pytest.mark.parametrize("form", ["bids", "psych-ds"])
+def test_trace_description_is_refused_when_damaged(copied, tmp_path, capsys, form, changed, message):
+    (path,) = (copied / "traces").glob("*_physio.json")
+    path.write_text(json.dumps(json.loads(path.read_text()) | changed))
+    status, errors, _ = call(capsys, "export", copied, "--to", form, "--out", tmp_path / "out")
+    assert (status, errors.count("\n")) == (2, 0)
+    assert f"{path}: {message}" in errors
+    status, _, out = call(capsys, "validate", copied)
+    assert status == 1
+    assert f"traces/{path.name}: {message}" in out
+
+
 def test_touches_whose_samples_are_gone_are_counted(copied):
     (path,) = (copied / "traces").glob("*_physio.tsv.gz")
     path.write_bytes(path.read_bytes()[:-1])
