@@ -8,8 +8,11 @@ from hypothesis import given, strategies as st
 from tactometry.errors import InvalidFile
 from tactometry.files.json_file import DEEPEST, LARGEST_OBJECT, json_items, json_object, json_value
 
+TEXT = st.text(max_size=3)
 VALUES = st.recursive(
-    st.none() | st.booleans() | st.text(), lambda part: st.lists(part) | st.dictionaries(st.text(), part)
+    st.none() | st.booleans() | TEXT,
+    lambda part: st.lists(part, max_size=3) | st.dictionaries(TEXT, part, max_size=3),
+    max_leaves=5,
 )
 
 
@@ -37,7 +40,9 @@ def test_json_value_accepts_the_deepest_nesting():
     assert json.dumps(json_value(text)) == text
 
 
-@given(st.lists(st.lists(VALUES)), st.sampled_from([None, 2]), st.sampled_from(["", "\n", " \n\t"]))
+@given(
+    st.lists(st.lists(VALUES, max_size=3), max_size=3), st.sampled_from([None, 2]), st.sampled_from(["", "\n", " \n\t"])
+)
 def test_json_items_yields_the_items_of_all_lists(lists, indent, between):
     text = between.join(json.dumps(each, indent=indent) for each in lists)
     assert list(json_items(between + text + between)) == [item for each in lists for item in each]
