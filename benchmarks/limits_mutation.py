@@ -35,6 +35,8 @@ def mutants() -> dict[str, str]:
         "patches need no duration": ('"piezo": ("duration_s", ', '"piezo": ('),
         "patches need no displacement": ('"duration_s", "displacement_peak_m"', '"duration_s"'),
         "a signal as long as it likes": ("return LONGEST_SIGNAL_S if", "return 1e9 if"),
+        "a stop as late as it likes": ("return STOP_WITHIN_S if", "return 1e9 if"),
+        "a window as long as it likes": ("self.duty_window_s, LONGEST_WINDOW_S)", "0.0, LONGEST_WINDOW_S)"),
         "a force as large as it likes": ("target_n * (1 + tolerance)", "target_n"),
         "the looser of two forces": ('("duty", "duty_window_s")]', '("duty", "duty_window_s", "force_peak_n")]'),
         "the looser of two charges of a session": (

@@ -8,6 +8,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from .arguments.annotations import as_array
 from .arguments.require import expect, positive
 from .errors import InvalidParameter, count_of
 
@@ -21,7 +22,7 @@ class Signal:
     Parameters
     ----------
     samples : (n_channels, n_samples) array of float
-        Finite values in `unit`. The array is made read-only.
+        Finite values in `unit`; real integers and booleans are converted. The array is made read-only.
     rate_hz : float
         Samples per second, above 0.
     unit : str
@@ -30,7 +31,7 @@ class Signal:
     Raises
     ------
     InvalidParameter
-        If the shape, a value or the rate is not as stated.
+        If the shape, the kind of the values, a value or the rate is not as stated.
     """
 
     samples: FloatArray
@@ -38,7 +39,7 @@ class Signal:
     unit: str
 
     def __post_init__(self) -> None:
-        samples = np.array(self.samples, dtype=np.float64)
+        samples = _real_numbers(self.samples)
         is_signal = samples.ndim == 2 and samples.shape[0] > 0
         expect(is_signal, "Signal.samples", f"shape {samples.shape}", "(n_channels, n_samples) with a channel")
         if not np.isfinite(samples).all():
@@ -92,6 +93,32 @@ class Signal:
         what = hashlib.sha256(f"{self.samples.shape} {self.rate_hz!r} {self.unit}\n".encode())
         what.update(self.samples.astype("<f8", copy=False).tobytes())
         return what.hexdigest()[:16]
+
+
+def _real_numbers(values: object) -> FloatArray:
+    """Copy values into an array of float, and refuse those that would not keep their meaning.
+
+    >>> _real_numbers([[1, True]]).tolist()
+    [[1.0, 1.0]]
+    >>> _real_numbers(np.array([[1j]]))
+    Traceback (most recent call last):
+    tactometry.errors.InvalidParameter: Signal.samples: found values of type complex128, expected real numbers
+    """
+    expected = "real numbers"
+    expect(not _is_masked(values), "Signal.samples", "a masked array", f"{expected}; fill the masked values")
+    found = as_array(values)
+    if found is None:
+        raise InvalidParameter(f"Signal.samples: found rows that form no array, expected {expected}")
+    expect(found.dtype.kind in "biuf", "Signal.samples", f"values of type {found.dtype!s:.60}", expected)
+    with np.errstate(over="ignore"):  # a longer float becomes infinite, which is refused by its place
+        return np.array(found, dtype=np.float64)
+
+
+def _is_masked(values: object) -> bool:
+    """Return True if values, or a part of a list, are a masked array: NumPy would drop the mask."""
+    if isinstance(values, list | tuple):
+        return any(map(_is_masked, values))
+    return isinstance(values, np.ma.MaskedArray)
 
 
 class Stimulus(Protocol):

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from tactometry.arguments.require import expect
+from tactometry.arguments.unlimited import Unlimited, warning_of
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import as_table, build, build_kind, check_keys
 from tactometry.config.toml import errors_in, read_table
@@ -91,6 +92,7 @@ class BenchFile:
         """
         if touched:  # before a driver is made: nothing plays under a finger that nobody watches
             self.check_gate()
+            self.check_stop(study)
         driver = self.output.settings.driver(self.output.gain)
         if driver.connected and self.output.gain is not None:
             self.output.gain.check("output.gain", self.output.settings.chain(), today)
@@ -119,6 +121,22 @@ class BenchFile:
         is_live = self.sensors[self.force.sensor].settings.live
         expect(is_live, "force.sensor", recording, "a sensor; nothing was played")
 
+    def check_stop(self, study: Limits) -> None:
+        """Refuse a connected output whose stop may take longer than the limits allow.
+
+        Raises
+        ------
+        LimitExceeded
+            If its worst-case delay, by the file, is above the limit.
+        """
+        if self.output.settings.connected:
+            self.limits_with(study).check_stop(self.stop_delay_s)
+
+    @property
+    def stop_delay_s(self) -> float:
+        """Worst-case delay of a stop of the output, as the file states it, s."""
+        return self.output.settings.driver(self.output.gain).stop_delay_s
+
     @property
     def cautions(self) -> tuple[str, ...]:
         """What the file allows and a session should be told."""
@@ -128,7 +146,16 @@ class BenchFile:
             "output.shared = true: other programs may play to the output and change its volume": is_shared,
             "force.release = false: a force sensor that is stuck in its band is not found out": not self.release,
         }
-        return tuple(f"bench file, {words}" for words, said in allowed.items() if said)
+        said = [words for words, is_said in allowed.items() if is_said]
+        return tuple(f"bench file, {words}" for words in (*said, *map(warning_of, self._switched_off)))
+
+    @property
+    def _switched_off(self) -> tuple[str, ...]:
+        """The keys of limits that are "unlimited"."""
+        measured = {"output.gain": self.output.gain, "force": None if self.force is None else self.force.calibration}
+        ages = [part for part, one in measured.items() if one is not None and isinstance(one.max_age_days, Unlimited)]
+        limits = () if self.limits is None else self.limits.switched_off
+        return (*(f"limits.{name}" for name in limits), *(f"{part}.max_age_days" for part in ages))
 
     @property
     def release(self) -> bool:
@@ -189,6 +216,8 @@ def _scalars(table: Mapping[str, Any]) -> Iterator[tuple[str, Fact]]:
     for key, value in table.items():
         if isinstance(value, Mapping):
             yield from ((f"{key}_{inner}", fact) for inner, fact in _scalars(value))
+        elif isinstance(value, Unlimited):
+            yield key, str(value)
         elif value is not None and value != () and value not in (inf, -inf):  # not stated; JSON has no such number
             yield key, value if isinstance(value, bool | int | float | str) else str(value)
 

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from tactometry.arguments.require import expect
+from tactometry.arguments.unlimited import Unlimited
 from tactometry.config.strict import as_table
 from tactometry.config.toml import LARGEST_FILE, errors_in, read_table
 from tactometry.files.durable import read_file, write_atomically
@@ -106,5 +107,7 @@ def _without_none(values: Mapping[str, object]) -> dict[str, object]:
 def _item(value: object) -> Any:
     import tomlkit
 
+    if isinstance(value, Unlimited):
+        return tomlkit.item(str(value))
     plain: Any = list(value) if isinstance(value, tuple) else value
     return tomlkit.item(plain)

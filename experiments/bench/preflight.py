@@ -9,6 +9,7 @@ from typing import Final
 
 import numpy as np
 
+from tactometry.arguments.unlimited import HIGHEST
 from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.output import with_ramps
 from tactometry.devices.sensors.reader import Reader, SampleBlock
@@ -72,9 +73,10 @@ def _study(study: str, *, allow_code: bool) -> tuple[list[Finding], Experiment |
     n = len(experiment.bank)
     words = f"{n} {'stimulus' if n == 1 else 'stimuli'}; the strongest levels are within the study's limits"
     told = felt_and_lost(experiment)
+    allowed = [Finding("study", "caution", caution) for caution in experiment.study.cautions]
     felt = [Finding("scene", "felt", " ".join(map(str.strip, effects.lines))) for effects in told.effects]
     contact = [Finding("finger", f"{finger.force_n:g} N", finger.line) for finger in told.fingers]
-    return [Finding("study", study, words, fine=True), *felt, *contact], experiment
+    return [Finding("study", study, words, fine=True), *allowed, *felt, *contact], experiment
 
 
 def devices(
@@ -123,15 +125,17 @@ def _short(value: str | float | None) -> str:
 
 def _gate(bench: BenchFile) -> Iterator[Finding]:
     """What stops the output when the finger leaves; a bench that has no such thing and does not say so is not fine."""
-    bench.check_gate()
     for words in bench.cautions:
         yield Finding("output", "caution", words)
+    bench.check_gate()
 
 
 def _output_findings(
     output: Guarded, bench: BenchFile, limits: Limits | None, experiment: Experiment | None, *, hands_off: bool
 ) -> Iterator[Finding]:
     """The tone and the strongest stimuli; limits that the load needs and nobody stated stop all of them, said once."""
+    if output.limits is not None and output.driver.connected:
+        yield duration("output", "worst-case stop, by the bench file", bench.stop_delay_s, output.limits.longest_stop_s)
     if output.limits is not None and output.load is not None:
         output.limits.check_stated(output.load)
     yield from findings_of("output", _output(output, limits, hands_off=hands_off))
@@ -154,8 +158,11 @@ def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Itera
         onset_s = output.play(tested)
         time.sleep(tested.duration_s)
         output.stop()
+        stop_delay_s = output.driver.stop_delay_s
     yield Finding("output", "test tone", f"{tested.peak:.3g} V, {tested.duration_s:.3g} s", "within limits", fine=True)
     yield Finding("output", "onset after the call", f"{1e3 * (onset_s - begin_s):.1f} ms")
+    if output.limits is not None and output.driver.connected:
+        yield duration("output", "worst-case stop, measured", stop_delay_s, output.limits.longest_stop_s)
     n_underruns = output.driver.facts().get("n_underruns")
     if n_underruns is not None:
         yield Finding("output", "underruns", f"{n_underruns}", "0", n_underruns == 0, device=True)
@@ -168,7 +175,7 @@ def tone_of(output: Guarded) -> Signal:
         bits = np.where(np.arange(1000) // 10 % 2, -1.0, 1.0)
         return Signal(np.tile(bits, (n_channels, 1)) * output.driver.full_scale_v, rate_hz, "V")
     limit_v = output.limits.voltage_peak_v if output.limits is not None else 0.0
-    voltage_v = TONE_PART * min(limit_v, output.driver.full_scale_v)
+    voltage_v = TONE_PART * min(limit_v, output.driver.full_scale_v, HIGHEST["voltage_peak_v"])
     return tone(voltage_v, n_channels, rate_hz, TONE_S, TONE_RAMP_S)
 
 

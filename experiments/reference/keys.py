@@ -32,6 +32,7 @@ PROBES: Mapping[type, tuple[object, ...]] = {
 OF_EXAMPLE = (
     (r" \([^()]*\)", ""),  # a remark, or the number of another key
     (r"[:;].*", ""),
+    (r', or "unlimited"$', ""),  # which the column of kinds says
     (r"^one of index, middle$", "the places"),
     (r"-?[\d.e+]+, (?=[a-z]+(_[a-z]+)+$)", ""),  # the number of the key that is named behind it
     (r" of -?[\d.e+]+ (s|m)\b", ""),

@@ -73,7 +73,7 @@ _OF_PROCEDURE: Final[Values] = {
 }  # fmt: skip
 _OF_LIMITS: Final[Values] = {
     "duration_s": 10.0, "current_peak_a": 1e-3, "charge_peak_c": 1e-6, "displacement_peak_m": 2e-5, "duty": 0.5,
-    "session_s": 2700.0, "charge_session_c": 1e-3,
+    "session_s": 2700.0, "charge_session_c": 1e-3, "stop_within_s": 0.06,
 }  # fmt: skip
 _OF_EXCLUSION: Final[Values] = {
     "force_in_band_share_min": 0.8, "force_deviation_ratio_max": 0.2, "latency_min_s": 0.15, "latency_max_s": 10.0,

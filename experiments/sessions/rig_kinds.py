@@ -34,7 +34,7 @@ def equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog | Non
     from ..bench.stimuli import bank_on, check_followed, learnt_facts
 
     devices = bench.devices(experiment.study.limits, date.today())
-    for caution in bench.cautions:
+    for caution in (*experiment.study.cautions, *bench.cautions):
         click.echo(caution, err=True)
     bank, learnt = bank_on(experiment, bench), learnt_facts(bench.time_reversal)
     for strongest in experiment.strongest(bank):

@@ -20,8 +20,13 @@ def _is_level(value: object) -> bool:
     return isinstance(value, int | float | np.integer | np.floating) and bool(value < np.inf)
 
 
+def _plain_signal(signal: Signal) -> Signal:
+    """Rebuild a signal of a subclass, which may have skipped the checks of its samples."""
+    return signal if type(signal) is Signal else Signal(signal.samples, signal.rate_hz, signal.unit)
+
+
 CALLS: Final = {
-    "at": Expected("a Signal (tactometry.signal)", lambda value, _: isinstance(value, Signal), lambda value: value),
+    "at": Expected("a Signal (tactometry.signal)", lambda value, _: isinstance(value, Signal), _plain_signal),
     "sensation_db": Expected("a number in dB, or -inf for nothing", lambda value, _: _is_level(value), float),
     "__post_init__": None,
 }

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from tactometry.arguments.require import expect, first_repeat, one_of, positive, without_none
+from tactometry.arguments.unlimited import warning_of
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build
 from tactometry.config.toml import LARGEST_FILE, errors_in, table_of
@@ -208,6 +209,11 @@ class Study:
         _check_plan(self)
         if self.analysis:
             _check_analysis(self)
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """What the study allows and a session should be told."""
+        return tuple(f"study, {warning_of(f'limits.{name}')}" for name in self.limits.switched_off)
 
     def words_in(self, language: str) -> dict[str, str]:
         """The texts of the study in a language of two letters: its translations above the rest."""

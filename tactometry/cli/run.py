@@ -8,14 +8,14 @@ from pathlib import Path
 
 import click
 
-from tactometry.experiments.bench.bench_file import load_bench
+from tactometry.experiments.bench.bench_file import BenchFile, load_bench
 from tactometry.experiments.sessions.recording import Recorded, Who, record
 from tactometry.experiments.sessions.rig_kinds import rig_kind
 from tactometry.experiments.study.dry_run import check_duration, duration_s, plan
 from tactometry.experiments.study.experiment import Experiment, wire
 from tactometry.experiments.study.felt_and_lost import felt_and_lost
 from tactometry.experiments.study.rehearsal import page_images, rehearse, rehearse_forms
-from tactometry.experiments.study.study_file import folder_of, load
+from tactometry.experiments.study.study_file import Study, folder_of, load
 
 from ..errors import InvalidParameter, count_of
 from ..records.data_set import Session
@@ -66,6 +66,8 @@ def command(
         _check_duration(experiment, who, begun=resume)
     if dry_run:
         rehearse(experiment)
+        if rig != "simulated":
+            _check_bench(numbers, bench)
         if rig == "bench":  # the others show no image
             page_images(experiment)
         _print_plan(experiment, who)
@@ -79,6 +81,13 @@ def command(
             _tell(f"watch the session at {page}")
         recorded = record(experiment, content, root, who, kind, resume=resume, tell=_tell)
     return _report(root, recorded)
+
+
+def _check_bench(study: Study, bench: BenchFile) -> None:
+    """Refuse an output that may stop late, and print what study and bench allow."""
+    bench.check_stop(study.limits)
+    for caution in (*study.cautions, *bench.cautions):
+        _tell(caution)
 
 
 def _check_duration(experiment: Experiment, who: Who, *, begun: bool) -> None:

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Mapping
 
+from ..arguments.unlimited import WORD
 from ..errors import InvalidParameter, nearest
 
 _PREFIXES = {
@@ -127,12 +128,15 @@ def si(text: str, suffix: str, where: str) -> float:
 
 
 def as_si(value: object, path: str) -> object:
-    """`value` with every string below a key with a unit suffix turned into a number in SI; `path` names the value."""
+    """`value` with every string below a key with a unit suffix turned into a number in SI; `path` names the value.
+
+    A limit that is "unlimited" stays as it is.
+    """
     if isinstance(value, dict):
         return {key: as_si(item, f"{path}.{key}" if path else str(key)) for key, item in value.items()}
     suffix = unit_suffix(path.rpartition(".")[2].partition("[")[0])
     if isinstance(value, list):
         return [as_si(item, f"{path}[{n}]") for n, item in enumerate(value)]
-    if isinstance(value, str) and suffix is not None:
+    if isinstance(value, str) and suffix is not None and not (value == WORD and not path.endswith("]")):
         return si(value, suffix, path)
     return value

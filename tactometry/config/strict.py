@@ -11,13 +11,21 @@ from typing import Any, Final, TypeVar
 
 import msgspec
 
+from ..arguments.unlimited import UNLIMITED, WORD, Unlimited, check_highest
 from ..errors import InvalidParameter, nearest
 from ..loading import resolve
 from .toml import errors_in, read_table
 
 T = TypeVar("T")
 K = TypeVar("K")
-_WORDS = {float: "a number", int: "a whole number", str: "a text", bool: "true or false", date: "a date"}
+_WORDS = {
+    float: "a number",
+    int: "a whole number",
+    str: "a text",
+    bool: "true or false",
+    date: "a date",
+    Unlimited: f'"{WORD}"',
+}
 _AT = re.compile(r"^(.*?)(?: - at `\$(.*)`)?$")
 
 
@@ -158,6 +166,8 @@ def convert(kind: Any, value: object, path: str) -> Any:
     if typing.get_origin(kind) is dict and isinstance(value, Mapping):
         inner = typing.get_args(kind)[1]
         return {key: item if inner is Any else convert(inner, item, _join(path, key)) for key, item in value.items()}
+    if Unlimited in typing.get_args(kind):
+        return _limit(kind, value, path)
     try:
         return msgspec.convert(value, kind)
     except msgspec.ValidationError as error:
@@ -166,6 +176,19 @@ def convert(kind: Any, value: object, path: str) -> Any:
         wrong = _at(value, inner)
         expected = words_of(kind) if not inner else _words_of_error(str(error))
         raise InvalidParameter(f"{path}{inner}: found {_in_toml(wrong)}, expected {expected}") from None
+
+
+def _limit(kind: Any, value: object, path: str) -> float | int:
+    """Convert a limit that may be "unlimited"; a number is at most its plausible upper bound."""
+    if value == WORD:
+        return UNLIMITED
+    number = float if float in typing.get_args(kind) else int
+    try:
+        limit: float | int = msgspec.convert(value, number)
+    except msgspec.ValidationError:
+        raise InvalidParameter(f"{path}: found {_in_toml(value)}, expected {words_of(kind)}") from None
+    check_highest(path, limit)
+    return limit
 
 
 def fields_of(kind: type) -> dict[str, dataclasses.Field[Any]]:

@@ -3,24 +3,27 @@
 from datetime import date
 
 from ..arguments.require import whole
+from ..arguments.unlimited import Unlimited
 from ..errors import DeviceFailed
 
 
 class Measured:
-    """What a calibration states of its date and author, and of the age (days) up to which it is used; None is no limit.
+    """What a calibration states of its date and author, and of the age (days) up to which it is used.
+
+    None and "unlimited" are no limit.
 
     Raises
     ------
     InvalidParameter
-        If the age is neither None nor a whole number of at least 0.
+        If the age is a number, but not a whole number of at least 0.
     """
 
     measured_on: date | None
     measured_by: str | None
-    max_age_days: int | None
+    max_age_days: int | Unlimited | None
 
     def __post_init__(self) -> None:
-        if self.max_age_days is not None:
+        if self.max_age_days is not None and not isinstance(self.max_age_days, Unlimited):
             whole(type(self).__name__, lowest=0, max_age_days=self.max_age_days)
 
     def check_age(self, what: str, today: date) -> None:
@@ -40,7 +43,7 @@ class Measured:
         tactometry.errors.DeviceFailed: output.gain: found a calibration of 2026-01-02, 58 days old, expected at most \
 30; measure it again with: tactometry calibrate; nothing was played
         """
-        if self.max_age_days is None:
+        if self.max_age_days is None or isinstance(self.max_age_days, Unlimited):
             return
         if self.measured_on is None:
             raise DeviceFailed(

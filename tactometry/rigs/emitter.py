@@ -106,7 +106,7 @@ class Emitter:
         expect(fits, f"stimulus {name!r}", f"a signal of {signal.duration_s:.6g} s", longest)
         return signal
 
-    def limit_facts(self) -> dict[str, float]:
+    def limit_facts(self) -> dict[str, float | str]:
         """The limits that hold: the tighter of those of study and output."""
         stated = [limits for limits in (self._limits, self._output.limits) if limits is not None]
         return functools.reduce(Limits.tighter, stated).facts() if stated else {}

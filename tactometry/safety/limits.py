@@ -2,9 +2,10 @@
 
 import math
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, Final
 
-from ..arguments.require import expect, positive, without_none
+from ..arguments.require import at_most, expect, positive, without_none
+from ..arguments.unlimited import Unlimited
 from ..errors import LimitExceeded
 from ..signal import Signal
 from .load import Load
@@ -19,6 +20,13 @@ FORCE_PEAK_N = 10.0
 """Of a finger where nobody stated another limit: what the touches of the literature ask for several times over, and
 below what small force sensors and thin glass bear (unverified default)."""
 
+STOP_WITHIN_S: Final = 0.1
+"""Longest delay of a stop where nobody stated another limit. A driver that cannot confirm a stop by then has failed
+(unverified default)."""
+
+LONGEST_WINDOW_S: Final = 3600.0
+"""Longest window of a duty: in a longer one signals may play without a pause (unverified default)."""
+
 NEEDED = {
     "electrode": ("duration_s", "duty", "session_s"),
     "piezo": ("duration_s", "displacement_peak_m", "duty", "session_s"),
@@ -29,6 +37,8 @@ NEEDED = {
 @dataclass(frozen=True)
 class Limits:
     """The largest values that an output may emit. None means that nobody stated it.
+
+    Each but `duty` and `duty_window_s` may be `UNLIMITED`; a file may state a number up to its bound in `HIGHEST`.
 
     Parameters
     ----------
@@ -43,14 +53,17 @@ class Limits:
     duty : float, optional
         Largest part of any `duty_window_s` in which signals play, above 0, at most 1.
     session_s : float, optional
-        How long a session may last in which an output emits, above 0: over all its sittings, without the time between.
+        How long a session may last in which an output emits, above 0, at most 24 h in a file: over all its sittings,
+        without the time between.
     charge_session_c : float, optional
         Largest sum, over a session, of the net charges that its signals pass through the leak of a load, whatever their
         signs, above 0.
     force_peak_n : float
         Above this force of the finger nothing plays, above 0.
     duty_window_s : float
-        The time over which `duty` holds.
+        The time over which `duty` holds, above 0, at most 1 h.
+    stop_within_s : float, optional
+        Largest worst-case delay of a stop, above 0; without it 0.1 s.
 
     Raises
     ------
@@ -58,26 +71,39 @@ class Limits:
         If a value is not as stated.
     """
 
-    voltage_peak_v: float
-    duration_s: float | None = None
-    current_peak_a: float | None = None
-    charge_peak_c: float | None = None
-    displacement_peak_m: float | None = None
+    voltage_peak_v: float | Unlimited
+    duration_s: float | Unlimited | None = None
+    current_peak_a: float | Unlimited | None = None
+    charge_peak_c: float | Unlimited | None = None
+    displacement_peak_m: float | Unlimited | None = None
     duty: float | None = None
     duty_window_s: float = 60.0
-    session_s: float | None = None
-    force_peak_n: float = FORCE_PEAK_N
-    charge_session_c: float | None = None
+    session_s: float | Unlimited | None = None
+    force_peak_n: float | Unlimited = FORCE_PEAK_N
+    charge_session_c: float | Unlimited | None = None
+    stop_within_s: float | Unlimited | None = None
 
     def __post_init__(self) -> None:
-        always = {"voltage_peak_v": self.voltage_peak_v, "duty_window_s": self.duty_window_s}
-        positive("Limits", **without_none(vars(self)) | always | {"force_peak_n": self.force_peak_n})
+        always = {name: getattr(self, name) for name in ("voltage_peak_v", "duty_window_s", "force_peak_n")}
+        stated = without_none(vars(self)) | always
+        positive("Limits", **{name: value for name, value in stated.items() if not isinstance(value, Unlimited)})
         expect(self.duty is None or self.duty <= 1, "Limits.duty", self.duty, "at most 1")
+        at_most("Limits.duty_window_s", self.duty_window_s, LONGEST_WINDOW_S)
 
     @property
     def longest_s(self) -> float:
         """How long one signal may be, s."""
         return LONGEST_SIGNAL_S if self.duration_s is None else self.duration_s
+
+    @property
+    def longest_stop_s(self) -> float:
+        """The largest worst-case delay of a stop, s."""
+        return STOP_WITHIN_S if self.stop_within_s is None else self.stop_within_s
+
+    @property
+    def switched_off(self) -> tuple[str, ...]:
+        """The names of the limits that are "unlimited"."""
+        return tuple(name for name, value in vars(self).items() if isinstance(value, Unlimited))
 
     def check(self, signal: Signal) -> None:
         """Refuse a signal that passes a limit which holds for any load.
@@ -147,13 +173,28 @@ class Limits:
         """
         _check("force_peak_n", "a force of up to", target_n * (1 + tolerance), self.force_peak_n, "N", "ask for less")
 
-    def facts(self) -> dict[str, float]:
+    def check_stop(self, delay_s: float) -> None:
+        """Refuse an output whose stop may take longer than the limit.
+
+        Raises
+        ------
+        LimitExceeded
+            If `delay_s`, the worst case, is above it.
+        """
+        cure = "lower latency_s and block_s of the output, or state another limit in the bench file"
+        _check("stop_within_s", "an output that may stop after", delay_s, self.longest_stop_s, "s", cure)
+
+    def facts(self) -> dict[str, float | str]:
         """Those that are stated, for the head of a journal.
 
         >>> sorted(Limits(100.0, duty=0.5).facts())
         ['limit_duty', 'limit_duty_window_s', 'limit_force_peak_n', 'limit_voltage_peak_v']
         """
-        return {f"limit_{name}": value for name, value in vars(self).items() if value is not None}
+        return {
+            f"limit_{name}": str(value) if isinstance(value, Unlimited) else value
+            for name, value in vars(self).items()
+            if value is not None
+        }
 
     def check_exposure(self, exposure: "Exposure", begin_s: float, duration_s: float, charge_c: float = 0.0) -> None:
         """Refuse a signal from `begin_s` of the net charge `charge_c` that would play too often, too late in the

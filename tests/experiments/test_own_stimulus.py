@@ -149,6 +149,10 @@ def test_a_sensation_alone_is_refused_where_it_would_be_asked(own, tmp_path, cap
 
 SIGNAL = '        return Signal(10 ** (level / 20) * (envelope * np.sin(2 * np.pi * turns))[None], self.rate_hz, "V")'
 
+UNCHECKED = f"""        Unchecked = type("Unchecked", (Signal,), {{"__post_init__": print}})
+{SIGNAL.replace("Signal(", "Unchecked(").replace("[None]", "[None] * 1j")}"""
+"""A signal of a subclass that does not check its samples."""
+
 
 @pytest.mark.parametrize(
     ("change", "sentence"),
@@ -162,6 +166,14 @@ SIGNAL = '        return Signal(10 ** (level / 20) * (envelope * np.sin(2 * np.p
         (
             (SIGNAL, SIGNAL.replace("[None]", "[None, :900]")),
             "found a signal of 0.045 s, expected 0.5 s, its duration_s",
+        ),
+        (
+            (SIGNAL, SIGNAL.replace("[None]", "[None] * 1j")),
+            "Signal.samples: found values of type complex128, expected real numbers",
+        ),
+        (
+            (SIGNAL, UNCHECKED),
+            "Signal.samples: found values of type complex128",
         ),
         (
             ("    level_unit: str\n", "    unit: str = 'V'\n"),

@@ -9,6 +9,7 @@ from hard_cases import exact_case
 from hypothesis import assume, given, strategies as st
 from hypothesis.extra.numpy import arrays
 
+from tactometry.arguments.unlimited import UNLIMITED
 from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.safety.limits import LONGEST_SIGNAL_S, Exposure, Limits
 from tactometry.safety.load import Load
@@ -343,3 +344,24 @@ def test_duties_of_different_windows_hold_both():
 def test_of_two_charges_of_a_session_the_smaller_holds():
     one, other = Limits(voltage_peak_v=1.0, charge_session_c=2.0), Limits(voltage_peak_v=1.0, charge_session_c=1.0)
     assert one.tighter(other).charge_session_c == other.tighter(one).charge_session_c == 1.0
+
+
+@pytest.mark.parametrize(
+    ("stated_s", "delay_s", "over"),
+    [(None, 0.1, False), (None, 0.1001, True), (0.05, 0.0501, True), (0.3, 0.3, False), (UNLIMITED, 9.0, False)],
+)
+def test_limits_refuse_a_stop_that_is_late(stated_s, delay_s, over):
+    assert refused(lambda: Limits(1.0, stop_within_s=stated_s).check_stop(delay_s), "stop_within_s") == over
+
+
+def test_unlimited_limits_refuse_nothing():
+    limits = Limits(UNLIMITED, UNLIMITED, force_peak_n=UNLIMITED, session_s=UNLIMITED, charge_session_c=UNLIMITED)
+    limits.check(in_volts(np.full((1, round(2 * LONGEST_SIGNAL_S * RATE_HZ)), 1e9)))
+    limits.check_force(1e9, 0.1)
+    limits.check_exposure(Exposure(0.0), 1e9, 1.0, 1e9)
+
+
+def test_limits_refuse_a_long_duty_window():
+    Limits(1.0, duty_window_s=3600.0)
+    with pytest.raises(InvalidParameter, match=r"Limits\.duty_window_s: found 3601, expected at most 3600"):
+        Limits(1.0, duty_window_s=3601.0)

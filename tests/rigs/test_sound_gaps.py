@@ -41,6 +41,7 @@ def test_a_gap_in_a_stimulus_makes_its_touch_invalid_and_stands_in_its_row(
     study.write_text(study.read_text(encoding="utf-8").replace('"200 ms"', '"1 s"'), encoding="utf-8")
     bench = BENCH.format(stream=device.name, gain=gain_toml("audio pulse, int16", system_volume=1.0))
     bench = bench.replace('"tofile"', '"pulse"\nshared = true\nlatency_s = 0.1')
+    bench = bench.replace("[limits]", "[limits]\nstop_within_s = 0.5")
     (tmp_path / "bench.toml").write_text(bench, encoding="utf-8")
     command = ["run", study, "--participant", "P01", "--bench", tmp_path / "bench.toml", "--out", tmp_path / "data"]
     process = tactometry(*command, env={**sink.env, "DISPLAY": os.environ["DISPLAY"]})

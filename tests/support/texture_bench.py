@@ -45,6 +45,7 @@ duration_s = 30.0
 current_peak_a = "5 mA"
 duty = 1.0
 session_s = "1 h"
+stop_within_s = "500 ms"
 """
     + UDP_HAND
 )

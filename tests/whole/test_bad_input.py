@@ -212,7 +212,7 @@ STUDIES = {
     ),
     "infinite limit": (
         TUTORIAL.replace("voltage_peak_v = 100.0", "voltage_peak_v = inf"),
-        "s.toml, limits.voltage_peak_v: found inf, expected a finite number above 0",
+        's.toml, limits.voltage_peak_v: found inf, expected at most 5000, or "unlimited"',
     ),
     "not a number": (
         TUTORIAL.replace("voltage_peak_v = 100.0", "voltage_peak_v = nan"),

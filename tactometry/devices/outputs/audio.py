@@ -123,6 +123,13 @@ class AudioOutput(AmplifiedDriver):
             "clock_offset_s": self._clocks.offset_s,
         }
 
+    @property
+    def stop_delay_s(self) -> float:
+        """What is buffered, a block and the fade; an open card says how much it buffers, and how far it led of late."""
+        latency_s = 0.0 if self._stream is None else self._stream.latency
+        buffered_s = max(self._settings.latency_s, latency_s, *list(self._dry.leads_s))
+        return buffered_s + self._settings.block_s + FADE_S
+
     def open(self) -> None:
         """Claim the card and play zeros.
 

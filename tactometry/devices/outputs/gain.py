@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from ...arguments.require import positive
+from ...arguments.unlimited import Unlimited
 from ...errors import DeviceFailed, InvalidParameter
 from ...signal import FloatArray, Signal
 from ..measured import Measured
@@ -41,7 +42,7 @@ class Gain(Measured):
         Voltage at the load over voltage at the connector, above 0.
     measured_on, measured_by : date, str, optional
         When, and by whom.
-    max_age_days : int
+    max_age_days : int or Unlimited
         How old the measurement may be.
     measured_with : str, optional
         The output and format that it was measured with, in the words of `SignalChain.output`.
@@ -59,7 +60,7 @@ class Gain(Measured):
     amplifier_gain: float
     measured_on: date | None = None
     measured_by: str | None = None
-    max_age_days: int = MAX_AGE_DAYS
+    max_age_days: int | Unlimited = MAX_AGE_DAYS
     measured_with: str | None = None
     system_volume: float | None = None
 

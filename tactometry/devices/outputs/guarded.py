@@ -68,10 +68,15 @@ class Guarded:
         Raises
         ------
         LimitExceeded
-            If a limit that the load needs is missing; the device stays closed.
+            If a limit that the load needs is missing, or a stop may take too long; the device is closed.
         """
-        self._require_limits()
+        limits = self._require_limits()
         self.driver.open()
+        try:  # now that the device has said how much it buffers
+            limits.check_stop(self.driver.stop_delay_s)
+        except LimitExceeded:
+            self.driver.close()
+            raise
         self._exposure = Exposure(self.clock()) if self._before is None else self._before
         self._counting = threading.Lock()
 

@@ -16,6 +16,7 @@ import numpy as np
 
 from ...arguments.require import expect, positive
 from ...errors import DeviceFailed, library_needed
+from ...safety.limits import STOP_WITHIN_S
 from ...signal import FloatArray, Signal
 from ..deadline import CLOSE_WITHIN_S, within
 from .gain import Gain, SignalChain, required_gain
@@ -96,6 +97,11 @@ class NiOutput(AmplifiedDriver):
         self._task: Any = None
         self._is_open = False
 
+    @property
+    def stop_delay_s(self) -> float:
+        """A stop that takes longer has failed."""
+        return STOP_WITHIN_S
+
     def open(self) -> None:
         self._zero()
         self._is_open = True
@@ -116,7 +122,7 @@ class NiOutput(AmplifiedDriver):
         return time.perf_counter()
 
     def stop(self) -> None:
-        within(CLOSE_WITHIN_S, self.name, self._silence)
+        within(STOP_WITHIN_S, self.name, self._silence)
 
     def _silence(self) -> None:
         if self._end_task():
@@ -124,7 +130,7 @@ class NiOutput(AmplifiedDriver):
 
     def close(self) -> None:
         self._is_open = False
-        self.stop()
+        within(CLOSE_WITHIN_S, self.name, self._silence)
 
     def _end_task(self) -> bool:
         task, self._task = self._task, None

@@ -57,6 +57,11 @@ class Driver(ABC):
         """What the journal says of the device after it was opened, and of what went wrong since."""
         return {}
 
+    @property
+    def stop_delay_s(self) -> float:
+        """Worst-case time from the call of `stop` to zero at the load, s; 0 where nothing is connected."""
+        return 0.0
+
     @abstractmethod
     def open(self) -> None:
         """Claim the device, at zero. Raises `DeviceFailed`."""

@@ -20,6 +20,7 @@ import numpy as np
 
 from ...arguments.require import expect, positive, whole
 from ...errors import DeviceFailed, InvalidParameter
+from ...safety.limits import STOP_WITHIN_S
 from ...signal import Signal
 from .bit_stream import MOST_CHANNELS, decode, encode, stop_stream
 from .gain import Gain, SignalChain, required_gain
@@ -31,12 +32,12 @@ AGAIN_WITHIN_S: Final = 0.5
 """The same, where it read before."""
 SEND_BESIDE_S: Final = 1.0
 """A board takes a stream in the time that it lasts and this (unverified default)."""
-STOP_WITHIN_S: Final = 0.25
-"""A board that has not read a stop by then hangs (unverified default)."""
 TAKE_BESIDE_S: Final = 0.5
 """A board that has not all of a stream so long after its end played nothing (unverified default)."""
 LOOK_S: Final = 0.005
 """A line that takes nothing is looked at this often."""
+READ_WITHIN_S: Final = STOP_WITHIN_S - 2 * LOOK_S
+"""A board that has not read a stop by then hangs: what was sent before, and the stop, are looked at once more each."""
 _NEVER: Final = threading.Event()
 
 
@@ -243,7 +244,7 @@ class PackedOutput(AmplifiedDriver):
     """Writes one stream per signal, and a stream of no samples to stop; the form is that of `bit_stream`.
 
     Streams are sent in a thread of their own, and nothing waits for a board that hangs: a stop ends what is being sent,
-    and is over within twice `STOP_WITHIN_S`, whatever the board does. What it had not read is then taken back, and its
+    and is over within `STOP_WITHIN_S`, whatever the board does. What it had not read is then taken back, and its
     line is closed, so that it finds the end of the file when it wakes up: no stream, and nothing to play.
     """
 
@@ -266,6 +267,11 @@ class PackedOutput(AmplifiedDriver):
 
     def facts(self) -> dict[str, str | int | float | None]:
         return {"n_bytes": self._n_bytes + (0 if self._sending is None else self._sending.n_sent)}
+
+    @property
+    def stop_delay_s(self) -> float:
+        """A stop that takes longer has failed."""
+        return STOP_WITHIN_S
 
     def open(self) -> None:
         """Wait for the board to read, and tell it to stop.
@@ -319,7 +325,7 @@ class PackedOutput(AmplifiedDriver):
     def _end_whole(self) -> None:
         """As `_finish`, before another signal; what lies unread in a pipe by then was not played."""
         before, is_over = self._sending, time.perf_counter() >= self._over_s
-        self._finish()
+        self._finish(READ_WITHIN_S)
         if before is None:
             return
         if is_over and self._line is not None and not self._line.was_read(TAKE_BESIDE_S):
@@ -331,12 +337,12 @@ class PackedOutput(AmplifiedDriver):
                 "before this was not played; restart the board"
             )
 
-    def _finish(self) -> None:
+    def _finish(self, within_s: float) -> None:
         """End what is being sent; a line with a torn stream is let go."""
         sending, self._sending = self._sending, None
         if sending is None:
             return
-        whole = sending.end(STOP_WITHIN_S)
+        whole = sending.end(within_s)
         self._n_bytes += sending.n_sent
         self._is_torn = not whole and time.perf_counter() >= self._over_s
         if not whole:
@@ -353,27 +359,28 @@ class PackedOutput(AmplifiedDriver):
         return int(self._is_torn)
 
     def stop(self) -> None:
-        """Zero now, within twice `STOP_WITHIN_S`.
+        """Zero now, within `STOP_WITHIN_S`.
 
         Raises
         ------
         DeviceFailed
             If the board has not read the stop by then, or had not taken what was played before.
         """
+        end_s = time.monotonic() + READ_WITHIN_S
         with self._turn:
-            self._finish()
+            self._finish(end_s - time.monotonic())
             if self._line is not None:
-                self._stop_board(self._line)
+                self._stop_board(self._line, end_s)
 
-    def _stop_board(self, line: BoardLine) -> None:
+    def _stop_board(self, line: BoardLine, end_s: float) -> None:
         stream = stop_stream(self.n_channels, self.rate_hz)
-        n_sent = line.write(stream, STOP_WITHIN_S)
+        n_sent = line.write(stream, end_s - time.monotonic())
         self._n_bytes += n_sent
-        if n_sent == len(stream) and line.was_read(STOP_WITHIN_S):
+        if n_sent == len(stream) and line.was_read(end_s - time.monotonic()):
             return
         self._let_go()
         raise DeviceFailed(
-            f"{self._path}: the board did not read a stop within {STOP_WITHIN_S:g} s: switch its amplifier off; "
+            f"{self._path}: the board did not read a stop within {READ_WITHIN_S:g} s: switch its amplifier off; "
             "what it had not read was taken back, and its line is closed"
         )
 

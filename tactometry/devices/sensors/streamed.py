@@ -8,6 +8,7 @@ from datetime import date
 import numpy as np
 
 from ...arguments.require import expect, finite, not_zero, without_none
+from ...arguments.unlimited import Unlimited
 from ...errors import InvalidParameter
 from ...signal import FloatArray
 from ..measured import Measured
@@ -106,7 +107,7 @@ class ForceCalibration(Measured):
     count_high: float = math.inf
     measured_on: date | None = None
     measured_by: str | None = None
-    max_age_days: int | None = None
+    max_age_days: int | Unlimited | None = None
 
     def __post_init__(self) -> None:
         super().__post_init__()
