@@ -3,7 +3,7 @@
 import os
 import threading
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
@@ -34,7 +34,7 @@ from .traces import TraceFiles
 
 POSITIONS_HEADER: Final = b"positions_digest\ttime_s\tposition_m\n"
 """Times from the place that the first sample of the stimulus followed."""
-_STIMULUS: Final = b'{"event":"stimulus"'
+_STIMULUS: Final = (b'{"event":"stimulus"', b'{"event":"stimulus_end"')
 
 
 def refuse_mixing(root: Path, rig: str) -> None:
@@ -58,7 +58,7 @@ def refuse_mixing(root: Path, rig: str) -> None:
 
 
 def stimuli(journal: Path) -> Iterator[Event]:
-    """The stimuli of a journal, by a quick look: a damaged line is none."""
+    """Yield the beginnings and ends of the stimuli of a journal; damaged lines are skipped."""
     for line in read_file(journal, "a journal").split(b"\n"):
         if line.startswith(_STIMULUS):
             try:
@@ -87,8 +87,20 @@ def exposure_before(journal: Path, others: list[Path], elapsed_s: float, window_
         if since_s > -window_s - event.duration_s:
             begin_s = now_s + since_s
             intervals_s.append((begin_s, begin_s + event.duration_s))
-    charges_c = [charge for event in of_session if isinstance(charge := event.facts.get("charge_c"), float)]
-    return Exposure(now_s - elapsed_s, tuple(sorted(intervals_s)), sum(charges_c))
+    return Exposure(now_s - elapsed_s, tuple(sorted(intervals_s)), charge_passed_c(of_session))
+
+
+def charge_passed_c(events: Iterable[Event]) -> float:
+    """Sum the charges of stimuli: what each passed, or the largest of any beginning if its end was not recorded."""
+    charges_c: list[float] = []
+    for event in events:
+        charge_c = event.facts.get("charge_c")
+        if not isinstance(charge_c, float):
+            continue
+        if event.kind == "stimulus_end" and charges_c:
+            charges_c.pop()
+        charges_c.append(charge_c)
+    return sum(charges_c)
 
 
 def _utc_s(event: Event) -> float | None:

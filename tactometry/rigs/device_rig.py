@@ -120,7 +120,7 @@ class DeviceRig(LiveRig):
             layout.message_page(texts.message(name, told), "", screen.aspect) for name in ("pause", "stopped")
         )
         self._supervisor = Supervisor(screen, terminal, log, self._emitter.mute, paused, stopped)
-        output.subscribe(self._supervisor.note_stimulus)
+        output.subscribe(self._supervisor.note_stimulus, self._supervisor.note_stimulus_end)
         self._presenter = Presenter(screen, self._supervisor.attend)
         self._setup = TouchSetup(
             presenter=self._presenter,

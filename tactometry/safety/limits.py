@@ -56,8 +56,9 @@ class Limits:
         How long a session may last in which an output emits, above 0, at most 24 h in a file: over all its sittings,
         without the time between.
     charge_session_c : float, optional
-        Largest sum, over a session, of the net charges that its signals pass through the leak of a load, whatever their
-        signs, above 0.
+        Largest sum, over a session, of the charges that its signals pass through the leak of a load, whatever their
+        signs, above 0. A signal that plays counts with the largest charge of any of its beginnings, one that was
+        stopped with what was emitted by then, a complete one with its net charge.
     force_peak_n : float
         Above this force of the finger nothing plays, above 0.
     duty_window_s : float
@@ -197,8 +198,9 @@ class Limits:
         }
 
     def check_exposure(self, exposure: "Exposure", begin_s: float, duration_s: float, charge_c: float = 0.0) -> None:
-        """Refuse a signal from `begin_s` of the net charge `charge_c` that would play too often, too late in the
-        session, or after too much charge.
+        """Refuse a signal from `begin_s` that would play too often, too late in the session, or pass too much charge.
+
+        `charge_c` is the largest charge of any beginning of the signal, because it may be stopped at any time.
 
         Raises
         ------
@@ -213,7 +215,7 @@ class Limits:
             end_s = begin_s + duration_s - exposure.opened_s
             _check("session_s", "a session of", end_s, self.session_s, "s", "end it and let the participant rest")
         if self.charge_session_c is not None:
-            sum_c = exposure.charge_c + charge_c
+            sum_c = exposure.charge_c + exposure.playing_c + charge_c
             _check("charge_session_c", "net charges of", sum_c, self.charge_session_c, "C", "end the session")
 
     def tighter(self, other: "Limits") -> "Limits":
@@ -242,8 +244,8 @@ class Limits:
 class Exposure:
     """When an output emitted: the intervals (begin, end) of the last while, s, on the clock of `opened_s`.
 
-    `opened_s` is when the session would have begun if it had had no breaks; `charge_c` the sum of the net charges of
-    its signals.
+    `opened_s` is when the session would have begun if it had had no breaks; `charge_c` the sum of the charges that
+    passed in the signals that have ended, and `playing_c` the largest that the signal that plays may pass.
 
     Examples
     --------
@@ -255,6 +257,7 @@ class Exposure:
     opened_s: float
     intervals_s: tuple[tuple[float, float], ...] = ()
     charge_c: float = 0.0
+    playing_c: float = 0.0
 
     @property
     def played_s(self) -> float:
@@ -268,7 +271,11 @@ class Exposure:
         # a new signal ends what still plays: no time counts twice
         intervals_s = (*self.stopped(begin_s).intervals_s, (begin_s, end_s))
         kept_s = tuple((max(a, first_s), b) for a, b in intervals_s if b > first_s)
-        return replace(self, intervals_s=kept_s, charge_c=self.charge_c + charge_c)
+        return replace(self.passed(self.playing_c), intervals_s=kept_s, playing_c=charge_c)
+
+    def passed(self, charge_c: float) -> "Exposure":
+        """With the charge that the signal that played has passed, now that it has ended."""
+        return replace(self, charge_c=self.charge_c + charge_c, playing_c=0.0)
 
     def cure(self, begin_s: float, duration_s: float, window_s: float, most_s: float) -> str:
         """When a signal of `duration_s` may begin that would now play for more than `most_s` of a window.

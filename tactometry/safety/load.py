@@ -14,6 +14,73 @@ from ..arguments.require import expect, positive
 from ..signal import FloatArray, Signal
 
 
+@dataclass(frozen=True, eq=False)
+class PassedCharge:
+    """Charge through the leak of a load in the course of one signal.
+
+    Parameters
+    ----------
+    passed_c, absolute_c : (n_channels, n_samples + 1) array
+        Integral of v/R and of abs(v)/R from the beginning to each sample, and to the end of the line that returns to
+        zero, C.
+    rate_hz : float
+    rise_s : float
+        Finite for a signal that the finger's position weakens as it plays: only `absolute_c` bounds its charge then.
+
+    Examples
+    --------
+    >>> balanced = Signal(np.array([[100.0] * 50 + [-100.0] * 50]), rate_hz=100.0, unit="V")
+    >>> charge = Load("electrode", 1e-9, leak_resistance_ohm=1e6).passed_c(balanced)
+    >>> round(charge.largest_c, 7), round(charge.net_c, 7), round(charge.stopped_c(0.25, late_s=0.1), 7)
+    (4.97e-05, 0.0, 3.55e-05)
+    """
+
+    passed_c: FloatArray
+    absolute_c: FloatArray
+    rate_hz: float
+    rise_s: float = math.inf
+
+    @property
+    def net_c(self) -> float:
+        """Charge of the complete signal, C: the largest of any channel."""
+        return _largest(self.absolute_c[:, -1] if math.isfinite(self.rise_s) else self.passed_c[:, -1])
+
+    @property
+    def largest_c(self) -> float:
+        """Upper bound of the charge of any beginning of the signal, C.
+
+        Between two samples of opposite signs the extremum lies above both ends by at most the smaller triangle there;
+        it is bounded by half of what the piece passes in both directions.
+        """
+        if math.isfinite(self.rise_s):
+            return self.net_c
+        signed, absolute = (np.diff(course, axis=1, prepend=0.0) for course in (self.passed_c, self.absolute_c))
+        before = self.passed_c - signed
+        within = np.maximum(np.abs(before), np.abs(self.passed_c)) + (absolute - np.abs(signed)) / 2
+        return _largest(within)
+
+    def stopped_c(self, after_s: float, late_s: float) -> float:
+        """Upper bound of the charge of a signal that is stopped, C.
+
+        Parameters
+        ----------
+        after_s : float
+            From the first sample to the stop, s.
+        late_s : float
+            Longest time until the output is at zero after a stop, s.
+        """
+        last = self.passed_c.shape[1] - 1
+        begin = min(max(math.floor(after_s * self.rate_hz), 0), last)
+        end = min(max(math.ceil((after_s + late_s) * self.rate_hz), begin), last)
+        following = self.absolute_c[:, end] - self.absolute_c[:, begin]
+        course = self.absolute_c if math.isfinite(self.rise_s) else self.passed_c
+        return _largest(np.abs(course[:, begin]) + following)
+
+
+def _largest(values: FloatArray) -> float:
+    return float(np.max(np.abs(values), initial=0.0))
+
+
 @dataclass(frozen=True)
 class Load:
     """A capacitance with a leak in parallel, the same on every channel.
@@ -68,26 +135,27 @@ class Load:
         """
         before, after, _ = _lines(signal)
         if math.isfinite(rise_s):
-            return self.capacitance_f * signal.peak + self._passed_at_most_c(signal)
+            return self.capacitance_f * signal.peak + self.passed_c(signal, rise_s).net_c
         passed = np.cumsum((before + after) / (2 * signal.rate_hz * self.leak_resistance_ohm), axis=1)
         at_samples = self.capacitance_f * after + passed
         return float(np.max(np.abs([at_samples, self._turning_c(signal, at_samples)]), initial=0.0))
 
-    def _passed_at_most_c(self, signal: Signal) -> float:
-        """The integral of abs(v)/R on the channel where it is largest, C."""
-        sums_v = np.abs(signal.samples).sum(axis=1)
-        return float(np.max(sums_v, initial=0.0)) / (signal.rate_hz * self.leak_resistance_ohm)
+    def passed_c(self, signal: Signal, rise_s: float = math.inf) -> "PassedCharge":
+        """Return the charge through the leak in the course of a signal.
 
-    def charge_net_c(self, signal: Signal, rise_s: float = math.inf) -> float:
-        """Largest abs(integral of v/R) over the whole signal on any channel, C: what has passed through the leak.
-
-        With a finite `rise_s`, as for the current, a bound.
+        With a finite `rise_s`, as for the current, a bound: the charge if all samples had the same sign.
         """
-        if math.isfinite(rise_s):
-            return self._passed_at_most_c(signal)
+        return PassedCharge(self._passed(signal), self._passed(signal, absolute=True), signal.rate_hz, rise_s)
+
+    def _passed(self, signal: Signal, *, absolute: bool = False) -> FloatArray:
+        """Integrate v/R, or abs(v)/R, up to the end of each straight piece: (n_channels, n_samples + 1), C."""
         before, after, _ = _lines(signal)
-        passed = np.sum((before + after) / (2 * signal.rate_hz * self.leak_resistance_ohm), axis=1)
-        return float(np.max(np.abs(passed), initial=0.0))
+        areas_v = (before + after) / 2
+        if absolute:  # a piece that crosses zero has two triangles
+            sizes_v = np.abs(before) + np.abs(after)
+            squares = np.divide(before**2 + after**2, 2 * sizes_v, out=np.zeros_like(sizes_v), where=sizes_v > 0)
+            areas_v = np.where(before * after < 0, squares, sizes_v / 2)
+        return np.cumsum(areas_v / (signal.rate_hz * self.leak_resistance_ohm), axis=1)
 
     def displacement_peak_m(self, signal: Signal) -> float:
         """A bound that no course of these channels passes: the sum of m per V times the peak of each, m.

@@ -25,6 +25,7 @@ Kind = Literal[
     "stop",
     "abort",
     "stimulus",
+    "stimulus_end",
     "order",
     "intervention",
     "dry_run",
@@ -51,7 +52,12 @@ FACTS: Final = (
     Column("device", "Whose clock, of a row of kind clock: a sensor, output, keyboard or utc"),
     Column("clock_offset_s", "Session's clock (time.perf_counter) minus that of the device", "s"),
     Column("clock_drift", "Seconds that the session's clock gained per second since the first such row of the sitting"),
-    Column("charge_c", "Net charge that a stimulus passes through the leak of the load", "C"),
+    Column(
+        "charge_c",
+        "Charge through the leak of the load: of kind stimulus the largest that any beginning of it passes, of kind "
+        "stimulus_end what it passed",
+        "C",
+    ),
     Column(
         "text",
         "The remark; who or what caused a pause, a repetition or a stop; what ends unfinished, and why; what is wanted "

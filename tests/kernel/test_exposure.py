@@ -1,5 +1,6 @@
 """Duty, session time and charge count over all sittings of a session, and duty over all sessions of a participant."""
 
+import math
 import os
 import time
 from dataclasses import replace
@@ -8,6 +9,7 @@ from datetime import UTC, datetime, timedelta
 import numpy as np
 import pytest
 from benches import file_bench
+from hypothesis import given, strategies as st
 from soak import SOAK
 from study_texts import tutorial_in
 from tutorial_session import EXPERIMENT, TOML
@@ -150,15 +152,111 @@ def test_the_time_of_a_session_is_that_of_all_its_sittings(tmp_path):
         output.play(volts(1.1))
 
 
-def test_net_charges_add_up_over_a_session_whatever_their_sign(tmp_path):
-    """10 V on 1 Mohm for 1 s leak 10 uC; a stop takes none of it back."""
-    output = guard(tmp_path, Clock(), charge_session_c=50e-6)
+def test_guard_sums_charges_of_signals_whatever_their_sign(tmp_path):
+    """10 V on 1 Mohm for 1 s leak 10 uC."""
+    clock = Clock()
+    output = guard(tmp_path, clock, charge_session_c=50e-6)
     output.count_on(Exposure(1000.0, (), charge_c=25e-6))
     output.open()
-    output.play(volts(1.0))
-    output.play(volts(1.0, -10.0))
+    for volt in (10.0, -10.0):
+        output.play(volts(1.0, volt))
+        clock.now_s += 2.0
     with pytest.raises(LimitExceeded, match=r"limits\.charge_session_c: found net charges of 5\.5e-05 C"):
         output.play(volts(1.0))
+
+
+def balanced(volt=100.0):
+    """0.5 s at a positive, then 0.5 s at the same negative voltage: 50 uC through 1 Mohm, then back to 0."""
+    return Signal(np.repeat([[volt, -volt]], 500, axis=1), 1e3, "V")
+
+
+def test_guard_refuses_balanced_signal_whose_half_passes_the_charge(tmp_path):
+    output = guard(tmp_path, Clock(), charge_session_c=10e-6)
+    output.open()
+    with pytest.raises(LimitExceeded, match=r"limits\.charge_session_c: found net charges of 4\.9975e-05 C"):
+        output.play(balanced())
+
+
+def test_guard_counts_the_charge_of_stopped_signals(tmp_path):
+    """Each of two signals is stopped half way, after 50 uC, so that a third may reach 150 uC."""
+    clock = Clock()
+    output = guard(tmp_path, clock, charge_session_c=149e-6)
+    output.open()
+    for _ in range(2):
+        output.play(balanced())
+        clock.now_s += 0.5
+        output.stop()
+        clock.now_s += 9.5
+    with pytest.raises(LimitExceeded, match="charge_session_c"):
+        output.play(balanced())
+
+
+def test_guard_counts_net_charge_of_complete_signals(tmp_path):
+    clock, ends_c = Clock(), []
+    output = guard(tmp_path, clock, charge_session_c=51e-6)
+    output.subscribe(lambda *emission: None, ends_c.append)
+    output.open()
+    for _ in range(40):
+        output.play(balanced())
+        clock.now_s += 1.1
+    output.close()
+    assert ends_c == pytest.approx([0.0] * 40, abs=1e-9)
+
+
+def test_resumed_session_counts_what_stimuli_passed(tmp_path):
+    keeper = opened(tmp_path)
+    for charge_c, passed_c in ((5e-6, 0.0), (5e-6, 3e-6), (4e-6, None)):
+        keeper.note(stimulus(10.0, at_s=1.0, charge_c=charge_c))
+        if passed_c is not None:
+            keeper.note(Event("stimulus_end", 2.0, facts={"charge_c": passed_c}))
+    keeper.close()
+    keeper = opened(tmp_path, resume=True)
+    assert keeper.exposure(60.0).charge_c == pytest.approx(7e-6)
+    keeper.close()
+
+
+@st.composite
+def courses(draw):
+    """A random signal with the times of a stop: when it is requested, when the fall begins and how long it takes."""
+    n_channels, n_samples = draw(st.integers(1, 3)), draw(st.integers(1, 40))
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    samples = rng.normal(0.0, draw(st.sampled_from((1e-3, 1.0, 200.0))), (n_channels, n_samples))
+    signal = Signal(samples, draw(st.sampled_from((10.0, 1e3, 192e3))), "V")
+    after_s, late, fade = (draw(st.floats(0.0, 1.2)) * signal.duration_s for _ in range(3))
+    return signal, after_s, late, fade
+
+
+def emitted(signal, times_s, stop_s=math.inf, fade_s=1.0):
+    """Voltage of each channel at these times, with a linear fall of `fade_s` from `stop_s` on."""
+    at_s = np.arange(-1, signal.samples.shape[1] + 1) / signal.rate_hz
+    whole = np.array([np.interp(times_s, at_s, np.pad(channel, 1)) for channel in signal.samples])
+    return whole * np.clip(1 - (times_s - stop_s) / max(fade_s, 1e-12), 0.0, 1.0)
+
+
+def integrals_c(signal, *stop):
+    """Charge through 1 Mohm up to each of many times (n_channels, n_times), by the trapezoidal rule."""
+    times_s = np.arange(-400, 400 * (signal.samples.shape[1] + 1)) / (400 * signal.rate_hz)
+    volts_v = emitted(signal, times_s, *stop)
+    steps = (volts_v[:, 1:] + volts_v[:, :-1]) / 2 * np.diff(times_s)
+    return np.cumsum(steps, axis=1) / 1e6
+
+
+@given(courses())
+def test_largest_charge_bounds_every_beginning(course):
+    signal, *_ = course
+    exact_c = np.abs(integrals_c(signal)).max()
+    crossing_c = np.abs(signal.samples).max() / signal.rate_hz / 1e6
+    charge = FINGER.passed_c(signal)
+    assert exact_c * (1 - 1e-4) <= charge.largest_c <= exact_c + crossing_c
+    assert charge.net_c == pytest.approx(np.abs(integrals_c(signal)[:, -1]).max(), rel=1e-4, abs=1e-4 * exact_c)
+
+
+@given(courses())
+def test_stopped_charge_bounds_what_any_fall_emits(course):
+    signal, after_s, late_s, fade_s = course
+    passed_c = np.abs(integrals_c(signal, after_s + late_s, fade_s)[:, -1]).max()
+    step_c = np.abs(signal.samples).max() / (400 * signal.rate_hz) / 1e6
+    assert passed_c <= FINGER.passed_c(signal).stopped_c(after_s, late_s + fade_s) + step_c
 
 
 def test_what_is_emitted_is_told_and_nothing_of_a_null_output(tmp_path):
@@ -173,6 +271,6 @@ def test_what_is_emitted_is_told_and_nothing_of_a_null_output(tmp_path):
 
 def test_the_net_charge_of_an_alternating_voltage_is_none():
     samples = np.sin(2 * np.pi * 10 * np.arange(1000) / 1e3)[None]
-    assert FINGER.charge_net_c(Signal(samples, 1e3, "V")) == pytest.approx(0.0, abs=1e-15)
+    assert FINGER.passed_c(Signal(samples, 1e3, "V")).net_c == pytest.approx(0.0, abs=1e-15)
     rising = Signal(np.array([[10.0, 10.0], [-20.0, -20.0]]), 1e3, "V")
-    assert FINGER.charge_net_c(rising) == pytest.approx(20.0 * 2e-3 / 1e6)
+    assert FINGER.passed_c(rising).net_c == pytest.approx(20.0 * 2e-3 / 1e6)

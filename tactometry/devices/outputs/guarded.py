@@ -10,12 +10,32 @@ from dataclasses import dataclass
 from ...errors import LimitExceeded
 from ...followed import Course, FollowedSignal
 from ...safety.limits import Exposure, Limits
-from ...safety.load import Load
+from ...safety.load import Load, PassedCharge
 from ...signal import Signal
 from .output import LONGEST_WORD_S, Driver, check_format
 
 OnSignal = Callable[[float, float, float], None]
-"""What is told of a signal: onset, s on `time.perf_counter`, duration, s, and net charge through the leak, C."""
+"""Called as a signal begins: onset, s on `time.perf_counter`, duration, s, and largest charge through the leak, C."""
+OnEnd = Callable[[float], None]
+"""Called once for each signal after it has ended: the charge that it passed through the leak, C."""
+
+
+@dataclass(frozen=True)
+class _Playing:
+    """The signal that was begun last, on the clock of the guard."""
+
+    onset_s: float
+    duration_s: float
+    charge: PassedCharge | None
+
+    def is_over(self, at_s: float) -> bool:
+        return at_s >= self.onset_s + self.duration_s
+
+    def passed_c(self, at_s: float, late_s: float) -> float:
+        """Return the charge that it passed if it ends, or has ended, at `at_s`."""
+        if self.charge is None:
+            return 0.0
+        return self.charge.net_c if self.is_over(at_s) else self.charge.stopped_c(at_s - self.onset_s, late_s)
 
 
 @dataclass(eq=False)
@@ -42,6 +62,8 @@ class Guarded:
         self._exposure = Exposure(self.clock())
         self._before: Exposure | None = None
         self._on_signal: OnSignal = lambda onset_s, duration_s, charge_c: None
+        self._on_end: OnEnd = lambda charge_c: None
+        self._playing: _Playing | None = None
         self._counting = threading.Lock()
         self._final = functools.lru_cache(maxsize=1)(self._keep_to_limits)
 
@@ -58,9 +80,10 @@ class Guarded:
         """Count on from what was emitted before: `before` is on the clock of this guard."""
         self._before = before
 
-    def subscribe(self, on_signal: OnSignal) -> None:
-        """Call `on_signal` with whatever is emitted from now on, as it begins, in the thread that plays."""
-        self._on_signal = on_signal
+    def subscribe(self, on_signal: OnSignal, on_end: OnEnd = lambda charge_c: None) -> None:
+        """Report each signal that is emitted from now on, as it begins and after it has ended, in the thread that
+        plays, stops or closes."""
+        self._on_signal, self._on_end = on_signal, on_end
 
     def open(self) -> None:
         """Claim the device, if its limits are stated.
@@ -89,15 +112,38 @@ class Guarded:
             If the signal must not or cannot be played; nothing was.
         """
         limits, final = self.check(signal)
-        charge_c = 0.0 if self.load is None else self.load.charge_net_c(final, _rise_s(signal))
-        limits.check_exposure(self._exposure, self.clock(), final.duration_s, charge_c)
+        charge = None if self.load is None else self.load.passed_c(final, _rise_s(signal))
+        largest_c = 0.0 if charge is None else charge.largest_c
+        now_s = self.clock()
+        if self._playing is not None and self._playing.is_over(now_s):
+            self._end_playing(now_s)
+        limits.check_exposure(self._exposure, now_s, final.duration_s, largest_c)
+        self._end_playing(now_s)  # the new signal replaces it
         onset_s = self.driver.play(signal)
         with self._counting:
             # the clock anew: a driver may let the signal before fall to zero first
-            self._exposure = self._exposure.after(self.clock(), final.duration_s, limits.duty_window_s, charge_c)
+            now_s = self.clock()
+            self._exposure = self._exposure.after(now_s, final.duration_s, limits.duty_window_s, largest_c)
+            self._playing = _Playing(now_s + onset_s - time.perf_counter(), final.duration_s, charge)
         if self.emits:
-            self._on_signal(onset_s, final.duration_s, charge_c)
+            self._on_signal(onset_s, final.duration_s, largest_c)
         return onset_s
+
+    def _end_playing(self, at_s: float) -> None:
+        """Count what the signal that plays has passed by `at_s`.
+
+        Which part of a signal with gaps was emitted is not known: it counts with its largest charge.
+        """
+        with self._counting:
+            playing, self._playing = self._playing, None
+            if playing is None:
+                return
+            passed_c = playing.passed_c(at_s, min(self.driver.stop_delay_s, playing.duration_s))
+            if self.driver.n_gaps(0.0):
+                passed_c = self._exposure.playing_c
+            self._exposure = self._exposure.passed(passed_c)
+        if self.emits:
+            self._on_end(passed_c)
 
     def check(self, signal: Signal) -> tuple[Limits, Signal]:
         """The limits and the final samples of a signal that keeps them; `play` does not compute them again.
@@ -129,11 +175,14 @@ class Guarded:
         return self.driver.n_gaps(longest_wait_s)
 
     def stop(self) -> None:
+        at_s = self.clock()  # before the driver, which may wait until the device is at zero
         self.driver.stop()
+        self._end_playing(at_s)
         with self._counting:
             self._exposure = self._exposure.stopped(self.clock())
 
     def close(self) -> None:
+        self._end_playing(self.clock())
         self.driver.close()
 
     def _require_limits(self) -> Limits:

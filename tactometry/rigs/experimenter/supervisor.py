@@ -82,6 +82,10 @@ class Supervisor:
         """Keep a stimulus as it begins: what is kept counts when the session goes on."""
         self._keep("stimulus", onset_s, {"charge_c": charge_c}, duration_s)
 
+    def note_stimulus_end(self, charge_c: float) -> None:
+        """Keep the charge that the last stimulus passed, which replaces the one of its beginning."""
+        self.note("stimulus_end", charge_c=charge_c)
+
     def attend(self, events: tuple[Input, ...]) -> bool:
         """Look at what was pressed and typed: True if the session was paused meanwhile.
 
