@@ -59,7 +59,8 @@ class Rig(Protocol):
 
     def resume(self, trials: Sequence[Trial], elapsed_s: float) -> None: ...
 
-    def close(self) -> None: ...
+    def close(self) -> None:
+        """Put the output to zero and close the devices. May be called more than once."""
 
 
 @dataclass(frozen=True)

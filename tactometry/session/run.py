@@ -58,7 +58,10 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
             request = _advance(course, answer)
     except _Ended as end:
         recorded.refuse_rest()
-        journal.finish()
+        try:
+            rig.close()  # first: it notes what the last stimulus passed, and nothing follows the end of a journal
+        finally:
+            journal.finish()
         value: T = end.value  # type: ignore[assignment]
         return value
     finally:
