@@ -16,6 +16,7 @@ from tactometry.devices.sensors.reader import Reader, SampleBlock
 from tactometry.errors import TactometryError
 from tactometry.gates import ForceGate
 from tactometry.safety.limits import Limits
+from tactometry.safety.load import Load
 from tactometry.signal import Signal
 
 from ..study.experiment import Experiment, wire
@@ -138,9 +139,20 @@ def _output_findings(
         yield duration("output", "worst-case stop, by the bench file", bench.stop_delay_s, output.limits.longest_stop_s)
     if output.limits is not None and output.load is not None:
         output.limits.check_stated(output.load)
+        yield _current_of_a_stop(output, output.limits, output.load)
     yield from findings_of("output", _output(output, limits, hands_off=hands_off))
     if experiment is not None:
         yield from findings_of("output", _strongest(output, experiment, bench))
+
+
+def _current_of_a_stop(output: Guarded, limits: Limits, load: Load) -> Finding:
+    """The largest current that the fall of a stop draws; it has no limit, because a stop must not be refused."""
+    what = "largest current of a stop, no limit holds"
+    if output.driver.fall_s == 0:
+        return Finding("output", what, "that of one step of the device, as fast as the amplifier follows")
+    voltage_v = min(limits.voltage_peak_v, output.driver.full_scale_v)
+    current_a = load.capacitance_f * voltage_v / output.driver.fall_s + voltage_v / load.leak_resistance_ohm
+    return Finding("output", what, f"{current_a:.3g} A from {voltage_v:.3g} V in {1e3 * output.driver.fall_s:g} ms")
 
 
 def _output(output: Guarded, limits: Limits | None, *, hands_off: bool) -> Iterator[Finding]:

@@ -15,9 +15,11 @@ import player
 import pytest
 from benches import gain_table
 from hard_cases import hard_case
+from hypothesis import given, strategies as st
 from patience import LONGEST_PROGRAM_S, LONGEST_WAIT_S
 from sound_server import heard_part, played
 
+from tactometry.devices.outputs import frame_feed
 from tactometry.devices.outputs.audio import AudioOutput, AudioSettings
 from tactometry.devices.outputs.frame_feed import FrameFeed
 from tactometry.devices.outputs.gain import Gain
@@ -262,3 +264,88 @@ def n_underruns_when_held_up(sink):
         process.send_signal(signal.SIGCONT)
         said = process.stdout.read()
     return json.loads(re.search(rb"\{.*?\}", said)[0])["n_underruns"]
+
+
+# --- a process that is held up
+
+
+def held_up_process(sink, what, for_s):
+    """Stop a process 0.3 s into its signal, let it go on after `for_s`: what was heard, and what it reported."""
+    sink.begin()
+    with subprocess.Popen([*PROGRAM, json.dumps(what)], env=sink.env, stdout=subprocess.PIPE) as process:
+        for line in process.stdout:
+            if int(line) >= 14_400:
+                break
+        process.send_signal(signal.SIGSTOP)
+        time.sleep(for_s)
+        process.send_signal(signal.SIGCONT)
+        process.communicate(timeout=LONGEST_PROGRAM_S)
+    return sink.end()
+
+
+def test_suspended_process_plays_nothing_after_it_continues(sink):
+    """A signal of 2 s is held up for 1 s, then 0.7 s of it would be left."""
+    what = asked(2, "pulse", 2.0, lead_s=0.3, tail_s=1.0, tell=True)
+    frames = held_up_process(sink, what, for_s=1.0)
+    heard = heard_part(frames)
+    assert 0 < len(heard) < 0.7 * 48_000
+
+
+@st.composite
+def feeds(draw):
+    """Frames of one channel, a number of frames of the fade, sizes of blocks, and the block before which it stops."""
+    rng = np.random.default_rng(draw(st.integers(0, 2**32 - 1)))
+    frames = rng.uniform(-1.0, 1.0, (draw(st.integers(1, 300)), 1))
+    sizes = draw(st.lists(st.integers(1, 64), min_size=1, max_size=60))
+    return frames, draw(st.integers(1, 100)), sizes, draw(st.integers(0, len(sizes)))
+
+
+@given(feeds())
+def test_stop_fades_over_the_stated_frames_at_any_block_size(feed_of):
+    frames, n_fade, sizes, stops_before = feed_of
+    feed, emitted = FrameFeed(frames, n_fade), []
+    for number, size in enumerate([*sizes, *[400] * 2]):
+        if number == stops_before:
+            feed.stop()
+        emitted.extend(feed.take(size)[:, 0].tolist())
+    begin = min(sum(sizes[:stops_before]), len(frames))
+    fall = np.clip(1 - (np.arange(len(frames)) - begin) / n_fade, 0.0, 1.0)
+    expected = frames[:, 0] * np.where(np.arange(len(frames)) < begin, 1.0, fall)
+    assert emitted == pytest.approx(expected[: begin + n_fade].tolist(), abs=1e-12)
+    assert feed.finished
+
+
+class HeldUpClock:
+    """The clock of a process that is held up once."""
+
+    now_s = 100.0
+
+    def __call__(self):
+        return self.now_s
+
+
+@given(feeds(), st.integers(0, 60), st.floats(0.0, 5.0))
+def test_feed_emits_no_frame_later_than_allowed(feed_of, held_up_before, held_up_s):
+    frames, n_fade, sizes, _ = feed_of
+    clock, rate_hz, lead_s, allowed_s = HeldUpClock(), 1000.0, 0.05, 1e-3
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(frame_feed, "awake_and_asleep_s", clock)
+        feed, at = FrameFeed(frames, n_fade), 0
+        feed.begin(0.0, lead_s)
+        onset_s = clock.now_s + lead_s
+        for number, size in enumerate(sizes):
+            clock.now_s += held_up_s if number == held_up_before else 0.0
+            feed.give_up_if_late(rate_hz, allowed_s)
+            n_taken = len(feed.take(size))
+            assert not n_taken or clock.now_s <= onset_s + at / rate_hz + allowed_s + 1e-9
+            at, clock.now_s = at + n_taken, clock.now_s + size / rate_hz
+    assert feed.n_gaps == (at < min(sum(sizes), len(frames)))
+
+
+def test_feed_plays_nothing_when_the_device_asks_too_late(monkeypatch):
+    clock = HeldUpClock()
+    monkeypatch.setattr(frame_feed, "awake_and_asleep_s", clock)
+    feed = FrameFeed(np.ones((1000, 1)), n_fade=48)
+    clock.now_s += 0.2
+    feed.begin(0.0, 0.05)
+    assert (len(feed.take(240)), feed.n_gaps, feed.finished) == (0, 1, True)

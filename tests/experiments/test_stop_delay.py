@@ -123,6 +123,12 @@ def test_check_shows_the_worst_case_stop(latency_s, fine):
     assert (shown.found, shown.expected, shown.fine) == (f"{1e3 * latency_s + 6:.1f} ms", "at most 100 ms", fine)
 
 
+def test_check_states_the_current_of_a_stop():
+    found = {each.what: each for each in devices(bench_of(), STUDY, None, hands_off=False)}
+    shown = found["largest current of a stop, no limit holds"]
+    assert shown.found == "8e-05 A from 80 V in 1 ms"  # 1 nF x 80 V / 1 ms
+
+
 @pytest.mark.parametrize("table", ["bench", "study"])
 @pytest.mark.parametrize("name", [name for name in HIGHEST if name != "max_age_days"])
 def test_limits_of_files_refuse_implausible_numbers(table, name):

@@ -22,7 +22,7 @@ from .gain import Gain, SignalChain, required_gain
 from .output import LONGEST_WORD_S, AmplifiedDriver
 
 FADE_S = 1e-3
-"""A stop falls to zero within this time, or within a block where that is shorter (unverified default)."""
+"""A stop falls to zero in this time, whatever the block (unverified default)."""
 LONGEST_START_S = 2.0
 LONGEST_S: Final = {"block_s": 1.0, "latency_s": 10.0, "position_latency_s": 1.0}
 """Of what is stated: later nothing stops, and nothing follows a finger (unverified default)."""
@@ -128,7 +128,11 @@ class AudioOutput(AmplifiedDriver):
         """What is buffered, a block and the fade; an open card says how much it buffers, and how far it led of late."""
         latency_s = 0.0 if self._stream is None else self._stream.latency
         buffered_s = max(self._settings.latency_s, latency_s, *list(self._dry.leads_s))
-        return buffered_s + self._settings.block_s + FADE_S
+        return buffered_s + self._settings.block_s + self.fall_s
+
+    @property
+    def fall_s(self) -> float:
+        return FADE_S
 
     def open(self) -> None:
         """Claim the card and play zeros.
@@ -240,9 +244,10 @@ class AudioOutput(AmplifiedDriver):
         if course is None or course.finished:
             return
         if not course.begun.is_set():
-            course.onset_s = now_s + lead_s
             course.n_gaps += self._dry.is_dry  # its first frames are lost in the gap before it
-            course.begun.set()
+            course.begin(now_s, lead_s)
+        # a device whose lead is not known plays up to `latency_s` behind its first block
+        course.give_up_if_late(self.rate_hz, FADE_S + (0.0 if self._dry.has_lead else self._settings.latency_s))
         piece = course.take(n_frames)
         out[: len(piece)] = piece
 

@@ -3,6 +3,7 @@
 import math
 import statistics
 import threading
+import time
 from collections import deque
 from collections.abc import Sequence
 from typing import Any, Final
@@ -29,6 +30,14 @@ EARLY_S: Final = 0.03
 """A device may run dry so long before what it has in hand lasts, as it says (unverified default: the block of a sound
 server's sink is 20 ms, and what it says of itself is off by some)."""
 
+LONGEST_HOLD_UP_S: Final = 0.1
+"""A device that asks for the first frames later than this after they were made was held up (unverified default)."""
+
+
+def awake_and_asleep_s() -> float:
+    """Seconds that also pass while the computer sleeps, where the system has such a clock."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME) if hasattr(time, "CLOCK_BOOTTIME") else time.perf_counter()
+
 
 class FrameFeed:
     """The frames of one signal, handed out in order; after the last, and after `stop`, there are none.
@@ -40,12 +49,14 @@ class FrameFeed:
     frames : (n_frames, n_channels) array
         As the device takes them.
     n_fade : int
-        Frames over which a stop falls to zero, within one block.
+        Frames over which a stop falls to zero, in as many blocks as that takes.
     """
 
     def __init__(self, frames: NDArray[Any], n_fade: int) -> None:
         self._frames, self._n_fade = frames, n_fade
-        self._at = 0
+        self._at = self._n_faded = 0
+        self._made_s = awake_and_asleep_s()
+        self._zero_s = math.inf
         self._stopping = False
         self.onset_s = 0.0
         self.n_gaps = 0
@@ -65,8 +76,30 @@ class FrameFeed:
         ends_s = self.onset_s + len(self._frames) / rate_hz
         return self.begun.is_set() and not self._stopping and not self.finished and now_s > ends_s
 
+    def begin(self, now_s: float, lead_s: float) -> None:
+        """Set the onset at `lead_s` after `now_s`, or end if the device asks too long after the frames were made."""
+        self.onset_s, self._zero_s = now_s + lead_s, awake_and_asleep_s() + lead_s
+        if awake_and_asleep_s() - self._made_s > LONGEST_HOLD_UP_S:
+            self._give_up()
+        self.begun.set()
+
+    def give_up_if_late(self, rate_hz: float, allowed_s: float) -> None:
+        """End at once, without a fade, if the next frame should have left the device more than `allowed_s` ago.
+
+        The process was held up (SIGSTOP, suspend, debugger) for longer than the device had frames in hand, so that the
+        device has fallen to zero by itself. Frames that went on would be felt long after their touch.
+        """
+        late_s = awake_and_asleep_s() - (self._zero_s + self._at / rate_hz)
+        if not self.finished and late_s > allowed_s:
+            self._give_up()
+
+    def _give_up(self) -> None:
+        self._at = len(self._frames)
+        self.n_gaps = max(self.n_gaps, 1)  # the device may have reported the same hold-up
+        self.ended.set()
+
     def stop(self) -> None:
-        """The next block falls to zero and is the last."""
+        """Fall to zero from the next block on."""
         self._stopping = True
 
     def take(self, n_frames: int) -> NDArray[Any]:
@@ -80,19 +113,29 @@ class FrameFeed:
         >>> course.stop()
         >>> course.take(10).ravel().tolist(), course.take(10).ravel().tolist()
         ([8.0, 6.0, 4.0, 2.0], [])
-        >>> short = FrameFeed(np.full((6, 1), 8.0), n_fade=4)
-        >>> short.stop()
-        >>> short.take(2).ravel().tolist()
-        [8.0, 4.0]
+        >>> small_blocks = FrameFeed(np.full((6, 1), 8.0), n_fade=4)
+        >>> small_blocks.stop()
+        >>> small_blocks.take(2).ravel().tolist(), small_blocks.take(2).ravel().tolist()
+        ([8.0, 6.0], [4.0, 2.0])
         """
         stopping = self._stopping  # read once: the thread that plays may set it meanwhile
-        n_taken = min(n_frames, self._n_fade) if stopping else n_frames
+        n_taken = min(n_frames, self._n_fade - self._n_faded) if stopping else n_frames
         begin, piece = self._at, self._frames[self._at : self._at + n_taken]
-        self._at = len(self._frames) if stopping else self._at + n_taken
-        emitted = self._emitted(_fade(piece) if stopping else piece, begin)
+        self._at += n_taken
+        if stopping:
+            piece = self._faded(piece)
+            if self._n_faded >= self._n_fade:
+                self._at = len(self._frames)
+        emitted = self._emitted(piece, begin)
         if self.finished:
             self.ended.set()
         return emitted
+
+    def _faded(self, piece: NDArray[Any]) -> NDArray[Any]:
+        envelope = 1 - (self._n_faded + np.arange(len(piece))) / self._n_fade
+        self._n_faded += len(piece)
+        falling: NDArray[Any] = piece * envelope[:, None]
+        return falling.astype(piece.dtype)  # whole numbers are cut towards zero
 
     def _emitted(self, piece: NDArray[Any], begin: int) -> NDArray[Any]:
         """What becomes of a piece, whose first frame has the number `begin`."""
@@ -140,12 +183,6 @@ class FollowingFeed(FrameFeed):
     def unknown(self) -> float:
         """The part (0..1) of the frames of which nobody knew the place."""
         return self._n_unknown / max(1, sum(map(len, self._pieces)))
-
-
-def _fade(piece: NDArray[Any]) -> NDArray[Any]:
-    envelope = 1 - np.arange(len(piece)) / len(piece)
-    falling: NDArray[Any] = piece * envelope[:, None]
-    return falling.astype(piece.dtype)  # whole numbers are cut towards zero
 
 
 def was_held_up(left_s: float, leads_s: Sequence[float], latency_s: float) -> bool:
@@ -204,6 +241,11 @@ class DryRuns:
         self._last_s = self._last_dry_s = -math.inf
         self._heard_s = -math.inf
         """When the first block of the last burst is heard, as the device says."""
+
+    @property
+    def has_lead(self) -> bool:
+        """Whether the device once said that it had half of `latency_s` in hand."""
+        return self._had_lead
 
     def after(self, *, now_s: float, lead_s: float, block_s: float, underflow: bool) -> float | None:
         """From when on what is heard may be torn by the gap before this block, which leaves the device `lead_s` from

@@ -62,6 +62,11 @@ class Driver(ABC):
         """Worst-case time from the call of `stop` to zero at the load, s; 0 where nothing is connected."""
         return 0.0
 
+    @property
+    def fall_s(self) -> float:
+        """Time over which a stop falls from the signal to zero, s; 0 where it is one step of the device."""
+        return 0.0
+
     @abstractmethod
     def open(self) -> None:
         """Claim the device, at zero. Raises `DeviceFailed`."""
