@@ -31,6 +31,7 @@ REASONS = {
     "jinja2": "the pages of reports and of `watch`",
     "joblib": "work on several cores (`--jobs`)",
     "portalocker": "one session at a time writes a journal",
+    "platformdirs": "the folder for what outputs of the computer played",
     "threadpoolctl": "threads of linear algebra: told by `check`, held while time is measured",
 }
 EXTRAS = {

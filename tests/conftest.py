@@ -40,6 +40,13 @@ compile_once()
 for library in ("OPENBLAS", "OMP", "MKL"):
     os.environ.setdefault(f"{library}_NUM_THREADS", "1")
 
+
+@pytest.fixture(autouse=True)
+def own_state(tmp_path_factory, monkeypatch):
+    """No output of a test counts what the outputs of another test played."""
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path_factory.getbasetemp() / secrets.token_hex(8)))
+
+
 TESTS = Path(__file__).resolve().parent
 ARTEFACTS = TESTS.parent / "artefacts"
 KEPT = []

@@ -16,6 +16,7 @@ from tactometry.config.toml import errors_in, read_table
 from tactometry.devices.kinds import OUTPUTS, SENSORS
 from tactometry.devices.measured import Measured
 from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.ledger import Ledger, default_path
 from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import ForceCalibration, StreamedSensor, streamed_force, streamed_position
 from tactometry.safety.limits import Limits
@@ -98,8 +99,12 @@ class BenchFile:
             self.output.gain.check("output.gain", self.output.settings.chain(), today)
         limits = self.limits_with(study) if self.limits is not None or not driver.connected else None
         readers = {name: sensor.reader() for name, sensor in self.sensors.items()}
+        ledger = Ledger(default_path()) if driver.emits else None
         return Devices(
-            Guarded(driver, limits, self.output.load), self._force(readers, today), self._position(readers), readers
+            Guarded(driver, limits, self.output.load, ledger=ledger),
+            self._force(readers, today),
+            self._position(readers),
+            readers,
         )
 
     def check_gate(self) -> None:

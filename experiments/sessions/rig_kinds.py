@@ -24,7 +24,7 @@ def rig_kind(name: str, experiment: "Experiment", who: "Who", bench_file: "Bench
 
 
 def equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog | None" = None) -> "Equipment":
-    """None of the devices is open; the output counts on from what reached the participant before, as the log says."""
+    """None of the devices is open; the output counts on from what the session passed before, as the log says."""
     from datetime import date
 
     from tactometry.devices.outputs.output import check_format
@@ -40,8 +40,8 @@ def equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog | Non
     for strongest in experiment.strongest(bank):
         check_format(strongest.signal, devices.output.driver)
     check_followed(experiment, bench, devices)
-    if devices.output.limits is not None and log is not None:
-        devices.output.count_on(log.exposure(devices.output.limits.duty_window_s))
+    if log is not None:
+        devices.output.count_on(log.exposure())
     return Equipment(
         devices.output,
         bank,

@@ -5,7 +5,6 @@ import threading
 import time
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
-from datetime import datetime
 from pathlib import Path
 from typing import Any, Final
 
@@ -25,7 +24,7 @@ from ..session.request import Intervene, Record, Request
 from ..signal import FloatArray
 from ..trials.trial import Trial, tally
 from .agreement import is_beginning
-from .data_set import Session, keys_of, participants, prepare, row, sessions, trials_csv
+from .data_set import Session, participants, prepare, row, sessions, trials_csv
 from .description import NAME, SIMULATED, StudyDescription, describe, describe_columns, read_description, says_simulated
 from .head import FORMAT, as_kept, columns_in, heads
 from .journal import Entry, consequence, read
@@ -67,27 +66,12 @@ def stimuli(journal: Path) -> Iterator[Event]:
                 continue
 
 
-def exposure_before(journal: Path, others: list[Path], elapsed_s: float, window_s: float) -> Exposure:
-    """What counts when a session goes on, or another of the same participant begins, on `time.perf_counter`.
+def exposure_before(journal: Path, elapsed_s: float) -> Exposure:
+    """What counts when a session goes on, on `time.perf_counter`: its time so far, and the charge that it passed.
 
-    Stimuli of the last `window_s` of all journals; the time (`elapsed_s`) and the charge of the session's own
-    `journal`. A stimulus that was stopped counts as long as it was to be. One that is yet to come by the wall clock,
-    which was set back, has just begun.
+    How often its output played is in the ledger of that output.
     """
-    # the wall clock is what sittings share: `perf_counter` begins somewhere else in each
-    now_s, now_utc_s = time.perf_counter(), time.time()
-    of_session = list(stimuli(journal))
-    of_others = [event for other in others for event in stimuli(other)]
-    intervals_s = []
-    for event in (*of_session, *of_others):
-        utc_s = _utc_s(event)
-        if utc_s is None or event.duration_s is None:
-            continue
-        since_s = min(utc_s - now_utc_s, 0.0)
-        if since_s > -window_s - event.duration_s:
-            begin_s = now_s + since_s
-            intervals_s.append((begin_s, begin_s + event.duration_s))
-    return Exposure(now_s - elapsed_s, tuple(sorted(intervals_s)), charge_passed_c(of_session))
+    return Exposure(time.perf_counter() - elapsed_s, charge_c=charge_passed_c(stimuli(journal)))
 
 
 def charge_passed_c(events: Iterable[Event]) -> float:
@@ -101,13 +85,6 @@ def charge_passed_c(events: Iterable[Event]) -> float:
             charges_c.pop()
         charges_c.append(charge_c)
     return sum(charges_c)
-
-
-def _utc_s(event: Event) -> float | None:
-    try:
-        return None if event.timestamp_utc is None else datetime.fromisoformat(event.timestamp_utc).timestamp()
-    except (ValueError, OverflowError):
-        return None
 
 
 class OpenSession:
@@ -166,13 +143,9 @@ class OpenSession:
         """What the experimenter wanted in an earlier sitting, which did not come to it."""
         return self.journal.recording.wanted
 
-    def exposure(self, window_s: float) -> Exposure:
-        """What reached this participant before, in this session and in others of the data set."""
-        journal, code = self.journal.path, self._session.participant
-        others = [
-            path for path in sessions(self._root) if path != journal and keys_of(path.stem).get("participant") == code
-        ]
-        return exposure_before(journal, others, self.replay.elapsed_s, window_s)
+    def exposure(self) -> Exposure:
+        """How long this session has lasted, and what charge it passed."""
+        return exposure_before(self.journal.path, self.replay.elapsed_s)
 
     def note(self, event: Event) -> None:
         """Keep what happened unasked, in the journal and in the events file; from any thread."""

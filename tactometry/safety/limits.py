@@ -1,6 +1,7 @@
 """What may reach a finger, checked on the final samples by every rig and every output."""
 
 import math
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
@@ -272,6 +273,10 @@ class Exposure:
         intervals_s = (*self.stopped(begin_s).intervals_s, (begin_s, end_s))
         kept_s = tuple((max(a, first_s), b) for a, b in intervals_s if b > first_s)
         return replace(self.passed(self.playing_c), intervals_s=kept_s, playing_c=charge_c)
+
+    def beside(self, others_s: Iterable[tuple[float, float]]) -> "Exposure":
+        """With intervals in which others emitted."""
+        return replace(self, intervals_s=tuple(sorted((*self.intervals_s, *others_s))))
 
     def passed(self, charge_c: float) -> "Exposure":
         """With the charge that the signal that played has passed, now that it has ended."""

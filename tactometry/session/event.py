@@ -160,8 +160,8 @@ class EventLog(Protocol):
     def wanted(self) -> tuple[Intervention, ...]:
         """What the experimenter wanted in an earlier sitting, which did not come to it."""
 
-    def exposure(self, window_s: float) -> Exposure:
-        """What reached this participant before: in the last `window_s`, and how long this session has lasted."""
+    def exposure(self) -> Exposure:
+        """How long this session has lasted, and what charge it passed."""
 
     def note(self, event: Event) -> None: ...
 

@@ -329,7 +329,7 @@ def test_feed_emits_no_frame_later_than_allowed(feed_of, held_up_before, held_up
     frames, n_fade, sizes, _ = feed_of
     clock, rate_hz, lead_s, allowed_s = HeldUpClock(), 1000.0, 0.05, 1e-3
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(frame_feed, "awake_and_asleep_s", clock)
+        patch.setattr(frame_feed, "boot_clock_s", clock)
         feed, at = FrameFeed(frames, n_fade), 0
         feed.begin(0.0, lead_s)
         onset_s = clock.now_s + lead_s
@@ -344,7 +344,7 @@ def test_feed_emits_no_frame_later_than_allowed(feed_of, held_up_before, held_up
 
 def test_feed_plays_nothing_when_the_device_asks_too_late(monkeypatch):
     clock = HeldUpClock()
-    monkeypatch.setattr(frame_feed, "awake_and_asleep_s", clock)
+    monkeypatch.setattr(frame_feed, "boot_clock_s", clock)
     feed = FrameFeed(np.ones((1000, 1)), n_fade=48)
     clock.now_s += 0.2
     feed.begin(0.0, 0.05)

@@ -113,6 +113,10 @@ class AudioOutput(AmplifiedDriver):
         self._numbers = functools.lru_cache(maxsize=1)(self._round_to_zero)
         """What the card gets, (n_channels, n_samples); the last signal's is kept, so that `play` begins at once."""
 
+    @property
+    def identity(self) -> str:
+        return f"audio {self._device}"
+
     def facts(self) -> dict[str, str | int | float | None]:
         latency_s = None if self._stream is None else self._stream.latency
         return {

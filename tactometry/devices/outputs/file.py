@@ -57,6 +57,10 @@ class FileOutput(UnconnectedDriver):
         self._folder, self._format = Path(settings.folder), settings.format
         self._n_written = 0
 
+    @property
+    def identity(self) -> str:
+        return f"file {self._folder.resolve()}"
+
     def facts(self) -> dict[str, str | int | float | None]:
         return {"n_files": self._n_written}
 

@@ -3,7 +3,6 @@
 import math
 import statistics
 import threading
-import time
 from collections import deque
 from collections.abc import Sequence
 from typing import Any, Final
@@ -12,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...followed import FollowedSignal
+from ..boot_clock import boot_clock_s
 
 SCANT_S: Final = 0.01
 """A device that has less in hand as it asks has run dry (unverified default: of a sound server that was held up it was
@@ -34,11 +34,6 @@ LONGEST_HOLD_UP_S: Final = 0.1
 """A device that asks for the first frames later than this after they were made was held up (unverified default)."""
 
 
-def awake_and_asleep_s() -> float:
-    """Seconds that also pass while the computer sleeps, where the system has such a clock."""
-    return time.clock_gettime(time.CLOCK_BOOTTIME) if hasattr(time, "CLOCK_BOOTTIME") else time.perf_counter()
-
-
 class FrameFeed:
     """The frames of one signal, handed out in order; after the last, and after `stop`, there are none.
 
@@ -55,7 +50,7 @@ class FrameFeed:
     def __init__(self, frames: NDArray[Any], n_fade: int) -> None:
         self._frames, self._n_fade = frames, n_fade
         self._at = self._n_faded = 0
-        self._made_s = awake_and_asleep_s()
+        self._made_s = boot_clock_s()
         self._zero_s = math.inf
         self._stopping = False
         self.onset_s = 0.0
@@ -78,8 +73,8 @@ class FrameFeed:
 
     def begin(self, now_s: float, lead_s: float) -> None:
         """Set the onset at `lead_s` after `now_s`, or end if the device asks too long after the frames were made."""
-        self.onset_s, self._zero_s = now_s + lead_s, awake_and_asleep_s() + lead_s
-        if awake_and_asleep_s() - self._made_s > LONGEST_HOLD_UP_S:
+        self.onset_s, self._zero_s = now_s + lead_s, boot_clock_s() + lead_s
+        if boot_clock_s() - self._made_s > LONGEST_HOLD_UP_S:
             self._give_up()
         self.begun.set()
 
@@ -89,7 +84,7 @@ class FrameFeed:
         The process was held up (SIGSTOP, suspend, debugger) for longer than the device had frames in hand, so that the
         device has fallen to zero by itself. Frames that went on would be felt long after their touch.
         """
-        late_s = awake_and_asleep_s() - (self._zero_s + self._at / rate_hz)
+        late_s = boot_clock_s() - (self._zero_s + self._at / rate_hz)
         if not self.finished and late_s > allowed_s:
             self._give_up()
 

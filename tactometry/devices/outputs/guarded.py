@@ -12,6 +12,7 @@ from ...followed import Course, FollowedSignal
 from ...safety.limits import Exposure, Limits
 from ...safety.load import Load, PassedCharge
 from ...signal import Signal
+from .ledger import Emissions, Ledger
 from .output import LONGEST_WORD_S, Driver, check_format
 
 OnSignal = Callable[[float, float, float], None]
@@ -51,12 +52,15 @@ class Guarded:
         What is connected; None only for a driver that is not connected to anything.
     clock : callable
         Seconds; by default `time.perf_counter`.
+    ledger : Ledger or None
+        What the output emitted before it was opened, and in other processes; None counts from its opening on.
     """
 
     driver: Driver
     limits: Limits | None
     load: Load | None = None
     clock: Callable[[], float] = time.perf_counter
+    ledger: Ledger | None = None
 
     def __post_init__(self) -> None:
         self._exposure = Exposure(self.clock())
@@ -92,12 +96,16 @@ class Guarded:
         ------
         LimitExceeded
             If a limit that the load needs is missing, or a stop may take too long; the device is closed.
+        DeviceFailed
+            If the device or the ledger does not open; the device is closed.
         """
         limits = self._require_limits()
         self.driver.open()
         try:  # now that the device has said how much it buffers
             limits.check_stop(self.driver.stop_delay_s)
-        except LimitExceeded:
+            if self.ledger is not None:
+                self.ledger.open(self.driver.identity)
+        except BaseException:
             self.driver.close()
             raise
         self._exposure = Exposure(self.clock()) if self._before is None else self._before
@@ -117,7 +125,7 @@ class Guarded:
         now_s = self.clock()
         if self._playing is not None and self._playing.is_over(now_s):
             self._end_playing(now_s)
-        limits.check_exposure(self._exposure, now_s, final.duration_s, largest_c)
+        self._count(limits, now_s, final.duration_s, largest_c)
         self._end_playing(now_s)  # the new signal replaces it
         onset_s = self.driver.play(signal)
         with self._counting:
@@ -128,6 +136,18 @@ class Guarded:
         if self.emits:
             self._on_signal(onset_s, final.duration_s, largest_c)
         return onset_s
+
+    def _count(self, limits: Limits, now_s: float, duration_s: float, charge_c: float) -> None:
+        """Refuse a signal by what was emitted before, or write it down in the ledger."""
+
+        def allow(emitted: Emissions) -> None:
+            others_s = ((now_s - ago_s, now_s - ago_s + other_s) for ago_s, other_s in emitted)
+            limits.check_exposure(self._exposure.beside(others_s), now_s, duration_s, charge_c)
+
+        if self.ledger is None:
+            allow(())
+        else:
+            self.ledger.add(duration_s, allow)
 
     def _end_playing(self, at_s: float) -> None:
         """Count what the signal that plays has passed by `at_s`.
@@ -177,6 +197,8 @@ class Guarded:
     def stop(self) -> None:
         at_s = self.clock()  # before the driver, which may wait until the device is at zero
         self.driver.stop()
+        if self.ledger is not None:
+            self.ledger.end(self.driver.stop_delay_s)
         self._end_playing(at_s)
         with self._counting:
             self._exposure = self._exposure.stopped(self.clock())
@@ -184,6 +206,9 @@ class Guarded:
     def close(self) -> None:
         self._end_playing(self.clock())
         self.driver.close()
+        if self.ledger is not None:
+            self.ledger.end(self.driver.stop_delay_s)
+            self.ledger.close()
 
     def _require_limits(self) -> Limits:
         if self.limits is None:

@@ -98,6 +98,11 @@ class NiOutput(AmplifiedDriver):
         self._is_open = False
 
     @property
+    def identity(self) -> str:
+        """That of the card: a finger may rest on any of its electrodes."""
+        return f"ni {self._settings.channels[0].partition('/')[0]}"
+
+    @property
     def stop_delay_s(self) -> float:
         """A stop that takes longer has failed."""
         return STOP_WITHIN_S

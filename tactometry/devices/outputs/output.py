@@ -53,6 +53,11 @@ class Driver(ABC):
     rate_hz: float | None = None
     follows: bool = False
 
+    @property
+    def identity(self) -> str:
+        """Name of the output on this computer, under which its exposure is counted; of a card, once it is open."""
+        return self.name
+
     def facts(self) -> dict[str, str | int | float | None]:
         """What the journal says of the device after it was opened, and of what went wrong since."""
         return {}

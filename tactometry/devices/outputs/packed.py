@@ -265,6 +265,10 @@ class PackedOutput(AmplifiedDriver):
         self._n_bytes = 0
         self._over_s, self._is_torn = 0.0, False
 
+    @property
+    def identity(self) -> str:
+        return f"packed {self._path.resolve()}"
+
     def facts(self) -> dict[str, str | int | float | None]:
         return {"n_bytes": self._n_bytes + (0 if self._sending is None else self._sending.n_sent)}
 

@@ -1,0 +1,181 @@
+"""What each output of the computer emitted of late, whatever session, data set or command played it.
+
+One SQLite database of the user's account serves all processes: it has the locks, and a process that is killed leaves
+it whole. A row is written before its signal begins, so that a process that is killed has counted it.
+"""
+
+import os
+import sqlite3
+import threading
+import time
+import uuid
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+from ...errors import DeviceFailed
+from ...files.durable import make_folder, open_private
+from ...safety.limits import LONGEST_WINDOW_S
+from ..boot_clock import boot_clock_s, boot_id
+
+Emissions = tuple[tuple[float, float], ...]
+"""How long ago signals began, s, and how long they play, s; the oldest first."""
+NAME: Final = "outputs.sqlite3"
+LONGEST_WAIT_S: Final = 1.0
+"""For another process that writes (unverified default)."""
+_TABLE: Final = (
+    "CREATE TABLE IF NOT EXISTS emissions (id INTEGER PRIMARY KEY, output TEXT NOT NULL, opened TEXT NOT NULL, "
+    "boot_id TEXT NOT NULL, boot_s REAL NOT NULL, utc_s REAL NOT NULL, duration_s REAL NOT NULL)"
+)
+
+
+def default_path() -> Path:
+    """Path of the database, in the folder where programs of this account keep their state."""
+    import platformdirs  # only where an output is opened
+
+    return platformdirs.user_state_path("tactometry", appauthor=False) / NAME
+
+
+@dataclass(frozen=True)
+class Moment:
+    """A time on the clock since the start of the computer, and on the wall clock.
+
+    Examples
+    --------
+    >>> played = Moment("monday", boot_s=100.0, utc_s=1000.0)
+    >>> played.ago_s(Moment("monday", boot_s=103.0, utc_s=5000.0))  # the wall clock was set ahead
+    3.0
+    >>> played.ago_s(Moment("tuesday", boot_s=20.0, utc_s=1060.0))  # the computer was started anew
+    60.0
+    >>> played.ago_s(Moment("tuesday", boot_s=20.0, utc_s=900.0))  # and its wall clock was set back
+    20.0
+    """
+
+    boot_id: str
+    boot_s: float
+    utc_s: float
+
+    @classmethod
+    def now(cls) -> "Moment":
+        return cls(boot_id(), boot_clock_s(), time.time())
+
+    def ago_s(self, now: "Moment") -> float:
+        """How long ago it was, s: on the clock of this start of the computer, or else at least since the start.
+
+        Where a start has no name, a time that this start has already passed counts as one of it. It is never older
+        than that.
+        """
+        if self.boot_id == now.boot_id and self.boot_s <= now.boot_s:
+            return now.boot_s - self.boot_s
+        return max(now.utc_s - self.utc_s, now.boot_s)
+
+
+class Ledger:
+    """The emissions of one output, from `open` on.
+
+    Parameters
+    ----------
+    path : Path
+        Of the database, which is made with its folder.
+    """
+
+    def __init__(self, path: Path) -> None:
+        self._path, self._output, self._opened = path, "", ""
+        self._database: sqlite3.Connection | None = None
+        self._turn = threading.Lock()
+        self._last: tuple[int, Moment, float] | None = None
+
+    def open(self, output: str) -> None:
+        """Begin to count what `output` emits; rows that no window of a limit reaches are deleted.
+
+        Raises
+        ------
+        DeviceFailed
+            If the database cannot be written or is damaged.
+        """
+        make_folder(self._path.parent)
+        self._output, self._opened, self._last = output, uuid.uuid4().hex, None
+        with self._turn, self._connected() as database:
+            database.execute(_TABLE)
+            now = Moment.now()
+            rows = database.execute("SELECT id, duration_s, boot_id, boot_s, utc_s FROM emissions").fetchall()
+            old = [
+                (row,) for row, duration_s, *begin in rows if Moment(*begin).ago_s(now) - duration_s > LONGEST_WINDOW_S
+            ]
+            database.executemany("DELETE FROM emissions WHERE id = ?", old)
+
+    def add(self, duration_s: float, allow: Callable[[Emissions], None]) -> None:
+        """Count a signal of `duration_s` that is about to begin.
+
+        `allow` is called with what was emitted before the ledger was opened, or by another process; nothing is
+        counted if it raises.
+
+        Raises
+        ------
+        DeviceFailed
+            If the database cannot be written or is damaged; nothing was counted.
+        """
+        with self._turn, self._connected() as database:
+            now = Moment.now()
+            allow(self._of_others(database, now))
+            self._shorten(database, now)  # the new signal replaces it
+            row = (self._output, self._opened, now.boot_id, now.boot_s, now.utc_s, duration_s)
+            columns = "output, opened, boot_id, boot_s, utc_s, duration_s"
+            added = database.execute(f"INSERT INTO emissions ({columns}) VALUES (?, ?, ?, ?, ?, ?)", row)
+            self._last = (added.lastrowid or 0, now, duration_s)
+
+    def end(self, late_s: float) -> None:
+        """Shorten the last signal to now, and `late_s` for what the device has buffered.
+
+        The whole signal counts where the database cannot be written.
+        """
+        with suppress(DeviceFailed), self._turn:
+            if self._last is not None:
+                with self._connected() as database:
+                    self._shorten(database, Moment.now(), late_s)
+                self._last = None
+
+    def _shorten(self, database: sqlite3.Connection, now: Moment, late_s: float = 0.0) -> None:
+        if self._last is not None:
+            row, begin, duration_s = self._last
+            played_s = min(begin.ago_s(now) + late_s, duration_s)
+            database.execute("UPDATE emissions SET duration_s = ? WHERE id = ?", (played_s, row))
+
+    def close(self) -> None:
+        with self._turn:
+            if self._database is not None:
+                self._database.close()
+            self._database = None
+
+    def _of_others(self, database: sqlite3.Connection, now: Moment) -> Emissions:
+        words = "SELECT duration_s, boot_id, boot_s, utc_s FROM emissions WHERE output = ? AND opened != ?"
+        rows = database.execute(words, (self._output, self._opened)).fetchall()
+        return tuple(sorted(((Moment(*begin).ago_s(now), duration_s) for duration_s, *begin in rows), reverse=True))
+
+    @contextmanager
+    def _connected(self) -> Iterator[sqlite3.Connection]:
+        """One transaction, which no other process gets into."""
+        try:
+            if self._database is None:
+                self._database = self._connect()
+            self._database.execute("BEGIN IMMEDIATE")
+            try:
+                yield self._database
+            except BaseException:
+                self._database.execute("ROLLBACK")
+                raise
+            self._database.execute("COMMIT")
+        except sqlite3.Error as error:
+            raise DeviceFailed(
+                f"{self._path}: cannot keep how long outputs played ({error}), expected a database that can be "
+                "written; make it writable, or wait for the longest duty_window_s and remove it; nothing was played"
+            ) from None
+
+    def _connect(self) -> sqlite3.Connection:
+        os.close(open_private(self._path, os.O_RDWR))
+        database = sqlite3.connect(self._path, LONGEST_WAIT_S, isolation_level=None, check_same_thread=False)
+        # a process that is killed loses nothing; only a power failure could, and nothing plays behind one at once
+        database.execute("PRAGMA synchronous = OFF")
+        return database

@@ -1,0 +1,204 @@
+"""What an output emitted counts for whoever uses it next, whatever was done to the clocks meanwhile."""
+
+import multiprocessing
+import os
+import signal
+import sqlite3
+import time
+from contextlib import suppress
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from tactometry.devices.outputs import ledger as ledgers
+from tactometry.devices.outputs.file import FileOutput, FileSettings
+from tactometry.devices.outputs.guarded import Guarded
+from tactometry.devices.outputs.ledger import Ledger, Moment
+from tactometry.devices.outputs.output import NullOutput
+from tactometry.errors import DeviceFailed, InvalidFile, LimitExceeded
+from tactometry.safety.limits import Limits
+from tactometry.signal import Signal
+
+WINDOW_S = 60.0
+LIMITS = Limits(100.0, duty=0.05, duty_window_s=WINDOW_S)
+"""Three signals of 1 s a minute."""
+
+
+class Clocks:
+    """The clocks of a computer, of which a test sets one."""
+
+    def __init__(self):
+        self.boot_id, self.boot_s, self.utc_s = "first", 1000.0, 1.7e9
+
+    def now(self):
+        return Moment(self.boot_id, self.boot_s, self.utc_s)
+
+    def pass_by(self, duration_s):
+        self.boot_s += duration_s
+        self.utc_s += duration_s
+
+    def start_anew(self, off_s):
+        self.boot_id, self.boot_s = "second", 0.0
+        self.pass_by(off_s)
+        self.boot_s = 0.0
+
+
+@pytest.fixture
+def clocks(monkeypatch):
+    made = Clocks()
+    monkeypatch.setattr(ledgers.Moment, "now", made.now)
+    return made
+
+
+class Emitter(NullOutput):
+    """An output of this name, of which several may be open at once."""
+
+    emits = True
+
+    def __init__(self, name):
+        super().__init__()
+        self.name = name
+
+
+def guard(path, clocks, name="card"):
+    return Guarded(Emitter(name), LIMITS, clock=lambda: clocks.boot_s, ledger=Ledger(path / "outputs.sqlite3"))
+
+
+def volts(duration_s=1.0):
+    return Signal(np.ones((1, round(1e3 * duration_s))), 1e3, "V")
+
+
+def n_played(output, clocks):
+    """How many of five signals, one after the other, a new session may play."""
+    output.open()
+    n_done = 0
+    with suppress(LimitExceeded):
+        for _ in range(5):
+            output.play(volts())
+            clocks.pass_by(1.0)
+            n_done += 1
+    output.close()
+    return n_done
+
+
+JUMPS = {
+    "none": lambda clocks: None,
+    "ahead": lambda clocks: setattr(clocks, "utc_s", clocks.utc_s + 3600.0),
+    "back": lambda clocks: setattr(clocks, "utc_s", clocks.utc_s - 3600.0),
+    "restart": lambda clocks: clocks.start_anew(off_s=0.0),
+}
+
+
+@pytest.mark.parametrize("jump", JUMPS)
+def test_next_session_counts_signals_when_clocks_jump(tmp_path, clocks, jump):
+    assert n_played(guard(tmp_path, clocks), clocks) == 3
+    JUMPS[jump](clocks)
+    assert n_played(guard(tmp_path, clocks), clocks) == 0
+
+
+@pytest.mark.parametrize("jump", ["none", "ahead", "back"])
+def test_next_session_plays_again_when_window_is_over(tmp_path, clocks, jump):
+    n_played(guard(tmp_path, clocks), clocks)
+    JUMPS[jump](clocks)
+    clocks.pass_by(WINDOW_S)
+    assert n_played(guard(tmp_path, clocks), clocks) == 3
+
+
+@given(st.lists(st.floats(-1e5, 1e5), max_size=5), st.floats(0.0, 1e5), st.booleans())
+def test_signal_is_never_older_than_it_is(jumps_s, passed_s, is_restarted):
+    """The age decides whether a signal still counts: it must not come out too large while the computer runs."""
+    clocks = Clocks()
+    played = clocks.now()
+    for jump_s in jumps_s:
+        clocks.utc_s += jump_s
+        clocks.pass_by(passed_s / len(jumps_s))
+    true_s = passed_s if jumps_s else 0.0
+    assert played.ago_s(clocks.now()) == pytest.approx(true_s, abs=1e-3)
+    if is_restarted:
+        clocks.start_anew(off_s=10.0)
+        assert played.ago_s(clocks.now()) >= 0.0
+
+
+def test_another_output_counts_for_itself(tmp_path, clocks):
+    assert [n_played(guard(tmp_path, clocks, name), clocks) for name in ("one", "one", "other")] == [3, 0, 3]
+
+
+def test_stopped_signal_counts_as_long_as_it_played(tmp_path, clocks):
+    output = guard(tmp_path, clocks)
+    output.open()
+    for _ in range(10):
+        output.play(volts())
+        clocks.pass_by(0.1)
+        output.stop()
+    output.close()
+    assert n_played(guard(tmp_path, clocks), clocks) == 2  # 1 s of 3 s has played
+
+
+def test_replaced_signal_counts_as_long_as_it_played(tmp_path, clocks):
+    output = guard(tmp_path, clocks)
+    output.open()
+    for _ in range(10):
+        output.play(volts())
+        clocks.pass_by(0.1)
+    output.close()
+    assert n_played(guard(tmp_path, clocks), clocks) == 2
+
+
+def test_refused_signal_is_not_counted(tmp_path, clocks):
+    n_played(guard(tmp_path, clocks), clocks)
+    assert n_rows(tmp_path) == 3
+
+
+def n_rows(path):
+    [(number,)] = sqlite3.connect(path / "outputs.sqlite3").execute("SELECT count(*) FROM emissions")
+    return number
+
+
+def _play_and_die(path):
+    output = Guarded(FileOutput(FileSettings(str(path / "played"))), LIMITS, ledger=Ledger(path / "outputs.sqlite3"))
+    output.open()
+    output.play(volts(3.0))
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_killed_process_has_counted_its_signal(tmp_path):
+    process = multiprocessing.get_context("spawn").Process(target=_play_and_die, args=(tmp_path,))
+    process.start()
+    process.join()
+    assert process.exitcode == -signal.SIGKILL
+    driver = FileOutput(FileSettings(str(tmp_path / "played")))
+    output = Guarded(driver, LIMITS, ledger=Ledger(tmp_path / "outputs.sqlite3"))
+    output.open()
+    time.sleep(0.1)
+    with pytest.raises(LimitExceeded, match=r"limits\.duty"):
+        output.play(volts(3.0))
+    output.close()
+
+
+def test_two_open_sessions_share_one_allowance(tmp_path, clocks):
+    one, other = guard(tmp_path, clocks), guard(tmp_path, clocks)
+    one.open()
+    other.open()
+    for output in (one, other, one):
+        output.play(volts())
+        clocks.pass_by(1.0)
+    with pytest.raises(LimitExceeded, match=r"limits\.duty"):
+        other.play(volts())
+
+
+@pytest.mark.parametrize("content", [b"no database, but longer than the header of one" * 50, None])
+def test_guard_refuses_ledger_that_cannot_be_kept(tmp_path, clocks, content):
+    path = tmp_path / "outputs.sqlite3"
+    path.mkdir() if content is None else path.write_bytes(content)
+    with pytest.raises((DeviceFailed, InvalidFile), match=r"outputs\.sqlite3: "):
+        guard(tmp_path, clocks).open()
+
+
+def test_ledger_forgets_what_no_window_reaches(tmp_path, clocks):
+    n_played(guard(tmp_path, clocks), clocks)
+    clocks.pass_by(3700.0)
+    output = guard(tmp_path, clocks)
+    output.open()
+    output.close()
+    assert n_rows(tmp_path) == 0
