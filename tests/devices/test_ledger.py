@@ -4,8 +4,10 @@ import multiprocessing
 import os
 import signal
 import sqlite3
+import tempfile
 import time
 from contextlib import suppress
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -202,3 +204,72 @@ def test_ledger_forgets_what_no_window_reaches(tmp_path, clocks):
     output.open()
     output.close()
     assert n_rows(tmp_path) == 0
+
+
+STEPS = st.one_of(
+    st.tuples(st.just("play"), st.floats(0.01, 4.0)),
+    st.tuples(st.just("wait"), st.floats(0.0, 30.0)),
+    st.tuples(st.just("stop"), st.just(0.0)),
+    st.tuples(st.just("set the wall clock"), st.floats(-1e4, 1e4)),
+    st.tuples(st.just("another session"), st.just(0.0)),
+)
+
+
+class Account:
+    """When the output emitted, kept apart from what the guard counts."""
+
+    def __init__(self):
+        self.intervals_s = []
+
+    def end(self, now_s):
+        if self.intervals_s:
+            begin_s, end_s = self.intervals_s[-1]
+            self.intervals_s[-1] = begin_s, min(end_s, now_s)
+
+    def largest_s(self, *more):
+        """The longest that was played in any window: one of those that end with a signal."""
+        intervals_s = [*self.intervals_s, *more]
+        return max(
+            sum(max(0.0, min(b, last_s) - max(a, last_s - WINDOW_S)) for a, b in intervals_s)
+            for _, last_s in intervals_s
+        )
+
+
+@given(st.lists(STEPS, max_size=25))
+def test_no_window_plays_longer_than_duty_allows(steps):
+    clocks, account = Clocks(), Account()
+    with pytest.MonkeyPatch.context() as patch, tempfile.TemporaryDirectory() as folder:
+        patch.setattr(ledgers.Moment, "now", clocks.now)
+        output = guard(Path(folder), clocks)
+        output.open()
+        for step, amount in steps:
+            follow(step, amount, output, clocks, account)
+        output.close()
+
+
+def follow(step, amount, output, clocks, account):
+    """Do one step, and hold what plays and what is refused against the account."""
+    allowed_s = LIMITS.duty * WINDOW_S
+    if step == "wait":
+        clocks.pass_by(amount)
+    elif step == "set the wall clock":
+        clocks.utc_s += amount
+    elif step == "play":
+        wanted = volts(amount)
+        kept = list(account.intervals_s)
+        account.end(clocks.boot_s)
+        new = (clocks.boot_s, clocks.boot_s + wanted.duration_s)
+        try:
+            output.play(wanted)
+        except LimitExceeded:
+            assert account.largest_s(new) > allowed_s - 1e-6
+            account.intervals_s = kept
+        else:
+            account.intervals_s.append(new)
+            assert account.largest_s() <= allowed_s + 1e-6
+    else:
+        account.end(clocks.boot_s)
+        output.stop()
+        if step == "another session":
+            output.close()
+            output.open()

@@ -147,7 +147,7 @@ def test_guard_refuses_balanced_signal_whose_half_passes_the_charge(tmp_path):
 
 
 def test_guard_counts_the_charge_of_stopped_signals(tmp_path):
-    """Each of two signals is stopped half way, after 50 uC, so that a third may reach 150 uC; a busy machine takes some off."""
+    """Each of two signals is stopped after 50 uC (less on a busy machine), so that a third may reach 150 uC."""
     clock = Clock()
     output = guard(tmp_path, clock, charge_session_c=110e-6)
     output.open()
