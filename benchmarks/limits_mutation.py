@@ -1,92 +1,146 @@
-"""A mutation run over limits.py: each check is taken away once, and the tests of the limits must fail.
+"""A mutation run over limits, loads, guard and ledger: one change of the code at a time, which a test must notice.
 
 Run: python benchmarks/limits_mutation.py
 """
 
+import ast
 import os
-import re
 import shutil
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
+from queue import SimpleQueue
+from typing import Any
 
 from measured import tell
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("tactometry", "stimuli", "protocols", "analysis", "experiments", "tests")
-LIMITS = Path("tactometry", "safety", "limits.py")
-SOURCE = (ROOT / LIMITS).read_text(encoding="utf-8")
+LIMITS, EXPOSURE = "tests/kernel/test_limits.py", "tests/kernel/test_exposure.py"
+LEDGER, GUARD = "tests/devices/test_ledger.py", "tests/devices/test_outputs.py"
+TESTS = {
+    "tactometry/safety/limits.py": (LIMITS, EXPOSURE),
+    "tactometry/safety/load.py": (LIMITS, EXPOSURE),
+    "tactometry/devices/outputs/guarded.py": (EXPOSURE, GUARD, LEDGER),
+    "tactometry/devices/outputs/ledger.py": (LEDGER,),
+}
+"""The tests of each module; those that need a display are left out."""
+EQUAL: dict[str, str] = {}
+"""Changes that nobody can observe, with the reason."""
+SWAPS: dict[type[ast.AST], Any] = {
+    ast.Lt: ast.GtE, ast.LtE: ast.Gt, ast.Gt: ast.LtE, ast.GtE: ast.Lt, ast.Eq: ast.NotEq, ast.NotEq: ast.Eq,
+    ast.Is: ast.IsNot, ast.IsNot: ast.Is, ast.In: ast.NotIn, ast.NotIn: ast.In,
+    ast.Add: ast.Sub, ast.Sub: ast.Add, ast.Mult: ast.Div, ast.Div: ast.Mult, ast.And: ast.Or, ast.Or: ast.And,
+}  # fmt: skip
+NAMES = {"min": "max", "max": "min", "floor": "ceil", "ceil": "floor", "minimum": "maximum", "maximum": "minimum"}
 
 
-def mutants() -> dict[str, str]:
+def changed(node: ast.AST) -> Iterator[ast.AST]:
+    """Yield the changed forms of one node of a syntax tree."""
+    match node:
+        case ast.Compare(left=left, ops=[op], comparators=others) if type(op) in SWAPS:
+            yield ast.Compare(left, [SWAPS[type(op)]()], others)
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in SWAPS:
+            yield ast.BinOp(left, SWAPS[type(op)](), right)
+        case ast.BoolOp(op=op, values=values):
+            yield ast.BoolOp(SWAPS[type(op)](), values)
+        case ast.Expr(value=ast.Call()):
+            yield ast.Pass()
+        case ast.Name(id=name, ctx=context) if name in NAMES:
+            yield ast.Name(NAMES[name], context)
+        case ast.Attribute(value=value, attr=name, ctx=context) if name in NAMES:
+            yield ast.Attribute(value, NAMES[name], context)
+        case ast.Constant(value=bool() as value):
+            yield ast.Constant(not value)
+        case ast.Constant(value=int() | float() as value):
+            yield ast.Constant(value + 1)
+        case ast.Tuple(elts=elements, ctx=context) if all(isinstance(one, ast.Constant) for one in elements):
+            yield from (ast.Tuple(elements[:n] + elements[n + 1 :], context) for n in range(len(elements)))
+
+
+def fields(node: ast.AST) -> Iterator[tuple[ast.AST, str, int | None, ast.AST]]:
+    """Yield each node below one, with its place there; words of errors and types are left out."""
+    for name, value in ast.iter_fields(node):
+        if name in {"annotation", "returns", "decorator_list"} or isinstance(node, ast.Raise | ast.JoinedStr):
+            continue
+        for n, child in enumerate(value) if isinstance(value, list) else [(None, value)]:
+            if isinstance(child, ast.AST):
+                yield node, name, n, child
+                yield from fields(child)
+
+
+def mutants(source: str) -> dict[str, str]:
     """Sources with one thing changed, by what was changed."""
-    found = {}
-    for line in re.findall(r"^ +_check\(.*\)$", SOURCE, re.M):
-        found[f"no {line.split(chr(34))[1]}"] = SOURCE.replace(line, line[: len(line) - len(line.lstrip())] + "pass")
-    changes = {
-        "no unit": ('signal.unit != "V"', "False"),
-        "stated nowhere": ("        self.check_stated(load)\n", ""),
-        "none missing": ("        if missing:", "        if False:"),
-        "neither current nor charge": ('missing.insert(0, "current_peak_a or charge_peak_c")', "pass"),
-        "an electrode needs no duty": ('"electrode": ("duration_s", "duty",', '"electrode": ("duration_s",'),
-        "an electrode needs no session": ('"duty", "session_s"),\n    "piezo"', '"duty"),\n    "piezo"'),
-        "an electrode needs no duration": ('"electrode": ("duration_s", ', '"electrode": ('),
-        "patches need no duration": ('"piezo": ("duration_s", ', '"piezo": ('),
-        "patches need no displacement": ('"duration_s", "displacement_peak_m"', '"duration_s"'),
-        "a signal as long as it likes": ("return LONGEST_SIGNAL_S if", "return 1e9 if"),
-        "a stop as late as it likes": ("return STOP_WITHIN_S if", "return 1e9 if"),
-        "a window as long as it likes": ("self.duty_window_s, LONGEST_WINDOW_S)", "0.0, LONGEST_WINDOW_S)"),
-        "a force as large as it likes": ("target_n * (1 + tolerance)", "target_n"),
-        "the looser of two forces": ('("duty", "duty_window_s")]', '("duty", "duty_window_s", "force_peak_n")]'),
-        "the looser of two charges of a session": (
-            '("duty", "duty_window_s")]',
-            '("duty", "duty_window_s", "charge_session_c")]',
-        ),
-        "displacement of unknown gain": ("and load.displacement_m_per_v is None", "and False"),
-        "any value of a limit": ('positive("Limits", ', "dict("),
-        "a duty above 1": ("self.duty is None or self.duty <= 1", "True"),
-        "a generous rounding": ("ROUNDING = 1e-12", "ROUNDING = 1e-3"),
-        "never above": ("if not value <= limit", "if False and value <= limit"),
-        "NaN passes": ("if not value <= limit * (1 + ROUNDING)", "if value > limit * (1 + ROUNDING)"),
-        "the new signal does not count": (
-            "exposure.after(begin_s, duration_s, self.duty_window_s).played_s",
-            "exposure.played_s",
-        ),
-        "half a window is remembered": ("first_s = end_s - window_s", "first_s = end_s - window_s / 2"),
-        "the session begins at zero": ("begin_s + duration_s - exposure.opened_s", "begin_s + duration_s"),
-        "a signal may begin late": ("begin_s + duration_s - exposure.opened_s", "begin_s - exposure.opened_s"),
-        "the looser of two": ("return min((value for", "return max((value for"),
-        "the shorter window": ("longest_s = max(", "longest_s = min("),
-    }
-    return found | {what: _replaced(*change) for what, change in changes.items()}
+    tree, found = ast.parse(source), {}
+    for parent, name, n, node in fields(tree):
+        for form in changed(node):
+            before = ast.unparse(node)
+            _put(parent, name, n, form)
+            found[f"line {getattr(node, 'lineno', 0)}: {before} -> {ast.unparse(form)}"] = ast.unparse(tree)
+            _put(parent, name, n, node)
+    return found
 
 
-def _replaced(old: str, new: str) -> str:
-    assert old in SOURCE, old
-    return SOURCE.replace(old, new)
+def _put(parent: ast.AST, name: str, n: int | None, node: ast.AST) -> None:
+    if n is None:
+        setattr(parent, name, node)
+    else:
+        getattr(parent, name)[n] = node
 
 
-def passes(tree: Path, source: str) -> bool:
-    (tree / LIMITS).write_text(source, encoding="utf-8")
-    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "tests/kernel/test_limits.py"]
+def is_killed(tree: Path, module: str, source: str) -> bool:
+    """Whether a test of a module fails in a copy of the project, in which it has this source."""
+    kept = (tree / module).read_text(encoding="utf-8")
+    (tree / module).write_text(source, encoding="utf-8")
+    options = ("-q", "-x", "-p", "no:cacheprovider", "--hypothesis-profile", "once", "--timeout", "60")
+    command = [sys.executable, "-m", "pytest", *options, "-k", "not over_sittings", *TESTS[module]]
     env = {**os.environ, "PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1"}
-    return subprocess.run(command, cwd=tree, env=env, capture_output=True, check=False).returncode == 0
+    try:
+        return subprocess.run(command, cwd=tree, env=env, capture_output=True, check=False).returncode != 0
+    finally:
+        (tree / module).write_text(kept, encoding="utf-8")
 
 
-def main() -> None:
+def survivors(module: str, trees: "SimpleQueue[Path]") -> tuple[int, list[str]]:
+    """Return the number of mutants of a module, and those that no test notices."""
+    source = (ROOT / module).read_text(encoding="utf-8")
+
+    def tried(mutant: str) -> bool:
+        tree = trees.get()
+        try:
+            return is_killed(tree, module, mutant)
+        finally:
+            trees.put(tree)
+
+    assert not tried(source), f"{module}: its tests fail without a change"
+    made = {what: mutant for what, mutant in mutants(source).items() if f"{Path(module).name}, {what}" not in EQUAL}
+    with ThreadPoolExecutor(trees.qsize()) as pool:
+        killed = dict(zip(made, pool.map(tried, made.values()), strict=True))
+    return len(made), [what for what, is_noticed in killed.items() if not is_noticed]
+
+
+def copied(folder: Path) -> Path:
+    shutil.copy(ROOT / "pyproject.toml", folder)
+    for name in FOLDERS:
+        shutil.copytree(ROOT / name, folder / name, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
+    return folder
+
+
+def main(modules: list[str]) -> None:
+    trees: SimpleQueue[Path] = SimpleQueue()
     with tempfile.TemporaryDirectory() as folder:
-        tree = Path(folder)
-        shutil.copy(ROOT / "pyproject.toml", tree)
-        for name in FOLDERS:
-            shutil.copytree(ROOT / name, tree / name, symlinks=True, ignore=shutil.ignore_patterns("__pycache__"))
-        assert passes(tree, SOURCE), "the tests fail without a mutation"
-        verdicts = {what: "SURVIVED" if passes(tree, mutant) else "killed" for what, mutant in mutants().items()}
-    for what, verdict in verdicts.items():
-        print(f"{verdict:<9} {what}", flush=True)
-    killed = list(verdicts.values()).count("killed")
-    tell(f"of {len(verdicts)} mutants of the limits, killed", killed, "mutants", at_least=len(verdicts))
+        for n in range(os.cpu_count() or 1):
+            (Path(folder) / str(n)).mkdir()
+            trees.put(copied(Path(folder) / str(n)))
+        for module in modules:
+            n_made, left = survivors(module, trees)
+            for what in left:
+                print(f"SURVIVED {module}, {what}", flush=True)
+            tell(f"of {n_made} mutants of {Path(module).name}, killed", n_made - len(left), "mutants", at_least=n_made)
 
 
 if __name__ == "__main__":
-    main()
+    main(sys.argv[1:] or list(TESTS))

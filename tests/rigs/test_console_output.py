@@ -92,7 +92,7 @@ def test_with_an_output_every_stimulus_plays_through_its_guard(tmp_path, capsys,
     assert out.startswith(f"Stimuli play through file {tmp_path / 'played'}.")
     assert len(list((tmp_path / "played").glob("*.npz"))) == 32
     assert all(row["level_delivered"] == row["level"] for row in trial_rows(tmp_path / "d"))
-    assert kinds(tmp_path / "d") == ["stimulus"] * 32
+    assert kinds(tmp_path / "d") == ["stimulus", "stimulus_end"] * 32
     assert "nothing was played" not in call(capsys, "analyse", tmp_path / "d", "--json")[2]
     onsets_s = [float(row["onset_s"]) for row in trial_rows(tmp_path / "d")]
     assert min(b - a for a, b in itertools.pairwise(onsets_s)) >= 0.12

@@ -24,11 +24,11 @@ def test_a_benchmark_is_imported(benchmark: str) -> None:
     assert done.returncode == 0, done.stderr
 
 
-def test_every_check_of_the_limits_is_one_that_the_mutation_run_takes_away() -> None:
+def test_mutation_run_removes_every_check_of_limits() -> None:
     mutation = benchmark_module("limits_mutation")
-    checks = set(re.findall(r'\b_check\("(\w+)"', mutation.SOURCE))
-    assert checks
-    assert {f"no {name}" for name in checks} <= mutation.mutants().keys()
+    source = (mutation.ROOT / "tactometry" / "safety" / "limits.py").read_text("utf-8")
+    removed = [what for what in mutation.mutants(source) if re.search(r": _check\(.* -> pass$", what)]
+    assert len(removed) == len(re.findall(r"^ +_check\(", source, re.M)) > 5
 
 
 def test_the_ways_to_a_level_that_are_timed_are_there() -> None:
