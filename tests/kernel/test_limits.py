@@ -11,7 +11,14 @@ from hypothesis.extra.numpy import arrays
 
 from tactometry.arguments.unlimited import UNLIMITED
 from tactometry.errors import InvalidParameter, LimitExceeded
-from tactometry.safety.limits import LONGEST_SIGNAL_S, Exposure, Limits
+from tactometry.safety.limits import (
+    FORCE_PEAK_N,
+    LONGEST_SIGNAL_S,
+    LONGEST_WINDOW_S,
+    STOP_WITHIN_S,
+    Exposure,
+    Limits,
+)
 from tactometry.safety.load import Load
 from tactometry.signal import Signal
 
@@ -226,6 +233,8 @@ def test_charge_turns_between_samples_where_the_current_does():
         (FINGER, replace(LIMITS, duration_s=None), "found no duration_s, expected"),
         (PATCHES, replace(LIMITS, duration_s=None), "found no duration_s, expected"),
         (PATCHES, Limits(1.0, 1.0, current_peak_a=1.0, duty=1.0, session_s=1.0), "no displacement_peak_m, expected"),
+        (PATCHES, replace(LIMITS, duty=None), "found no duty, expected"),
+        (PATCHES, replace(LIMITS, session_s=None), "found no session_s, expected"),
         (FINGER, LIMITS, "no displacement_m_per_v of the load"),
     ],
 )
@@ -239,6 +248,31 @@ def test_without_a_load_a_signal_is_as_long_as_a_default():
     assert refused(
         lambda: Limits(1.0).check(in_volts(np.zeros((1, round(LONGEST_SIGNAL_S * RATE_HZ) + 1)))), "duration_s"
     )
+
+
+def test_displacement_above_its_limit_is_refused():
+    """Peaks of 10 V and 20 V move the plate by 1 um and 6 um."""
+    signal = in_volts(np.array([[0.0, 10.0, 0.0], [0.0, -20.0, 0.0]]))
+    replace(LIMITS, displacement_peak_m=7.01e-6).check_load(signal, PATCHES)
+    assert refused(
+        lambda: replace(LIMITS, displacement_peak_m=6.99e-6).check_load(signal, PATCHES), "displacement_peak_m"
+    )
+
+
+def test_defaults_of_limits_are_those_of_the_documentation():
+    assert (LONGEST_SIGNAL_S, LONGEST_WINDOW_S, STOP_WITHIN_S, FORCE_PEAK_N) == (60.0, 3600.0, 0.1, 10.0)
+    assert (Limits(1.0).duty_window_s, Limits(1.0).force_peak_n) == (60.0, 10.0)
+    assert Limits(1.0).facts() == {"limit_voltage_peak_v": 1.0, "limit_duty_window_s": 60.0, "limit_force_peak_n": 10.0}
+
+
+@pytest.mark.parametrize("name", ["voltage_peak_v", "duty_window_s", "force_peak_n"])
+def test_limits_that_always_hold_cannot_be_left_out(name):
+    with pytest.raises((InvalidParameter, TypeError)):
+        Limits(**{"voltage_peak_v": 1.0, name: None})
+
+
+def test_signal_without_charge_keeps_any_limit_of_charge():
+    Limits(1.0, charge_session_c=1e-12).check_exposure(Exposure(0.0).after(0.0, 1.0, 60.0), 2.0, 1.0)
 
 
 def test_samples_that_are_no_volts_are_refused():
