@@ -15,6 +15,12 @@ from .prior import LARGEST_ETA, log_prior_of
 from .starts import Starts, grid_starts, step_starts
 
 MAX_STEPS = 80
+ROUGH_DECREMENT = 1e-3
+"""Where starts of one set are compared: those that lead to the same summit have come together there."""
+APART = np.array([0.02, 0.05, 0.01, 0.01])
+"""Threshold and log width in units of the levels' range, and rates, by which two summits differ at least."""
+MOST_TO_GAIN = 0.5
+"""What a start may gain in log density from there on."""
 SMALL_DECREMENT = 1e-13
 ROUNDING = 1e-14
 """Relative, of a log density: near the top a step up may look like one down."""
@@ -78,7 +84,9 @@ def _second_starts(posterior: LogPosterior, mode: Mode) -> Starts:
 def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None) -> Mode:
     """The highest mode of each set that the starts lead to, or that is known; of equal ones the first, so that rounding
     does not choose."""
-    sets, n_sets = starts.sets, len(posterior)
+    n_sets = len(posterior)
+    starts = _distinct(starts, *_ascend(posterior[starts.sets], starts.theta, ROUGH_DECREMENT))
+    sets = starts.sets
     modes = climb(posterior[sets], starts.theta)
     if known is not None:
         modes = known.joined(modes)
@@ -90,10 +98,28 @@ def _highest(posterior: LogPosterior, starts: Starts, known: Mode | None = None)
     return modes[equal[first]]
 
 
+def _distinct(starts: Starts, theta: Array, log_density: Array) -> Starts:
+    """The places that starts came to: of each set the highest, and those that may still rise above it."""
+    order = np.lexsort((-log_density, starts.sets))
+    sets, theta, log_density = starts.sets[order], theta[order], log_density[order]
+    _, first, inverse = np.unique(sets, return_index=True, return_inverse=True)
+    best = first[inverse]
+    is_apart = (np.abs(theta - theta[best]) > APART).any(axis=1)
+    kept = is_apart & (log_density > log_density[best] - MOST_TO_GAIN)
+    kept[first] = True
+    return Starts(sets[kept], theta[kept])
+
+
 def climb(posterior: LogPosterior, start: Array, *, small_decrement: float = SMALL_DECREMENT) -> Mode:
     """To the summit that `start` (n_sets, 4) leads to, until a step gains `small_decrement` of log density at most."""
+    return _laplace(posterior, _ascend(posterior, start, small_decrement)[0])
+
+
+def _ascend(posterior: LogPosterior, start: Array, small_decrement: float) -> tuple[Array, Array]:
+    """Where `start` (n_sets, 4) leads to, and the log densities there (n_sets,)."""
     low, high = posterior.prior.bounds()
     theta = posterior.prior.tied(np.clip(start, low, high))
+    log_density = np.empty(len(posterior))
     # The sets that still climb, and some that do not, as long as leaving them out costs more.
     sets, climbing = np.arange(len(posterior)), posterior.by_level()
     at, here, damping = theta.copy(), climbing.expansion(theta), np.full(len(posterior), 1e-3)
@@ -108,14 +134,14 @@ def climb(posterior: LogPosterior, start: Array, *, small_decrement: float = SMA
         is_endless = (decrement < ENDLESS_GAIN) & (np.abs(step[:, LOG_WIDTH]) > ENDLESS_STEP)
         small = small_decrement * np.maximum(1.0, np.abs(here.value))
         going = (decrement > small) & ~is_endless & (damping < 1e15)  # damped beyond, a step is below rounding
-        theta[sets] = at
+        theta[sets], log_density[sets] = at, here.value
         if not going.any():
             break
         if going.mean() < WORTH_LEAVING:
             sets, at, here, damping = sets[going], at[going], here[going], damping[going]
             climbing = climbing[going].by_level()  # choosing rows may have laid them out anew
             low, high = climbing.prior.bounds()
-    return _laplace(posterior, theta)
+    return theta, log_density
 
 
 def _is_held(theta: Array, gradient: Array, low: Array, high: Array) -> Bools:

@@ -22,7 +22,7 @@ WIDEST_NODE, NARROWEST_NODE = 2.8, 0.03
 BEYOND = np.array([0.6, 0.75, 0.93])
 """Thresholds outside of the levels."""
 MOST_PLACES = 25
-RATES = {1: (0.003, 0.015, 0.04, 0.08, 0.15, 0.25, 0.45), 2: (0.003, 0.05, 0.2, 0.42)}
+RATES = {1: (0.003, 0.03, 0.1, 0.25, 0.45), 2: (0.003, 0.05, 0.2, 0.42)}
 """Nodes of a free rate, by the number of free rates."""
 LOW = 25.0
 """A summit of the coarse grid this far below its highest is none."""
@@ -59,11 +59,15 @@ def grid_starts(posterior: LogPosterior) -> tuple[Starts, Starts]:
         curves = nodes.reshape(-1, sizes[2], N_PARAMETERS)
         by_curve = log_chances_by_curve(posterior.shape, counts.u[members[0]], curves)
         # Minus infinity would make NaN of the answers that a level does not have.
-        chances = [np.maximum(log_chance, FLOOR).reshape(len(nodes), -1) for log_chance in by_curve]
+        # The rates first, so that the best of them is found along whole rows of memory.
+        log_chances = np.maximum(np.concatenate(by_curve, axis=2), FLOOR).swapaxes(0, 1).reshape(len(nodes), -1)
+        nodes = curves.swapaxes(0, 1).reshape(-1, N_PARAMETERS)
+        shape = (sizes[2], *sizes[:2])
         size = max(1, CHUNK // len(nodes))
         for sets in (members[start : start + size] for start in range(0, len(members), size)):
-            density = _density(chances, counts[sets]) + prior[sets[:1]].log_density(nodes[None])
-            tops, bests = _tops(sets, density.reshape(len(sets), *sizes), nodes.reshape(*sizes, N_PARAMETERS))
+            density = _answers(counts[sets]) @ log_chances.T
+            density += prior[sets[:1]].log_density(nodes[None])
+            tops, bests = _tops(sets, density.reshape(len(sets), *shape), nodes.reshape(*shape, N_PARAMETERS))
             summits.append(tops)
             halves.append(bests)
     return reduce(Starts.joined, summits), reduce(Starts.joined, halves)
@@ -95,39 +99,40 @@ def _places(levels: Array) -> Array:
     return np.unique(np.concatenate([inside, outside]))
 
 
-def _density(chances: list[Array], counts: Counts) -> Array:
-    """Log-likelihoods (n_sets, n_nodes) on the same levels, of log chances of yes and of no (n_nodes, n_levels)."""
-    answers = (counts.n_yes, counts.n_trials - counts.n_yes)
-    return np.asarray(sum(n @ log_chance.T for n, log_chance in zip(answers, chances, strict=True)))
+def _answers(counts: Counts) -> Array:
+    """Numbers of yes, and of no, at each level (n_sets, 2 * n_levels)."""
+    return np.concatenate([counts.n_yes, counts.n_trials - counts.n_yes], axis=1)
 
 
 def _tops(sets: Indices, density: Array, nodes: Array) -> tuple[Starts, Starts]:
-    """From densities (n_sets, n_widths, n_thresholds, n_rates): the tops over widths and thresholds of the best rates,
+    """From densities (n_sets, n_rates, n_widths, n_thresholds): the tops over widths and thresholds of the best rates,
     and the best of the narrow and of the wide half."""
-    rate = density.argmax(axis=3)
-    ridge = np.take_along_axis(density, rate[..., None], axis=3)[..., 0]
+    ridge = density.max(axis=1)
     high = ridge >= ridge.max(axis=(1, 2), keepdims=True) - LOW
-    i, v, m = np.nonzero(_is_top(ridge) & high)
-    summits = Starts(sets[i], nodes[v, m, rate[i, v, m]]).joined(_of_other_rates(sets, density, nodes))
+    summits = _at_best_rate(sets, density, nodes, *np.nonzero(_is_top(ridge) & high))
     every, middle = np.arange(len(sets)), ridge.shape[1] // 2
     halves = []
     for first, half in ((0, ridge[:, :middle]), (middle, ridge[:, middle:])):
-        best = half.reshape(len(sets), -1).argmax(axis=1)
-        v_half, m_half = np.divmod(best, ridge.shape[2])
-        v_best = first + v_half
-        halves.append(nodes[v_best, m_half, rate[every, v_best, m_half]])
-    return summits, Starts(np.tile(sets, 2), np.concatenate(halves))
+        width, place = np.divmod(half.reshape(len(sets), -1).argmax(axis=1), ridge.shape[2])
+        halves.append(_at_best_rate(sets, density, nodes, every, first + width, place))
+    return summits.joined(_of_other_rates(sets, density, nodes)), halves[0].joined(halves[1])
+
+
+def _at_best_rate(sets: Indices, density: Array, nodes: Array, row: Indices, width: Indices, place: Indices) -> Starts:
+    rate = density[row, :, width, place].argmax(axis=1)
+    return Starts(sets[row], nodes[rate, width, place])
 
 
 def _of_other_rates(sets: Indices, density: Array, nodes: Array) -> Starts:
     """The best node at each rate but the best one, where it is about as good: two summits that differ by their rate may
     be one on the coarse grid."""
-    n_rates = density.shape[3]
-    by_rate = density.reshape(len(sets), -1, n_rates)
-    node, height = by_rate.argmax(axis=1), by_rate.max(axis=1)
+    n_rates = density.shape[1]
+    by_rate = density.reshape(len(sets), n_rates, -1)
+    node = by_rate.argmax(axis=2)
+    height = np.take_along_axis(by_rate, node[..., None], axis=2)[..., 0]
     highest = height.max(axis=1, keepdims=True)
     i, r = np.nonzero((height >= highest - CLOSE) & (height < highest))
-    return Starts(sets[i], nodes.reshape(-1, n_rates, N_PARAMETERS)[node[i, r], r])
+    return Starts(sets[i], nodes.reshape(n_rates, -1, N_PARAMETERS)[r, node[i, r]])
 
 
 def _is_top(ridge: Array) -> Bools:

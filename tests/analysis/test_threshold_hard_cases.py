@@ -89,7 +89,8 @@ def test_three_hundred_levels_with_one_trial_each() -> None:
 def test_rows_without_trials_are_ignored() -> None:
     one = fit(SEVEN, RISING, 20, shape="normal", guess_rate=0.5)
     other = fit([*SEVEN, 40, -3], [*RISING, 0, 0], [20] * 7 + [0, 0], shape="normal", guess_rate=0.5)
-    assert other == one
+    numbers, expected = ({key: v for key, v in vars(found).items() if isinstance(v, float)} for found in (other, one))
+    assert numbers == pytest.approx(expected, rel=1e-12)  # sums of nine and of seven terms are rounded differently
 
 
 @pytest.mark.parametrize("method", METHODS)
