@@ -27,7 +27,7 @@ def test_a_benchmark_is_imported(benchmark: str) -> None:
 def test_mutation_run_removes_every_check_of_limits() -> None:
     mutation = benchmark_module("limits_mutation")
     source = (mutation.ROOT / "tactometry" / "safety" / "limits.py").read_text("utf-8")
-    removed = [what for what in mutation.mutants(source) if re.search(r": _check\(.* -> pass$", what)]
+    removed = [what for what, _ in mutation.mutants(source) if re.search(r": _check\(.* -> pass$", what)]
     assert len(removed) == len(re.findall(r"^ +_check\(", source, re.M)) > 5
 
 
