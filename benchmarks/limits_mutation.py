@@ -20,11 +20,12 @@ from measured import tell
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("tactometry", "stimuli", "protocols", "analysis", "experiments", "tests")
 LIMITS, LOAD, EXPOSURE = (f"tests/kernel/test_{name}.py" for name in ("limits", "load", "exposure"))
-LEDGER, GUARD = "tests/devices/test_ledger.py", "tests/devices/test_outputs.py"
+LEDGER, GUARD, OUTPUTS = (f"tests/devices/test_{name}.py" for name in ("ledger", "guarded", "outputs"))
+STOP = "tests/experiments/test_stop_delay.py"
 TESTS = {
     "tactometry/safety/limits.py": (LIMITS, EXPOSURE),
     "tactometry/safety/load.py": (LOAD, LIMITS, EXPOSURE),
-    "tactometry/devices/outputs/guarded.py": (EXPOSURE, GUARD, LEDGER),
+    "tactometry/devices/outputs/guarded.py": (GUARD, EXPOSURE, LEDGER, OUTPUTS, STOP),
     "tactometry/devices/outputs/ledger.py": (LEDGER,),
 }
 """The tests of each module; those that need a display are left out."""
@@ -33,6 +34,8 @@ INSIDE = "inside = (slope != 0) & ((turning_v - before) * (turning_v - after) < 
 EQUAL = {
     f"{PREPENDED}: 0.0 -> 1.0": "what is prepended to both cancels",
     f"{INSIDE}: 0 -> 1": "a level piece does not cross another voltage",
+    "self._final = functools.lru_cache(maxsize=1)(self._keep_to_limits): 1 -> 2": "what is kept is the same",
+    "if self.driver.n_gaps(0.0):: 0.0 -> 1.0": "how long is waited for an answer",
 }
 """Changes that nobody can observe, with the reason."""
 SWAPS: dict[type[ast.AST], Any] = {

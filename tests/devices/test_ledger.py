@@ -137,6 +137,17 @@ def test_stopped_signal_counts_as_long_as_it_played(tmp_path, clocks):
     assert n_played(guard(tmp_path, clocks), clocks) == 2  # 1 s of 3 s has played
 
 
+def test_stopped_signal_plays_no_longer_until_the_output_closes(tmp_path, clocks):
+    output = guard(tmp_path, clocks)
+    output.open()
+    output.play(volts(3.0))
+    clocks.pass_by(0.5)
+    output.stop()
+    clocks.pass_by(5.0)
+    output.close()
+    assert n_played(guard(tmp_path, clocks), clocks) == 2
+
+
 def test_replaced_signal_counts_as_long_as_it_played(tmp_path, clocks):
     output = guard(tmp_path, clocks)
     output.open()
