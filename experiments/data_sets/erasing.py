@@ -18,11 +18,11 @@ from tactometry.errors import InvalidFile, InvalidParameter, attempt, nearest
 from tactometry.files.durable import drafts, sync_folder
 from tactometry.records.data_set import keys_of, sessions
 from tactometry.records.description import NAME
+from tactometry.records.erasures import LOCK, RECORD, Erasure, read_erasures, unfinished, write_erasures
 from tactometry.records.open_journal import alone, held
 from tactometry.trials.cell_rules import PARTICIPANT
 
 from .erasure_plan import PARTS, ErasurePlan, Left, plan
-from .erasure_record import LOCK, RECORD, Erasure, read_erasures, unfinished, write_erasures
 
 UNREACHED: Final = (
     "not reached: backups, copies elsewhere, the history of git, the list of codes and names; and no program can "

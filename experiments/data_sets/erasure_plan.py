@@ -18,10 +18,9 @@ from tactometry.errors import InvalidFile
 from tactometry.files.durable import drafts, read_file
 from tactometry.records.data_set import keys_of
 from tactometry.records.description import NAME
+from tactometry.records.erasures import RECORD
 from tactometry.records.head import heads
 from tactometry.records.traces import FOLDER
-
-from .erasure_record import RECORD
 
 STUDY: Final = "study.toml"
 PARTS: Final = ("data", "journals", FOLDER)

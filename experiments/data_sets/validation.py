@@ -17,6 +17,7 @@ from tactometry.provenance import sha256
 from tactometry.records.agreement import REBUILD
 from tactometry.records.data_set import keys_of, participants, sessions
 from tactometry.records.description import NAME, SIMULATED, read_description, variable_names
+from tactometry.records.erasures import RECORD, read_erasures
 from tactometry.records.head import ADDED, changes, columns_in, heads
 from tactometry.records.journal import Recording, read
 from tactometry.records.traces import FOLDER, read_sidecar, sidecar_of
@@ -26,7 +27,6 @@ from tactometry.trials.trial import tally
 
 from ..study.experiment import Experiment, wire
 from ..study.study_file import parse
-from .erasure_record import RECORD, read_erasures
 from .positions import positions_defects
 from .session_files import OTHER_STUDY, derived_defects, has_rows, header_of, n_rows, name_defect, trials_defects
 from .traces import trace_defects

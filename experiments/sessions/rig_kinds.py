@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from tactometry.records.description import SIMULATED
+
 # Rigs and their devices are imported where one is made: a command that makes none starts without their libraries.
 if TYPE_CHECKING:
     from tactometry.rigs.device_rig import Equipment
@@ -21,6 +23,16 @@ def rig_kind(name: str, experiment: "Experiment", who: "Who", bench_file: "Bench
     """How the rig of this name, one of `tactometry.trials.columns.RIGS`, is made: by the function of its name here."""
     kind: RigKind = globals()[name](experiment, who, bench_file)
     return kind
+
+
+def check_needs(name: str, experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> None:
+    """Check what a session on the rig of this name needs, as the session does, without opening a device."""
+    kind = rig_kind(name, experiment, who, bench_file)
+    if name == SIMULATED:
+        kind.observer(who.seed or 0)
+        experiment.simulated_rig(who.participant, who.session, who.seed or 0)
+    else:
+        equipment(experiment, bench_file)
 
 
 def equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog | None" = None) -> "Equipment":
@@ -117,4 +129,5 @@ def simulated(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> 
     from . import recording
 
     del bench_file
+    experiment.check_allowed()
     return recording.simulated(experiment, who)
