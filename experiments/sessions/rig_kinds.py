@@ -25,14 +25,16 @@ def rig_kind(name: str, experiment: "Experiment", who: "Who", bench_file: "Bench
     return kind
 
 
-def check_needs(name: str, experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> None:
-    """Check what a session on the rig of this name needs, as the session does, without opening a device."""
-    kind = rig_kind(name, experiment, who, bench_file)
-    if name == SIMULATED:
+def check_needs(kind: "RigKind", experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> None:
+    """Check what a session on a rig needs, as the session does, without opening a device."""
+    if kind.name == SIMULATED:
         kind.observer(who.seed or 0)
         experiment.simulated_rig(who.participant, who.session, who.seed or 0)
     else:
-        equipment(experiment, bench_file)
+        needed = equipment(experiment, bench_file)
+        for sensor in (needed.sensor, needed.position):
+            if sensor is not None:
+                sensor.reader.source.check()
 
 
 def equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog | None" = None) -> "Equipment":

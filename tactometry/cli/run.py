@@ -69,12 +69,12 @@ def command(
     if rig != "simulated":
         rehearse_forms(experiment, bench.screen.language)
         _check_duration(experiment, who, begun=resume)
+    kind = rig_kind(rig, experiment, who, bench)
     if dry_run:
         rehearse(experiment)
-        check_needs(rig, experiment, who, bench)
+        check_needs(kind, experiment, who, bench)
         _print_plan(experiment, who)
         return 0
-    kind = rig_kind(rig, experiment, who, bench)
     with watching(root, participant, n_session) if watch else nullcontext() as page:
         if page is not None:
             _tell(f"watch the session at {page}")

@@ -61,7 +61,7 @@ VAST = {
     ),
     "samples": (
         TUTORIAL.replace('duration_s = "500 ms"', 'duration_s = "3 h"').replace(
-            "voltage_peak_v = 100.0", 'voltage_peak_v = 100.0\nduration_s = "3 h"'
+            "voltage_peak_v = 100.0", 'voltage_peak_v = 100.0\nduration_s = "unlimited"'
         ),
         "stimulus.duration_s times the rate, in samples: found",
     ),
