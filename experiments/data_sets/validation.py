@@ -264,6 +264,10 @@ def _session(root: Path, journal: Path, experiment: Experiment | None, notes: li
     if wrong_name is not None:
         yield Defect(name, 1, wrong_name)
     notes += [f"{name}: {change}" for change in changes(recording.sittings)]
+    if recording.complete and recording.n_torn_bytes:
+        n_bytes, kept = count_of(recording.n_torn_bytes, "byte"), f"{journal.stem}_interruptions.jsonl"
+        text = f"found {n_bytes} after the end of the session, expected none; tactometry rebuild moves them to {kept}"
+        yield Defect(name, len(recording.lines) + 2, text)
     if not recording.complete:
         notes.append(f"{name}: the session is not finished ({tally(recording.trials)}); go on with --resume")
     if experiment is None:

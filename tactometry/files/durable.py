@@ -44,6 +44,20 @@ def read_file(path: Path, what: str, largest: int = LARGEST_BYTES) -> bytes:
         return file.read()
 
 
+def whole_lines(content: bytes, beginning: bytes = b"") -> Iterator[bytes]:
+    """Yield the lines with this beginning that end in a line feed, without it, one at a time.
+
+    >>> list(whole_lines(b"a\\n\\nb")), list(whole_lines(b"a1\\nb\\na2\\na3", b"a"))
+    ([b'a', b''], [b'a1', b'a2'])
+    """
+    start = 0
+    if not content.startswith(beginning):
+        start = content.find(b"\n" + beginning) + 1 or len(content)
+    while (end := content.find(b"\n", start)) >= 0:
+        yield content[start:end]
+        start = content.find(b"\n" + beginning, end) + 1 or len(content)
+
+
 def read_bytes(path: Path, what: str, first_byte: int, n_bytes: int) -> bytes:
     """Some of the bytes of a file, as many as there are; otherwise as `read_file`."""
     with _opened(path, what) as file:
