@@ -15,6 +15,8 @@ LARGEST_BYTES: Final = 2**30
 """Of a file that is read at once (unverified default)."""
 PRIVATE_FILE, PRIVATE_FOLDER = 0o600, 0o700
 """Modes of what is made: its owner alone may read it. What was there before keeps its mode."""
+NO_LINK: Final = getattr(os, "O_NOFOLLOW", 0)
+"""Flag of `open_private`: a link is refused."""
 _BINARY, _NOT_WAITING = getattr(os, "O_BINARY", 0), getattr(os, "O_NONBLOCK", 0)
 _DRAFT = re.compile(r"\..+\.\d+")
 
@@ -101,8 +103,10 @@ def open_private(path: Path, flags: int) -> int:
     DeviceFailed
         If it cannot be opened.
     InvalidFile
-        If it is no file.
+        If it is no file, or a link and the flags hold `NO_LINK`.
     """
+    if flags & NO_LINK and path.is_symlink():
+        raise InvalidFile(f"{path}: found a link, expected a file; put what the link leads to in its place")
     with attempt(path, "cannot open", "a folder that can be written"):
         file = os.open(path, flags | os.O_CREAT | _NOT_WAITING | _BINARY, PRIVATE_FILE)
     _refuse_others(file, path, "a file that can be written")

@@ -12,7 +12,7 @@ import msgspec
 import portalocker
 
 from ..errors import InvalidFile, SessionInUse
-from ..files.durable import draft, open_private, put_in_place, read_file, sync_folder, whole_lines, write_whole
+from ..files.durable import NO_LINK, draft, open_private, put_in_place, read_file, sync_folder, whole_lines, write_whole
 from ..session.answer import Marked
 from ..session.event import Event
 from ..session.replay import Replay
@@ -77,7 +77,7 @@ class Journal:
 
     def keep(self, **lost: object) -> None:
         """Keep beside the journal what would else be lost, as a line of `interruptions`."""
-        file = open_private(self.interruptions, os.O_WRONLY)
+        file = open_private(self.interruptions, os.O_WRONLY | NO_LINK)
         try:
             os.lseek(file, 0, os.SEEK_END)
             write_whole(file, msgspec.json.encode(lost) + b"\n", self.interruptions, durable=True)

@@ -13,7 +13,7 @@ import msgspec
 
 from ..arguments.require import expect
 from ..errors import InvalidFile, count_of
-from ..files.durable import drafts, open_private, read_file, replace_file, whole_lines, write_whole
+from ..files.durable import NO_LINK, drafts, open_private, read_file, replace_file, whole_lines, write_whole
 from ..files.rows import delimited_text
 from ..provenance import sha256
 from ..safety.limits import Exposure
@@ -198,7 +198,7 @@ class OpenSession:
         path = self._session.positions(self._root)
         header = b"" if path.exists() else POSITIONS_HEADER
         body = b"".join(digest.encode() + b"\t" + line + b"\n" for line in lines.splitlines())
-        file = open_private(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+        file = open_private(path, os.O_WRONLY | os.O_APPEND | NO_LINK)
         try:
             write_whole(file, header + body, path, durable=False)
         finally:

@@ -8,7 +8,7 @@ from places import RECORDED
 
 from tactometry.errors import InvalidFile
 from tactometry.experiments.data_sets.erasing import erase
-from tactometry.records.data_set import Session, participants
+from tactometry.records.data_set import Session, participants, sessions
 
 OPTIONS = ("--participant", "P77", "--rig", "simulated", "--seed", "1", "--out")
 SIMULATED = ("--participants", "1", "--seed", "1", "--resume", "--out")
@@ -45,6 +45,17 @@ def test_linked_folder_is_not_written_through(tmp_path, capsys, part, words):
     said = refused(capsys, *words, root)
     assert f"{part}: found a link, expected the folder itself" in said
     assert contents(tmp_path) == before
+
+
+def test_linked_interruptions_are_not_written_through(tmp_path, capsys):
+    root = shutil.copytree(RECORDED / "format-2-simulated", tmp_path / "d")
+    journal, outside = sessions(root)[0], tmp_path / "outside"
+    outside.write_text("mine")
+    journal.with_name(f"{journal.stem}_interruptions.jsonl").symlink_to(outside)
+    with journal.open("ab") as file:
+        file.write(b"torn")
+    assert "_interruptions.jsonl: found a link, expected a file" in refused(capsys, "rebuild", root)
+    assert outside.read_text() == "mine"
 
 
 def test_broken_link_in_place_of_folder_is_refused(tmp_path, capsys):
