@@ -12,15 +12,20 @@ PIP := $(BIN)/python -m pip --disable-pip-version-check
 PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist loadgroup --no-loadscope-reorder
 # Empty is unset: otherwise each program that the tests start would compile all its modules anew.
 export PYTHONDONTWRITEBYTECODE :=
-INSTALL := $(PIP) install --quiet --constraint constraints.txt
+INSTALL := $(PIP) install --quiet
+# Nothing that is built needs more than setuptools, which is of the core; an isolated build would download what has no hash.
+HASHED := $(INSTALL) --require-hashes --no-build-isolation --requirement
+# pip checks no hash of a folder.
+EDITABLE := $(INSTALL) --no-deps --no-build-isolation --editable .
 
-EXTRAS := window,audio,serial,lsl,ni,watch,power,cluster,hdf5,film,docs,dev
 SYSTEM_PACKAGES := xvfb xauth libgl1 libglu1-mesa libfontconfig1 libportaudio2 pulseaudio pulseaudio-utils libasound2-plugins
 PLATFORMS := x86_64-manylinux_2_36 aarch64-apple-darwin x86_64-apple-darwin x86_64-pc-windows-msvc
 PYTHONS := 3.11 3.12
 # Ground and ink of the dark figure; blue is too dark on it, and the palette's sky is not.
 NIGHT := \#0d1117
 MOON := \#e6edf3
+PINNED = $(BIN)/uv pip compile pyproject.toml --quiet --universal --python-version 3.11 --no-annotate --no-header \
+    --no-emit-index-url --no-emit-find-links
 RELEASE_TOOLS := build twine reuse cyclonedx-bom pip-audit uv
 
 # A shell function: install the named Debian packages that are missing, where the user may; else say which ones.
@@ -44,7 +49,7 @@ debian() {
 }
 endef
 
-.PHONY: help demo test soak static check bench docs gallery notebooks figure release pages reproduced validated keys stability constraints platforms clean system
+.PHONY: help demo test soak static check bench docs gallery notebooks figure release pages reproduced validated keys stability constraints hashes platforms clean system
 
 help: ## what can be made
 	@sed -nE 's/^([a-z]+):.*## (.*)/make \1\t\2/p' Makefile | expand -t 20
@@ -108,14 +113,23 @@ keys: $(VENV)/.core ## write the tables of keys and the page of commands in docs
 stability: system $(VENV)/.test ## write docs/explanation/stability.md from the hard cases of the tests
 	@$(BIN)/python -m pytest -q --stability
 
-constraints: $(VENV)/.python ## write constraints.txt anew: the newest versions that pyproject.toml admits
+constraints: $(VENV)/.python ## write constraints.txt and requirements/ anew: the newest versions that pyproject.toml admits
 	@$(PIP) install --quiet uv
 	pinned=$$(mktemp)
-	$(BIN)/uv pip compile pyproject.toml --quiet --upgrade --universal --python-version 3.11 --all-extras \
-	    --no-annotate --no-header --no-emit-index-url --no-emit-find-links --output-file $$pinned
+	$(PINNED) --upgrade --all-extras --output-file $$pinned
 	{ echo "# Exact versions for Python 3.11 and 3.12 on every platform. Written by: make constraints"; \
 	    grep -v '^pyobjc-framework-' $$pinned; } > constraints.txt
 	rm $$pinned
+	$(MAKE) --no-print-directory hashes
+
+hashes: $(VENV)/.python ## write requirements/ anew: the versions of constraints.txt with the hashes of their files
+	@$(PIP) install --quiet uv
+	for set in core all; do
+	    extras=""
+	    [ $$set = core ] || extras=--all-extras
+	    echo setuptools | $(PINNED) - $$extras --constraint constraints.txt --generate-hashes --output-file requirements/$$set.txt >/dev/null
+	    sed -i '1i # Versions with hashes, for pip install --require-hashes. Written by: make hashes' requirements/$$set.txt
+	done
 
 platforms: $(VENV)/.python ## resolve every platform with wheels only (esprima has none, and is pure Python)
 	@$(PIP) install --quiet uv
@@ -147,16 +161,17 @@ $(VENV)/.python:
 	$$python -m venv $(VENV)
 	touch $@
 
-$(VENV)/.core: $(VENV)/.python pyproject.toml setup.py constraints.txt
+$(VENV)/.core: $(VENV)/.python pyproject.toml setup.py requirements/core.txt
 	@echo "Installing Tactometry with the packages of its core (155 MB to download) ..."
-	$(INSTALL) setuptools wheel
-	$(INSTALL) --no-build-isolation --editable .
+	$(HASHED) requirements/core.txt
+	$(EDITABLE)
 	touch $@
 
-$(VENV)/.test: $(VENV)/.python pyproject.toml setup.py constraints.txt
+$(VENV)/.test: $(VENV)/.python pyproject.toml setup.py requirements/core.txt requirements/all.txt
 	@echo "Installing Tactometry with all that its tests need, PsychoPy too (695 MB to download) ..."
-	$(INSTALL) setuptools wheel
-	$(INSTALL) --no-build-isolation --editable '.[$(EXTRAS)]'
+	$(HASHED) requirements/core.txt
+	$(HASHED) requirements/all.txt
+	$(EDITABLE)
 	touch $(VENV)/.core $@
 
 # An environment of their own: what they need is none of ours

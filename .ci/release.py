@@ -150,11 +150,13 @@ def python_of(minor: str) -> Path:
 
 
 def install(minor: str) -> str:
-    """The wheel in an empty environment, under the constraints, and a session with its analysis in it."""
+    """The wheel in an empty environment, with packages checked by hash, and a session with its analysis in it."""
     with TemporaryDirectory() as folder:
         place = Path(folder)
         run(python_of(minor), "-m", "venv", place / "v")
-        run(place / "v/bin/python", "-m", "pip", "install", "-q", "-c", ROOT / "constraints.txt", only("*.whl"))
+        pip = (place / "v/bin/python", "-m", "pip", "install", "-q")
+        run(*pip, "--require-hashes", "-r", ROOT / "requirements/core.txt")
+        run(*pip, "--no-deps", only("*.whl"))
         program = place / "v/bin/tactometry"
         told = run(program, "--version").strip()
         run(program, "simulate", "tutorial", "--participants", "2", "--seed", "1", "--out", "d", cwd=place)

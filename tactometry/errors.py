@@ -70,6 +70,10 @@ class Stopped(TactometryError):  # noqa: N818
     exit_status = 1
 
 
+class Terminated(SystemExit):
+    """The end of the process that a signal requested; the code is 128 and the signal's number."""
+
+
 def ended_by_signal(error: BaseException) -> bool:
     """Whether it ends the process because a signal asked for that.
 
@@ -125,7 +129,7 @@ def attempt(
         raise DeviceFailed(f"{where}: {act} ({reason(error)}), expected {expected}") from None
 
 
-def reason(error: Exception) -> str:
+def reason(error: BaseException) -> str:
     """What an error says, on one line: of one of the system its words alone.
 
     >>> reason(ValueError("no such   rate")), reason(OSError(2, "No such file or directory", "f"))

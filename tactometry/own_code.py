@@ -15,7 +15,7 @@ from types import ModuleType
 from typing import Any, Final
 
 from .arguments.require import expect
-from .errors import InvalidParameter, TactometryError, reason
+from .errors import InvalidParameter, TactometryError, Terminated, reason
 from .provenance import sha256
 
 WAY: Final = "mend it; what was recorded is safe, --resume goes on from there"
@@ -87,8 +87,10 @@ def _module(file: Path, where: str) -> ModuleType:
     try:
         with _beside(file.parent):
             spec.loader.exec_module(made)
-    except Exception as error:  # whatever foreign code may raise
+    except BaseException as error:  # whatever foreign code may raise
         del sys.modules[name]
+        if _is_end(error):
+            raise
         place, words = place_of(error, file.parent) or file.name, f"{type(error).__name__}: {reason(error)}"
         raise InvalidParameter(
             f"{where}: the import of {file.name} failed at {place} ({words}), expected a module that runs"
@@ -133,20 +135,27 @@ def _call(made: type, name: str, expected: Expected | None) -> Callable[..., Any
     def call(self: object, *asked: Any, **named: Any) -> Any:
         try:
             value = getattr(super(made, self), name)(*asked, **named)
+            if expected is None:
+                return value
+            if expected.fits(value, (*asked, *named.values())):
+                return expected.plain(value)
+            where, found = _line_of(getattr(kind, name)), f"{value!r} as the answer of {name}"
         except TactometryError:
             raise
-        except Exception as error:  # whatever foreign code may raise
+        except BaseException as error:  # whatever foreign code may raise
+            if _is_end(error):
+                raise
             where = place_of(error, folder) or kind.__name__
             found = f"{type(error).__name__} ({reason(error)}) in {name}"
             raise InvalidParameter(f"{where}: found {found}, expected an answer; {WAY}") from None
-        if expected is None:
-            return value
-        if not expected.fits(value, (*asked, *named.values())):
-            where, found = _line_of(getattr(kind, name)), f"{value!r} as the answer of {name}"
-            raise InvalidParameter(f"{where}: found {found}, expected {expected.words}; {WAY}")
-        return expected.plain(value)
+        raise InvalidParameter(f"{where}: found {found}, expected {expected.words}; {WAY}")
 
     return call
+
+
+def _is_end(error: BaseException) -> bool:
+    """Return True for Ctrl-C and a signal that ends the process, False for what own code raised."""
+    return type(error) in (KeyboardInterrupt, Terminated)
 
 
 def place_of(error: BaseException, folder: Path) -> str:

@@ -16,13 +16,13 @@ from tactometry import __version__
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidFile, InvalidParameter, attempt, nearest
 from tactometry.files.durable import drafts, sync_folder
-from tactometry.records.data_set import keys_of, sessions
+from tactometry.records.data_set import PARTS, keys_of, refuse_links, sessions
 from tactometry.records.description import NAME
+from tactometry.records.erasures import LOCK, RECORD, Erasure, read_erasures, unfinished, write_erasures
 from tactometry.records.open_journal import alone, held
 from tactometry.trials.cell_rules import PARTICIPANT
 
-from .erasure_plan import PARTS, ErasurePlan, Left, plan
-from .erasure_record import LOCK, RECORD, Erasure, read_erasures, unfinished, write_erasures
+from .erasure_plan import ErasurePlan, Left, plan
 
 UNREACHED: Final = (
     "not reached: backups, copies elsewhere, the history of git, the list of codes and names; and no program can "
@@ -105,10 +105,7 @@ def _refuse(root: Path, participant: str) -> None:
     expect(PARTICIPANT.fullmatch(participant) is not None, "--participant", repr(participant), "a code such as P01")
     is_set = (root / NAME).is_file() and ((root / "journals").is_dir() or (root / "data").is_dir())
     expect(is_set, root, f"no {NAME} with data or journals", "the folder of a data set", InvalidFile)
-    for part in PARTS:
-        # Behind a link nothing is erased, and a journal that stays gives all the rest back.
-        it = "the folder itself; put what the link leads to in its place"
-        expect(not (root / part).is_symlink(), root / part, "a link", it, InvalidFile)
+    refuse_links(root)  # a journal that stays gives all the rest back
 
 
 def _plan(root: Path, participant: str) -> ErasurePlan:

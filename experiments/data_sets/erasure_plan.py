@@ -16,16 +16,12 @@ from typing import Final
 
 from tactometry.errors import InvalidFile
 from tactometry.files.durable import drafts, read_file
-from tactometry.records.data_set import keys_of
+from tactometry.records.data_set import PARTS, keys_of
 from tactometry.records.description import NAME
+from tactometry.records.erasures import RECORD
 from tactometry.records.head import heads
-from tactometry.records.traces import FOLDER
-
-from .erasure_record import RECORD
 
 STUDY: Final = "study.toml"
-PARTS: Final = ("data", "journals", FOLDER)
-"""The folders that recorded sessions are in."""
 DERIVED: Final = frozenset((".csv", ".gz", ".htm", ".html", ".json", ".jsonl", ".pdf", ".png", ".svg", ".tsv"))
 """How names of files end that `analyse`, `show` and `export` write; scripts and notes of people end otherwise."""
 EXPORTED: Final = frozenset(("README.md", "CHANGES.md", "columns.toml", "trials.R"))

@@ -17,6 +17,7 @@ from tactometry.provenance import sha256
 from tactometry.records.agreement import REBUILD
 from tactometry.records.data_set import keys_of, participants, sessions
 from tactometry.records.description import NAME, SIMULATED, read_description, variable_names
+from tactometry.records.erasures import RECORD, read_erasures
 from tactometry.records.head import ADDED, changes, columns_in, heads
 from tactometry.records.journal import Recording, read
 from tactometry.records.traces import FOLDER, read_sidecar, sidecar_of
@@ -26,7 +27,6 @@ from tactometry.trials.trial import tally
 
 from ..study.experiment import Experiment, wire
 from ..study.study_file import parse
-from .erasure_record import RECORD, read_erasures
 from .positions import positions_defects
 from .session_files import OTHER_STUDY, derived_defects, has_rows, header_of, n_rows, name_defect, trials_defects
 from .traces import trace_defects
@@ -264,6 +264,10 @@ def _session(root: Path, journal: Path, experiment: Experiment | None, notes: li
     if wrong_name is not None:
         yield Defect(name, 1, wrong_name)
     notes += [f"{name}: {change}" for change in changes(recording.sittings)]
+    if recording.complete and recording.n_torn_bytes:
+        n_bytes, kept = count_of(recording.n_torn_bytes, "byte"), f"{journal.stem}_interruptions.jsonl"
+        text = f"found {n_bytes} after the end of the session, expected none; tactometry rebuild moves them to {kept}"
+        yield Defect(name, len(recording.lines) + 2, text)
     if not recording.complete:
         notes.append(f"{name}: the session is not finished ({tally(recording.trials)}); go on with --resume")
     if experiment is None:

@@ -12,6 +12,7 @@ from tactometry.protocols.block_state import Track
 from tactometry.provenance import sha256, versions
 from tactometry.records.data_set import LARGEST_NUMBER, Session
 from tactometry.records.description import StudyDescription
+from tactometry.records.erasures import refuse_erased
 from tactometry.records.head import Head, differences
 from tactometry.records.open_session import OpenSession
 from tactometry.session.event import EventLog
@@ -103,6 +104,7 @@ def record(
     kind: RigKind,
     *,
     resume: bool = False,
+    allow_erased: bool = False,
     tell: Callable[[str], None] = lambda sentence: None,
 ) -> Recorded:
     """Record a session, or the rest of it; `tell` says what a person should know before it begins.
@@ -112,16 +114,18 @@ def record(
     InvalidFile
         If the session is recorded already and `resume` is not given, or `root` holds another study.
     InvalidParameter
-        If `who` asks for another seed or number than the recorded one.
+        If `who` asks for another seed or number than the recorded one, or was erased and `allow_erased` is not given.
     """
     design, session = experiment.design(study_toml), Session(who.participant, who.session, experiment.study.name)
     number = who.counterbalancing_number
+    refuse_erased(root, [who.participant], allowed=allow_erased)
     flawed = flaw(experiment, root)
     if flawed:
         tell(flawed)
     # The session is ours before any device opens, and closed after the last of them, whatever fails between.
     keeper = OpenSession(root, design, session, kind.name, resume=resume)
     try:
+        refuse_erased(root, [who.participant], allowed=allow_erased)  # erased before the session was locked
         seed, n_resumed = _session_seed(keeper.journal.head, who, kind), keeper.tally.n_trials
         if keeper.repaired:
             tell(keeper.repaired)

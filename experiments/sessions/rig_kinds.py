@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
+from tactometry.records.description import SIMULATED
+
 # Rigs and their devices are imported where one is made: a command that makes none starts without their libraries.
 if TYPE_CHECKING:
     from tactometry.rigs.device_rig import Equipment
@@ -21,6 +23,18 @@ def rig_kind(name: str, experiment: "Experiment", who: "Who", bench_file: "Bench
     """How the rig of this name, one of `tactometry.trials.columns.RIGS`, is made: by the function of its name here."""
     kind: RigKind = globals()[name](experiment, who, bench_file)
     return kind
+
+
+def check_needs(kind: "RigKind", experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> None:
+    """Check what a session on a rig needs, as the session does, without opening a device."""
+    if kind.name == SIMULATED:
+        kind.observer(who.seed or 0)
+        experiment.simulated_rig(who.participant, who.session, who.seed or 0)
+    else:
+        needed = equipment(experiment, bench_file)
+        for sensor in (needed.sensor, needed.position):
+            if sensor is not None:
+                sensor.reader.source.check()
 
 
 def equipment(experiment: "Experiment", bench: "BenchFile", log: "EventLog | None" = None) -> "Equipment":
@@ -117,4 +131,5 @@ def simulated(experiment: "Experiment", who: "Who", bench_file: "BenchFile") -> 
     from . import recording
 
     del bench_file
+    experiment.check_allowed()
     return recording.simulated(experiment, who)

@@ -8,6 +8,7 @@ from pathlib import Path
 from tactometry.arguments.require import expect
 from tactometry.errors import rewording
 from tactometry.own_code import state_of
+from tactometry.records.erasures import refuse_erased
 from tactometry.records.head import LARGEST_SEED
 
 from ..study.experiment import Experiment, wire
@@ -32,6 +33,7 @@ class Simulation:
     seed: int
     resume: bool = False
     code_from: Path | None = None
+    allow_erased: bool = False
 
     def __post_init__(self) -> None:
         n, seed = self.n_participants, self.seed
@@ -70,7 +72,8 @@ class Simulation:
     def record(self, who: Who) -> Recorded:
         """One session of one simulated participant."""
         experiment = self.experiment()
-        return record(experiment, self.study_toml, self.root, who, simulated(experiment, who), resume=self.resume)
+        kind, allowed = simulated(experiment, who), self.allow_erased
+        return record(experiment, self.study_toml, self.root, who, kind, resume=self.resume, allow_erased=allowed)
 
 
 @lru_cache(maxsize=1)
@@ -86,6 +89,8 @@ def simulate(simulation: Simulation, *, n_jobs: int = 1, scheduler: str | None =
     The result does not depend on where it is computed.
     """
     flaw(simulation.check(), simulation.root)
+    codes = [who.participant for who in simulation.sessions()]
+    refuse_erased(simulation.root, codes, allowed=simulation.allow_erased)
     if n_jobs != 1 or scheduler is not None:  # a process that is kept, or on another machine, is in a folder of its own
         simulation = replace(simulation, root=simulation.root.absolute())
     with workers(n_jobs, scheduler) as spread:

@@ -10,7 +10,7 @@ import secrets
 import socket
 import threading
 import warnings
-from collections.abc import AsyncIterator, Awaitable, Callable, Mapping, MutableMapping
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterable, Mapping, MutableMapping
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, BinaryIO, Final
@@ -68,6 +68,18 @@ def refusal(headers: Mapping[str, str], path: str, port: int, token: str) -> int
     return None if secrets.compare_digest(given.encode(), token.encode()) else 404
 
 
+def combined(headers: Iterable[tuple[bytes, bytes]]) -> dict[str, str]:
+    """Combine values of the same name with commas, so that a repeated header has none of the expected values.
+
+    >>> combined([(b"host", b"127.0.0.1:8000"), (b"origin", b"null"), (b"origin", b"null")])
+    {'host': '127.0.0.1:8000', 'origin': 'null, null'}
+    """
+    values: dict[str, list[str]] = {}
+    for name, value in headers:
+        values.setdefault(name.decode("latin-1"), []).append(value.decode("latin-1"))
+    return {name: ", ".join(each) for name, each in values.items()}
+
+
 @dataclass(frozen=True)
 class Guard:
     """Lets in what `refusal` does not refuse."""
@@ -78,8 +90,7 @@ class Guard:
 
     async def __call__(self, scope: Message, receive: Receive, send: Send) -> None:
         if scope["type"] == "http":
-            headers = {name.decode("latin-1"): value.decode("latin-1") for name, value in scope["headers"]}
-            status = refusal(headers, scope["path"], self.port, self.token)
+            status = refusal(combined(scope["headers"]), scope["path"], self.port, self.token)
             if status is not None:
                 await send({"type": "http.response.start", "status": status, "headers": []})
                 await send({"type": "http.response.body", "body": b""})

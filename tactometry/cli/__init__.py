@@ -10,7 +10,7 @@ from types import FrameType
 import click
 
 from .. import __version__
-from ..errors import TactometryError, nearest
+from ..errors import SIGNALLED, TactometryError, Terminated, nearest
 from ..files.durable import private
 from ..loading import resolve
 
@@ -86,7 +86,7 @@ _WAYS_ON = {
 
 def _terminate(number: int, frame: FrameType | None) -> None:
     del frame
-    raise SystemExit(128 + number)
+    raise Terminated(SIGNALLED + number)
 
 
 def main(arguments: list[str] | None = None) -> None:

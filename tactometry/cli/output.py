@@ -79,6 +79,9 @@ hands_off_option: Callable[[F], F] = click.option(
 allow_code_option: Callable[[F], F] = click.option(
     "--allow-code", is_flag=True, help="Run the code that STUDY names as module:Class, from a file beside it."
 )
+allow_erased_option: Callable[[F], F] = click.option(
+    "--allow-erased", is_flag=True, help="Record a participant again who was erased from the data set."
+)
 data_argument: Callable[[F], F] = click.argument("path", type=click.Path(path_type=Path))
 
 

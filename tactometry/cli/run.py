@@ -8,20 +8,21 @@ from pathlib import Path
 
 import click
 
-from tactometry.experiments.bench.bench_file import BenchFile, load_bench
+from tactometry.experiments.bench.bench_file import load_bench
 from tactometry.experiments.sessions.recording import Recorded, Who, record
-from tactometry.experiments.sessions.rig_kinds import rig_kind
+from tactometry.experiments.sessions.rig_kinds import check_needs, rig_kind
 from tactometry.experiments.study.dry_run import check_duration, duration_s, plan
 from tactometry.experiments.study.experiment import Experiment, wire
 from tactometry.experiments.study.felt_and_lost import felt_and_lost
-from tactometry.experiments.study.rehearsal import page_images, rehearse, rehearse_forms
-from tactometry.experiments.study.study_file import Study, folder_of, load
+from tactometry.experiments.study.rehearsal import rehearse, rehearse_forms
+from tactometry.experiments.study.study_file import folder_of, load
 
 from ..errors import InvalidParameter, count_of
 from ..records.data_set import Session
+from ..records.erasures import refuse_erased
 from ..trials.cells import cell
 from ..trials.columns import RIGS
-from .output import STUDY, allow_code_option, bench_option, path_option, say, subcommand
+from .output import STUDY, allow_code_option, allow_erased_option, bench_option, path_option, say, subcommand
 from .watch import watching
 
 
@@ -36,8 +37,9 @@ from .watch import watching
 @path_option("--out", help="The data set; default: STUDY's name and -data, or -simulated.")
 @click.option("--resume", is_flag=True, help="Go on where an interrupted session stopped.")
 @allow_code_option
+@allow_erased_option
 @click.option("--watch", is_flag=True, help="A page in the browser that follows the session; its address is told.")
-@click.option("--dry-run", is_flag=True, help="Print the plan and its duration; run nothing.")
+@click.option("--dry-run", is_flag=True, help="Check all that a session needs but its devices, and print the plan.")
 def command(
     *,
     study: str,
@@ -50,6 +52,7 @@ def command(
     out: Path | None,
     resume: bool,
     allow_code: bool,
+    allow_erased: bool,
     watch: bool,
     dry_run: bool,
 ) -> int:
@@ -60,34 +63,23 @@ def command(
     numbers, content = load(study)
     experiment = wire(numbers, study, folder_of(study) if allow_code else None, simulated=rig == "simulated")
     who = Who(Session(participant, n_session, numbers.name).participant, n_session, number, seed)
+    root = out or Path(f"{numbers.name}-{'simulated' if rig == 'simulated' else 'data'}")
+    refuse_erased(root, [participant], allowed=allow_erased)
     bench = load_bench(bench_path)
     if rig != "simulated":
         rehearse_forms(experiment, bench.screen.language)
         _check_duration(experiment, who, begun=resume)
+    kind = rig_kind(rig, experiment, who, bench)
     if dry_run:
         rehearse(experiment)
-        if rig != "simulated":
-            _check_bench(numbers, bench)
-        if rig == "bench":  # the others show no image
-            page_images(experiment)
+        check_needs(kind, experiment, who, bench)
         _print_plan(experiment, who)
         return 0
-    if rig == "simulated":
-        experiment.check_allowed()
-    root = out or Path(f"{numbers.name}-{'simulated' if rig == 'simulated' else 'data'}")
-    kind = rig_kind(rig, experiment, who, bench)
     with watching(root, participant, n_session) if watch else nullcontext() as page:
         if page is not None:
             _tell(f"watch the session at {page}")
-        recorded = record(experiment, content, root, who, kind, resume=resume, tell=_tell)
+        recorded = record(experiment, content, root, who, kind, resume=resume, allow_erased=allow_erased, tell=_tell)
     return _report(root, recorded)
-
-
-def _check_bench(study: Study, bench: BenchFile) -> None:
-    """Refuse an output that may stop late, and print what study and bench allow."""
-    bench.check_stop(study.limits)
-    for caution in (*study.cautions, *bench.cautions):
-        _tell(caution)
 
 
 def _check_duration(experiment: Experiment, who: Who, *, begun: bool) -> None:

@@ -11,7 +11,7 @@ from tactometry.experiments.study.study_file import folder_of, load, parse
 from tactometry.experiments.workers import check_workers
 
 from ..errors import count_of
-from .output import STUDY, allow_code_option, path_option, progress, say, subcommand
+from .output import STUDY, allow_code_option, allow_erased_option, path_option, progress, say, subcommand
 
 DEMO_STUDY = "electrovibration-threshold"
 N_PARTICIPANTS = 10
@@ -26,6 +26,7 @@ N_PARTICIPANTS = 10
 @click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
 @click.option("--scheduler", help="Address of a Dask scheduler (extra: cluster).")
 @allow_code_option
+@allow_erased_option
 @click.option("--explain", is_flag=True, help="Tell too which effects are felt, and which were left out.")
 def simulate(
     study: str,
@@ -37,13 +38,14 @@ def simulate(
     n_jobs: int,
     scheduler: str | None,
     allow_code: bool,
+    allow_erased: bool,
     explain: bool,
 ) -> None:
     """Run STUDY (a built-in name or a path) with simulated participants."""
     check_workers(n_jobs, scheduler)
     _, content = load(study)
     code_from = folder_of(study) if allow_code else None
-    simulation = Simulation(content, study, out, n_participants, seed, resume, code_from)
+    simulation = Simulation(content, study, out, n_participants, seed, resume, code_from, allow_erased)
     sessions = sessions_of(simulation, n_jobs=n_jobs, scheduler=scheduler)
     recorded = list(progress(sessions, len(simulation.sessions()), "simulating"))
     for session in recorded:

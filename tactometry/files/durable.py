@@ -15,6 +15,8 @@ LARGEST_BYTES: Final = 2**30
 """Of a file that is read at once (unverified default)."""
 PRIVATE_FILE, PRIVATE_FOLDER = 0o600, 0o700
 """Modes of what is made: its owner alone may read it. What was there before keeps its mode."""
+NO_LINK: Final = getattr(os, "O_NOFOLLOW", 0)
+"""Flag of `open_private`: a link is refused."""
 _BINARY, _NOT_WAITING = getattr(os, "O_BINARY", 0), getattr(os, "O_NONBLOCK", 0)
 _DRAFT = re.compile(r"\..+\.\d+")
 
@@ -42,6 +44,20 @@ def read_file(path: Path, what: str, largest: int = LARGEST_BYTES) -> bytes:
         if size > largest:
             raise InvalidFile(f"{path}: found {size} bytes, expected {what} of at most {largest}")
         return file.read()
+
+
+def whole_lines(content: bytes, beginning: bytes = b"") -> Iterator[bytes]:
+    """Yield the lines with this beginning that end in a line feed, without it, one at a time.
+
+    >>> list(whole_lines(b"a\\n\\nb")), list(whole_lines(b"a1\\nb\\na2\\na3", b"a"))
+    ([b'a', b''], [b'a1', b'a2'])
+    """
+    start = 0
+    if not content.startswith(beginning):
+        start = content.find(b"\n" + beginning) + 1 or len(content)
+    while (end := content.find(b"\n", start)) >= 0:
+        yield content[start:end]
+        start = content.find(b"\n" + beginning, end) + 1 or len(content)
 
 
 def read_bytes(path: Path, what: str, first_byte: int, n_bytes: int) -> bytes:
@@ -87,8 +103,10 @@ def open_private(path: Path, flags: int) -> int:
     DeviceFailed
         If it cannot be opened.
     InvalidFile
-        If it is no file.
+        If it is no file, or a link and the flags hold `NO_LINK`.
     """
+    if flags & NO_LINK and path.is_symlink():
+        raise InvalidFile(f"{path}: found a link, expected a file; put what the link leads to in its place")
     with attempt(path, "cannot open", "a folder that can be written"):
         file = os.open(path, flags | os.O_CREAT | _NOT_WAITING | _BINARY, PRIVATE_FILE)
     _refuse_others(file, path, "a file that can be written")

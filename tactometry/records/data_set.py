@@ -7,6 +7,7 @@ study, and can be rebuilt.
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
+from typing import Final
 
 from ..arguments.require import expect
 from ..errors import InvalidFile
@@ -18,6 +19,9 @@ from ..trials.columns import Column
 from ..trials.trial import Trial, Value
 from .description import NAME, StudyDescription
 
+TRACES: Final = "traces"
+PARTS: Final = ("data", "journals", TRACES)
+"""The folders that recorded sessions are in."""
 LARGEST_NUMBER = 999_999_999
 """Of a session, and of a participant for counterbalancing."""
 
@@ -86,14 +90,28 @@ def trials_csv(trials: Sequence[Trial], session: Session, rig: str, columns: Seq
     return delimited_text([header, *(row(trial, session, rig, columns) for trial in trials)])
 
 
+def refuse_links(root: Path) -> None:
+    """Refuse a data set one of whose folders is a link: nothing is written or erased through it.
+
+    Raises
+    ------
+    InvalidFile
+        If there is such a folder.
+    """
+    for part in PARTS:
+        it = "the folder itself; put what the link leads to in its place"
+        expect(not (root / part).is_symlink(), root / part, "a link", it, InvalidFile)
+
+
 def prepare(root: Path, design: StudyDescription) -> None:
     """Make the folders and the files that all sessions share.
 
     Raises
     ------
     InvalidFile
-        If the folder holds another study, or other numbers of this one, or something else.
+        If the folder holds another study, or other numbers of this one, or something else, or a folder in it is a link.
     """
+    refuse_links(root)
     for folder in (root, root / "data", root / "journals"):
         make_folder(folder)
     path = root / "study.toml"

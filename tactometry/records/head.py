@@ -17,7 +17,7 @@ from typing import Any, Final
 import msgspec
 
 from ..errors import InvalidFile
-from ..files.durable import read_file
+from ..files.durable import read_file, whole_lines
 from ..safety.limits import ROUNDING
 from ..session.request import Fact, Record, Request
 from ..trials.cell_rules import PARTICIPANT, STUDY, is_time
@@ -123,8 +123,10 @@ def heads(path: Path) -> tuple[Head, ...]:
     InvalidFile
         If one is damaged.
     """
-    first, *rest = read_file(path, "a journal").split(b"\n")[:-1] or [b""]  # without a last line that was torn
-    lines = [first, *(line for line in rest if line.startswith(_SITTING))] if first else []
+    content = read_file(path, "a journal")
+    first = next(whole_lines(content), b"")
+    others = [] if first.startswith(_SITTING) else [first]
+    lines = [*others, *whole_lines(content, _SITTING)] if first else []
     try:
         values = [msgspec.json.decode(line) for line in lines]
         return tuple(head_of(value.get("sitting", value)) for value in values)

@@ -19,7 +19,7 @@ from typing import Any, Final, NamedTuple, TypeVar
 import msgspec
 
 from ..errors import DeviceFailed, InvalidFile
-from ..files.durable import read_file
+from ..files.durable import read_file, whole_lines
 from ..session.answer import Done, Marked
 from ..session.answer_rules import flaw
 from ..session.event import Event, decode_event, intervention_of, trial_facts
@@ -237,7 +237,7 @@ def decode_on(content: bytes, path: Path, place: Reached = Reached()) -> tuple[t
         If one of them is damaged or out of place, with its number.
     """
     lines: list[Line] = []
-    for whole in content.split(b"\n")[:-1]:
+    for whole in whole_lines(content):
         line, place = _next_line(whole, path, place)
         if line is not None:
             lines.append(line)
@@ -247,9 +247,9 @@ def decode_on(content: bytes, path: Path, place: Reached = Reached()) -> tuple[t
 def _next_line(whole: bytes, path: Path, place: Reached) -> tuple[Line | None, Reached]:
     """What the line behind a place holds (None: the end), and the place behind it."""
     where = f"{path}, line {place.n_lines + 1}"
-    table = _table(whole, place.checksum, where)
     if place.complete:
         raise InvalidFile(f"{where}: found a line behind the end of the session, expected none; remove it")
+    table = _table(whole, place.checksum, where)
     try:
         line = _decode_line(table, place.head)
     except msgspec.ValidationError as error:

@@ -4,6 +4,7 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, replace
+from itertools import islice
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,7 +12,7 @@ import msgspec
 import portalocker
 
 from ..errors import InvalidFile, SessionInUse
-from ..files.durable import draft, open_private, put_in_place, read_file, sync_folder, write_whole
+from ..files.durable import NO_LINK, draft, open_private, put_in_place, read_file, sync_folder, whole_lines, write_whole
 from ..session.answer import Marked
 from ..session.event import Event
 from ..session.replay import Replay
@@ -61,7 +62,7 @@ class Journal:
         recording = decode_journal(content, self.path)
         kept_kinds = (*LASTING, Fill, Show) if self._syncs_trials else LASTING
         lines = recording.lines if recording.complete else _until_last(kept_kinds, recording.lines)
-        kept_lines = content.split(b"\n")[: len(lines) + recording.complete]
+        kept_lines = islice(whole_lines(content), len(lines) + recording.complete)
         n_bytes = sum(len(line) + 1 for line in kept_lines)
         self._before = checksum(content[: n_bytes - 1].rpartition(b"\n")[2]) if n_bytes else 0
         kept, cut = Recording(lines, recording.complete), content[n_bytes:]
@@ -76,7 +77,7 @@ class Journal:
 
     def keep(self, **lost: object) -> None:
         """Keep beside the journal what would else be lost, as a line of `interruptions`."""
-        file = open_private(self.interruptions, os.O_WRONLY)
+        file = open_private(self.interruptions, os.O_WRONLY | NO_LINK)
         try:
             os.lseek(file, 0, os.SEEK_END)
             write_whole(file, msgspec.json.encode(lost) + b"\n", self.interruptions, durable=True)

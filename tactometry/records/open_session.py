@@ -12,7 +12,7 @@ import msgspec
 
 from ..arguments.require import expect
 from ..errors import InvalidFile, count_of
-from ..files.durable import drafts, open_private, read_file, replace_file, write_whole
+from ..files.durable import NO_LINK, drafts, open_private, read_file, replace_file, whole_lines, write_whole
 from ..files.rows import delimited_text
 from ..provenance import sha256
 from ..safety.limits import Exposure
@@ -33,7 +33,8 @@ from .traces import TraceFiles
 
 POSITIONS_HEADER: Final = b"positions_digest\ttime_s\tposition_m\n"
 """Times from the place that the first sample of the stimulus followed."""
-_STIMULUS: Final = (b'{"event":"stimulus"', b'{"event":"stimulus_end"')
+_STIMULUS: Final = b'{"event":"stimulus'
+_KINDS: Final = (_STIMULUS + b'"', _STIMULUS + b'_end"')
 
 
 def refuse_mixing(root: Path, rig: str) -> None:
@@ -58,8 +59,8 @@ def refuse_mixing(root: Path, rig: str) -> None:
 
 def stimuli(journal: Path) -> Iterator[Event]:
     """Yield the beginnings and ends of the stimuli of a journal; damaged lines are skipped."""
-    for line in read_file(journal, "a journal").split(b"\n"):
-        if line.startswith(_STIMULUS):
+    for line in whole_lines(read_file(journal, "a journal"), _STIMULUS):
+        if line.startswith(_KINDS):
             try:
                 yield decode_event(msgspec.json.decode(line))
             except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
@@ -170,7 +171,7 @@ class OpenSession:
         path = self._session.positions(self._root)
         header = b"" if path.exists() else POSITIONS_HEADER
         body = b"".join(digest.encode() + b"\t" + line + b"\n" for line in lines.splitlines())
-        file = open_private(path, os.O_WRONLY | os.O_APPEND | os.O_CREAT)
+        file = open_private(path, os.O_WRONLY | os.O_APPEND | NO_LINK)
         try:
             write_whole(file, header + body, path, durable=False)
         finally:
@@ -252,12 +253,15 @@ class OpenSession:
                 draft.unlink()
 
     def _say_cut(self) -> None:
-        if self.journal.cut:
-            self._repaired.append(
-                f"the last sitting ended after {count_of(self.tally.n_trials, 'trial')}; "
-                f"{count_of(len(self.journal.cut), 'byte')} of what was under way are kept in "
-                f"{self.journal.interruptions.name}, and it is asked again"
-            )
+        if not self.journal.cut:
+            return
+        n_cut, kept = count_of(len(self.journal.cut), "byte"), f"are kept in {self.journal.interruptions.name}"
+        if self.journal.recording.complete:
+            self._repaired.append(f"{n_cut} after the end of the session {kept}")
+            return
+        trials = count_of(self.tally.n_trials, "trial")
+        what = f"{n_cut} of what was under way {kept}, and it is asked again"
+        self._repaired.append(f"the last sitting ended after {trials}; {what}")
 
     def _keep_surplus(self, path: Path, content: bytes, at_first: bytes = b"") -> None:
         """Keep the rows of a derived file that its new content lacks, and lacked `at_first`: the journal may be an

@@ -32,10 +32,10 @@ from ..session.answer import TracePart
 from ..session.event import TraceKind
 from ..signal import FloatArray
 from ..trials.columns import Column
-from .data_set import Session
+from .data_set import TRACES, Session
 from .description import pretty
 
-FOLDER: Final = "traces"
+FOLDER: Final = TRACES
 MISSING: Final = "n/a"
 """A sample that was lost, as BIDS writes it."""
 FILES: Final[Mapping[TraceKind, str]] = {

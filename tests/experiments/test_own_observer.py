@@ -3,13 +3,16 @@
 import json
 import subprocess
 import sys
+from dataclasses import dataclass
 
 import pytest
 from command_line import call, output, refused
 from places import ROOT
 from tables import trial_rows
 
+from tactometry.errors import Terminated
 from tactometry.experiments.study.study_file import builtin
+from tactometry.own_code import guarded
 
 GUESSER = (ROOT / "tests" / "recipes" / "tactometry" / "observers" / "guesser.py").read_text("utf-8")
 CODE = GUESSER.replace("from ..arguments", "from tactometry.arguments").replace(
@@ -109,6 +112,7 @@ def test_a_cluster_finds_it_by_the_path_of_the_study(study, tmp_path, capsys):
             "1 / 0\n",
             "mine.py, line 1 (ZeroDivisionError: division by zero), expected a module that runs",
         ),
+        ("mine:Guesser", "raise SystemExit(0)\n", "mine.py, line 1 (SystemExit: 0), expected a module that runs"),
         ("mine:Guesser", "Guesser = 3\n", "no dataclass 'Guesser' in mine.py"),
         (
             "mine:Guesser",
@@ -134,6 +138,11 @@ WRONG = [
     ("answer_time_s", "return float('nan')", "found nan as the answer of answer_time_s, expected a finite number"),
     ("facts", "return {'levels': [1]}", "expected a dictionary of plain texts and numbers"),
     ("participant", "return None", "found None as the answer of participant, expected an observer"),
+    ("detect", "raise SystemExit(0)", "found SystemExit (0) in detect, expected an answer"),
+    ("detect", "raise SystemExit(143)", "found SystemExit (143) in detect, expected an answer"),
+    ("detect", "raise GeneratorExit", "found GeneratorExit () in detect, expected an answer"),
+    ("detect", "raise type('Mine', (KeyboardInterrupt,), {})", "found Mine () in detect, expected an answer"),
+    ("facts", "raise SystemExit", "found SystemExit () in facts, expected an answer"),
     ("__post_init__", "raise KeyError('no such table')", "found KeyError ('no such table') in __post_init__"),
 ]
 
@@ -156,15 +165,22 @@ def test_what_its_calls_raise_or_answer_is_told_with_file_and_line(study, tmp_pa
     assert said.count("\n") == 0
 
 
-def test_what_was_recorded_before_it_failed_is_kept_and_goes_on(study, tmp_path, capsys):
+@pytest.mark.parametrize(
+    ("body", "sentence"),
+    [
+        ("next(LEFT)", "found StopIteration () in detect"),
+        ("next(LEFT, None) is None and exit(0)", "found SystemExit (0) in detect"),
+    ],
+)
+def test_what_was_recorded_before_it_failed_is_kept_and_goes_on(study, tmp_path, capsys, body, sentence):
     """Of three people the second fails in the middle: mended and resumed, all is as if nothing had happened."""
     output(capsys, "simulate", study, *ALL, "--out", tmp_path / "whole", "--allow-code")
     (study.parent / "beside.py").write_text("BIAS, LEFT = 0.5, iter(range(70))\n")
-    failing = with_body("detect", "next(LEFT)")[0].replace("import BIAS", "import BIAS, LEFT")
+    failing = with_body("detect", body)[0].replace("import BIAS", "import BIAS, LEFT")
     (study.parent / "mine.py").write_text(failing)
     words = ("simulate", study, *ALL, "--out", tmp_path / "d", "--allow-code")
     said = refused(capsys, *words)
-    assert "found StopIteration () in detect" in said
+    assert sentence in said
     assert 70 <= len(trial_rows(tmp_path / "d")) < len(trial_rows(tmp_path / "whole"))
     (study.parent / "mine.py").write_text(CODE)
     output(capsys, *words, "--resume")
@@ -202,3 +218,19 @@ def test_a_report_and_its_record_say_that_people_were_simulated(study, tmp_path,
     told = output(capsys, "analyse", tmp_path / "d", "--report", tmp_path / "report.html", "--json")
     assert "simulated" in json.dumps(json.loads(told)).lower()
     assert "simulated participants" in (tmp_path / "report.html").read_text("utf-8").lower()
+
+
+@pytest.mark.parametrize("end", [KeyboardInterrupt(), Terminated(143)], ids=repr)
+def test_signals_that_arrive_in_own_code_pass(end):
+    kind = guarded(Interrupted, {"detect": None})
+    with pytest.raises(type(end)) as raised:
+        kind(end).detect()
+    assert raised.value is end
+
+
+@dataclass(frozen=True)
+class Interrupted:
+    end: BaseException
+
+    def detect(self):
+        raise self.end

@@ -47,6 +47,27 @@ def test_foreign_hosts_and_pages_are_refused(served, headers, status):
         assert served.ask(path, **headers)[0] == status
 
 
+@pytest.mark.parametrize(
+    ("name", "values"),
+    [
+        ("Sec-Fetch-Site", ("cross-site", "same-origin")),
+        ("Sec-Fetch-Site", ("none", "none")),
+        ("Origin", ("http://evil.example", "http://127.0.0.1:{port}")),
+        ("Origin", ("http://127.0.0.1:{port}", "http://127.0.0.1:{port}")),
+        ("Host", ("evil.example", "127.0.0.1:{port}")),
+        ("Host", ("127.0.0.1:{port}", "127.0.0.1:{port}")),
+    ],
+)
+def test_repeated_headers_are_refused(served, name, values):
+    connection = served.connection()
+    connection.putrequest("GET", f"/{served.token}/", skip_host=name == "Host")
+    for value in values:
+        connection.putheader(name, value.format(port=served.port))
+    connection.endheaders()
+    assert connection.getresponse().status == (400 if name == "Host" else 403)  # a second host is no HTTP
+    connection.close()
+
+
 def test_without_its_token_nothing_is_told(served):
     for path in (
         "/",

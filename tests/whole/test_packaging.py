@@ -3,10 +3,11 @@
 The wheel is installed into a new virtual environment. In reduced form that environment reads the dependencies
 from the site-packages of the running interpreter through a path file, which does not reach the editable
 Tactometry there (path files of such a folder are not read). At full size (TACTOMETRY_SOAK=1) the environment
-is empty, and pip installs the dependencies under the constraints.
+is empty, and pip installs the dependencies and checks their hashes.
 """
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -72,11 +73,11 @@ def environment(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
     scripts = place / ("Scripts" if os.name == "nt" else "bin")
     install = [sys.executable, "-m", "pip", "--python", scripts / "python", "install", "--quiet"]
     if SOAK:
-        done(run(*install, "--constraint", ROOT / "constraints.txt", wheel, cwd=place))
+        done(run(*install, "--require-hashes", "--requirement", ROOT / "requirements" / "core.txt", cwd=place))
     else:
         (site,) = place.glob("lib/python*/site-packages") if os.name != "nt" else [place / "Lib" / "site-packages"]
         (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n", encoding="utf-8")
-        done(run(*install, "--no-deps", wheel, cwd=place))
+    done(run(*install, "--no-deps", wheel, cwd=place))
     return scripts
 
 
@@ -150,3 +151,41 @@ def test_what_is_needed_has_one_version_that_is_admitted(needed: str, marker: di
 def test_the_constraints_hold_versions_and_no_address() -> None:
     for pins in constraints().values():
         assert all(pin.url is None and len(pin.specifier) == 1 for pin in pins)
+
+
+def hashed(name: str) -> dict[str, list[str]]:
+    """The pins of a file of requirements, each with its hashes."""
+    text = (ROOT / "requirements" / f"{name}.txt").read_text(encoding="utf-8").replace("\\\n", "")
+    pins = [line.split(" --hash=") for line in map(" ".join, map(str.split, text.splitlines())) if "==" in line]
+    return {pin: hashes for pin, *hashes in pins}
+
+
+@pytest.mark.parametrize("name", ["core", "all"])
+def test_every_requirement_has_hashes(name: str) -> None:
+    pins = hashed(name)
+    assert "setuptools" in {Requirement(pin).name for pin in pins}  # builds the editable package
+    assert all(pins.values())
+    assert all(re.fullmatch("sha256:[0-9a-f]{64}", each) for hashes in pins.values() for each in hashes)
+
+
+def test_hashed_requirements_are_the_constraints() -> None:
+    lines = (ROOT / "constraints.txt").read_text(encoding="utf-8").splitlines()
+    of_macos = "pyobjc-framework-"  # frameworks of macOS, which follow from pyobjc
+    assert {pin for pin in hashed("all") if not pin.startswith(of_macos)} == set(lines[1:])
+
+
+def test_hashed_core_holds_what_the_core_needs() -> None:
+    core, every = ({Requirement(pin).name: Requirement(pin) for pin in hashed(name)} for name in ("core", "all"))
+    assert {Requirement(needed).name for needed in PROJECT["dependencies"]} <= core.keys()
+    assert all(every[name].specifier == pin.specifier for name, pin in core.items() if not pin.marker)
+
+
+def test_make_installs_packages_by_hash_alone() -> None:
+    rules = (ROOT / "Makefile").read_text(encoding="utf-8").partition("$(VENV)/.core:")[2]
+    assert "$(INSTALL)" not in rules
+    assert {"core", "all"} == set(re.findall(r"\$\(HASHED\) requirements/(\w+)\.txt", rules))
+
+
+def test_window_extra_bounds_pyglet() -> None:
+    [pyglet] = [each for each in map(Requirement, PROJECT["optional-dependencies"]["window"]) if each.name == "pyglet"]
+    assert not pyglet.specifier.contains("2.0")

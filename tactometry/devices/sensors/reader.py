@@ -56,6 +56,9 @@ class Source(ABC):
         self.name, self.rate_hz, self.n_channels = name, rate_hz, n_channels
         self._opened = contextlib.ExitStack()
 
+    def check(self) -> None:  # noqa: B027 - most sources read no file
+        """Raises `DeviceFailed` if a file that is needed cannot be read; opens no device."""
+
     @abstractmethod
     def open(self) -> None:
         """Raises `DeviceFailed` if the device is not there."""

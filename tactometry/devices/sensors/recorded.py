@@ -53,6 +53,9 @@ class RecordedSource(Source):
         self._settings = settings
         self._n_read = 0
 
+    def check(self) -> None:
+        _table(Path(self._settings.path), self.n_channels)
+
     def open(self) -> None:
         table = _table(Path(self._settings.path), self.n_channels)
         self._times_s = table[:, 0] - table[0, 0] + now_s()  # as if the recording began now

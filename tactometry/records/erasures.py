@@ -1,0 +1,98 @@
+"""What was erased from a data set: a line of `erasures.jsonl` for each time, and the plan of one that is under way.
+
+A line holds the participant's code, when it was, by which version, and how many sessions and files there were. It holds
+the code because the laboratory has to show that it erased what it was asked to, and because the code's number is free
+again for counterbalancing; a code alone says nothing once the list that links codes and names has lost it too.
+"""
+
+import os
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import msgspec
+
+from ..errors import InvalidFile, InvalidParameter
+from ..files.durable import read_file, write_atomically
+from ..trials.cell_rules import PARTICIPANT
+
+RECORD: Final = "erasures.jsonl"
+LOCK: Final = ".erasures.lock"
+"""Of one erasure at a time: two that write the record would lose a line of it."""
+
+
+@dataclass(frozen=True)
+class Erasure:
+    """One participant, erased once. Until it is finished, `files` are those that it began with."""
+
+    participant: str
+    begun_utc: str
+    version: str
+    n_sessions: int
+    n_files: int
+    finished_utc: str | None = None
+    files: tuple[str, ...] = ()
+
+
+def read_erasures(root: Path) -> tuple[Erasure, ...]:
+    """The record of a data set; empty where nothing was erased.
+
+    Raises
+    ------
+    InvalidFile
+        If it is damaged.
+    """
+    path = root / RECORD
+    if not os.path.lexists(path):
+        return ()
+    lines = read_file(path, "the record of what was erased").splitlines()
+    return tuple(_erasure(line, f"{path}, line {number}") for number, line in enumerate(lines, 1))
+
+
+def _erasure(line: bytes, where: str) -> Erasure:
+    """Decode a line; a participant that is no code, such as a hash, could not be found again."""
+    try:
+        erasure = msgspec.json.decode(line, type=Erasure)
+        if not PARTICIPANT.fullmatch(erasure.participant):
+            raise msgspec.ValidationError(f"the participant {erasure.participant!r:.40} is no code")
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError) as error:
+        text = f"found no erasure ({error}), expected a line that tactometry erase wrote; restore it from a copy"
+        raise InvalidFile(f"{where}: {text}") from None
+    return erasure
+
+
+def write_erasures(root: Path, erasures: Sequence[Erasure]) -> None:
+    """Write the record whole, and put it on the disk."""
+    write_atomically(root / RECORD, b"".join(msgspec.json.encode(erasure) + b"\n" for erasure in erasures))
+
+
+def unfinished(erasures: Sequence[Erasure], participant: str) -> Erasure | None:
+    """The erasure of a participant that was interrupted."""
+    return next((e for e in erasures if e.participant == participant and e.finished_utc is None), None)
+
+
+def refuse_erased(root: Path, codes: Iterable[str], *, allowed: bool = False) -> None:
+    """Refuse participants who were erased, unless that is allowed; capitals make no difference.
+
+    An erasure that is not finished is refused in any case, because it would go on with the files of the new session.
+
+    Raises
+    ------
+    InvalidParameter
+        If one of them was erased from the data set.
+    InvalidFile
+        If the record is damaged, so that nobody can be looked up in it.
+    """
+    lines = sorted(enumerate(read_erasures(root), 1), key=lambda line: line[1].finished_utc is None)
+    erased = {erasure.participant.casefold(): (number, erasure) for number, erasure in lines}  # unfinished ones win
+    for code in codes if erased else ():
+        number, erasure = erased.get(code.casefold(), (0, None))
+        if erasure is None or (allowed and erasure.finished_utc is not None):
+            continue
+        found, expected = f"that {erasure.participant} was erased at {erasure.finished_utc}", "another participant"
+        way = "give another code or --out, or --allow-erased to record this participant again"
+        if erasure.finished_utc is None:
+            found, expected = f"an unfinished erasure of {erasure.participant}", "a finished one"
+            way = f"repeat tactometry erase {root} --participant {erasure.participant}"
+        raise InvalidParameter(f"{root / RECORD}, line {number}: found {found}, expected {expected}; {way}")

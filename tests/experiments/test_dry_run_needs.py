@@ -1,0 +1,67 @@
+"""A dry run refuses what the session would refuse, with the same status and sentence."""
+
+import pytest
+from command_line import call
+
+from tactometry.experiments.study.study_file import builtin
+
+RECORDED_FORCE = """
+[sensors.hand]
+kind = "recorded"
+path = "force.csv"
+rate_hz = 1000
+[force]
+sensor = "hand"
+newtons_per_count = 0.01
+"""
+WAV = """
+kind = "wav"
+path = "missing.wav"
+sha256 = ""
+rate_hz = "48 kHz"
+duration_s = "500 ms"
+level_unit = "dB re 1 V"
+"""
+NEEDS = {
+    "responses": ("time-reversal-threshold", '[time_reversal]\nresponses = "none.npz"\n', "none.npz"),
+    "recording": ("tutorial", RECORDED_FORCE, "force.csv: cannot be read as a recording"),
+    "wav": ("wav.toml", "", "missing.wav"),
+    "image": ("image.toml", "", "missing.png"),
+    "format": ("tutorial", '[output]\nkind = "file"\nfolder = "played"\nrate_hz = 8000\n', "8000"),
+}
+
+
+@pytest.fixture
+def here(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    tutorial = builtin()["tutorial"].read_text("utf-8")
+    (tmp_path / "image.toml").write_text(f'{tutorial}\n[images.welcome]\npath = "missing.png"\nsha256 = "{"0" * 64}"\n')
+    before, stimulus, after = tutorial.partition("[stimulus]\n")
+    rest = after[after.index("\n[") :].replace("force_n = 1.0", "")
+    assert stimulus
+    (tmp_path / "wav.toml").write_text(
+        f"{before[: before.index('[factors]')]}[factors]\nforce_n = [0.5, 1.0]\n\n{stimulus}{WAV}{rest}"
+    )
+    return tmp_path
+
+
+@pytest.mark.parametrize("need", NEEDS)
+def test_dry_run_refuses_as_session_does(here, capsys, need):
+    study, bench, part = NEEDS[need]
+    (here / "bench.toml").write_text(bench)
+    words = ("run", study, "--participant", "P01", "--bench", "bench.toml")
+    rig = "bench" if need == "image" else "console"
+    dry = call(capsys, *words, "--rig", rig, "--dry-run")
+    assert dry[:2] == call(capsys, *words, "--rig", rig)[:2]
+    assert dry[0] in (2, 3)
+    assert part in dry[1]
+    assert not (here / "played").exists()
+
+
+def test_dry_run_checks_own_code_of_simulated_participant(here, capsys):
+    tutorial = builtin()["tutorial"].read_text("utf-8").partition("\n[observer]")[0]
+    (here / "own.toml").write_text(f'{tutorial}\n[observer]\nkind = "mine:Guesser"\nbias = 0.9\n')
+    words = ("run", "own.toml", "--participant", "P01", "--rig", "simulated")
+    dry = call(capsys, *words, "--dry-run")
+    assert dry[:2] == call(capsys, *words)[:2]
+    assert (dry[0], "--allow-code" in dry[1]) == (2, True)

@@ -1,0 +1,99 @@
+"""Participants who were erased are refused by whatever would record them again."""
+
+import json
+import re
+import shutil
+
+import pytest
+from command_line import call, output, refused
+
+from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.experiments.data_sets.erasing import erase
+from tactometry.records.erasures import RECORD, refuse_erased
+
+SIMULATE = ("simulate", "tutorial", "--participants", "3", "--seed", "1", "--out")
+RUN = ("run", "tutorial", "--rig", "simulated", "--seed", "1", "--participant", "P02", "--out")
+UNFINISHED = {"participant": "P02", "begun_utc": "2026-01-01", "version": "1", "n_sessions": 1, "n_files": 1}
+
+
+@pytest.fixture(scope="module")
+def set_without_p02(tmp_path_factory):
+    root = tmp_path_factory.mktemp("erased") / "d"
+    from tactometry.cli import main
+
+    with pytest.raises(SystemExit):
+        main([*SIMULATE, str(root)])
+    erase(root, "P02")
+    return root
+
+
+@pytest.fixture
+def erased(set_without_p02, tmp_path):
+    return shutil.copytree(set_without_p02, tmp_path / "d")
+
+
+def names(root):
+    return sorted(path.relative_to(root).as_posix() for path in root.rglob("*"))
+
+
+@pytest.mark.parametrize(
+    "words", [(*SIMULATE,), (*RUN,), ("run", "tutorial", "--rig", "console", "--dry-run", *RUN[-3:])], ids=" ".join
+)
+@pytest.mark.parametrize("options", [(), ("--resume",)], ids=["new", "resumed"])
+def test_command_refuses_erased_participant(capsys, erased, words, options):
+    before = names(erased)
+    said = refused(capsys, *words, erased, *options)
+    assert re.search(r"erasures.jsonl, line 1: found that P02 was erased at 20\d\d-\d\d-\d\dT", said)
+    assert "--allow-erased" in said
+    assert names(erased) == before
+
+
+def test_simulate_refuses_erased_participant_with_workers(capsys, erased):
+    assert "found that P02 was erased" in refused(capsys, *SIMULATE, erased, "--resume", "--jobs", "2")
+
+
+@pytest.mark.parametrize("words", [SIMULATE, RUN], ids=["simulate", "run"])
+def test_allow_erased_records_participant_again(capsys, erased, words):
+    output(capsys, *words, erased, "--resume", "--allow-erased")
+    assert any("-P02_" in name for name in names(erased))
+
+
+@pytest.mark.parametrize("code", ["P02", "p02"])
+def test_capitals_of_erased_code_make_no_difference(erased, code):
+    with pytest.raises(InvalidParameter, match="P02 was erased"):
+        refuse_erased(erased, ["P01", code])
+
+
+def test_other_participants_are_not_refused(capsys, erased):
+    words = (*RUN[:-2], "P04", "--out")
+    assert call(capsys, *words, erased)[0] == 0
+
+
+def test_unfinished_erasure_is_refused_when_allowed(erased):
+    """Repeating it would erase the files of the new session."""
+    (erased / RECORD).write_text(json.dumps(UNFINISHED))
+    with pytest.raises(InvalidParameter, match="found an unfinished erasure of P02"):
+        refuse_erased(erased, ["P02"], allowed=True)
+
+
+@pytest.mark.parametrize(
+    "record",
+    [
+        json.dumps(UNFINISHED | {"participant": "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"}),
+        '{"participant":"P0',
+        "\0" * 40,
+        "[" * 200_000,
+    ],
+    ids=["hash", "torn", "zeros", "deep"],
+)
+def test_damaged_record_refuses_every_participant(erased, record):
+    (erased / RECORD).write_text(record)
+    with pytest.raises(InvalidFile, match=r"erasures.jsonl, line 1: found no erasure \("):
+        refuse_erased(erased, ["P09"], allowed=True)
+
+
+def test_record_that_links_nowhere_refuses_participant(erased):
+    (erased / RECORD).unlink()
+    (erased / RECORD).symlink_to(erased / "missing")
+    with pytest.raises(InvalidFile, match="cannot be read"):
+        refuse_erased(erased, ["P09"])
