@@ -1,7 +1,8 @@
 """What an output drives: the current, charge and displacement that a voltage makes there.
 
 Between two samples the voltage is taken as a straight line, before the first and after the last as a line from and to
-zero. `Load` is exact for that course.
+zero. `Load` is exact for that course. The quantities that are called filtered are those after a reconstruction filter
+(`reconstruction`).
 """
 
 import math
@@ -12,6 +13,7 @@ import numpy as np
 
 from ..arguments.require import expect, positive
 from ..signal import FloatArray, Signal
+from .reconstruction import course_peak
 
 
 @dataclass(frozen=True, eq=False)
@@ -165,11 +167,55 @@ class Load:
         InvalidParameter
             If the load does not say it for each channel.
         """
-        peaks_v = np.max(np.abs(signal.samples), axis=1, initial=0.0)
-        gains = self.displacement_m_per_v or ()
-        sizes = f"{len(gains)} values for {len(peaks_v)} channels"
-        expect(len(gains) in (1, len(peaks_v)), "Load.displacement_m_per_v", sizes, "one for each, or one for all")
-        return float(np.sum(np.asarray(gains) * peaks_v))
+        return float(np.sum(self._gains(signal) * _channel_peaks(signal)))
+
+    def _gains(self, signal: Signal) -> FloatArray:
+        gains, n_channels = self.displacement_m_per_v or (), len(signal.samples)
+        sizes = f"{len(gains)} values for {n_channels} channels"
+        expect(len(gains) in (1, n_channels), "Load.displacement_m_per_v", sizes, "one for each, or one for all")
+        return np.asarray(gains)
+
+    def filtered_current_a(self, signal: Signal, bound_a: float, rise_s: float = math.inf) -> float:
+        """Return the peak current after a reconstruction filter, A, or some number up to `bound_a` if it is below."""
+        weakened_a = self.capacitance_f * _strongest_v(signal, rise_s) / rise_s
+        per_volt, per_change = 1 / self.leak_resistance_ohm, self.capacitance_f * signal.rate_hz
+        rest_a = bound_a - weakened_a
+        return weakened_a + max(
+            course_peak(channel, rest_a, value=per_volt, slope=per_change) for channel in signal.samples
+        )
+
+    def filtered_charge_c(self, signal: Signal, bound_c: float, rise_s: float = math.inf) -> float:
+        """Return the peak charge after a reconstruction filter, C, or some number up to `bound_c` if it is below.
+
+        The part that passes the leak is that of straight lines between the samples.
+        """
+        if math.isfinite(rise_s):
+            leaked_c = self.passed_c(signal, rise_s).net_c
+            return leaked_c + self.capacitance_f * filtered_peak_v(signal, (bound_c - leaked_c) / self.capacitance_f)
+        to_zero = np.pad(signal.samples, ((0, 0), (0, 1)))
+        return max(
+            course_peak(channel, bound_c, value=self.capacitance_f, added=passed_c)
+            for channel, passed_c in zip(to_zero, self._passed(signal), strict=True)
+        )
+
+    def filtered_displacement_m(self, signal: Signal, bound_m: float) -> float:
+        """Return `displacement_peak_m` for peaks after a reconstruction filter, or some number up to `bound_m`.
+
+        Raises
+        ------
+        InvalidParameter
+            If the load does not say it for each channel.
+        """
+        gains, peaks_v, of_samples_m = self._gains(signal), _channel_peaks(signal), self.displacement_peak_m(signal)
+        if of_samples_m == 0.0:
+            return 0.0
+        # below the bound if no channel grows by more than the sum may
+        bounds_v = peaks_v * (bound_m / of_samples_m)
+        pairs = zip(signal.samples, bounds_v.tolist(), strict=True)
+        if all(course_peak(channel, bound_v) <= bound_v for channel, bound_v in pairs):
+            return of_samples_m
+        filtered_v = [course_peak(channel, 0.0) for channel in signal.samples]
+        return float(np.sum(gains * np.maximum(peaks_v, filtered_v)))
 
     def _turning_c(self, signal: Signal, at_samples: FloatArray) -> FloatArray:
         """The charge where the current changes its sign between two samples; elsewhere that at the sample."""
@@ -184,6 +230,20 @@ class Load:
         leaked = (after**2 - turning_v**2) * per_slope / (2 * self.leak_resistance_ohm)
         at_turning = at_samples - self.capacitance_f * (after - turning_v) - leaked
         return np.where(inside, at_turning, at_samples)
+
+
+def filtered_peak_v(signal: Signal, bound_v: float) -> float:
+    """Return the peak voltage after a reconstruction filter, V, or some number up to `bound_v` if it is below."""
+    return max(course_peak(channel, bound_v) for channel in signal.samples)
+
+
+def _strongest_v(signal: Signal, rise_s: float) -> float:
+    """Return the peak voltage on both sides of a filter, V; 0 of a signal that nothing weakens."""
+    return max(signal.peak, filtered_peak_v(signal, signal.peak)) if math.isfinite(rise_s) else 0.0
+
+
+def _channel_peaks(signal: Signal) -> FloatArray:
+    return np.asarray(np.max(np.abs(signal.samples), axis=1, initial=0.0))
 
 
 def _lines(signal: Signal) -> tuple[FloatArray, FloatArray, FloatArray]:
