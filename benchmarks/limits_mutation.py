@@ -16,13 +16,14 @@ from measured import tell
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("tactometry", "stimuli", "protocols", "analysis", "experiments", "tests")
 LIMITS = Path("tactometry", "safety", "limits.py")
+TESTS = ("tests/kernel/test_limits.py", "tests/kernel/test_filtered_limits.py")
 SOURCE = (ROOT / LIMITS).read_text(encoding="utf-8")
 
 
 def mutants() -> dict[str, str]:
     """Sources with one thing changed, by what was changed."""
     found = {}
-    for line in re.findall(r"^ +_check\(.*\)$", SOURCE, re.M):
+    for line in re.findall(r"^ +_check\(\".*\)$", SOURCE, re.M):
         found[f"no {line.split(chr(34))[1]}"] = SOURCE.replace(line, line[: len(line) - len(line.lstrip())] + "pass")
     changes = {
         "no unit": ('signal.unit != "V"', "False"),
@@ -48,7 +49,7 @@ def mutants() -> dict[str, str]:
         "a duty above 1": ("self.duty is None or self.duty <= 1", "True"),
         "a generous rounding": ("ROUNDING = 1e-12", "ROUNDING = 1e-3"),
         "never above": ("if not value <= limit", "if False and value <= limit"),
-        "NaN passes": ("if not value <= limit * (1 + ROUNDING)", "if value > limit * (1 + ROUNDING)"),
+        "NaN passes": ("if not value <= limit * (1 + tolerance)", "if value > limit * (1 + tolerance)"),
         "the new signal does not count": (
             "exposure.after(begin_s, duration_s, self.duty_window_s).played_s",
             "exposure.played_s",
@@ -56,6 +57,12 @@ def mutants() -> dict[str, str]:
         "half a window is remembered": ("first_s = end_s - window_s", "first_s = end_s - window_s / 2"),
         "the session begins at zero": ("begin_s + duration_s - exposure.opened_s", "begin_s + duration_s"),
         "a signal may begin late": ("begin_s + duration_s - exposure.opened_s", "begin_s - exposure.opened_s"),
+        "no voltage between samples": ("filtered_peak_v(signal, bound)", "0.0"),
+        "no current between samples": ("load.filtered_current_a(signal, bound, rise_s)", "0.0"),
+        "no charge between samples": ("load.filtered_charge_c(signal, bound, rise_s)", "0.0"),
+        "no displacement between samples": ("load.filtered_displacement_m(signal, bound)", "0.0"),
+        "a generous tolerance between samples": ("limit, unit, cure, TOLERANCE)", "limit, unit, cure, 1.0)"),
+        "a bound that is too large between samples": ("peak(limit * (1 + TOLERANCE))", "peak(limit * 2)"),
         "the looser of two": ("return min((value for", "return max((value for"),
         "the shorter window": ("longest_s = max(", "longest_s = min("),
     }
@@ -69,7 +76,7 @@ def _replaced(old: str, new: str) -> str:
 
 def passes(tree: Path, source: str) -> bool:
     (tree / LIMITS).write_text(source, encoding="utf-8")
-    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", "tests/kernel/test_limits.py"]
+    command = [sys.executable, "-m", "pytest", "-q", "-x", "-p", "no:cacheprovider", *TESTS]
     env = {**os.environ, "PYTHONPATH": str(tree), "PYTHONDONTWRITEBYTECODE": "1"}
     return subprocess.run(command, cwd=tree, env=env, capture_output=True, check=False).returncode == 0
 

@@ -112,8 +112,9 @@ def _search(courses: list[_Floats], weights: tuple[float, float], bound: float) 
         samples, *added = (blocks[first : first + AT_ONCE] for blocks in courses)
         curvature = np.max(np.abs(np.diff(samples, n=2, axis=1)), axis=1)
         left = _upper_bounds(samples, weights, curvature, *added) > max(bound, found)
-        bend = _weighed("bent", weights) * curvature[left]
-        found = max(found, _peak(spectra, max(bound, found), samples[left], bend, *(each[left] for each in added)))
+        if left.any():
+            bend = _weighed("bent", weights) * curvature[left]
+            found = max(found, _peak(spectra, max(bound, found), samples[left], bend, *(each[left] for each in added)))
     return found
 
 
