@@ -25,8 +25,8 @@ TOLERANCE: Final = 1e-3
 ringing of a smooth tone whose samples are at the limit (unverified default)."""
 ROUNDING: Final = 1e-5
 """Largest error of the single precision and of the cut-off, relative to the largest term of a course."""
-AT_ONCE: Final = 64
-"""Blocks that are computed together, so that they stay in the cache of a processor."""
+AT_ONCE: Final = 16
+"""Blocks that are computed together, so few that they stay in the cache of a processor."""
 
 _INNER: Final = slice(REACH, BLOCK - REACH)
 _HOP: Final = BLOCK - 2 * REACH - 1
@@ -42,16 +42,15 @@ class _Kernel(NamedTuple):
     spectra : (N_PHASES, BLOCK // 2 + 1) array
     most : float
         Largest sum of absolute weights: bounds a course by its largest sample.
-    curved : float
-        Bounds the distance of a course from straight lines between its samples, by the largest second difference.
-    bent : float
-        Bounds the second derivative of a course in the same way.
+    curved, bent : (3,) array
+        Bound the distance of a course from straight lines between its samples, and the second derivative of a course:
+        the first number times the largest second difference, and the other two times the largest second and fourth.
     """
 
     spectra: NDArray[np.complex64]
     most: float
-    curved: float
-    bent: float
+    curved: FloatArray
+    bent: FloatArray
 
 
 def course_peak(
@@ -82,7 +81,7 @@ def course_peak(
         return scale
     # in parts of the largest term, which single precision can hold
     weights = value * (largest / scale), slope * (largest / scale)
-    most = _weighed("most", weights) + added_peak / scale
+    most = _weighed([kernel.most for kernel in _kernels()], weights) + added_peak / scale
     if (most + ROUNDING) * scale <= bound:
         return 0.0
     courses = [_blocks(samples / (largest or 1.0), after="constant")]
@@ -106,34 +105,43 @@ def _blocks(course: FloatArray, after: Literal["constant", "edge"]) -> _Floats:
 def _search(courses: list[_Floats], weights: tuple[float, float], bound: float) -> float:
     """Return the peak of all blocks; 0 if none can be above the bound."""
     of_course, of_change = (np.float32(weight) * each.spectra for weight, each in zip(weights, _kernels(), strict=True))
-    spectra = of_course + of_change
-    found = 0.0
+    spectra, found = of_course + of_change, 0.0
     for first in range(0, len(courses[0]), AT_ONCE):
         samples, *added = (blocks[first : first + AT_ONCE] for blocks in courses)
-        curvature = np.max(np.abs(np.diff(samples, n=2, axis=1)), axis=1)
-        left = _upper_bounds(samples, weights, curvature, *added) > max(bound, found)
+        second = np.diff(samples, n=2, axis=1)
+        differences = _peaks(second), _peaks(np.diff(second, n=2, axis=1))
+        left = _upper_bounds(samples, weights, differences, *added) > max(bound, found)
         if left.any():
-            bend = _weighed("bent", weights) * curvature[left]
+            bend = _by_differences([kernel.bent for kernel in _kernels()], weights, differences)[left]
             found = max(found, _peak(spectra, max(bound, found), samples[left], bend, *(each[left] for each in added)))
     return found
 
 
 def _upper_bounds(
-    samples: _Floats, weights: tuple[float, float], curvature: _Floats, added: _Floats | None = None
+    samples: _Floats, weights: tuple[float, float], differences: tuple[_Floats, _Floats], added: _Floats | None = None
 ) -> FloatArray:
     """Return what the peak of each block cannot exceed: that of straight lines, and what their corners allow."""
     value, slope = weights
-    lines = abs(value) * np.max(np.abs(samples[:, _INNER]), axis=1)
+    lines = abs(value) * _peaks(samples[:, _INNER])
     if slope:
-        lines = lines + abs(slope) * np.max(np.abs(np.diff(samples[:, _INNER])), axis=1)
-    by_lines = lines + _weighed("curved", weights) * curvature
-    by_largest = _weighed("most", weights) * np.max(np.abs(samples), axis=1)
-    more = 0.0 if added is None else np.max(np.abs(added[:, _INNER]), axis=1)
+        lines = lines + abs(slope) * _peaks(np.diff(samples[:, _INNER]))
+    by_lines = lines + _by_differences([kernel.curved for kernel in _kernels()], weights, differences)
+    by_largest = _weighed([kernel.most for kernel in _kernels()], weights) * _peaks(samples)
+    more = 0.0 if added is None else _peaks(added[:, _INNER])
     return np.asarray(np.minimum(by_lines, by_largest) + more + ROUNDING, dtype=np.float64)
 
 
+def _by_differences(
+    bounds: list[FloatArray], weights: tuple[float, float], differences: tuple[_Floats, _Floats]
+) -> FloatArray:
+    """Return the bound of each block by the largest second and fourth differences of its samples."""
+    rough, by_second, by_fourth = np.abs(weights) @ np.array(bounds)
+    second, fourth = differences
+    return np.asarray(np.minimum(rough * second, by_second * second + by_fourth * fourth), dtype=np.float64)
+
+
 def _peak(
-    kernels: NDArray[np.complex64], bound: float, samples: _Floats, bend: _Floats, added: _Floats | None = None
+    kernels: NDArray[np.complex64], bound: float, samples: _Floats, bend: FloatArray, added: _Floats | None = None
 ) -> float:
     """Return the peak of blocks, with twice as many points in those that remain at each step.
 
@@ -142,10 +150,10 @@ def _peak(
     spectra, found, best, step = np.fft.rfft(samples), np.zeros(len(samples)), 0.0, N_PHASES
     while step > 1 and len(found):
         for phase in (0, step // 2) if step == N_PHASES else range(step // 2, N_PHASES, step):
-            points = np.fft.irfft(spectra * kernels[phase], BLOCK)[:, _INNER]
+            points: _Floats = np.fft.irfft(spectra * kernels[phase], BLOCK)[:, _INNER].astype(np.float32, copy=False)
             if added is not None:
                 points += _between(added, phase / N_PHASES)
-            found = np.maximum(found, np.max(np.abs(points), axis=1))
+            found = np.maximum(found, _peaks(points))
         step //= 2
         best = max(best, float(np.max(found)))
         from_point = step / N_PHASES / 2
@@ -157,14 +165,17 @@ def _peak(
     return best
 
 
+def _peaks(blocks: _Floats) -> _Floats:
+    return np.asarray(np.maximum(blocks.max(axis=1), -blocks.min(axis=1)))
+
+
 def _between(added: _Floats, part: float) -> _Floats:
     """Return the inner points of straight lines, at a part of the way to the next sample."""
     after = added[:, _INNER.start + 1 : _INNER.stop + 1]
     return added[:, _INNER] + np.float32(part) * (after - added[:, _INNER])
 
 
-def _weighed(name: Literal["most", "curved", "bent"], weights: tuple[float, float]) -> float:
-    bounds: list[float] = [getattr(kernel, name) for kernel in _kernels()]
+def _weighed(bounds: list[float], weights: tuple[float, float]) -> float:
     return sum(abs(weight) * bound for weight, bound in zip(weights, bounds, strict=True))
 
 
@@ -173,7 +184,9 @@ def _kernels() -> tuple[_Kernel, _Kernel]:
     """Return the kernels of the course and of its change in the time of one sample."""
     lags, phases = np.arange(-REACH, REACH), np.arange(N_PHASES)[:, None] / N_PHASES
     at = lags + phases
-    taper = np.cos(np.pi / 2 * np.clip(2 * np.abs(at) / REACH - 1, 0, 1)) ** 2
+    # so smooth a fall that smooth samples pass the filter as they are
+    fall = np.sin(np.pi / 2 * np.clip(2 * np.abs(at) / REACH - 1, 0, 1)) ** 2
+    taper = np.cos(np.pi / 2 * np.sin(np.pi / 2 * fall) ** 2) ** 2
     # a sinc and its derivatives: n times the derivative n - 1, and u times the derivative n, is known
     sinc = np.sinc(at)
     once = _over(np.cos(np.pi * at) - sinc, at, at_zero=0.0)
@@ -195,8 +208,28 @@ def _kernel(weights: FloatArray, of_lines: FloatArray, second: FloatArray) -> _K
     """
     around_zero = np.zeros((len(weights), BLOCK), np.float32)
     around_zero[:, :REACH], around_zero[:, -REACH:] = weights[:, REACH:], weights[:, :REACH]
-    # neither the difference from straight lines nor a second derivative has a part of a line: they are sums of second
-    # differences
-    curved, bent = (np.cumsum(np.cumsum(each, axis=1), axis=1) for each in (weights - of_lines, second))
-    most, curved_most, bent_most = (float(np.max(np.sum(np.abs(each), axis=1))) for each in (weights, curved, bent))
-    return _Kernel(np.fft.rfft(around_zero).astype(np.complex64), most, curved_most, bent_most)
+    most = float(np.max(np.sum(np.abs(weights), axis=1)))
+    spectra = np.fft.rfft(around_zero).astype(np.complex64)
+    return _Kernel(spectra, most, _difference_bounds(weights - of_lines), _difference_bounds(second))
+
+
+def _difference_bounds(weights: FloatArray) -> FloatArray:
+    """Return the three bounds of a `_Kernel`, from weights (n_phases, 2 * REACH) that vanish for straight lines."""
+    # weights that vanish for straight lines are a sum of second differences, of which two suffice for any cubic; the
+    # rest is a sum of fourth differences
+    of_second = _summed_twice(weights - _two_like(weights))
+    near = _two_like(of_second)
+    of_fourth = _summed_twice(of_second - near)
+    return np.array([np.max(np.sum(np.abs(each), axis=1)) for each in (of_second, near, of_fourth)])
+
+
+def _two_like(weights: FloatArray) -> FloatArray:
+    """Return weights of two neighbours, near the point, that do the same to straight lines."""
+    total, moment = np.sum(weights, axis=1), np.sum(weights * np.arange(-REACH, REACH), axis=1)
+    two = np.zeros_like(weights)
+    two[:, REACH - 2], two[:, REACH - 1] = -total - moment, 2 * total + moment
+    return two
+
+
+def _summed_twice(weights: FloatArray) -> FloatArray:
+    return np.asarray(np.cumsum(np.cumsum(weights, axis=1), axis=1))
