@@ -20,11 +20,12 @@ from measured import tell
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("tactometry", "stimuli", "protocols", "analysis", "experiments", "tests")
 LIMITS, LOAD, EXPOSURE = (f"tests/kernel/test_{name}.py" for name in ("limits", "load", "exposure"))
+FILTERED = "tests/kernel/test_filtered_limits.py"
 LEDGER, GUARD, OUTPUTS = (f"tests/devices/test_{name}.py" for name in ("ledger", "guarded", "outputs"))
 STOP = "tests/experiments/test_stop_delay.py"
 TESTS = {
-    "tactometry/safety/limits.py": (LIMITS, EXPOSURE),
-    "tactometry/safety/load.py": (LOAD, LIMITS, EXPOSURE),
+    "tactometry/safety/limits.py": (LIMITS, FILTERED, EXPOSURE),
+    "tactometry/safety/load.py": (LOAD, LIMITS, FILTERED, EXPOSURE),
     "tactometry/devices/outputs/guarded.py": (GUARD, EXPOSURE, LEDGER, OUTPUTS, STOP),
     "tactometry/devices/outputs/ledger.py": (LEDGER,),
 }

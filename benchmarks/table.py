@@ -34,6 +34,8 @@ ELSEWHERE = {
 WHY_MISSED = {
     "electrovibration_motion": "for a step LSODA takes 0.8 ms against our 0.02 ms; when the goal was set these were "
     "1.6 and 0.014 ms, 114 x. Other inputs are 100 to 600 times as quick",
+    "filtered_peaks": "8 channels at 192 kHz of square waves, white noise or random bits need four points per sample "
+    "in every block, for voltage and current; tones, carriers and signals far below the limits need few or none",
     "procedures": "the bound of the error, slope and lapse rate unknown, is 0.186 and 0.105 SD after 160 trials: what "
     "QUEST+ has then no placement reaches in fewer than 59 %, 46 % (wide), 53 % and 52 % (wide) of the trials",
     "scene_in_study": "a first call imports the stages of a scene, once per process: 5 to 10 ms more than a formula by "

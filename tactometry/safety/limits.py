@@ -1,7 +1,7 @@
 """What may reach a finger, checked on the final samples by every rig and every output."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
@@ -9,7 +9,8 @@ from ..arguments.require import at_most, expect, positive, without_none
 from ..arguments.unlimited import Unlimited
 from ..errors import LimitExceeded
 from ..signal import Signal
-from .load import Load
+from .load import Load, filtered_peak_v
+from .reconstruction import TOLERANCE
 
 ROUNDING = 1e-12
 """Relative: an excess in the last digits is none."""
@@ -142,6 +143,30 @@ class Limits:
         if self.displacement_peak_m is not None:
             peak_m = load.displacement_peak_m(signal)
             _check("displacement_peak_m", "up to", peak_m, self.displacement_peak_m, "m", "lower the level")
+
+    def check_filtered(self, signal: Signal, load: Load | None, rise_s: float = math.inf) -> None:
+        """Refuse a signal that passes a limit between its samples, after the output's reconstruction filter.
+
+        An excess of up to `TOLERANCE` is played.
+
+        Raises
+        ------
+        LimitExceeded
+            If a limit is passed.
+        """
+        peaks: dict[str, tuple[str, Callable[[float], float]]] = {
+            "voltage_peak_v": ("V", lambda bound: filtered_peak_v(signal, bound))
+        }
+        if load is not None:
+            peaks["current_peak_a"] = "A", lambda bound: load.filtered_current_a(signal, bound, rise_s)
+            peaks["charge_peak_c"] = "C", lambda bound: load.filtered_charge_c(signal, bound, rise_s)
+            peaks["displacement_peak_m"] = "m", lambda bound: load.filtered_displacement_m(signal, bound)
+        what = "between two samples, after the reconstruction filter, a peak of"
+        cure = "smooth its steps and highest frequencies, or lower the level"
+        for name, (unit, peak) in peaks.items():
+            limit = getattr(self, name)
+            if limit is not None:
+                _check(name, what, peak(limit * (1 + TOLERANCE)), limit, unit, cure, TOLERANCE)
 
     def check_stated(self, load: Load) -> None:
         """Refuse a load whose limits nobody stated.
@@ -310,9 +335,9 @@ def _smaller(one: float | None, other: float | None) -> float | None:
     return min((value for value in (one, other) if value is not None), default=None)
 
 
-def _check(name: str, what: str, value: float, limit: float, unit: str, cure: str) -> None:
+def _check(name: str, what: str, value: float, limit: float, unit: str, cure: str, tolerance: float = ROUNDING) -> None:
     """Refuse what is above its limit, and what is no number."""
-    if not value <= limit * (1 + ROUNDING):  # not `value > limit`, which a NaN passes
+    if not value <= limit * (1 + tolerance):  # not `value > limit`, which a NaN passes
         raise LimitExceeded(
             f"limits.{name}: found {what} {value:.6g} {unit}, the limit is {limit:.6g} {unit}; {cure}; "
             "nothing was played"

@@ -1,7 +1,8 @@
 """What an output drives: the current, charge and displacement that a voltage makes there.
 
 Between two samples the voltage is taken as a straight line, before the first and after the last as a line from and to
-zero. `Load` is exact for that course.
+zero. `Load` is exact for that course. The quantities that are called filtered are those after a reconstruction filter
+(`reconstruction`).
 """
 
 import math
@@ -12,6 +13,7 @@ import numpy as np
 
 from ..arguments.require import expect, positive
 from ..signal import FloatArray, Signal
+from .reconstruction import course_peak
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +80,7 @@ class PassedCharge:
 
 
 def _largest(values: FloatArray) -> float:
-    return float(np.max(np.abs(values), initial=0.0))
+    return float(max(values.max(initial=0.0), -values.min(initial=0.0)))
 
 
 @dataclass(frozen=True)
@@ -123,22 +125,29 @@ class Load:
         Of a signal whose samples are weakened as it plays, by parts that change from 0 to 1 in `rise_s` at the fastest,
         a bound: (g v)' is g v' + g' v.
         """
-        before, after, slope = _lines(signal)
+        peak_a = max(self._channel_current_a(channel, signal.rate_hz) for channel in signal.samples)
+        return peak_a + self.capacitance_f * signal.peak / rise_s
+
+    def _channel_current_a(self, samples_v: FloatArray, rate_hz: float) -> float:
+        before, after, slope = _lines(samples_v, rate_hz)
+        slope *= self.capacitance_f
         # along a straight line the current is one too: its largest value is at an end
-        ends = [self.capacitance_f * slope + v / self.leak_resistance_ohm for v in (before, after)]
-        return float(np.max(np.abs(ends), initial=0.0)) + self.capacitance_f * signal.peak / rise_s
+        return max(_largest(slope + v / self.leak_resistance_ohm) for v in (before, after))
 
     def charge_peak_c(self, signal: Signal, rise_s: float = math.inf) -> float:
         """Largest abs(C v + integral of v/R) on any channel, C: the charge that has passed since the start.
 
         With a finite `rise_s`, as for the current, a bound: that of all charge with one sign.
         """
-        before, after, _ = _lines(signal)
         if math.isfinite(rise_s):
             return self.capacitance_f * signal.peak + self.passed_c(signal, rise_s).net_c
-        passed = np.cumsum((before + after) / (2 * signal.rate_hz * self.leak_resistance_ohm), axis=1)
-        at_samples = self.capacitance_f * after + passed
-        return float(np.max(np.abs([at_samples, self._turning_c(signal, at_samples)]), initial=0.0))
+        return max(self._channel_charge_c(channel, signal.rate_hz) for channel in signal.samples)
+
+    def _channel_charge_c(self, samples_v: FloatArray, rate_hz: float) -> float:
+        before, after, slope = _lines(samples_v, rate_hz)
+        at_samples = np.cumsum((before + after) / (2 * rate_hz * self.leak_resistance_ohm))
+        at_samples += self.capacitance_f * after
+        return max(_largest(at_samples), _largest(self._turning_c(before, after, slope, at_samples)))
 
     def passed_c(self, signal: Signal, rise_s: float = math.inf) -> "PassedCharge":
         """Return the charge through the leak in the course of a signal.
@@ -149,13 +158,10 @@ class Load:
 
     def _passed(self, signal: Signal, *, absolute: bool = False) -> FloatArray:
         """Integrate v/R, or abs(v)/R, up to the end of each straight piece: (n_channels, n_samples + 1), C."""
-        before, after, _ = _lines(signal)
-        areas_v = (before + after) / 2
-        if absolute:  # a piece that crosses zero has two triangles
-            sizes_v = np.abs(before) + np.abs(after)
-            squares = np.divide(before**2 + after**2, 2 * sizes_v, out=np.zeros_like(sizes_v), where=sizes_v > 0)
-            areas_v = np.where(before * after < 0, squares, sizes_v / 2)
-        return np.cumsum(areas_v / (signal.rate_hz * self.leak_resistance_ohm), axis=1)
+        areas_of = _absolute_areas_v if absolute else _areas_v
+        passed = np.array([np.cumsum(areas_of(*_lines(channel, signal.rate_hz)[:2])) for channel in signal.samples])
+        passed /= signal.rate_hz * self.leak_resistance_ohm
+        return passed
 
     def displacement_peak_m(self, signal: Signal) -> float:
         """A bound that no course of these channels passes: the sum of m per V times the peak of each, m.
@@ -165,28 +171,100 @@ class Load:
         InvalidParameter
             If the load does not say it for each channel.
         """
-        peaks_v = np.max(np.abs(signal.samples), axis=1, initial=0.0)
-        gains = self.displacement_m_per_v or ()
-        sizes = f"{len(gains)} values for {len(peaks_v)} channels"
-        expect(len(gains) in (1, len(peaks_v)), "Load.displacement_m_per_v", sizes, "one for each, or one for all")
-        return float(np.sum(np.asarray(gains) * peaks_v))
+        return float(np.sum(self._gains(signal) * _channel_peaks(signal)))
 
-    def _turning_c(self, signal: Signal, at_samples: FloatArray) -> FloatArray:
-        """The charge where the current changes its sign between two samples; elsewhere that at the sample."""
+    def _gains(self, signal: Signal) -> FloatArray:
+        gains, n_channels = self.displacement_m_per_v or (), len(signal.samples)
+        sizes = f"{len(gains)} values for {n_channels} channels"
+        expect(len(gains) in (1, n_channels), "Load.displacement_m_per_v", sizes, "one for each, or one for all")
+        return np.asarray(gains)
+
+    def filtered_current_a(self, signal: Signal, bound_a: float, rise_s: float = math.inf) -> float:
+        """Return the peak current after a reconstruction filter, A, or some number up to `bound_a` if it is below."""
+        weakened_a = self.capacitance_f * _strongest_v(signal, rise_s) / rise_s
+        per_volt, per_change = 1 / self.leak_resistance_ohm, self.capacitance_f * signal.rate_hz
+        rest_a = bound_a - weakened_a
+        return weakened_a + max(
+            course_peak(channel, rest_a, value=per_volt, slope=per_change) for channel in signal.samples
+        )
+
+    def filtered_charge_c(self, signal: Signal, bound_c: float, rise_s: float = math.inf) -> float:
+        """Return the peak charge after a reconstruction filter, C, or some number up to `bound_c` if it is below.
+
+        The part that passes the leak is that of straight lines between the samples.
+        """
+        if math.isfinite(rise_s):
+            leaked_c = self.passed_c(signal, rise_s).net_c
+            return leaked_c + self.capacitance_f * filtered_peak_v(signal, (bound_c - leaked_c) / self.capacitance_f)
+        to_zero = np.pad(signal.samples, ((0, 0), (0, 1)))
+        return max(
+            course_peak(channel, bound_c, value=self.capacitance_f, added=passed_c)
+            for channel, passed_c in zip(to_zero, self._passed(signal), strict=True)
+        )
+
+    def filtered_displacement_m(self, signal: Signal, bound_m: float) -> float:
+        """Return `displacement_peak_m` for peaks after a reconstruction filter, or some number up to `bound_m`.
+
+        Raises
+        ------
+        InvalidParameter
+            If the load does not say it for each channel.
+        """
+        gains, peaks_v, of_samples_m = self._gains(signal), _channel_peaks(signal), self.displacement_peak_m(signal)
+        if of_samples_m == 0.0:
+            return 0.0
+        # below the bound if no channel grows by more than the sum may
+        bounds_v = peaks_v * (bound_m / of_samples_m)
+        pairs = zip(signal.samples, bounds_v.tolist(), strict=True)
+        if all(course_peak(channel, bound_v) <= bound_v for channel, bound_v in pairs):
+            return of_samples_m
+        filtered_v = [course_peak(channel, 0.0) for channel in signal.samples]
+        return float(np.sum(gains * np.maximum(peaks_v, filtered_v)))
+
+    def _turning_c(
+        self, before: FloatArray, after: FloatArray, slope: FloatArray, at_samples: FloatArray
+    ) -> FloatArray:
+        """The charge wherever the current changes its sign between two samples."""
         if math.isinf(self.leak_resistance_ohm):
-            return at_samples
-        before, after, slope = _lines(signal)
+            return np.empty(0)
         # the current C dv/dt + v/R is 0 there
-        turning_v = -self.capacitance_f * slope * self.leak_resistance_ohm
-        inside = (slope != 0) & ((turning_v - before) * (turning_v - after) < 0)
-        per_slope = np.divide(1.0, slope, out=np.zeros_like(slope), where=inside)
+        turning_v = slope * (-self.capacitance_f * self.leak_resistance_ohm)
+        inside = np.flatnonzero((slope != 0) & ((turning_v - before) * (turning_v - after) < 0))
+        turning_v, end_v = turning_v[inside], after[inside]
         # back from the sample: the integral of v/R along a straight line is that of v dv / (slope R)
-        leaked = (after**2 - turning_v**2) * per_slope / (2 * self.leak_resistance_ohm)
-        at_turning = at_samples - self.capacitance_f * (after - turning_v) - leaked
-        return np.where(inside, at_turning, at_samples)
+        leaked = (end_v**2 - turning_v**2) / slope[inside] / (2 * self.leak_resistance_ohm)
+        return np.asarray(at_samples[inside] - self.capacitance_f * (end_v - turning_v) - leaked)
 
 
-def _lines(signal: Signal) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Voltage (V) at both ends of each straight piece, and its slope (V/s): (n_channels, n_samples + 1)."""
-    padded = np.pad(signal.samples, ((0, 0), (1, 1)))
-    return padded[:, :-1], padded[:, 1:], np.diff(padded, axis=1) * signal.rate_hz
+def filtered_peak_v(signal: Signal, bound_v: float) -> float:
+    """Return the peak voltage after a reconstruction filter, V, or some number up to `bound_v` if it is below."""
+    return max(course_peak(channel, bound_v) for channel in signal.samples)
+
+
+def _strongest_v(signal: Signal, rise_s: float) -> float:
+    """Return the peak voltage on both sides of a filter, V; 0 of a signal that nothing weakens."""
+    return max(signal.peak, filtered_peak_v(signal, signal.peak)) if math.isfinite(rise_s) else 0.0
+
+
+def _channel_peaks(signal: Signal) -> FloatArray:
+    return np.asarray(np.max(np.abs(signal.samples), axis=1, initial=0.0))
+
+
+def _areas_v(before: FloatArray, after: FloatArray) -> FloatArray:
+    return (before + after) / 2
+
+
+def _absolute_areas_v(before: FloatArray, after: FloatArray) -> FloatArray:
+    areas_v = _areas_v(np.abs(before), np.abs(after))
+    across = np.flatnonzero(before * after < 0)
+    # a piece that crosses zero has two triangles
+    areas_v[across] = (before[across] ** 2 + after[across] ** 2) / (4 * areas_v[across])
+    return areas_v
+
+
+def _lines(samples_v: FloatArray, rate_hz: float) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Voltage (V) at both ends of each straight piece of a channel, and its slope (V/s): (n_samples + 1,)."""
+    padded = np.pad(samples_v, 1)
+    slope = np.diff(padded)
+    slope *= rate_hz
+    return padded[:-1], padded[1:], slope

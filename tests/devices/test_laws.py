@@ -15,7 +15,7 @@ from tactometry.safety.limits import Limits
 from tactometry.signal import Signal
 
 STUDY = Limits(1000.0)
-LIMITS = {"voltage_peak_v": 40.0, "duration_s": 1.0, "current_peak_a": 10.0, "displacement_peak_m": 1e-3}
+LIMITS = {"voltage_peak_v": 100.0, "duration_s": 1.0, "current_peak_a": 10.0, "displacement_peak_m": 1e-3}
 LIMITS |= {"duty": 1.0, "session_s": 60.0}
 LOAD = {"kind": "piezo", "capacitance_f": 1e-9, "displacement_m_per_v": [1e-6]}
 per_output = pytest.mark.parametrize("name", catalogue.OUTPUTS)

@@ -248,7 +248,7 @@ def test_the_guard_knows_a_signal_that_follows_from_its_strongest_samples(tmp_pa
     plain = stimulus.at(30.0)
     followed = FollowedSignal(plain.samples, plain.rate_hz, plain.unit, stimulus, FingerPath())
     assert followed != plain
-    tight = replace(bench.limits, current_peak_a=bench.output.load.current_peak_a(plain) * (1 + 1e-9))
+    tight = replace(bench.limits, current_peak_a=bench.output.load.filtered_current_a(plain, 0.0) * (1 + 1e-9))
     guarded = Guarded(bench.output.settings.driver(bench.output.gain), tight, bench.output.load)
     guarded.check(plain)
     with pytest.raises(LimitExceeded, match="current_peak_a"):

@@ -184,6 +184,8 @@ class Guarded:
         limits.check(final)
         if self.load is not None:
             limits.check_load(final, self.load, _rise_s(signal))
+        if self.driver.reconstructs:
+            limits.check_filtered(final, self.load, _rise_s(signal))
         return final
 
     def course(self) -> Course | None:

@@ -40,6 +40,8 @@ class NiSettings:
         Tell devices that know an idle state to idle at 0 V.
     onboard_memory : bool
         Play from the memory on the card alone.
+    reconstruction_filter : bool
+        False for a card that holds each value until the next: peaks between samples are then not checked.
     """
 
     connected: ClassVar[bool] = True
@@ -48,6 +50,7 @@ class NiSettings:
     range_v: float = 10.0
     idle_at_zero: bool = False
     onboard_memory: bool = False
+    reconstruction_filter: bool = True
 
     def __post_init__(self) -> None:
         positive("NiSettings", rate_hz=self.rate_hz, range_v=self.range_v)
@@ -101,6 +104,10 @@ class NiOutput(AmplifiedDriver):
     def identity(self) -> str:
         """That of the card: a finger may rest on any of its electrodes."""
         return f"ni {self._settings.channels[0].partition('/')[0]}"
+
+    @property
+    def reconstructs(self) -> bool:
+        return self._settings.reconstruction_filter
 
     @property
     def stop_delay_s(self) -> float:

@@ -63,6 +63,14 @@ class Driver(ABC):
         return {}
 
     @property
+    def reconstructs(self) -> bool:
+        """Whether a filter makes a continuous voltage of the samples, which may be larger between them.
+
+        True unless nothing is connected or the output switches between two voltages.
+        """
+        return self.connected and not self.one_bit
+
+    @property
     def stop_delay_s(self) -> float:
         """Worst-case time from the call of `stop` to zero at the load, s; 0 where nothing is connected."""
         return 0.0
