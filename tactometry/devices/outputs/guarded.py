@@ -144,7 +144,7 @@ class Guarded:
             others_s = ((now_s - ago_s, now_s - ago_s + other_s) for ago_s, other_s in emitted)
             limits.check_exposure(self._exposure.beside(others_s), now_s, duration_s, charge_c)
 
-        if self.ledger is None:
+        if self.ledger is None or not self.ledger.is_open:  # a driver that is not open plays nothing on its load
             allow(())
         else:
             self.ledger.add(duration_s, allow)

@@ -106,6 +106,10 @@ class Ledger:
             ]
             database.executemany("DELETE FROM emissions WHERE id = ?", old)
 
+    @property
+    def is_open(self) -> bool:
+        return self._database is not None
+
     def add(self, duration_s: float, allow: Callable[[Emissions], None]) -> None:
         """Count a signal of `duration_s` that is about to begin.
 
