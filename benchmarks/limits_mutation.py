@@ -27,7 +27,7 @@ TESTS = {
     "tactometry/safety/limits.py": (LIMITS, FILTERED, EXPOSURE),
     "tactometry/safety/load.py": (LOAD, LIMITS, FILTERED, EXPOSURE),
     "tactometry/devices/outputs/guarded.py": (GUARD, EXPOSURE, LEDGER, OUTPUTS, STOP),
-    "tactometry/devices/outputs/ledger.py": (LEDGER,),
+    "tactometry/devices/outputs/ledger.py": (LEDGER, GUARD),
 }
 """The tests of each module; those that need a display are left out."""
 PREPENDED = "signed, absolute = (np.diff(course, axis=1, prepend=0.0) for course in (self.passed_c, self.absolute_c))"
@@ -36,6 +36,9 @@ EQUAL = {
     f"{PREPENDED}: 0.0 -> 1.0": "what is prepended to both cancels",
     f"{INSIDE}: 0 -> 1": "a level piece does not cross another voltage",
     "self._final = functools.lru_cache(maxsize=1)(self._keep_to_limits): 1 -> 2": "what is kept is the same",
+    "LONGEST_WAIT_S: Final = 1.0: 1.0 -> 2.0": "how long is waited for another process",
+    "self._last = (added.lastrowid or 0, now, duration_s): 0 -> 1": "a row that was added has a number",
+    "database.execute(\"PRAGMA synchronous = OFF\"): database.execute('PRAGMA synchronous = OFF') -> pass": "speed",
     "if self.driver.n_gaps(0.0):: 0.0 -> 1.0": "how long is waited for an answer",
 }
 """Changes that nobody can observe, with the reason."""

@@ -5,6 +5,7 @@ import os
 import signal
 import sqlite3
 import tempfile
+import threading
 import time
 from contextlib import suppress
 from pathlib import Path
@@ -56,7 +57,11 @@ def clocks(monkeypatch):
 class Emitter(NullOutput):
     """An output of this name, of which several may be open at once."""
 
-    emits = True
+    emits, late_s = True, 0.0
+
+    @property
+    def stop_delay_s(self):
+        return self.late_s
 
     def __init__(self, name):
         super().__init__()
@@ -208,13 +213,54 @@ def test_guard_refuses_ledger_that_cannot_be_kept(tmp_path, clocks, content):
         guard(tmp_path, clocks).open()
 
 
-def test_ledger_forgets_what_no_window_reaches(tmp_path, clocks):
-    n_played(guard(tmp_path, clocks), clocks)
-    clocks.pass_by(3700.0)
+@pytest.mark.parametrize(("since_s", "n_kept"), [(3602.0, 1), (3604.0, 0)])
+def test_ledger_forgets_what_no_window_reaches(tmp_path, clocks, since_s, n_kept):
     output = guard(tmp_path, clocks)
     output.open()
+    output.play(volts(3.0))
     output.close()
-    assert n_rows(tmp_path) == 0
+    output = guard(tmp_path, clocks)
+    clocks.pass_by(since_s)
+    output.open()
+    output.close()
+    assert n_rows(tmp_path) == n_kept
+
+
+def test_stopped_signal_counts_what_the_device_has_buffered(tmp_path, clocks):
+    """Five stops after 0.1 s leave 0.6 s each: of 3 s none is left."""
+    output = guard(tmp_path, clocks)
+    output.driver.late_s = 0.5
+    output.open()
+    for _ in range(5):
+        output.play(volts())
+        clocks.pass_by(0.1)
+        output.stop()
+        clocks.pass_by(1.0)
+    output.close()
+    assert n_played(guard(tmp_path, clocks), clocks) == 0
+
+
+def test_ago_is_by_the_wall_clock_after_a_restart():
+    assert Moment("a", 10.0, 1000.0).ago_s(Moment("b", 20.0, 5000.0)) == 4000.0
+
+
+def test_signal_may_end_in_another_thread(tmp_path, clocks):
+    output = guard(tmp_path, clocks)
+    output.open()
+    output.play(volts(3.0))
+    thread = threading.Thread(target=output.stop)
+    thread.start()
+    thread.join()
+    output.close()
+    assert n_played(guard(tmp_path, clocks), clocks) == 3
+
+
+def test_database_is_in_the_state_folder_of_the_account(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path))
+    path = ledgers.default_path()
+    assert path == tmp_path / "tactometry" / "outputs.sqlite3"
+    Ledger(path).open("card")
+    assert (path.parent.stat().st_mode & 0o777, path.stat().st_mode & 0o777) == (0o700, 0o600)
 
 
 STEPS = st.one_of(

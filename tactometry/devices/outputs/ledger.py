@@ -21,7 +21,7 @@ from ...safety.limits import LONGEST_WINDOW_S
 from ..boot_clock import boot_clock_s, boot_id
 
 Emissions = tuple[tuple[float, float], ...]
-"""How long ago signals began, s, and how long they play, s; the oldest first."""
+"""How long ago signals began, s, and how long they play, s."""
 NAME: Final = "outputs.sqlite3"
 LONGEST_WAIT_S: Final = 1.0
 """For another process that writes (unverified default)."""
@@ -156,7 +156,7 @@ class Ledger:
     def _of_others(self, database: sqlite3.Connection, now: Moment) -> Emissions:
         words = "SELECT duration_s, boot_id, boot_s, utc_s FROM emissions WHERE output = ? AND opened != ?"
         rows = database.execute(words, (self._output, self._opened)).fetchall()
-        return tuple(sorted(((Moment(*begin).ago_s(now), duration_s) for duration_s, *begin in rows), reverse=True))
+        return tuple((Moment(*begin).ago_s(now), duration_s) for duration_s, *begin in rows)
 
     @contextmanager
     def _connected(self) -> Iterator[sqlite3.Connection]:
