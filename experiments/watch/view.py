@@ -128,7 +128,7 @@ def _answer(trial: Trial) -> str:
     if not trial.valid:
         return f"not valid ({'no reason kept' if trial.invalid_reason is None else REASON_WORDS[trial.invalid_reason]})"
     if TASKS[trial.task].response is YES_OR_NO and trial.response is not None:
-        return "yes" if trial.response == 1 else "no"
+        return TASKS[trial.task].answers[trial.response == 1]
     if trial.correct is not None:
         return "correct" if trial.correct else "wrong"
     return "no answer" if trial.response is None else plain_text(trial.response)

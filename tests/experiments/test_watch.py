@@ -10,7 +10,7 @@ from tutorial_session import live
 
 from tactometry.experiments.sessions.recording import Who
 from tactometry.experiments.watch import view
-from tactometry.experiments.watch.curve import answers_of, band_of, curve_plot
+from tactometry.experiments.watch.curve import answers_of, curve_plot
 from tactometry.experiments.watch.drawn import Drawn
 from tactometry.experiments.watch.page import sections
 from tactometry.experiments.watch.sight import Sight
@@ -27,7 +27,7 @@ RECORDED = sorted(path.parent for path in (ROOT / "tests" / "recorded").glob("*/
 def test_the_page_of_every_recorded_data_set_is_drawn(root):
     sight = Watcher(root).look()
     answers = answers_of(sight.progress)
-    drawn = Drawn() if answers is None else Drawn(curve_plot(answers, band_of(answers)))
+    drawn = Drawn() if answers is None else Drawn(curve_plot(answers))
     assert sight.name
     assert sight.parts
     assert all(sections(sight, drawn)[name] for name in ("title", "where", "levels", "conditions"))
