@@ -5,7 +5,8 @@ from importlib.metadata import version
 
 import pandas as pd
 
-from ..anova.group_means import is_of_fit
+from ..anova.group_means import RANGES, is_of_fit
+from ..means import FEWEST_IN_RANGE
 from ..outcomes.findings import RULE, Outcome, Primary
 from ..outcomes.ratings import Ratings
 from ..plan import AnalysisPlan
@@ -33,6 +34,11 @@ BETWEEN = "Means over participants are given with t-intervals between participan
 WITHIN = (
     "Intervals within participants are Cousineau's with Morey's correction (Morey 2008), from values less the "
     "participant's own mean."
+)
+BOUNDED = (
+    "Intervals of mean rates and scores are symmetric on the logit of their range, those of mean just noticeable "
+    "differences on the logarithm (t quantiles, delta method), so that they hold possible values alone; fewer than "
+    f"{FEWEST_IN_RANGE} participants have none."
 )
 PERMUTATION = "Permutation tests change the signs of participants' contrasts."
 MODEL = (
@@ -172,6 +178,7 @@ def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: 
     has_reference = any(form.against is not None for form in forms)
     applies = {
         BETWEEN: any(table["mean_low"].notna().any() and not is_of_fit(table) for table in means),
+        BOUNDED: bool(forms) or any(outcome.dependent in RANGES for outcome in outcomes),
         WITHIN: any(table["within_low"].notna().any() for table in means),
         _primary(every, named): True,
         CORRECTED: has_effects or any(outcome.within for outcome in tested),
