@@ -63,31 +63,33 @@ class Fitting:
         mode = find_mode(posterior)
         likeliest = find_mode(posterior.under(on_curve=False), mode.theta)
         step = best_step(posterior, likeliest)
-        binomial = self._marginals(mode)
-        shares = verdict_shares(posterior, binomial)
+        marginals = self._marginals(mode)
+        shares = verdict_shares(posterior, marginals)  # the status is that of the binomial
         status = np.array(statuses(posterior, shares, step), dtype=object)
-        basis, eta = self._basis(mode, likeliest)
-        estimates = self._of_posterior(mode, binomial, step)
-        if self.method != "posterior":
+        eta = None
+        if self.overdispersed:
+            mode, eta = find_overdispersed_mode(posterior.under(on_curve=True))
+            marginals = self._marginals(mode, eta)
+        estimates, basis = self._of_posterior(mode, marginals, step), mode
+        if self.method == "posterior":
+            eta = marginals.overdispersion if self.overdispersed and self.estimate == "mean" else eta
+        else:
+            if self.method in ON_LIKELIHOOD:
+                basis, eta = self._likeliest(likeliest)
             estimates, status = self._of_curvature(basis, status, step, estimates)
-        elif eta is not None:
-            spread = self._marginals(basis, eta)
-            estimates = self._of_posterior(basis, spread, step)
-            eta = spread.overdispersion if self.estimate == "mean" else eta
         on_levels = {
             "threshold_mode": mode.theta[:, THRESHOLD],
-            "threshold_median": binomial.threshold[:, 1],
-            "threshold_mean": binomial.mean[:, THRESHOLD],
+            "threshold_median": marginals.threshold[:, 1],
+            "threshold_mean": marginals.mean[:, THRESHOLD],
         }
         deviance = np.maximum(posterior.deviance(basis.theta), 0.0)  # a perfect fit may round to below 0
         return self._fits(status, estimates, shares, on_levels, {"deviance": deviance, "overdispersion": eta})
 
-    def _basis(self, mode: Mode, likeliest: Mode) -> tuple[Mode, Array | None]:
-        """The mode that the method rests on, and its overdispersion."""
-        is_likelihood = self.method in ON_LIKELIHOOD
+    def _likeliest(self, binomial: Mode) -> tuple[Mode, Array | None]:
+        """The mode of the likelihood, and its overdispersion."""
         if self.overdispersed:
-            return find_overdispersed_mode(self.posterior.under(on_curve=not is_likelihood))
-        return (likeliest if is_likelihood else mode), None
+            return find_overdispersed_mode(self.posterior.under(on_curve=False))
+        return binomial, None
 
     def _marginals(self, mode: Mode, eta: Array | None = None) -> Marginals:
         """The posterior of every data set with two levels or more, binomial or with overdispersion about `eta`."""
