@@ -347,3 +347,9 @@ def test_refuses_naming_what_was_found_and_where(change: dict, message: str) -> 
 def test_names_the_data_set_of_a_stack() -> None:
     with pytest.raises(InvalidParameter, match=re.escape("n_correct, row 1 of data set 2: found 21")):
         fit_many([1, 2, 3], [[1, 2, 3], [1, 2, 3], [1, 21, 3]], 20, shape="normal", guess_rate=0.5)
+
+
+def test_fit_has_default_shape_and_free_guess_rate() -> None:
+    counts = [1, 2, 3, 4, 5], [1, 3, 10, 18, 20], 20
+    assert fit(*counts) == fit(*counts, shape="normal", guess_rate=None)
+    assert fit_many(*counts) == (fit(*counts),)
