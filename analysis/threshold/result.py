@@ -18,6 +18,9 @@ class ThresholdFit:
     ``profile``, the posterior's otherwise). `note` says what lies behind a status; for ``ok`` it is empty, but where
     ``ml``, ``map`` or ``profile`` meet the levels of an adaptive track.
 
+    `method` names the method that the interval of the threshold comes from: ``posterior`` where the requested one has
+    none, as for a bound, or for ``ml``, ``map`` and ``bootstrap`` where the answers change in one step.
+
     `threshold_mode`, `threshold_median` and `threshold_mean` are those of the posterior, whatever the method;
     with overdispersion they are those of the beta-binomial posterior, as the interval is.
     `probability_below`, `probability_within` and `probability_above` are the posterior probabilities on which the
