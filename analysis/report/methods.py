@@ -25,6 +25,10 @@ HIERARCHICAL = (
     "logarithms of the width with normal effects of participants, rates the same for all; maximum likelihood by "
     "Laplace's approximation; compare Moscatelli, Mezzetti & Lacquaniti 2012)."
 )
+WITHOUT_LAPSES = (
+    "For comparisons this model has no lapse rate, unlike the fits of single participants, so that its just noticeable "
+    "differences are larger where participants lapse."
+)
 GOODNESS = (
     "Goodness of fit was tested by the deviance, by the residuals' bend with the level and trend with time, and by "
     "their dispersion over stretches of ten trials (Wichmann & Hill 2001), each against up to 999 sets of answers "
@@ -101,7 +105,9 @@ def methods(analysis: Analysis) -> str:
     table, rows = analysis.table("thresholds"), analysis.trials.rows
     procedures = set(rows["procedure"]) if "procedure" in rows.columns else set()
     parts = [*_fit_methods(table, analysis.n_choices), *_rule_methods(table, procedures)]
-    parts += [HIERARCHICAL] if any(outcome.fit for outcome in analysis.hierarchical) else []
+    fitted = [outcome for outcome in analysis.hierarchical if outcome.fit]
+    parts += [HIERARCHICAL] if fitted else []
+    parts += [WITHOUT_LAPSES] if any(CURVES[outcome.task].has_difference for outcome in fitted) else []
     parts += [results.methods for task, results in RESULTS.items() if task in analysis.tables and results.methods]
     parts += [GOODNESS] if _is_tested(analysis.table(OF_PARTICIPANTS)) and GOODNESS not in parts else []
     parts += _plan_methods(analysis.plan, {name for outcome in analysis.outcomes for name in outcome.equivalence})
