@@ -89,7 +89,7 @@ def outcome(
     if forces is not None and FORCE in design.within:
         result = _with_model(result, design, forces)
     if design.factors:  # last, as an analysis that has no answer cannot be the one that answers
-        result = _with_primary(result, primary, is_whole=design.is_whole)
+        result = _with_losses(_with_primary(result, primary, is_whole=design.is_whole))
     if not compared:
         return result
     if result.primary is Primary.CENSORED and result.censored is not None:
@@ -226,11 +226,19 @@ def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outc
             return result
         note = f"no primary analysis: {TITLES[primary]} ({reason}) has no answer here"
         return replace(result, notes=(*result.notes, note))
-    result = replace(result, primary=primary, reason=reason)
-    lost = []
-    if primary in (Primary.ANOVA, Primary.PERMUTATION) and result.left_out:
-        lost = [f"the primary analysis leaves out {', '.join(result.left_out)}, which is at random only if bounds are"]
-    return replace(result, notes=(*result.notes, *lost))
+    return replace(result, primary=primary, reason=reason)
+
+
+def _with_losses(result: Outcome) -> Outcome:
+    """Name what the analysis of the complete part leaves out, whether it is the primary one or a check."""
+    if result.anova is None or not result.left_out:
+        return result
+    is_primary = result.primary in (Primary.ANOVA, Primary.PERMUTATION)
+    which, chance = "the analysis of variance, a check,", ""
+    if is_primary:
+        which, chance = "the primary analysis", "; that is at random only if bounds are"
+    note = f"{which} leaves out {', '.join(result.left_out)}: it needs a value in every condition{chance}"
+    return replace(result, notes=(*result.notes, note))
 
 
 @dataclass(frozen=True)
