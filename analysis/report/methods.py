@@ -5,6 +5,8 @@ from importlib.metadata import version
 
 import pandas as pd
 
+from tactometry import __version__
+
 from ..anova.group_means import RANGES, is_of_fit
 from ..means import FEWEST_IN_RANGE
 from ..outcomes.findings import RULE, Outcome, Primary
@@ -15,7 +17,7 @@ from ..tasks.kinds import CURVES, RESULTS
 from ..tasks.localisation import OF_PARTICIPANTS
 from ..wording import PROCEDURES
 
-PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "matplotlib")
+PACKAGES = ("numpy", "scipy", "pandas", "matplotlib")
 SHAPES = {
     "normal": "cumulative normal function of the level",
     "gumbel": "Gumbel function of the level (a Weibull function of the amplitude)",
@@ -113,7 +115,8 @@ def methods(analysis: Analysis) -> str:
     parts += _plan_methods(analysis.plan, {name for outcome in analysis.outcomes for name in outcome.equivalence})
     parts += group_methods(analysis.outcomes, analysis.forms, analysis.plan.primary)
     parts += [f"{form.form.title} ({form.form.reference}) was scored per participant." for form in analysis.forms]
-    parts.append("Software: " + ", ".join(f"{name} {version(name)}" for name in PACKAGES) + ".")
+    versions = [f"tactometry {__version__}", *(f"{name} {version(name)}" for name in PACKAGES)]
+    parts.append(f"Software: {', '.join(versions)}.")
     return analysis.origin.method + " ".join(parts)
 
 

@@ -2,11 +2,13 @@
 
 import re
 import shutil
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from command_line import output
 from places import RECORDED
 
 from tactometry.analysis.figures.psychophysics import threshold_figure
@@ -287,3 +289,16 @@ def test_an_adjustment_is_not_said_to_have_its_levels_from_the_procedure() -> No
     assert "Levels were chosen" not in procedure_text(study, "")
     assert "adjustments began" in procedure_text(study, "")
     assert "(over frequency)" in procedure_text(read_table(RECORDED / "preference" / "study.toml", "a study"), "")
+
+
+def test_analyse_runs_when_tactometry_is_not_installed(monkeypatch, capsys) -> None:
+    """A source checkout has no metadata of its own."""
+
+    def distribution(name):
+        if name == "tactometry":
+            raise metadata.PackageNotFoundError(name)
+        return installed(name)
+
+    installed = metadata.distribution
+    monkeypatch.setattr(metadata, "distribution", distribution)
+    assert "threshold" in output(capsys, "analyse", RECORDED / "yes-no")
