@@ -12,7 +12,7 @@ from tactometry.errors import InvalidParameter
 
 from ..anova.bounded_design import MIN_KNOWN, SubDesign, largest_complete, largest_known
 from ..anova.censored import CensoredAnova, censored_anova, censored_equivalence, censored_group_pairs, censored_pairs
-from ..anova.design import MAX_FACTORS, DesignStatus, UndefinedStatistic
+from ..anova.design import MAX_FACTORS, DesignStatus, UndefinedStatistic, reason_of
 from ..anova.group_means import HIGH, LOW, bounds_of, group_table
 from ..anova.post_hoc import Analysis, all_together, equivalence, interaction_orders, pairs, simple_effects
 from ..anova.split_plot import group_pairs, mixed_anova
@@ -128,7 +128,9 @@ def _with_anova(result: Outcome, design: EstimateDesign, complete: SubDesign, *,
     try:
         anova = _anova(design, complete.table, within)
     except UndefinedStatistic as refusal:
-        return replace(result, notes=(*result.notes, f"no analysis of variance: {refusal}"), status=refusal.status)
+        return replace(
+            result, notes=(*result.notes, f"no analysis of variance: {reason_of(refusal)}"), status=refusal.status
+        )
     status = anova.attrs["status"]
     result = replace(result, anova=anova, status=status, notes=(*result.notes, *anova.attrs["notes"]))
     if design.between is not None:
@@ -164,7 +166,7 @@ def _with_censored(result: Outcome, design: EstimateDesign, factors: Sequence[st
     try:
         censored = _censored_anova(design, kept.table, kept.within)
     except InvalidParameter as refusal:
-        return replace(result, notes=(*result.notes, f"no analysis of bounds: {refusal}"))
+        return replace(result, notes=(*result.notes, f"no analysis of bounds: {reason_of(refusal)}"))
     means = group_table(result.estimates, factors, result.dependent, model=_means(censored, kept.table, factors))
     notes = (*result.notes, *_count_notes(censored), *_loss_notes(kept))
     return replace(result, censored=censored, notes=notes, group=means, cross=cross_table(means, factors))
@@ -214,7 +216,7 @@ def _with_model(result: Outcome, design: EstimateDesign, forces: pd.DataFrame) -
     try:
         model = fit(data, factors=factors, covariates=[MEASURED], **design.arguments)
     except InvalidParameter as refusal:
-        return replace(result, notes=(*result.notes, f"no mixed model: {refusal}"))
+        return replace(result, notes=(*result.notes, f"no mixed model: {reason_of(refusal)}"))
     title = " * ".join([*factors, MEASURED]) + ", participants at random"
     return replace(result, model=model, model_title=title)
 
