@@ -53,7 +53,9 @@ def title(sight: Sight) -> str:
 def alerts(sight: Sight) -> list[str]:
     """What must be seen at once."""
     found = [sight.problem, f"Careful: {sight.warning}." if sight.warning else ""]
-    if sight.progress.paused is not None and not (sight.complete or sight.halted):
+    if sight.state == "ended without closing":
+        found.append("The session ended without closing: no process records it; run goes on with --resume.")
+    elif sight.progress.paused is not None and not (sight.complete or sight.halted):
         found.append(f"Paused: {sight.progress.paused}.")
     if sight.halted:
         found.append(f"Stopped: {' '.join(sight.progress.stopped[-1:])}; run goes on with --resume.")

@@ -1,5 +1,7 @@
 """What an experimenter is told of a session that runs."""
 
+import os
+import time
 from dataclasses import replace
 
 import pytest
@@ -16,6 +18,7 @@ from tactometry.experiments.watch.page import sections
 from tactometry.experiments.watch.sight import Sight
 from tactometry.experiments.watch.watcher import LOOK_AROUND_S, TRY_AGAIN_S, Watcher
 from tactometry.records.journal import read
+from tactometry.records.open_journal import held
 from tactometry.session.answer import Marked
 from tactometry.session.progress import PartAhead, Progress
 from tactometry.trials.trial import REASONS, Trial
@@ -78,6 +81,28 @@ def test_a_damaged_journal_is_told_with_its_line_and_what_was_seen_stays(journal
     clock.now_s = TRY_AGAIN_S
     assert watcher.look().state == "over"
     assert not view.alerts(watcher.look())
+
+
+def test_session_whose_process_is_gone_ended_without_closing(journal):
+    journal.holds(20)
+    clock, past_s = Clock(), time.time() - 60
+    os.utime(journal.path, (past_s, past_s))
+    watcher = Watcher(journal.root, clock=clock)
+    with held([journal.path]):
+        assert watcher.look().state == "running"
+    clock.now_s = LOOK_AROUND_S
+    assert watcher.look().state == "ended without closing"
+    assert "run goes on with --resume" in view.alerts(watcher.look())[0]
+    journal.holds(21)
+    assert watcher.look().state == "running"
+
+
+@pytest.mark.parametrize("n_lines", [None, 20])
+def test_journal_that_ended_or_is_new_is_not_abandoned(journal, n_lines):
+    journal.holds(n_lines)
+    if n_lines is None:
+        os.utime(journal.path, (0, 0))
+    assert Watcher(journal.root).look().state == ("over" if n_lines is None else "running")
 
 
 def test_a_journal_that_is_cut_shows_what_is_left(journal):
