@@ -2,12 +2,13 @@
 Wilson's or with the exact one."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
-from scipy.special import betaincinv, ndtri
+from scipy.special import betaincinv, expit, ndtri
 from scipy.stats import t as student
 
 from .arrays import RELATIVE_ZERO, Array, size_of
@@ -32,21 +33,64 @@ def by_condition(
     return pd.DataFrame([dict(zip(keys, key, strict=True)) | dict(row_of(rows)) for key, rows in groups])
 
 
+@dataclass(frozen=True)
+class Range:
+    """The possible values of a quantity, which the interval of a mean may not leave."""
+
+    low: float = -np.inf
+    high: float = np.inf
+
+    @property
+    def is_bounded(self) -> bool:
+        return bool(np.isfinite([self.low, self.high]).any())
+
+    def around(self, mean: float, half: float) -> tuple[float, float]:
+        """Return the ends of the interval of a mean, given half its length without bounds.
+
+        The interval is symmetric on the logit of the range (on the logarithm where one end is open), by the delta
+        method. Far from the bounds it is the mean plus or minus `half`.
+
+        >>> [round(end, 3) for end in Range(0, 1).around(0.71, 0.75)]
+        [0.06, 0.989]
+        >>> [round(end, 3) for end in Range(0).around(2.0, 3.0)], Range().around(2.0, 3.0)
+        ([0.446, 8.963], (-1.0, 5.0))
+        """
+        if not self.low < mean < self.high:
+            return mean - half, mean + half
+        below, above = mean - self.low, self.high - mean
+        if np.isfinite(above) and np.isfinite(below):
+            step = half * (1 / below + 1 / above)
+            low, high = (self.low + (below + above) * expit(np.log(below / above) + s) for s in (-step, step))
+            return float(low), float(high)
+        if np.isfinite(below):
+            return self.low + below * float(np.exp(-half / below)), self.low + below * float(np.exp(half / below))
+        if np.isfinite(above):
+            return self.high - above * float(np.exp(half / above)), self.high - above * float(np.exp(-half / above))
+        return mean - half, mean + half
+
+
+ANY, RATE, POSITIVE, AT_MOST_1 = Range(), Range(0.0, 1.0), Range(0.0), Range(high=1.0)
+FEWEST_IN_RANGE = 3
+"""Fewer values of a bounded quantity have no interval."""
 INTERVAL = 0.95
 MEAN = ("mean", "mean_low", "mean_high", "sd")
 
 
-def mean_row(values: Array, interval: float = INTERVAL, name: str = "mean") -> dict[str, object]:
+def mean_row(values: Array, interval: float = INTERVAL, name: str = "mean", possible: Range = ANY) -> dict[str, object]:
     """All columns of `MEAN`, of a value of this name: None where there is nothing to tell."""
-    row = dict.fromkeys(MEAN) | mean_with_interval(values, interval)
+    row = dict.fromkeys(MEAN) | mean_with_interval(values, interval, possible)
     return {column.replace("mean", name): value for column, value in row.items()}
 
 
-def mean_with_interval(values: Array, interval: float = INTERVAL) -> dict[str, object]:
+def mean_with_interval(values: Array, interval: float = INTERVAL, possible: Range = ANY) -> dict[str, object]:
     """Mean of one value at least, with SD of two, and t-interval where they differ.
+
+    The interval stays within the `possible` range; fewer than `FEWEST_IN_RANGE` values of a bounded one have none.
 
     >>> {name: round(x, 3) for name, x in mean_with_interval(np.array([1.0, 2, 4]), 0.95).items()}
     {'mean': 2.333, 'mean_low': -1.461, 'mean_high': 6.128, 'sd': 1.528}
+    >>> {name: round(x, 3) for name, x in mean_with_interval(np.array([0.4, 0.8, 0.93]), possible=RATE).items()}
+    {'mean': 0.71, 'mean_low': 0.08, 'mean_high': 0.986, 'sd': 0.276}
     """
     n, size = len(values), size_of(values)
     mean = float((values / size).mean())
@@ -55,9 +99,12 @@ def mean_with_interval(values: Array, interval: float = INTERVAL) -> dict[str, o
     sd = float((values / size).std(ddof=1))
     if sd <= RELATIVE_ZERO * float(np.abs(values / size).max()):
         return {"mean": mean * size, "sd": 0.0}
-    half = float(student.ppf((1 + interval) / 2, n - 1)) * sd / float(np.sqrt(n))
-    values_by_name = {"mean": mean, "mean_low": mean - half, "mean_high": mean + half, "sd": sd}
-    return {name: value * size for name, value in values_by_name.items()}
+    known: dict[str, object] = {"mean": mean * size, "sd": sd * size}
+    if possible.is_bounded and n < FEWEST_IN_RANGE:
+        return known
+    half = float(student.ppf((1 + interval) / 2, n - 1)) * sd / float(np.sqrt(n)) * size
+    low, high = possible.around(mean * size, half)
+    return {"mean": mean * size, "mean_low": low, "mean_high": high, "sd": sd * size}
 
 
 def rate_interval(n_yes: ArrayLike, n_trials: ArrayLike, interval: float = INTERVAL) -> tuple[Array, Array]:

@@ -92,7 +92,7 @@ def analyse(
         check_report(report)  # before the analysis, which may take minutes
     trials = read_trials(path, within=within, column_map=column_map, level_scale=level_scale)
     analysis = analyse_trials(
-        replace(trials, notes=(*warnings, *trials.notes)),
+        replace(trials, notes=(*warnings, *_group_notes(trials, within or ()), *trials.notes)),
         plan or plan_of(path),
         replay if level_scale in (None, "linear") else None,
     )
@@ -104,6 +104,13 @@ def analyse(
     if figures is not None:
         analysis = write_figures(analysis, figures, sections)
     return analysis if report is None else write_report(analysis, report, pdf=pdf, sections=sections)
+
+
+def _group_notes(trials: Trials, within: Sequence[str]) -> list[str]:
+    """Name the factors of `within` that no participant met at two levels, though others met another."""
+    levels = trials.rows.groupby("participant")[list(within)].nunique() if within else pd.DataFrame()
+    apart = [name for name in within if levels[name].max() < 2 and trials.rows[name].nunique() > 1]
+    return [f"--within {name}: it differs between participants, each of whom has one of its levels" for name in apart]
 
 
 def _path(given: str | Path | None) -> Path | None:

@@ -7,6 +7,7 @@ from tactometry.session.answer import Done
 from tactometry.session.intervention import Intervention
 from tactometry.session.request import Intervene, Record, Request, Show
 from tactometry.session.run import Course
+from tactometry.trials.trial import Trial
 
 T = TypeVar("T")
 BETWEEN: Final = "the page that comes next waits for the participant: that is a rest"
@@ -30,6 +31,20 @@ def hearing(course: Course[T], wanted: list[Intervention]) -> Course[T]:
             answer = yield request
             if isinstance(answer, Done):
                 wanted += answer.interventions
+    except StopIteration as stop:
+        value: T = stop.value
+        return value
+
+
+def noting(course: Course[T], felt: list[Trial]) -> Course[T]:
+    """Make the requests of a course, and add its valid trials with a stimulus to `felt`."""
+    answer: Any = None
+    try:
+        while True:
+            request: Request[Any] = course.send(answer)
+            if isinstance(request, Record) and request.trial.valid and not request.trial.catch:
+                felt.append(request.trial)
+            answer = yield request
     except StopIteration as stop:
         value: T = stop.value
         return value

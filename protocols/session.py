@@ -17,7 +17,7 @@ from tactometry.trials.tasks import FORM_TASK
 from tactometry.trials.trial import Trial
 
 from .block_state import PartCourse, Track
-from .interventions import between_blocks, heard, hearing
+from .interventions import between_blocks, heard, hearing, noting
 from .tasks.rating import fill_in
 from .tasks.task import Reply
 
@@ -47,7 +47,8 @@ class Inquiry:
     """A questionnaire on its own, or questions with choices of their own: a row for each item, all of one trial.
 
     Its page knows the names of `factors`; its rows hold the levels of `condition`, which its answers are about. One
-    that is `first` comes before anything was felt.
+    that is `first` comes before anything was felt. One that is `of_block` is left out where its block had no valid
+    touch.
 
     Raises
     ------
@@ -60,6 +61,7 @@ class Inquiry:
     factors: Mapping[str, float | str] = field(default_factory=dict)
     condition: Mapping[str, float | str] = field(default_factory=dict)
     first: bool = False
+    of_block: bool = False
 
     instructions = None
     tracks = ()
@@ -184,11 +186,15 @@ def session(
         yield from between_blocks((yield from heard([Show("declined")])))
         return tuple(replace(track, begun=False) for part in parts for track in part.tracks)
     tracks: list[Track] = []
+    felt: list[Trial] = []
     trial = 1
     for number, part in enumerate(parts, 1):
         if _ends(wanted):
             tracks += [replace(track, begun=False) for track in part.tracks]
             continue
+        if isinstance(part, Inquiry) and part.of_block and not felt:
+            continue
+        felt = felt if isinstance(part, Inquiry) else []
         said = yield from heard(_instructions(parts, number))
         is_left = yield from between_blocks(said, f"block {number}")
         at_s = begun.at_s
@@ -204,7 +210,7 @@ def session(
         if longest_s is not None and at_s - begun.at_s > longest_s:
             tracks += [replace(track, begun=False) for part in parts[number - 1 :] for track in part.tracks]
             break
-        ended, trial = yield from hearing(part.course(number, trial, rng), wanted)
+        ended, trial = yield from hearing(noting(part.course(number, trial, rng), felt), wanted)
         tracks += ended
     yield from between_blocks((yield from heard([Show("end")])))
     return tuple(tracks)

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 import pandas as pd
@@ -11,28 +10,42 @@ from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ..arrays import RELATIVE_ZERO, Array, Indices, size_of
+from ..noted_status import NotedStatus
 from ..reading.rows import no_column
 
 MIN_PARTICIPANTS, MAX_FACTORS = 3, 3
 AVERAGED = "several values of one participant in one cell were averaged"
 
 
-class DesignStatus(StrEnum):
+class DesignStatus(NotedStatus):
     """Why a design has no statistic; `OK` and `SINGULAR` have one."""
 
-    OK = "ok"
-    SINGULAR = "singular_error_matrix"
-    NO_DATA = "no_data"
-    NOT_FINITE = "not_finite"
-    NO_NAME = "no_name"
-    MISSING_CELL = "missing_cell"
-    TOO_FEW_PARTICIPANTS = "too_few_participants"
-    ONE_LEVEL = "one_level"
-    CONSTANT = "constant"
-    NO_VARIANCE_WITHIN = "no_variance_within"
-    ZERO_ERROR = "zero_error"
-    TOO_FEW_KNOWN = "too_few_known"
-    NO_MAXIMUM = "no_maximum"
+    OK = "ok", ""
+    SINGULAR = "singular_error_matrix", "the error matrix is singular"
+    NO_DATA = "no_data", "no value is known"
+    NOT_FINITE = "not_finite", "a value is not finite"
+    NO_NAME = "no_name", "a level of a factor has no name"
+    MISSING_CELL = "missing_cell", "a participant has no value in one of the conditions"
+    TOO_FEW_PARTICIPANTS = "too_few_participants", "too few participants have a value"
+    ONE_LEVEL = "one_level", "a factor has one level only"
+    CONSTANT = "constant", "all values are equal"
+    NO_VARIANCE_WITHIN = "no_variance_within", "no participant's values differ between conditions"
+    ZERO_ERROR = (
+        "zero_error",
+        "the effect is the same in all participants, so that there is no error to compare it with",
+    )
+    TOO_FEW_KNOWN = "too_few_known", "too few values are known"
+    NO_MAXIMUM = "no_maximum", "the known values do not determine its estimates"
+
+
+def reason_of(refusal: InvalidParameter) -> str:
+    """Return why an analysis has no answer, in words for a report.
+
+    >>> reason_of(UndefinedStatistic("y: found 3, expected more", DesignStatus.CONSTANT))
+    'all values are equal'
+    """
+    status = refusal.status if isinstance(refusal, UndefinedStatistic) else DesignStatus.NO_MAXIMUM
+    return status.note
 
 
 class UndefinedStatistic(InvalidParameter):

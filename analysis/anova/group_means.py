@@ -18,7 +18,7 @@ import pandas as pd
 from scipy.stats import t as student
 
 from ..arrays import Array, size_of
-from ..means import mean_with_interval, parts
+from ..means import ANY, FEWEST_IN_RANGE, POSITIVE, RATE, Range, mean_with_interval, parts
 from ..wording import interval_text
 
 BOUNDS: Mapping[str, tuple[str, str]] = {
@@ -27,6 +27,8 @@ BOUNDS: Mapping[str, tuple[str, str]] = {
     "jnd": ("jnd_low", "jnd_high"),
 }
 """Where a value that is not known may have a bound: its columns. Other values have none."""
+RANGES: Mapping[str, Range] = {"rate_correct": RATE, "jnd": POSITIVE}
+"""Possible values of the dependents that have bounds."""
 LOW, HIGH = "lower_bound", "upper_bound"
 LEVELS = ("threshold", "pse")
 """Values whose bound is an end of the levels."""
@@ -44,6 +46,7 @@ def group_table(
     dependent: str = "threshold",
     interval: float = 0.95,
     model: pd.DataFrame | None = None,
+    possible: Range | None = None,
 ) -> pd.DataFrame:
     """One row per condition: mean over participants with its interval between participants (t; `mean_low`,
     `mean_high`), SD and n, and the interval within participants (Cousineau and Morey's; `within_low`, `within_high`).
@@ -52,13 +55,16 @@ def group_table(
     with bounds has no mean of its own: that of `model` (as `CensoredAnova.means`) stands there, and `method` says so;
     without one the numbers are empty. Of one participant alone it is the value with the interval of its fit, where it
     has one: `method` is `OF_FIT`.
+
+    Intervals of a bounded quantity stay within its `possible` range, by default that of `RANGES`.
     """
+    possible = RANGES.get(dependent, ANY) if possible is None else possible
     halves = {} if model is not None else _within_halves(estimates, factors, dependent, interval)
     rows = []
     for key, condition in parts(bounds_of(estimates, dependent), factors):
         names = dict(zip(factors, key, strict=True))
         of_model = None if model is None else _row_of(model, names)
-        rows.append(names | _group(condition, dependent, interval, halves.get(key), of_model))
+        rows.append(names | _group(condition, dependent, interval, halves.get(key), of_model, possible))
     table = pd.DataFrame(rows)
     is_one = "participant" in estimates.columns and estimates["participant"].nunique() == 1
     return _with_own_intervals(table, estimates, factors, dependent) if is_one else table
@@ -137,23 +143,37 @@ def _halves(wide: pd.DataFrame, interval: float) -> dict[tuple[object, ...], flo
 
 
 def _group(
-    rows: pd.DataFrame, dependent: str, interval: float, half: float | None, model: "pd.Series[float] | None"
+    rows: pd.DataFrame,
+    dependent: str,
+    interval: float,
+    half: float | None,
+    model: "pd.Series[float] | None",
+    possible: Range,
 ) -> dict[str, object]:
     known = rows[dependent].dropna().to_numpy(dtype=np.float64)
     n_below, n_above = (int((rows[side].notna() & rows[opposite].isna()).sum()) for side, opposite in _SIDES)
     row: dict[str, Any] = dict.fromkeys(MEANS)
     if len(known) and not (n_below or n_above):
-        row |= mean_with_interval(known, interval)
-    if half is not None and row["mean"] is not None:
-        row |= {"within_low": row["mean"] - half, "within_high": row["mean"] + half}
+        row |= mean_with_interval(known, interval, possible)
+    if half is not None and row["mean"] is not None and (len(known) >= FEWEST_IN_RANGE or not possible.is_bounded):
+        row |= dict(zip(MEANS[4:], possible.around(row["mean"], half), strict=True))
     is_whole = len(known) == len(rows)
     if model is not None:
-        row |= {name: float(model[name]) for name in (MEANS[4:] if is_whole else MEANS)}
+        row |= _of_model(model, MEANS[4:] if is_whole else MEANS, possible)
     method = "t" if is_whole or model is None else MODEL
     row |= {"method": "" if row["mean"] is None else method}
     row |= {"n": len(known), "n_below": n_below, "n_above": n_above}
     row["n_missing"] = len(rows) - len(known) - n_below - n_above
     return row | {"text": _text(row, len(rows), "the levels" if dependent in LEVELS else "a bound")}
+
+
+def _of_model(model: "pd.Series[float]", names: Sequence[str], possible: Range) -> dict[str, float]:
+    """The columns of a model's row, its symmetric intervals kept within the possible range."""
+    row = {name: float(model[name]) for name in names}
+    for low, high in (MEANS[1:3], MEANS[4:]):
+        if low in row:
+            row |= dict(zip((low, high), possible.around(model["mean"], model[high] - model["mean"]), strict=True))
+    return row
 
 
 def _text(row: Mapping[str, Any], n: int, where: str) -> str:

@@ -194,13 +194,13 @@ def singular_note(effect: Tested, n: int) -> str:
     p = effect.df[0]
     df = effect.df[1] // p
     cause = (
-        f"{p} contrasts need more than {n} participants"
+        f"{p} contrasts need at least {p + n - df} complete participants, found {n}"
         if p > df
         else f"its {p} contrasts are exactly dependent in these {n} participants"
     )
     return (
-        f"{effect.name}: the error matrix is singular ({cause}), so Mauchly's test does not exist and no multivariate "
-        "test either; the corrections of the degrees of freedom need none, nor does a permutation test"
+        f"{effect.name}: the error matrix is singular ({cause}), so Mauchly's test and multivariate tests do not "
+        "exist; the corrected F and the permutation test are not affected"
     )
 
 

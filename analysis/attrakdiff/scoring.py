@@ -16,7 +16,7 @@ from tactometry.trials.columns import RESERVED, stated_factors
 
 from ..anova.group_means import MEANS, group_table
 from ..arrays import Array
-from ..means import MEAN, by_condition, mean_row, parts
+from ..means import MEAN, Range, by_condition, mean_row, parts
 from ..reading.rows import no_column
 
 NAME = "attrakdiff"
@@ -172,7 +172,10 @@ def summary(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
     """
     factors = list(scored.attrs["within"])
     names = sorted(dimensions_of(scored))
-    of_dimensions = [group_table(scored, factors, name, interval).assign(dimension=name) for name in names]
+    of_dimensions = [
+        group_table(scored, factors, name, interval, possible=_possible(scored)).assign(dimension=name)
+        for name in names
+    ]
     columns = [*factors, "dimension", *MEANS, "n", "n_missing"]
     return _by_factors(pd.concat(of_dimensions, ignore_index=True)[columns], factors)
 
@@ -187,9 +190,15 @@ def dimensions_of(scored: pd.DataFrame) -> list[str]:
     return list(scored.attrs["questionnaire"].dimensions)
 
 
-def _mean(values: "pd.Series[float]", interval: float) -> dict[str, Any]:
+def _possible(scored: pd.DataFrame) -> Range:
+    """The range of the scores of a questionnaire, and of its items."""
+    form = scored.attrs["questionnaire"]
+    return Range(*sorted((form.score_low, form.score_high)))
+
+
+def _mean(values: "pd.Series[float]", interval: float, possible: Range) -> dict[str, Any]:
     known = np.array(values.dropna(), dtype=np.float64)
-    row = mean_row(known, interval) if len(known) else dict.fromkeys(MEAN)
+    row = mean_row(known, interval, possible=possible) if len(known) else dict.fromkeys(MEAN)
     return row | {"n": len(known), "n_missing": len(values) - len(known)}
 
 
@@ -204,7 +213,7 @@ def word_pairs(scored_items: pd.DataFrame, language: str = "en", interval: float
         item = form.item(answers["item"].iloc[0])
         negative, positive = item.poles.get(language, ("", ""))
         words = {"dimension": item.dimension, "negative": negative, "positive": positive}
-        return words | _mean(answers["score"], interval)
+        return words | _mean(answers["score"], interval, _possible(scored_items))
 
     profile = by_condition(scored_items, [*factors, "item"], row_of)
     # Sorted twice, stably: by the questionnaire's order, then by conditions.
@@ -224,7 +233,7 @@ def portfolio(scored: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
     expect(has_both, "portfolio", scored.attrs["questionnaire"].name, "dimensions PQ and HQ")
 
     def row_of(scores: pd.DataFrame) -> dict[str, Any]:
-        means = {name: _mean(scores[name], interval) for name in ("PQ", "HQ")}
+        means = {name: _mean(scores[name], interval, _possible(scored)) for name in ("PQ", "HQ")}
         ends = {f"{name}{end.removeprefix('mean')}": x for name, mean in means.items() for end, x in mean.items()}
         return ends | {"region": region(means["PQ"]["mean"], means["HQ"]["mean"])}
 

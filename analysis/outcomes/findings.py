@@ -147,16 +147,20 @@ class Outcome:
         return pd.DataFrame(rows)
 
 
-def primary_analysis(named: str | None, *, is_whole: bool) -> tuple[Primary, str]:
-    """The primary analysis, and why it is.
+def primary_analysis(named: str | None, *, is_whole: bool, groups: str | None = None) -> tuple[Primary, str]:
+    """Return the primary analysis and the reason for it; `groups` is the factor that differs between participants.
 
     >>> primary_analysis(None, is_whole=False)
     (<Primary.CENSORED: 'censored_anova'>, 'by the rule: values are missing or bounds')
+    >>> primary_analysis(None, is_whole=True, groups="hand")[1]
+    'by the rule: no value is missing; hand differs between participants'
     >>> primary_analysis("permutation", is_whole=True)
     (<Primary.PERMUTATION: 'permutation'>, 'named by the plan of analysis')
     """
     if named is not None:
         return Primary(named), "named by the plan of analysis"
-    if is_whole:
-        return Primary.ANOVA, "by the rule: every participant has a value in every condition"
-    return Primary.CENSORED, "by the rule: values are missing or bounds"
+    if not is_whole:
+        return Primary.CENSORED, "by the rule: values are missing or bounds"
+    if groups is not None:
+        return Primary.ANOVA, f"by the rule: no value is missing; {groups} differs between participants"
+    return Primary.ANOVA, "by the rule: every participant has a value in every condition"

@@ -17,7 +17,7 @@ from ..tasks.kinds import CURVES
 from ..tasks.task_analysis import DIFFERENCE_PER_WIDTH, SHAPE
 from ..threshold.fitting import ThresholdFit
 from ..threshold.status import Status
-from ..wording import interval_text, number_text
+from ..wording import condition_name, interval_text, number_text
 
 MOST_CELLS = 500
 """More cells than these take longer than a report should: `fit_hierarchical` has no such bound."""
@@ -128,6 +128,10 @@ def _effects(
     between = [name for name in varied if table.groupby("participant")[name].nunique().max() < 2]
     if between:
         return {}, f"no test of effects: {', '.join(between)} does not vary within participants"
+    lost = fit.conditions[fit.conditions["threshold"].isna()]
+    if varied and len(lost):
+        names = [condition_name(varied, values) for values in lost[list(varied)].itertuples(index=False, name=None)]
+        return {}, f"no test of effects: no mean threshold of {'; '.join(names)}"
     factors_of = [factors for r in range(1, len(varied) + 1) for factors in combinations(varied, r)]
     several, notes = len(quantities) > 1, []
     effects: dict[str, FactorEffect] = {}
@@ -135,8 +139,9 @@ def _effects(
         where = f" on the {QUANTITIES[of]}" if several else ""
         try:
             effects |= {" * ".join(factors) + where: fit.effect(*factors, of=of) for factors in factors_of}
-        except InvalidParameter as refusal:  # widths may lack a test that thresholds have
-            notes.append(f"no test of effects: {refusal}")
+        except InvalidParameter:  # widths may lack a test that thresholds have
+            why = "conditions share a width" if of == "log_width" else "the conditions are no complete factorial"
+            notes.append(f"no test of effects{where}: {why}")
     return effects, "; ".join(notes)
 
 

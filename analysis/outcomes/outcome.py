@@ -12,7 +12,7 @@ from tactometry.errors import InvalidParameter
 
 from ..anova.bounded_design import MIN_KNOWN, SubDesign, largest_complete, largest_known
 from ..anova.censored import CensoredAnova, censored_anova, censored_equivalence, censored_group_pairs, censored_pairs
-from ..anova.design import MAX_FACTORS, DesignStatus, UndefinedStatistic
+from ..anova.design import MAX_FACTORS, DesignStatus, UndefinedStatistic, reason_of
 from ..anova.group_means import HIGH, LOW, bounds_of, group_table
 from ..anova.post_hoc import Analysis, all_together, equivalence, interaction_orders, pairs, simple_effects
 from ..anova.split_plot import group_pairs, mixed_anova
@@ -89,7 +89,7 @@ def outcome(
     if forces is not None and FORCE in design.within:
         result = _with_model(result, design, forces)
     if design.factors:  # last, as an analysis that has no answer cannot be the one that answers
-        result = _with_primary(result, primary, is_whole=design.is_whole)
+        result = _with_losses(_with_primary(result, primary, is_whole=design.is_whole))
     if not compared:
         return result
     if result.primary is Primary.CENSORED and result.censored is not None:
@@ -128,7 +128,9 @@ def _with_anova(result: Outcome, design: EstimateDesign, complete: SubDesign, *,
     try:
         anova = _anova(design, complete.table, within)
     except UndefinedStatistic as refusal:
-        return replace(result, notes=(*result.notes, f"no analysis of variance: {refusal}"), status=refusal.status)
+        return replace(
+            result, notes=(*result.notes, f"no analysis of variance: {reason_of(refusal)}"), status=refusal.status
+        )
     status = anova.attrs["status"]
     result = replace(result, anova=anova, status=status, notes=(*result.notes, *anova.attrs["notes"]))
     if design.between is not None:
@@ -164,7 +166,7 @@ def _with_censored(result: Outcome, design: EstimateDesign, factors: Sequence[st
     try:
         censored = _censored_anova(design, kept.table, kept.within)
     except InvalidParameter as refusal:
-        return replace(result, notes=(*result.notes, f"no analysis of bounds: {refusal}"))
+        return replace(result, notes=(*result.notes, f"no analysis of bounds: {reason_of(refusal)}"))
     means = group_table(result.estimates, factors, result.dependent, model=_means(censored, kept.table, factors))
     notes = (*result.notes, *_count_notes(censored), *_loss_notes(kept))
     return replace(result, censored=censored, notes=notes, group=means, cross=cross_table(means, factors))
@@ -214,23 +216,31 @@ def _with_model(result: Outcome, design: EstimateDesign, forces: pd.DataFrame) -
     try:
         model = fit(data, factors=factors, covariates=[MEASURED], **design.arguments)
     except InvalidParameter as refusal:
-        return replace(result, notes=(*result.notes, f"no mixed model: {refusal}"))
+        return replace(result, notes=(*result.notes, f"no mixed model: {reason_of(refusal)}"))
     title = " * ".join([*factors, MEASURED]) + ", participants at random"
     return replace(result, model=model, model_title=title)
 
 
 def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outcome:
-    primary, reason = primary_analysis(named, is_whole=is_whole)
+    primary, reason = primary_analysis(named, is_whole=is_whole, groups=result.between)
     if primary not in result.analyses():
         if not result.analyses() and named in (None, Primary.ANOVA):  # the notes say already why there is none
             return result
         note = f"no primary analysis: {TITLES[primary]} ({reason}) has no answer here"
         return replace(result, notes=(*result.notes, note))
-    result = replace(result, primary=primary, reason=reason)
-    lost = []
-    if primary in (Primary.ANOVA, Primary.PERMUTATION) and result.left_out:
-        lost = [f"the primary analysis leaves out {', '.join(result.left_out)}, which is at random only if bounds are"]
-    return replace(result, notes=(*result.notes, *lost))
+    return replace(result, primary=primary, reason=reason)
+
+
+def _with_losses(result: Outcome) -> Outcome:
+    """Name what the analysis of the complete part leaves out, whether it is the primary one or a check."""
+    if result.anova is None or not result.left_out:
+        return result
+    is_primary = result.primary in (Primary.ANOVA, Primary.PERMUTATION)
+    which, chance = "the analysis of variance, a check,", ""
+    if is_primary:
+        which, chance = "the primary analysis", "; that is at random only if bounds are"
+    note = f"{which} leaves out {', '.join(result.left_out)}: it needs a value in every condition{chance}"
+    return replace(result, notes=(*result.notes, note))
 
 
 @dataclass(frozen=True)

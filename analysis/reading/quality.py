@@ -9,6 +9,8 @@ import pandas as pd
 
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidFile, InvalidParameter
+from tactometry.trials.tasks import FORM_TASK
+from tactometry.trials.trial import Tally
 
 from .rows import holds, is_catch, no_column
 from .trials import Trials
@@ -70,13 +72,28 @@ def quality(trials: Trials) -> pd.DataFrame:
     return table.assign(false_alarm_rate=rate).reset_index()
 
 
+def tally_of(trials: Trials) -> Tally:
+    """Count trials, presentations and answers to questionnaires as a session counts them."""
+    rows = trials.rows
+    is_form = (rows["task"] == FORM_TASK) & rows["level"].isna() if "level" in rows.columns else False
+    first = rows[_is_first(rows) & ~pd.Series(is_form, rows.index)]
+    n_again = int((first["attempt"] > 1).sum()) if "attempt" in rows.columns else 0
+    return Tally(len(first), int(holds(first, "valid", 0).sum()), int(np.sum(is_form)), n_again=n_again)
+
+
 def _is_repeated(rows: pd.DataFrame) -> "pd.Series[bool]":
-    """The first row of each attempt behind the first: a questionnaire has a row for each of its items."""
+    """Return True for the first row of each attempt after the first."""
     if "attempt" not in rows.columns:
         return pd.Series(False, index=rows.index)
+    return (rows["attempt"] > 1) & _is_first(rows)
+
+
+def _is_first(rows: pd.DataFrame) -> "pd.Series[bool]":
+    """Return True for the first row of each presentation: a questionnaire has a row for each of its items."""
+    if "item" not in rows.columns or "trial" not in rows.columns:
+        return pd.Series(True, index=rows.index)
     keys = ["participant", *(name for name in ("source", "session", "block", "trial", "attempt") if name in rows)]
-    first = rows["item"].eq("") | ~rows.duplicated(keys) if "item" in rows.columns else True
-    return (rows["attempt"] > 1) & first
+    return rows["item"].eq("") | ~rows.duplicated(keys)
 
 
 TARGET = "force_n"

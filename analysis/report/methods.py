@@ -5,7 +5,10 @@ from importlib.metadata import version
 
 import pandas as pd
 
-from ..anova.group_means import is_of_fit
+from tactometry import __version__
+
+from ..anova.group_means import RANGES, is_of_fit
+from ..means import FEWEST_IN_RANGE
 from ..outcomes.findings import RULE, Outcome, Primary
 from ..outcomes.ratings import Ratings
 from ..plan import AnalysisPlan
@@ -14,7 +17,7 @@ from ..tasks.kinds import CURVES, RESULTS
 from ..tasks.localisation import OF_PARTICIPANTS
 from ..wording import PROCEDURES
 
-PACKAGES = ("tactometry", "numpy", "scipy", "pandas", "matplotlib")
+PACKAGES = ("numpy", "scipy", "pandas", "matplotlib")
 SHAPES = {
     "normal": "cumulative normal function of the level",
     "gumbel": "Gumbel function of the level (a Weibull function of the amplitude)",
@@ -23,6 +26,10 @@ HIERARCHICAL = (
     "As a check, all participants were also fitted at once by a hierarchical psychometric model (thresholds and "
     "logarithms of the width with normal effects of participants, rates the same for all; maximum likelihood by "
     "Laplace's approximation; compare Moscatelli, Mezzetti & Lacquaniti 2012)."
+)
+WITHOUT_LAPSES = (
+    "For comparisons this model has no lapse rate, unlike the fits of single participants, so that its just noticeable "
+    "differences are larger where participants lapse."
 )
 GOODNESS = (
     "Goodness of fit was tested by the deviance, by the residuals' bend with the level and trend with time, and by "
@@ -33,6 +40,11 @@ BETWEEN = "Means over participants are given with t-intervals between participan
 WITHIN = (
     "Intervals within participants are Cousineau's with Morey's correction (Morey 2008), from values less the "
     "participant's own mean."
+)
+BOUNDED = (
+    "Intervals of mean rates and scores are symmetric on the logit of their range, those of mean just noticeable "
+    "differences on the logarithm (t quantiles, delta method), so that they hold possible values alone; fewer than "
+    f"{FEWEST_IN_RANGE} participants have none."
 )
 PERMUTATION = "Permutation tests change the signs of participants' contrasts."
 MODEL = (
@@ -95,13 +107,16 @@ def methods(analysis: Analysis) -> str:
     table, rows = analysis.table("thresholds"), analysis.trials.rows
     procedures = set(rows["procedure"]) if "procedure" in rows.columns else set()
     parts = [*_fit_methods(table, analysis.n_choices), *_rule_methods(table, procedures)]
-    parts += [HIERARCHICAL] if any(outcome.fit for outcome in analysis.hierarchical) else []
+    fitted = [outcome for outcome in analysis.hierarchical if outcome.fit]
+    parts += [HIERARCHICAL] if fitted else []
+    parts += [WITHOUT_LAPSES] if any(CURVES[outcome.task].has_difference for outcome in fitted) else []
     parts += [results.methods for task, results in RESULTS.items() if task in analysis.tables and results.methods]
     parts += [GOODNESS] if _is_tested(analysis.table(OF_PARTICIPANTS)) and GOODNESS not in parts else []
     parts += _plan_methods(analysis.plan, {name for outcome in analysis.outcomes for name in outcome.equivalence})
     parts += group_methods(analysis.outcomes, analysis.forms, analysis.plan.primary)
     parts += [f"{form.form.title} ({form.form.reference}) was scored per participant." for form in analysis.forms]
-    parts.append("Software: " + ", ".join(f"{name} {version(name)}" for name in PACKAGES) + ".")
+    versions = [f"tactometry {__version__}", *(f"{name} {version(name)}" for name in PACKAGES)]
+    parts.append(f"Software: {', '.join(versions)}.")
     return analysis.origin.method + " ".join(parts)
 
 
@@ -172,6 +187,7 @@ def group_methods(outcomes: Sequence[Outcome], forms: Sequence[Ratings], named: 
     has_reference = any(form.against is not None for form in forms)
     applies = {
         BETWEEN: any(table["mean_low"].notna().any() and not is_of_fit(table) for table in means),
+        BOUNDED: bool(forms) or any(outcome.dependent in RANGES for outcome in outcomes),
         WITHIN: any(table["within_low"].notna().any() for table in means),
         _primary(every, named): True,
         CORRECTED: has_effects or any(outcome.within for outcome in tested),

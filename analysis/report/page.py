@@ -17,6 +17,7 @@ from tactometry.errors import DeviceFailed, attempt, count_of
 from tactometry.files.rows import spreadsheet_text
 from tactometry.files.safe_text import file_text
 
+from ..reading.quality import tally_of
 from ..result import Analysis
 from ..wording import in_words, split_unit
 from .kinds import KINDS
@@ -141,13 +142,13 @@ def figures_of(analysis: Analysis, sections: Sequence[Section] | None = None) ->
 
 
 def data_line(analysis: Analysis) -> str:
-    """What was read: rows, participants and files, factors and the unit of the levels."""
+    """What was read: participants, trials and files, factors and the unit of the levels."""
     trials, studies = analysis.trials, ", ".join(_studies(analysis))
     participants = count_of(len(analysis.tables["quality"]), "participant")
-    rows = f"{count_of(len(trials.rows), 'row')} in {count_of(trials.n_files, 'file')}"
+    read = f"{tally_of(trials)}, in {count_of(trials.n_files, 'file')}"
     factors = ", ".join(split_unit(name)[0] for name in trials.factors) or "none"
     levels = f"; levels in {analysis.unit}" if analysis.unit else ""
-    line = f"{f'study {studies}: ' if studies else ''}{participants}, {rows}; factors: {factors}{levels}."
+    line = f"{f'study {studies}: ' if studies else ''}{participants}, {read}; factors: {factors}{levels}."
     return line[0].upper() + line[1:]
 
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 import pandas as pd
 
+from ..reading.quality import tally_of
 from ..result import Analysis
 from .kinds import KINDS
 
@@ -22,7 +23,8 @@ def summary(analysis: Analysis) -> dict[str, object]:
     places |= {"pdf": analysis.pdf}
     return {
         "path": str(analysis.trials.path),
-        "n_trials": len(analysis.trials.rows),
+        "n_trials": tally_of(analysis.trials).n_trials,
+        "n_rows": len(analysis.trials.rows),
         "n_participants": int(analysis.trials.rows["participant"].nunique()),
         "factors": list(analysis.factors),
         "level_unit": analysis.unit,

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from ..means import by_condition, mean_row
+from ..means import POSITIVE, by_condition, mean_row
 from ..reading.quality import TARGET
 from ..wording import decimals_of, percent_text
 
@@ -39,7 +39,7 @@ def force_table(of_participants: pd.DataFrame, factors: Sequence[str]) -> pd.Dat
 
 def _force_row(means: pd.DataFrame) -> dict[str, object]:
     values = np.array(means["force_mean_n"], dtype=np.float64)
-    row = mean_row(values) | {"n": len(values), "n_trials": int(means["n_trials"].sum())}
+    row = mean_row(values, possible=POSITIVE) | {"n": len(values), "n_trials": int(means["n_trials"].sum())}
     band = ""
     if "force_in_band" in means.columns and means["force_in_band"].notna().any():
         in_band = float(means["force_in_band"].mean())

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
-from ..means import MEAN, by_condition, mean_row, parts as split, rate_interval
+from ..means import MEAN, POSITIVE, by_condition, mean_row, parts as split, rate_interval
 from ..reading.rows import correctness, numbers_of
 from ..threshold.fitting import fit_many
 from ..threshold.result import ThresholdFit
@@ -148,7 +148,7 @@ def mean_resolutions(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame
 
 def _mean(each: pd.DataFrame) -> Mapping[str, Any]:
     known = each[each["resolution_m"].notna()]
-    row = mean_row(known["resolution_m"].to_numpy(float)) if len(known) else dict.fromkeys(MEAN)
+    row = mean_row(known["resolution_m"].to_numpy(float), possible=POSITIVE) if len(known) else dict.fromkeys(MEAN)
     if len(known) == 1:
         row |= {f"mean_{end}": known[f"resolution_m_{end}"].iloc[0] for end in ("low", "high")}
     return row | {"n": len(known), "n_missing": len(each) - len(known)}
@@ -225,7 +225,8 @@ ANALYSIS = TaskAnalysis(
         "the distance at which a Weibull function from the guess rate, one over the number of alternatives on offer, "
         "is halfway to its upper end (without lapses 75 % of two alternatives), whose distance from 1 is free for "
         "lapses and for foci that are not felt (prior Beta(1, 10)): posterior mode with a central 95 % interval of the "
-        "marginal posterior. Rates of participants were compared between distances and conditions as they are: near 0 "
+        "marginal posterior. Intervals of mean resolutions are symmetric on the logarithm. Rates of participants were "
+        "compared between distances and conditions as they are: near 0 "
         "and 1 they vary less than an analysis of variance takes for granted.",
         dependent=RATE,
         in_levels=False,

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 
-from ..means import by_condition, mean_row, mean_with_interval
+from ..means import AT_MOST_1, by_condition, mean_row, mean_with_interval
 from ..reading.rows import bad_cell
 from .task_analysis import Results, TaskAnalysis
 
@@ -53,7 +53,8 @@ def loss_table(rows: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
 
 
 def _reading(readings: pd.DataFrame) -> dict[str, object]:
-    mean = dict.fromkeys(("mean", "mean_low", "mean_high")) | mean_with_interval(readings["loss"].to_numpy(float))
+    mean = mean_with_interval(readings["loss"].to_numpy(float), possible=AT_MOST_1)
+    mean = dict.fromkeys(("mean", "mean_low", "mean_high")) | mean
     row = {name.replace("mean", "loss"): value for name, value in mean.items()} | {"n_readings": len(readings)}
     if "force_mean_n" in readings.columns and readings["force_mean_n"].notna().any():
         row["force_mean_n"] = float(readings["force_mean_n"].mean())
@@ -61,7 +62,7 @@ def _reading(readings: pd.DataFrame) -> dict[str, object]:
 
 
 def _condition(participants: pd.DataFrame) -> dict[str, object]:
-    row = mean_row(participants["loss"].to_numpy(float))
+    row = mean_row(participants["loss"].to_numpy(float), possible=AT_MOST_1)
     if len(participants) == 1:  # then the interval is that of the participant's own readings
         row |= {f"mean{end}": participants[f"loss{end}"].iloc[0] for end in ("", "_low", "_high")}
     row |= {"n": len(participants), "n_readings": int(participants["n_readings"].sum())}

@@ -23,6 +23,7 @@ from .status import Status
 METHODS = ("ml", "map", "profile", "posterior", "bootstrap")
 OVERDISPERSED = ("ml", "map", "posterior")
 ESTIMATES = ("mode", "median", "mean")
+SHAPE = "normal"
 
 
 class Options(TypedDict, total=False):
@@ -47,8 +48,8 @@ def fit(
     n_correct: ArrayLike,
     n_trials: ArrayLike,
     *,
-    shape: str,
-    guess_rate: float | None,
+    shape: str = SHAPE,
+    guess_rate: float | None = None,
     n_false_alarms: int = 0,
     n_catch: int = 0,
     **options: Unpack[Options],
@@ -61,9 +62,9 @@ def fit(
         Levels in any unit and order, correct (or "yes") answers, trials. Rows without trials are ignored,
         equal levels are pooled.
     shape : str
-        ``normal``, ``logistic``, ``gumbel``, ``reversed_gumbel`` or ``weibull`` (positive levels).
+        ``normal`` (the default), ``logistic``, ``gumbel``, ``reversed_gumbel`` or ``weibull`` (positive levels).
     guess_rate : float or None
-        Lower asymptote: 1/m in forced choice; None to estimate it under its prior (yes/no).
+        Lower asymptote: 1/m in forced choice; None (the default) to estimate it under its prior (yes/no).
     lapse_rate : float or None
         Distance of the upper asymptote from 1; None to estimate it under its prior, for every method.
     method : str
@@ -118,7 +119,9 @@ def fit(
     >>> found = fit([1, 2, 3, 4, 5], [10, 11, 15, 19, 20], 20, shape="normal", guess_rate=0.5)
     >>> found.status.value, 2.5 < found.threshold < 3.5
     ('ok', True)
-    >>> fit([1, 2, 3], [20, 20, 20], 20, shape="normal", guess_rate=0.5).threshold is None
+    >>> fit([1, 2, 3], [20, 20, 20], 20, guess_rate=0.5).threshold is None
+    True
+    >>> 2.5 < fit([1, 2, 3, 4, 5], [0, 2, 10, 18, 20], 20).threshold < 3.5
     True
     """
     n_dimensions = np.ndim(levels)
@@ -134,8 +137,8 @@ def fit_many(
     n_correct: ArrayLike,
     n_trials: ArrayLike,
     *,
-    shape: str,
-    guess_rate: float | None,
+    shape: str = SHAPE,
+    guess_rate: float | None = None,
     lapse_rate: float | None = None,
     method: str = "posterior",
     interval: float = 0.95,
@@ -181,8 +184,8 @@ def log_posterior(
     n_correct: ArrayLike,
     n_trials: ArrayLike,
     *,
-    shape: str,
-    guess_rate: float | None,
+    shape: str = SHAPE,
+    guess_rate: float | None = None,
     lapse_rate: float | None = None,
     n_false_alarms: ArrayLike = 0,
     n_catch: ArrayLike = 0,

@@ -5,13 +5,14 @@ Intervals of a threshold by profile likelihood and by parametric bootstrap.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 from scipy.stats import chi2
 
-from ..arrays import Array, Bools, Rows
+from ..arrays import Array, Bools, Indices, Rows
 from .likelihood import GUESS, LOG_WIDTH, THRESHOLD, log_chances
 from .log_posterior import LogPosterior
 from .mode import Mode, climb, find_mode, find_overdispersed_mode
@@ -38,11 +39,19 @@ SAME = 1e-9
 
 @dataclass(frozen=True)
 class Estimates(Rows):
-    """Parameters (n_sets, 4) with the width in place of its logarithm; ends (n_sets, 2) of threshold and width."""
+    """Parameters (n_sets, 4) with the width in place of its logarithm; ends (n_sets, 2) of threshold and width.
+
+    `method` (n_sets,) names the method that the threshold's interval comes from.
+    """
 
     theta: Array
     threshold: Array
     width: Array
+    method: NDArray[np.object_]
+
+    @classmethod
+    def by(cls, method: str, theta: Array, threshold: Array, width: Array) -> "Estimates":
+        return cls(theta, threshold, width, np.full(len(theta), method, dtype=object))
 
 
 @dataclass(frozen=True)
@@ -63,31 +72,33 @@ class Fitting:
         mode = find_mode(posterior)
         likeliest = find_mode(posterior.under(on_curve=False), mode.theta)
         step = best_step(posterior, likeliest)
-        binomial = self._marginals(mode)
-        shares = verdict_shares(posterior, binomial)
+        marginals = self._marginals(mode)
+        shares = verdict_shares(posterior, marginals)  # the status is that of the binomial
         status = np.array(statuses(posterior, shares, step), dtype=object)
-        basis, eta = self._basis(mode, likeliest)
-        estimates = self._of_posterior(mode, binomial, step)
-        if self.method != "posterior":
+        eta = None
+        if self.overdispersed:
+            mode, eta = find_overdispersed_mode(posterior.under(on_curve=True))
+            marginals = self._marginals(mode, eta)
+        estimates, basis = self._of_posterior(mode, marginals, step), mode
+        if self.method == "posterior":
+            eta = marginals.overdispersion if self.overdispersed and self.estimate == "mean" else eta
+        else:
+            if self.method in ON_LIKELIHOOD:
+                basis, eta = self._likeliest(likeliest)
             estimates, status = self._of_curvature(basis, status, step, estimates)
-        elif eta is not None:
-            spread = self._marginals(basis, eta)
-            estimates = self._of_posterior(basis, spread, step)
-            eta = spread.overdispersion if self.estimate == "mean" else eta
         on_levels = {
             "threshold_mode": mode.theta[:, THRESHOLD],
-            "threshold_median": binomial.threshold[:, 1],
-            "threshold_mean": binomial.mean[:, THRESHOLD],
+            "threshold_median": marginals.threshold[:, 1],
+            "threshold_mean": marginals.mean[:, THRESHOLD],
         }
         deviance = np.maximum(posterior.deviance(basis.theta), 0.0)  # a perfect fit may round to below 0
         return self._fits(status, estimates, shares, on_levels, {"deviance": deviance, "overdispersion": eta})
 
-    def _basis(self, mode: Mode, likeliest: Mode) -> tuple[Mode, Array | None]:
-        """The mode that the method rests on, and its overdispersion."""
-        is_likelihood = self.method in ON_LIKELIHOOD
+    def _likeliest(self, binomial: Mode) -> tuple[Mode, Array | None]:
+        """The mode of the likelihood, and its overdispersion."""
         if self.overdispersed:
-            return find_overdispersed_mode(self.posterior.under(on_curve=not is_likelihood))
-        return (likeliest if is_likelihood else mode), None
+            return find_overdispersed_mode(self.posterior.under(on_curve=False))
+        return binomial, None
 
     def _marginals(self, mode: Mode, eta: Array | None = None) -> Marginals:
         """The posterior of every data set with two levels or more, binomial or with overdispersion about `eta`."""
@@ -101,7 +112,7 @@ class Fitting:
         on an edge of the priors or outside of its own interval, the median stands for it."""
         threshold, width = marginals.threshold[:, [0, 2]], marginals.width[:, [0, 2]]
         if self.estimate == "mean":
-            return Estimates(marginals.mean, threshold, width)
+            return Estimates.by("posterior", marginals.mean, threshold, width)
         median = marginals.mean.copy()
         median[:, THRESHOLD] = marginals.threshold[:, 1]
         median[:, LOG_WIDTH] = marginals.width[:, 1]
@@ -111,7 +122,7 @@ class Fitting:
         theta[:, LOG_WIDTH] = np.where(holds_width, theta[:, LOG_WIDTH], median[:, LOG_WIDTH])
         is_summit = step.is_between | (mode.interior & holds_width)
         is_held = is_summit & _within(theta[:, THRESHOLD], threshold) & (self.estimate == "mode")
-        return Estimates(np.where(is_held[:, None], theta, median), threshold, width)
+        return Estimates.by("posterior", np.where(is_held[:, None], theta, median), threshold, width)
 
     def _of_curvature(
         self, basis: Mode, status: Statuses, step: StepFit, of_posterior: Estimates
@@ -128,6 +139,8 @@ class Fitting:
         of_step = np.where(step.is_best, Status.SEPARATED, Status.FLAT)
         status = np.where(lost, of_step, status)
         estimates = curved.where(rests, of_posterior)
+        if self.method == "profile":
+            estimates = self._with_profiled_steps(estimates, basis, np.flatnonzero(status == Status.SEPARATED))
         if self.method in ON_LIKELIHOOD:
             # Any place between the two levels is as likely: the climb's end among them would be chance.
             stepped = (status == Status.SEPARATED) & _within(step.place, estimates.threshold)
@@ -140,7 +153,16 @@ class Fitting:
         threshold = basis.theta[:, [THRESHOLD]] + z * basis.sd[:, [THRESHOLD]]
         with np.errstate(over="ignore"):
             width = np.exp(basis.theta[:, [LOG_WIDTH]] + z * basis.sd[:, [LOG_WIDTH]])
-        return Estimates(_with_width(basis.theta), threshold, width)
+        return Estimates.by(self.method, _with_width(basis.theta), threshold, width)
+
+    def _with_profiled_steps(self, estimates: Estimates, basis: Mode, chosen: Indices) -> Estimates:
+        """The profile's interval for answers of one step, whose mode is no place to rest on but whose profile ends."""
+        if not len(chosen):
+            return estimates
+        ends = self._exact_interval(self.posterior[chosen], basis[chosen])
+        ended = np.asarray(np.isfinite(ends).all(axis=1))
+        profiled = replace(estimates[chosen], threshold=ends, method=np.full(len(chosen), self.method, dtype=object))
+        return estimates.replaced(chosen[ended], profiled[ended])
 
     def _exact_interval(self, posterior: LogPosterior, basis: Mode) -> Array:
         """The intervals that cost more than a Hessian."""
@@ -174,6 +196,7 @@ class Fitting:
             "interval_high": _column(high, has_ends & (status != Status.ABOVE)),
             "width_low": _column(narrow, has_width),
             "width_high": _column(wide, has_threshold),
+            "method": np.where(has_ends, estimates.method, self.method).tolist(),
             "status": [Status(word) for word in status],
             "n_trials": counts.n_trials.sum(axis=1).astype(int).tolist(),
             "n_levels": counts.n_levels.tolist(),
@@ -184,7 +207,7 @@ class Fitting:
         explanations = zip(("within", "below", "above"), shares.T, strict=False)  # the fourth is that there is no rise
         columns |= {f"probability_{name}": _column(share, has_curve) for name, share in explanations}
         rows = (dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True))
-        return tuple(ThresholdFit(**row, shape=self.shape, method=self.method, interval=self.interval) for row in rows)
+        return tuple(ThresholdFit(**row, shape=self.shape, interval=self.interval) for row in rows)
 
     def _levels(self, u: Array) -> Array:
         counts = self.posterior.counts

@@ -18,7 +18,11 @@ class ThresholdFit:
     ``profile``, the posterior's otherwise). `note` says what lies behind a status; for ``ok`` it is empty, but where
     ``ml``, ``map`` or ``profile`` meet the levels of an adaptive track.
 
-    `threshold_mode`, `threshold_median` and `threshold_mean` are those of the posterior, whatever the method.
+    `method` names the method that the interval of the threshold comes from: ``posterior`` where the requested one has
+    none, as for a bound, or for ``ml``, ``map`` and ``bootstrap`` where the answers change in one step.
+
+    `threshold_mode`, `threshold_median` and `threshold_mean` are those of the posterior, whatever the method;
+    with overdispersion they are those of the beta-binomial posterior, as the interval is.
     `probability_below`, `probability_within` and `probability_above` are the posterior probabilities on which the
     status rests: the threshold lies so far below the levels that all are on the upper asymptote; the levels meet the
     rise of the function; it lies so far above them that all are on the lower asymptote (None for fewer than two

@@ -75,9 +75,10 @@ def _study(study: str, *, allow_code: bool) -> tuple[list[Finding], Experiment |
     words = f"{n} {'stimulus' if n == 1 else 'stimuli'}; the strongest levels are within the study's limits"
     told = felt_and_lost(experiment)
     allowed = [Finding("study", "caution", caution) for caution in experiment.study.cautions]
+    unfelt = [Finding("study", "not felt", line, fine=False) for line in told.warnings]
     felt = [Finding("scene", "felt", " ".join(map(str.strip, effects.lines))) for effects in told.effects]
     contact = [Finding("finger", f"{finger.force_n:g} N", finger.line) for finger in told.fingers]
-    return [Finding("study", study, words, fine=True), *allowed, *felt, *contact], experiment
+    return [Finding("study", study, words, fine=True), *allowed, *unfelt, *felt, *contact], experiment
 
 
 def devices(

@@ -15,6 +15,7 @@ from tactometry.records.description import StudyDescription
 from tactometry.records.erasures import refuse_erased
 from tactometry.records.head import Head, differences
 from tactometry.records.open_session import OpenSession
+from tactometry.records.withdrawal import Withdrawal
 from tactometry.session.event import EventLog
 from tactometry.session.request import Fact, Rig
 from tactometry.session.run import run
@@ -122,6 +123,7 @@ def record(
     flawed = flaw(experiment, root)
     if flawed:
         tell(flawed)
+    withdrawal = Withdrawal(root, session)
     # The session is ours before any device opens, and closed after the last of them, whatever fails between.
     keeper = OpenSession(root, design, session, kind.name, resume=resume)
     try:
@@ -129,13 +131,22 @@ def record(
         seed, n_resumed = _session_seed(keeper.journal.head, who, kind), keeper.tally.n_trials
         if keeper.repaired:
             tell(keeper.repaired)
-        with closing(kind.make(seed, keeper)) as rig:
+        with closing(_made(kind, seed, keeper, withdrawal)) as rig:
             _begin(keeper, _head(design, who, seed, kind, rig, keeper), tell)
             course = experiment.course(who.participant, who.session, number, seed)
             tracks = run(course, rig, keeper)
     finally:
         keeper.close()
     return Recorded(keeper.trials, keeper.tally, n_resumed, tracks, keeper.repaired)
+
+
+def _made(kind: RigKind, seed: int, keeper: OpenSession, withdrawal: Withdrawal) -> Rig:
+    """Open the rig; a session whose rig cannot open leaves no data set behind."""
+    try:
+        return kind.make(seed, keeper)
+    except BaseException:
+        withdrawal.undo()  # before the journal is closed: until then nobody else begins this session
+        raise
 
 
 def _begin(keeper: OpenSession, head: Head, tell: Callable[[str], None]) -> None:

@@ -8,27 +8,37 @@ from .experiment import Experiment
 
 if TYPE_CHECKING:
     from .felt_effects import FeltEffects
+    from .unfelt import Unfelt
 
 
 @dataclass(frozen=True)
 class FeltAndLost:
-    """Of each choice of effects what is felt, each finger that is pulled, and the models through which it is felt."""
+    """Of each choice of effects what is felt, each finger that is pulled, the models through which it is felt, and the
+    conditions whose strongest level is below threshold."""
 
     effects: "tuple[FeltEffects, ...]"
     fingers: tuple[FingerOfStudy, ...]
     models: tuple[str, ...]
+    unfelt: "tuple[Unfelt, ...]" = ()
+
+    @property
+    def warnings(self) -> list[str]:
+        """A line for each condition that nobody is predicted to feel."""
+        return [one.line for one in self.unfelt]
 
     @property
     def lines(self) -> list[str]:
         """In words."""
         felt = [line for effects in self.effects for line in effects.lines]
-        return [*(felt or [f"felt by {', '.join(self.models)}, no scene"]), *(finger.line for finger in self.fingers)]
+        through = felt or [f"felt by {', '.join(self.models)}, no scene"]
+        return [*self.warnings, *through, *(finger.line for finger in self.fingers)]
 
     @property
     def record(self) -> dict[str, list[dict[str, Any]]]:
-        """As a result in JSON; contact alone where a finger is pulled."""
-        contact = [asdict(finger) for finger in self.fingers]
-        return {"felt": [asdict(effects) for effects in self.effects], **({"contact": contact} if contact else {})}
+        """As a result in JSON; contact where a finger is pulled, conditions where nothing is felt."""
+        contact, unfelt = [asdict(finger) for finger in self.fingers], [asdict(one) for one in self.unfelt]
+        further = {name: told for name, told in (("contact", contact), ("unfelt", unfelt)) if told}
+        return {"felt": [asdict(effects) for effects in self.effects], **further}
 
 
 def felt_and_lost(experiment: Experiment) -> FeltAndLost:
@@ -40,6 +50,12 @@ def felt_and_lost(experiment: Experiment) -> FeltAndLost:
     'felt of amplitu'
     """
     from .felt_effects import felt_effects
+    from .unfelt import unfelt
 
     models = {type(cell.sensation).__name__ for cell in experiment.cells.values()}
-    return FeltAndLost(tuple(felt_effects(experiment)), tuple(pulled_fingers(experiment)), tuple(sorted(models)))
+    return FeltAndLost(
+        tuple(felt_effects(experiment)),
+        tuple(pulled_fingers(experiment)),
+        tuple(sorted(models)),
+        tuple(unfelt(experiment)),
+    )

@@ -121,7 +121,8 @@ class SessionPlan:
         empty = dict.fromkeys(self.study.factors, "")
         for name, table in self.study.inquiries.items():
             if table.after == after:
-                yield Inquiry(self.forms[name], table.shuffled, empty, condition, first=after == "start")
+                order = {"first": after == "start", "of_block": after == "block"}
+                yield Inquiry(self.forms[name], table.shuffled, empty, condition, **order)
 
     def _practice(self, first: Block) -> list[Block]:
         """One track of the first block, with feedback and without rests."""

@@ -6,9 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from tactometry.analysis.tasks.cell import Cell
+from tactometry.analysis.tasks.cells import estimates
 from tactometry.analysis.tasks.kinds import CURVES
 from tactometry.analysis.threshold.band import CurveBand, curve_band
-from tactometry.analysis.wording import in_unit, interval_text, with_unit
+from tactometry.analysis.threshold.result import ThresholdFit
+from tactometry.analysis.wording import dependent_name, in_unit, interval_text, percent_text, plain_text, with_unit
+from tactometry.errors import count_of
 from tactometry.session.progress import Progress
 from tactometry.trials.trial import Trial
 
@@ -33,6 +37,7 @@ class Answers:
     n_trials: tuple[int, ...]
     n_false_alarms: int = 0
     n_catch: int = 0
+    standard: float | None = None
 
 
 def answers_of(progress: Progress) -> Answers | None:
@@ -58,6 +63,7 @@ def answers_of(progress: Progress) -> Answers | None:
         tuple(n_trials[level] for level in levels),
         sum(row.response == 1 for row in caught),
         len(caught),
+        last.standard_level,
     )
 
 
@@ -78,8 +84,14 @@ def _n_choices(rows: list[Trial]) -> int:
     return max([2, *largest])
 
 
+def fit_of(answers: Answers) -> ThresholdFit:
+    """Fit the psychometric function exactly as `analyse` fits it."""
+    counts = (answers.levels, answers.n_yes, answers.n_trials, answers.n_catch, answers.n_false_alarms)
+    return estimates([Cell("", (), answers.task, *counts)], answers.n_choices, answers.unit)[0].fit
+
+
 def band_of(answers: Answers) -> CurveBand | None:
-    """As the analysis will fit it: with its shape, guess rate and priors; None where there is one level alone."""
+    """Return the posterior band of the curve with the same options; None with one level."""
     return curve_band(
         answers.levels,
         answers.n_yes,
@@ -91,24 +103,27 @@ def band_of(answers: Answers) -> CurveBand | None:
     )
 
 
-def curve_plot(answers: Answers, band: CurveBand | None) -> Plot:
-    """The rates at their levels, and the curve in its band."""
-    ends = answers.levels if band is None else (band.levels[0], band.levels[-1])
-    x = ruler_over(map(float, ends), LEFT, RIGHT, margin=0.02)
+def curve_plot(answers: Answers) -> Plot:
+    """Plot the rates at their levels, the curve in its band, the threshold and the standard."""
+    band, fit = band_of(answers), fit_of(answers)
+    x = ruler_over(answers.levels, LEFT, RIGHT, margin=0.02)
     y = Ruler(-0.03, 1.03, BOTTOM, TOP)
     most = max(answers.n_trials)
     rates = zip(answers.levels, answers.n_yes, answers.n_trials, strict=True)
     label = CURVES[answers.task].rate_label
+    curve = () if band is None else (Stroke(_along(x, y, band.levels, band.median), "curve"),)
+    places = {"threshold": fit.threshold, "standard": answers.standard}
+    upright = ((kind, at) for kind, at in places.items() if at is not None and x.low <= at <= x.high)
     return Plot(
         name="curve",
         title=", ".join(filter(None, (label, answers.condition))),
-        words=_words(answers, band),
+        words=_words(answers, fit),
         x_label=with_unit("level", answers.unit),
         y_label=label.lower(),
         x=x,
         y=y,
         marks=tuple(Mark(x.at(u), y.at(k / n), "rate", round(3 + 4 * (n / most) ** 0.5, 2)) for u, k, n in rates),
-        strokes=() if band is None else (Stroke(_along(x, y, band.levels, band.median), "curve"),),
+        strokes=(*curve, *(Stroke(polyline(x, y, [(at, 0.0), (at, 1.0)]), kind) for kind, at in upright)),
         areas=() if band is None else (Stroke(_around(x, y, band), "band"),),
     )
 
@@ -122,9 +137,19 @@ def _around(x: Ruler, y: Ruler, band: CurveBand) -> str:
     return f"{_along(x, y, band.levels, band.low)} {_along(x, y, band.levels[::-1], band.high[::-1])}"
 
 
-def _words(answers: Answers, band: CurveBand | None) -> str:
-    of = f"{sum(answers.n_trials)} answers at {len(answers.levels)} levels"
-    if band is None:
-        return f"{of}: one level has no curve."
-    low, median, high = band.threshold
-    return f"{of}; threshold {in_unit(interval_text(median, low, high), answers.unit)} (median and 95 % interval)."
+def _words(answers: Answers, fit: ThresholdFit) -> str:
+    """State the estimates that `analyse` reports for these answers.
+
+    >>> levels = (36.0, 38.0, 40.0, 42.0, 44.0)
+    >>> of = Answers("", "comparison", "dB", 2, levels, (0, 1, 6, 11, 12), (12,) * 5, standard=40.0)
+    >>> _words(of, fit_of(of))
+    '60 answers at 5 levels; point of subjective equality 40.0 [39.2, 40.8] dB, standard 40 dB (95 % interval).'
+    """
+    found = f"{sum(answers.n_trials)} answers at {count_of(len(answers.levels), 'level')}"
+    if fit.threshold is None:
+        return f"{found}; {fit.note}."
+    name = dependent_name(CURVES[answers.task].dependents[0])
+    threshold = in_unit(interval_text(fit.threshold, fit.interval_low, fit.interval_high), answers.unit)
+    standard = "" if answers.standard is None else f", standard {in_unit(plain_text(answers.standard), answers.unit)}"
+    note = f"; {fit.note}" if fit.note else ""
+    return f"{found}; {name} {threshold}{standard} ({percent_text(fit.interval)} interval){note}."

@@ -104,11 +104,13 @@ def last_presented(progress: Progress) -> Trial | None:
 
 
 def success(trial: Trial) -> bool | None:
-    """Whether a presentation was felt, or answered correctly; None where the task has no such answer."""
-    if trial.correct is not None:
-        return trial.correct
-    is_yes_or_no = TASKS[trial.task].response is YES_OR_NO and trial.response is not None
-    return trial.response == 1 if is_yes_or_no else None
+    """Return True for an answer that the psychometric function counts.
+
+    That is "yes", "more" or "different" where the task asks for it, else a correct answer; None without an answer.
+    """
+    if TASKS[trial.task].response is YES_OR_NO:
+        return None if trial.response is None else trial.response == 1
+    return trial.correct
 
 
 def _kind(trial: Trial) -> str:

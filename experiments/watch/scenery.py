@@ -73,11 +73,11 @@ class Scenery:
 
     def _draw_curve(self, progress: Progress) -> bool:
         """Whether the curve is another one."""
-        from .curve import answers_of, band_of, curve_plot
+        from .curve import answers_of, curve_plot
 
         answers = answers_of(progress)
         if answers == self._answers:
             return False
         self._answers = answers
-        self._drawn = replace(self._drawn, curve=None if answers is None else curve_plot(answers, band_of(answers)))
+        self._drawn = replace(self._drawn, curve=None if answers is None else curve_plot(answers))
         return True

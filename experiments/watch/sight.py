@@ -25,6 +25,8 @@ class Sight:
         Whether the journal says that the session is over.
     halted : bool
         Whether its sitting was stopped, and nothing was asked since.
+    abandoned : bool
+        Whether no process writes the journal any more, though it neither ended nor was stopped.
     written_s : float
         When the journal was written last, s since 1970.
     problem : str
@@ -38,6 +40,7 @@ class Sight:
     progress: Progress = field(default_factory=Progress)
     complete: bool = False
     halted: bool = False
+    abandoned: bool = False
     written_s: float = 0.0
     problem: str = ""
     parts: tuple[PartAhead, ...] = ()
@@ -57,6 +60,8 @@ class Sight:
 
         >>> Sight().state, Sight("a", complete=True).state, Sight("a", halted=True).state
         ('no session yet', 'over', 'stopped')
+        >>> Sight("a", abandoned=True).state
+        'ended without closing'
         """
         if self.problem or not self.name:
             return "cannot be read" if self.problem else "no session yet"
@@ -64,6 +69,8 @@ class Sight:
             return "over"
         if self.halted:
             return "stopped"
+        if self.abandoned:
+            return "ended without closing"
         return "running" if self.progress.paused is None else "paused"
 
     @property

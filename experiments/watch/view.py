@@ -53,7 +53,9 @@ def title(sight: Sight) -> str:
 def alerts(sight: Sight) -> list[str]:
     """What must be seen at once."""
     found = [sight.problem, f"Careful: {sight.warning}." if sight.warning else ""]
-    if sight.progress.paused is not None and not (sight.complete or sight.halted):
+    if sight.state == "ended without closing":
+        found.append("The session ended without closing: no process records it; run goes on with --resume.")
+    elif sight.progress.paused is not None and not (sight.complete or sight.halted):
         found.append(f"Paused: {sight.progress.paused}.")
     if sight.halted:
         found.append(f"Stopped: {' '.join(sight.progress.stopped[-1:])}; run goes on with --resume.")
@@ -128,7 +130,7 @@ def _answer(trial: Trial) -> str:
     if not trial.valid:
         return f"not valid ({'no reason kept' if trial.invalid_reason is None else REASON_WORDS[trial.invalid_reason]})"
     if TASKS[trial.task].response is YES_OR_NO and trial.response is not None:
-        return "yes" if trial.response == 1 else "no"
+        return TASKS[trial.task].answers[trial.response == 1]
     if trial.correct is not None:
         return "correct" if trial.correct else "wrong"
     return "no answer" if trial.response is None else plain_text(trial.response)

@@ -10,12 +10,15 @@ from tactometry.files.durable import read_file
 from tactometry.records.data_set import keys_of, sessions
 from tactometry.records.following import Follower
 from tactometry.records.head import Head
+from tactometry.records.open_journal import is_written
 from tactometry.session.progress import PartAhead
 
 from .sight import Sight
 
 LOOK_AROUND_S = 3.0
 """How often it is looked for a newer journal."""
+QUIET_S = 10.0
+"""A journal that was written this lately has a process that writes it."""
 TRY_AGAIN_S = 15.0
 """A journal that could not be read is read again as a whole, which takes a while: so long later at the earliest."""
 
@@ -45,7 +48,7 @@ class Watcher:
         self._wanted = {key: value for key, value in asked.items() if value is not None}
         self._follower: Follower | None = None
         self._sight = Sight()
-        self._around_s = self._again_s = -float("inf")
+        self._around_s = self._again_s = self._alive_s = -float("inf")
 
     def look(self) -> Sight:
         """What is seen now; the same object as long as nothing is new."""
@@ -55,6 +58,9 @@ class Watcher:
             self._choose()
         if self._follower is not None and now_s >= self._again_s:
             self._read(self._follower, now_s)
+        if self._follower is not None and now_s >= self._alive_s:
+            self._alive_s = now_s + LOOK_AROUND_S
+            self._check_alive(self._follower)
         return self._sight
 
     @property
@@ -66,6 +72,15 @@ class Watcher:
         newest = max(filter(self._is_wanted, _journals(self.root)), key=_written_s, default=None)
         if newest is not None and (self._follower is None or newest != self._follower.path):
             self._follower, self._sight, self._again_s = Follower(newest), Sight(newest.stem), -float("inf")
+
+    def _check_alive(self, follower: Follower) -> None:
+        """See whether a process still writes the journal."""
+        sight = self._sight
+        is_quiet = time.time() - sight.written_s > QUIET_S
+        ended = sight.complete or sight.halted or not sight.name
+        abandoned = not ended and is_quiet and not is_written(follower.path)
+        if abandoned != sight.abandoned:
+            self._sight = replace(sight, abandoned=abandoned)
 
     def _is_wanted(self, journal: Path) -> bool:
         return self._wanted.items() <= keys_of(journal.stem).items()
@@ -83,7 +98,7 @@ class Watcher:
         seen = before.after(news.lines)
         parts = before.parts or _parts(self.root, seen.head)
         written_s = _written_s(follower.path)
-        self._sight = replace(seen, complete=news.complete, written_s=written_s, parts=parts)
+        self._sight = replace(seen, complete=news.complete, abandoned=False, written_s=written_s, parts=parts)
 
 
 def _journals(root: Path) -> list[Path]:

@@ -1,5 +1,6 @@
 """`tactometry simulate` and `tactometry demo`: studies with simulated participants."""
 
+from dataclasses import asdict
 from pathlib import Path
 
 import click
@@ -42,6 +43,8 @@ def simulate(
     explain: bool,
 ) -> None:
     """Run STUDY (a built-in name or a path) with simulated participants."""
+    from tactometry.experiments.study.unfelt import unfelt
+
     check_workers(n_jobs, scheduler)
     _, content = load(study)
     code_from = folder_of(study) if allow_code else None
@@ -56,8 +59,13 @@ def simulate(
     result = {"data_set": str(out), "participants": n_participants, "trials": n_trials, "seed": seed}
     aborted = f", {count_of(n_aborted, 'procedure')} aborted" if n_aborted else ""
     text = f"{out}: {count_of(n_participants, 'simulated participant')}, {count_of(n_trials, 'trial')}{aborted}"
-    told = felt_and_lost(wire(parse(content, study), study, code_from)) if explain else None
-    lines, record = (told.lines, told.record) if told else ([], {})
+    experiment = wire(parse(content, study), study, code_from)
+    if explain:
+        told = felt_and_lost(experiment)
+        lines, record = told.lines, told.record
+    else:
+        nobody = list(unfelt(experiment))
+        lines, record = [one.line for one in nobody], {"unfelt": [asdict(one) for one in nobody]} if nobody else {}
     say("\n".join([text, *lines]), {**result, "aborted": n_aborted, **record})
 
 

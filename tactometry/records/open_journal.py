@@ -1,6 +1,7 @@
 """A journal that is open for writing: appended to, and repaired where an interruption left it."""
 
 import os
+import time
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import asdict, replace
@@ -24,6 +25,8 @@ _IN_USE: Final = (
     "another process is writing this session, expected to be the only one; wait until it ends, or give another "
     "--session number"
 )
+LOCK_TRIES, LOCK_PAUSE_S = 5, 0.02
+"""A lock that `is_written` tries is free again within microseconds."""
 LASTING: Final = (Record, Intervene)
 """Requests whose answer an interruption does not take back: a journal is cut behind the last of them."""
 
@@ -173,6 +176,24 @@ def held(journals: Iterable[Path]) -> Iterator[None]:
         yield
 
 
+def is_written(path: Path) -> bool:
+    """Return True while a process has a journal open for writing.
+
+    The lock is tried for a moment, which a session that begins just then waits for.
+    """
+    try:
+        file = os.open(path, os.O_RDONLY)
+    except OSError:
+        return False
+    try:
+        portalocker.lock(file, portalocker.LOCK_SH | portalocker.LOCK_NB)
+    except portalocker.LockException:
+        return True
+    finally:
+        os.close(file)
+    return False
+
+
 @contextmanager
 def alone(path: Path, in_use: str) -> Iterator[None]:
     """No other process is in here meanwhile: a file is made for it and locked, and goes at the end.
@@ -216,7 +237,11 @@ def _refuse_recorded(path: Path, *, resume: bool) -> None:
 
 
 def _lock(file: int, path: Path, in_use: str = _IN_USE) -> None:
-    try:
-        portalocker.lock(file, portalocker.LOCK_EX | portalocker.LOCK_NB)
-    except portalocker.LockException:
-        raise SessionInUse(f"{path}: {in_use}") from None
+    for left in reversed(range(LOCK_TRIES)):
+        try:
+            portalocker.lock(file, portalocker.LOCK_EX | portalocker.LOCK_NB)
+            return
+        except portalocker.LockException:
+            if not left:
+                raise SessionInUse(f"{path}: {in_use}") from None
+            time.sleep(LOCK_PAUSE_S)

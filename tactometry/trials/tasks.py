@@ -47,6 +47,8 @@ class TaskRows:
         The response is a level, which the participant sets while it plays.
     is_read : bool
         An analysis reads the responses: a table with others than the rule allows is refused.
+    answers : tuple of str
+        What the responses 0 and 1 mean, where these are the only ones.
     """
 
     response: CellRule
@@ -55,13 +57,14 @@ class TaskRows:
     sets_level: bool = False
     is_read: bool = True
     of_places: Columns = ()
+    answers: tuple[str, str] = ("no", "yes")
 
 
 TASKS: Final[Mapping[str, TaskRows]] = {
     "yes_no": TaskRows(YES_OR_NO, level="curve"),
     "forced_choice": TaskRows(INTERVAL, ("target",), "curve"),
-    "comparison": TaskRows(YES_OR_NO, ("target", "standard_level"), "curve"),
-    "same_different": TaskRows(YES_OR_NO, ("target", "standard_level"), "scale"),
+    "comparison": TaskRows(YES_OR_NO, ("target", "standard_level"), "curve", answers=("less", "more")),
+    "same_different": TaskRows(YES_OR_NO, ("target", "standard_level"), "scale", answers=("same", "different")),
     "magnitude": TaskRows(STRENGTH, level="ratio"),
     "adjustment": TaskRows(SET_LEVEL, level="scale", sets_level=True),
     "rating": TaskRows(RAW_VALUE, ("item",), is_read=False),

@@ -113,9 +113,8 @@ def test_fewer_participants_than_contrasts_are_explained(published) -> None:
     few = published[published["subject"].isin(["P1", "P2", "P3", "P4"])]
     notes = repeated_measures(few, dependent="y", within=WITHIN, subject="subject").attrs["notes"]
     assert notes == [
-        "force * freq: the error matrix is singular (6 contrasts need more than 4 participants), so Mauchly's test "
-        "does not exist and no multivariate test either; the corrections of the degrees of freedom need none, nor does "
-        "a permutation test"
+        "force * freq: the error matrix is singular (6 contrasts need at least 7 complete participants, found 4), so "
+        "Mauchly's test and multivariate tests do not exist; the corrected F and the permutation test are not affected"
     ]
 
 

@@ -128,12 +128,15 @@ def test_refuses_two_questionnaires_together() -> None:
 
 
 def test_intervals_are_those_of_participants_not_of_answers(answers, scored) -> None:
+    from scipy.special import logit
     from scipy.stats import t
 
     row = summary(scored).set_index(["pattern", "dimension"]).loc[("P3", "PQ")]
     own = scored[scored["pattern"] == "P3"]["PQ"]
     half = t.ppf(0.975, 11) * own.std() / np.sqrt(12)
-    assert (row["mean"], row["mean_high"] - row["mean"]) == pytest.approx((own.mean(), half))
+    mean, low, high = (logit((x + 3) / 6) for x in row[["mean", "mean_low", "mean_high"]].astype(float))
+    slope = 6 / ((own.mean() + 3) * (3 - own.mean()))
+    assert (mean - low, high - mean) == pytest.approx((slope * half, slope * half))
     assert row["n"] == 12
 
 

@@ -65,8 +65,7 @@ def test_the_table_has_means_over_participants(some) -> None:
         3,
     )
     assert row["text"] == "2.85 ± 0.64 N, 95 % in band"
-    assert row["mean_low"] < 2.4
-    assert row["mean_high"] > 3.3
+    assert (row["mean_low"], row["mean_high"]) == (None, None)  # fewer than three values of a bounded quantity
 
 
 def test_one_participant_has_a_mean_without_an_interval(some) -> None:

@@ -142,7 +142,7 @@ def test_as_many_participants_as_contrasts_are_too_few_and_dependent_contrasts_a
     """The error matrix of n participants has a rank of n - 1 at most."""
     rng = np.random.default_rng()
     (few,) = effects(design_of(drawn((4, 5), rng)))
-    assert "(4 contrasts need more than 4 participants)" in singular_note(few, 4)
+    assert "(4 contrasts need at least 5 complete participants, found 4)" in singular_note(few, 4)
     values = drawn((8, 3), rng)
     values[:, 2] = 2 * values[:, 0] - values[:, 1]
     (told,) = analysed(values).attrs["notes"]
@@ -242,7 +242,7 @@ def test_the_users_own_design_has_a_permutation_test_where_sphericity_cannot_be_
     )
     assert found.attrs["status"] == DesignStatus.SINGULAR
     assert found["p_spher"].isna().tolist() == [False, False, True]
-    assert "force * freq: the error matrix is singular (12 contrasts need more than 10" in found.attrs["notes"][0]
+    assert "(12 contrasts need at least 13 complete participants, found 10)" in found.attrs["notes"][0]
     assert (tested["n_permutations"] == 512).all()
     assert tested["F"].to_numpy() == pytest.approx(found["F"].to_numpy())
 

@@ -1,7 +1,12 @@
 """Who is left out by a plan is in no table of results; what is given beside a data set reaches what it is for."""
 
+import json
+
+import numpy as np
 import pandas as pd
 import pytest
+from analysis_data import grid_of_thresholds, write_study
+from command_line import output
 from places import RECORDED
 
 from tactometry.analysis.pipeline import analyse
@@ -76,3 +81,18 @@ def test_answers_that_are_left_out_count_no_more_than_those_that_were_never_give
     for name in ("thresholds", "goodness", "counts", "rates", "tracks", "force_participants"):
         one, other = (each.tables[name].drop(columns=RULE, errors="ignore") for each in (left_out, never_given))
         pd.testing.assert_frame_equal(one, other)
+
+
+def test_anova_names_participant_it_leaves_out(tmp_path, capsys) -> None:
+    """In terminal, JSON and report, where the analysis of bounds answers and the analysis of variance is a check."""
+    rng = np.random.default_rng(4)
+    thresholds = grid_of_thresholds(5, {(0.5,): 20.0, (1.0,): 22.0, (2.0,): 24.0}, 1.0, rng)
+    del thresholds["P05", (2.0,)]
+    path = write_study(tmp_path / "trials.csv", thresholds, ["force_n"], rng=rng)
+    said = "the analysis of variance, a check, leaves out participant P05"
+    report = tmp_path / "report.html"
+    assert said in " ".join(output(capsys, "analyse", path, "--report", report).split())
+    assert said in report.read_text("utf-8").replace("The analysis", "the analysis")
+    (found,) = json.loads(output(capsys, "analyse", path, "--json"))["outcomes"]
+    assert found["left_out"] == ["participant P05"]
+    assert any(said in note for note in found["notes"])

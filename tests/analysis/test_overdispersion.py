@@ -139,6 +139,31 @@ def test_without_overdispersion_the_mode_is_the_higher_of_the_binomials_two(k) -
         assert getattr(found, name) == pytest.approx(getattr(binomial, name), rel=1e-6)
 
 
+@pytest.mark.parametrize("method", ["posterior", "map", "ml"])
+@pytest.mark.parametrize(
+    ("k", "mode", "median", "mean"),
+    [
+        ([9, 14, 11, 22, 17, 24], 4.2359, 3.8983, 3.8813),
+        ([16, 16, 10, 15, 23, 23], 4.2468, 4.1459, 4.0716),
+        ([21, 10, 18, 18, 16, 22], 4.2971, 3.4815, 3.3078),
+    ],
+)
+def test_point_estimates_are_those_of_psignifit(method, k, mode, median, mean) -> None:
+    """psignifit 4.3's estimates, its median from its marginal; the binomial's differ by more."""
+    found = fit(range(1, 7), k, 24, shape="normal", guess_rate=0.5, overdispersion=True, method=method)
+    assert (found.threshold_mode, found.threshold_median, found.threshold_mean) == (
+        pytest.approx(mode, abs=0.004),
+        pytest.approx(median, abs=0.007),
+        pytest.approx(mean, abs=0.013),
+    )
+
+
+def test_mean_threshold_is_that_of_estimate_mean() -> None:
+    options = {"shape": "normal", "guess_rate": 0.5, "overdispersion": True}
+    found, mean = (fit(range(1, 7), [9, 14, 11, 22, 17, 24], 24, estimate=of, **options) for of in ("mode", "mean"))
+    assert found.threshold_mean == mean.threshold_mean == mean.threshold
+
+
 def test_methods_without_overdispersion_say_so() -> None:
     with pytest.raises(InvalidParameter, match="method: found 'profile' with overdispersion, expected one of ml, map"):
         fit([1, 2, 3], [1, 5, 9], 10, shape="normal", guess_rate=0.0, method="profile", overdispersion=True)

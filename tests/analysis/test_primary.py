@@ -69,7 +69,8 @@ def test_with_bounds_nobody_is_left_out_and_the_complete_part_is_a_check() -> No
     table = estimates(np.random.default_rng(), n_below=2)
     found = told(table, bounds={"force_n": 3.0})
     assert (found.primary, found.effects.attrs["n"]) == ("censored_anova", 8)
-    assert found.notes == ("the analysis of values and bounds counts 2 values as bounds",)
+    assert found.notes[0] == "the analysis of values and bounds counts 2 values as bounds"
+    assert found.notes[1].startswith("the analysis of variance, a check, leaves out participant P0, participant P1:")
     roles = found.roles().set_index("analysis")
     assert roles["role"].to_dict() == {"censored_anova": "primary", "anova": "check"}
     assert roles.loc["anova", "title"].endswith("without participant P0, participant P1")

@@ -135,6 +135,7 @@ def test_a_censored_condition_is_a_bound_and_leaves_the_analysis_of_variance(tmp
     assert outcome.notes == (
         "the analysis of values and bounds leaves out frequency_hz = 60: fewer than 2 participants have a value in "
         "one of its conditions",
+        "the analysis of variance, a check, leaves out frequency_hz = 60: it needs a value in every condition",
     )
     assert (outcome.primary, outcome.censored.design.n_censored, outcome.left_out) == (
         "censored_anova",
@@ -155,7 +156,11 @@ def test_participants_with_a_bound_stay_in_the_primary_analysis(tmp_path) -> Non
         6,
         2,
     )
-    assert outcome.notes == ("the analysis of values and bounds counts 2 values as bounds",)
+    assert outcome.notes == (
+        "the analysis of values and bounds counts 2 values as bounds",
+        "the analysis of variance, a check, leaves out participant P01, participant P02: it needs a value in every "
+        "condition",
+    )
     known = outcome.estimates.dropna(subset="threshold").groupby("frequency_hz")["threshold"].mean()
     rows = outcome.group.set_index("frequency_hz")
     assert rows.loc[480, "mean"] > known[480] + 1.0

@@ -2,11 +2,13 @@
 
 import re
 import shutil
+from importlib import metadata
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from command_line import output
 from places import RECORDED
 
 from tactometry.analysis.figures.psychophysics import threshold_figure
@@ -244,8 +246,9 @@ def test_what_means_say_of_themselves() -> None:
 
 def test_methods_of_a_questionnaire_tell_what_its_figures_and_sentences_show() -> None:
     methods = analysis_of(RECORDED / "hybrid-button").methods
-    assert "Intervals within participants are Cousineau's" in methods
-    assert "The primary analysis" not in methods  # two participants have none
+    assert "symmetric on the logit of their range" in methods
+    for absent in ("Cousineau", "The primary analysis"):  # two participants have none
+        assert absent not in methods
 
 
 def test_methods_of_one_participant_claim_no_interval(one) -> None:
@@ -286,3 +289,16 @@ def test_an_adjustment_is_not_said_to_have_its_levels_from_the_procedure() -> No
     assert "Levels were chosen" not in procedure_text(study, "")
     assert "adjustments began" in procedure_text(study, "")
     assert "(over frequency)" in procedure_text(read_table(RECORDED / "preference" / "study.toml", "a study"), "")
+
+
+def test_analyse_runs_when_tactometry_is_not_installed(monkeypatch, capsys) -> None:
+    """A source checkout has no metadata of its own."""
+
+    def distribution(name):
+        if name == "tactometry":
+            raise metadata.PackageNotFoundError(name)
+        return installed(name)
+
+    installed = metadata.distribution
+    monkeypatch.setattr(metadata, "distribution", distribution)
+    assert "threshold" in output(capsys, "analyse", RECORDED / "yes-no")

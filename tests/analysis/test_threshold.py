@@ -347,3 +347,26 @@ def test_refuses_naming_what_was_found_and_where(change: dict, message: str) -> 
 def test_names_the_data_set_of_a_stack() -> None:
     with pytest.raises(InvalidParameter, match=re.escape("n_correct, row 1 of data set 2: found 21")):
         fit_many([1, 2, 3], [[1, 2, 3], [1, 2, 3], [1, 21, 3]], 20, shape="normal", guess_rate=0.5)
+
+
+def test_fit_has_default_shape_and_free_guess_rate() -> None:
+    counts = [1, 2, 3, 4, 5], [1, 3, 10, 18, 20], 20
+    assert fit(*counts) == fit(*counts, shape="normal", guess_rate=None)
+    assert fit_many(*counts) == (fit(*counts),)
+
+
+@pytest.mark.parametrize(
+    ("k", "low", "high"), [([11, 12, 13, 24, 24, 23], 3.0, 4.0), ([10, 12, 16, 24, 24, 24], 2.784, 4.0)]
+)
+def test_profile_interval_of_step_is_that_of_likelihood(k, low, high) -> None:
+    """The ends of a profile over a fine grid of thresholds and widths."""
+    options = {"shape": "logistic", "guess_rate": 0.5, "lapse_rate": 0.02, "method": "profile"}
+    found = fit(range(1, 7), k, 24, **options)
+    assert (found.status, found.method) == (Status.SEPARATED, "profile")
+    assert (found.interval_low, found.interval_high) == pytest.approx((low, high), abs=0.002)
+
+
+@pytest.mark.parametrize("method", ["ml", "map"])
+@pytest.mark.parametrize("k", [[10] * 3 + [20] * 4, [20] * 7])
+def test_method_is_named_posterior_where_interval_is(method, k) -> None:
+    assert fitted(k, method=method).method == "posterior"

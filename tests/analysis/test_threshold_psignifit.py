@@ -1,6 +1,7 @@
 """Side by side with psignifit 4.3 on random data sets: 100 in the soak, a few in the reduced form."""
 
 import warnings
+from functools import cache
 
 import numpy as np
 import pytest
@@ -75,3 +76,39 @@ def test_ends_are_those_of_its_marginals_integrated_and_above_those_it_prints(pa
     assert np.abs(errors).max() < 3 * PEER_GRID
     assert np.abs(np.median(errors, axis=0)).max() < 1.5 * PEER_GRID
     assert np.mean(printed) > 0.01
+
+
+DOCUMENTED = (
+    [0.0010, 0.0015, 0.0020, 0.0025, 0.0030, 0.0035, 0.0040, 0.0045, 0.0050, 0.0060, 0.0070, 0.0080, 0.0100],
+    [45, 50, 44, 44, 52, 53, 62, 64, 76, 79, 88, 90, 90],
+    90,
+)
+"""The example of its documentation."""
+
+
+@cache
+def few_answers():
+    """Ten small sets of overdispersed answers that have a threshold."""
+    rng, found = np.random.default_rng(20), []
+    while len(found) < 10:
+        curve = PsychometricFunction("normal", rng.uniform(2.5, 4.5), rng.uniform(2.5, 5), 0.5, rng.uniform(0, 0.05))
+        p, nu = curve.probability(LEVELS[:6]), 1 / rng.choice([0.05, 0.15, 0.25]) ** 2 - 1
+        k = rng.binomial(24, rng.beta(nu * p, nu * (1 - p)))
+        if fit(LEVELS[:6], k, 24, shape="normal", guess_rate=0.5).status == Status.OK:
+            found.append((LEVELS[:6], k, 24))
+    return found
+
+
+@pytest.mark.parametrize("number", range(11))
+def test_overdispersed_estimates_agree_with_it(number) -> None:
+    levels, k, n = [DOCUMENTED, *few_answers()][number]
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        data = np.column_stack([levels, k, np.full(len(k), n)])
+        peer = pytest.importorskip("psignifit").psignifit(data, sigmoid="norm", experiment_type="2AFC")
+    found = fit(levels, k, n, shape="normal", guess_rate=0.5, overdispersion=True)
+    errors = [
+        found.threshold_mode - peer.parameter_estimate_MAP["threshold"],
+        found.threshold_mean - peer.parameter_estimate_mean["threshold"],
+    ]
+    assert np.abs(errors).max() < 0.01 * (found.interval_high - found.interval_low)

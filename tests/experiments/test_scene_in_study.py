@@ -268,8 +268,9 @@ def test_a_check_tells_what_is_felt(study):
     from tactometry.experiments.bench.preflight import _study
 
     findings, _ = _study(str(study), allow_code=False)
-    assert [finding.part for finding in findings] == ["study", "scene"]
-    assert "felt of amplitude_modulated" in findings[1].found
+    assert [finding.part for finding in findings] == ["study", "study", "scene"]
+    assert findings[1].what == "not felt"
+    assert "felt of amplitude_modulated" in findings[2].found
 
 
 def test_the_table_of_the_page_is_felt():

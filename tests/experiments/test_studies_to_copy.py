@@ -58,4 +58,6 @@ def test_its_analysis_answers_what_the_study_asks(copied, capsys):
     code, said, out = call(capsys, "analyse", root / "data", "--report", root / "report.html")
     assert code == 0, said
     assert SAYS[name] in out
-    assert (root / "report.html").stat().st_size > 10_000
+    report = (root / "report.html").read_text("utf-8")
+    assert len(report) > 10_000
+    assert ("For comparisons this model has no lapse rate" in report) == (name == "texture-discrimination")

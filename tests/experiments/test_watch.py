@@ -1,5 +1,7 @@
 """What an experimenter is told of a session that runs."""
 
+import os
+import time
 from dataclasses import replace
 
 import pytest
@@ -10,12 +12,13 @@ from tutorial_session import live
 
 from tactometry.experiments.sessions.recording import Who
 from tactometry.experiments.watch import view
-from tactometry.experiments.watch.curve import answers_of, band_of, curve_plot
+from tactometry.experiments.watch.curve import answers_of, curve_plot
 from tactometry.experiments.watch.drawn import Drawn
 from tactometry.experiments.watch.page import sections
 from tactometry.experiments.watch.sight import Sight
 from tactometry.experiments.watch.watcher import LOOK_AROUND_S, TRY_AGAIN_S, Watcher
 from tactometry.records.journal import read
+from tactometry.records.open_journal import held
 from tactometry.session.answer import Marked
 from tactometry.session.progress import PartAhead, Progress
 from tactometry.trials.trial import REASONS, Trial
@@ -27,7 +30,7 @@ RECORDED = sorted(path.parent for path in (ROOT / "tests" / "recorded").glob("*/
 def test_the_page_of_every_recorded_data_set_is_drawn(root):
     sight = Watcher(root).look()
     answers = answers_of(sight.progress)
-    drawn = Drawn() if answers is None else Drawn(curve_plot(answers, band_of(answers)))
+    drawn = Drawn() if answers is None else Drawn(curve_plot(answers))
     assert sight.name
     assert sight.parts
     assert all(sections(sight, drawn)[name] for name in ("title", "where", "levels", "conditions"))
@@ -78,6 +81,28 @@ def test_a_damaged_journal_is_told_with_its_line_and_what_was_seen_stays(journal
     clock.now_s = TRY_AGAIN_S
     assert watcher.look().state == "over"
     assert not view.alerts(watcher.look())
+
+
+def test_session_whose_process_is_gone_ended_without_closing(journal):
+    journal.holds(20)
+    clock, past_s = Clock(), time.time() - 60
+    os.utime(journal.path, (past_s, past_s))
+    watcher = Watcher(journal.root, clock=clock)
+    with held([journal.path]):
+        assert watcher.look().state == "running"
+    clock.now_s = LOOK_AROUND_S
+    assert watcher.look().state == "ended without closing"
+    assert "run goes on with --resume" in view.alerts(watcher.look())[0]
+    journal.holds(21)
+    assert watcher.look().state == "running"
+
+
+@pytest.mark.parametrize("n_lines", [None, 20])
+def test_journal_that_ended_or_is_new_is_not_abandoned(journal, n_lines):
+    journal.holds(n_lines)
+    if n_lines is None:
+        os.utime(journal.path, (0, 0))
+    assert Watcher(journal.root).look().state == ("over" if n_lines is None else "running")
 
 
 def test_a_journal_that_is_cut_shows_what_is_left(journal):

@@ -69,6 +69,16 @@ def test_where_no_block_came_to_its_end_the_advice_is_another(tmp_path, capsys):
     assert (said["ended"], said["not_valid"]) == ({"aborted": 2}, 2)
 
 
+@pytest.mark.parametrize(("waver", "asked"), [(0.9, {"sus"}), (0.0, {"sus", "pleasantness-vas"})])
+def test_block_without_valid_touch_has_no_questionnaire(tmp_path, capsys, waver, asked):
+    """The questionnaire at the end of the session is asked all the same."""
+    run(capsys, tmp_path, **{"waver_cv = 0.12": f"waver_cv = {waver}"})
+    rows = trial_rows(tmp_path / "d")
+    assert {row["valid"] for row in rows if row["task"] == "yes_no"} == {str(int(waver == 0.0))}
+    assert {row["procedure"] for row in rows if row["task"] == "rating"} == asked
+    assert validate(tmp_path / "d").defects == ()
+
+
 def test_the_summary_counts_trials_however_often_each_was_presented(tmp_path, capsys):
     patient = {"n_attempts = 2": "n_attempts = 9", **SHAKY}
     _, _, out = run(capsys, tmp_path, **patient)

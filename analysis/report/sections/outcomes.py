@@ -129,6 +129,7 @@ def _values_of_outcome(outcome: Outcome, unit: str) -> dict[str, object]:
         "primary": _values_of_primary(outcome),
         "checks": [outcome.title(name) for name in outcome.analyses() if name is not outcome.primary],
         "anova": outcome.anova,
+        "left_out": list(outcome.left_out),
         "status": None if outcome.status is None else outcome.status.value,
         "sentences": primary_sentences(outcome),
         "statistics": outcome_sentences(outcome, unit),

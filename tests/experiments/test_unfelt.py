@@ -1,0 +1,90 @@
+"""Studies whose stimuli nobody is predicted to feel."""
+
+import json
+
+import pytest
+from command_line import call, output
+
+AT_60_HZ = ["frequency_hz 60, force_n 0.5", "frequency_hz 60, force_n 1"]
+AT_240_HZ = ["frequency_hz 240, force_n 0.5", "frequency_hz 240, force_n 1"]
+WEAK = """name = "weak"
+title = "Weak"
+description = "Levels below threshold at 60 Hz."
+
+[factors]
+frequency_hz = [60, 240]
+force_n = [0.5, 1.0]
+
+[stimulus]
+kind = "amplitude_modulated"
+duration_s = "500 ms"
+
+[touch]
+kind = "slide"
+speed_m_per_s = "50 mm/s"
+tolerance = 0.2
+hold_s = "300 ms"
+timeout_s = "20 s"
+
+[task]
+kind = "forced_choice"
+n_intervals = 2
+
+[procedure]
+kind = "constant_stimuli"
+levels = {levels}
+repeats = 10
+
+[limits]
+voltage_peak_v = 100.0
+"""
+
+
+@pytest.fixture
+def weak(tmp_path):
+    """Write the study with these levels."""
+
+    def written(levels):
+        path = tmp_path / "weak.toml"
+        path.write_text(WEAK.format(levels=levels))
+        return path
+
+    return written
+
+
+@pytest.mark.parametrize(
+    ("levels", "conditions"),
+    [
+        ([24, 28, 32, 36], AT_60_HZ),
+        ([28, 32, 36, 40], []),
+        ([4, 13], [*AT_60_HZ, *AT_240_HZ]),
+    ],
+)
+def test_dry_run_warns_of_each_condition_below_threshold(weak, capsys, levels, conditions):
+    said = output(capsys, "run", weak(levels), "--participant", "P01", "--dry-run").splitlines()
+    warned = [line.partition(" threshold at ")[2] for line in said if line.startswith("WARNING: ")]
+    assert warned == conditions
+
+
+def test_simulate_warns_of_condition_below_threshold(weak, tmp_path, capsys):
+    arguments = ("simulate", weak([24, 36]), "--participants", "1", "--seed", "1", "--out", tmp_path / "data", "--json")
+    found = json.loads(output(capsys, *arguments))["unfelt"]
+    assert [row["condition"] for row in found] == AT_60_HZ
+    assert found[0]["sensation_db"] == pytest.approx(-7.9, abs=0.1)
+
+
+def test_check_warns_of_condition_below_threshold(weak, tmp_path, capsys):
+    code, _, out = call(capsys, "check", weak([24, 36]), "--out", tmp_path, "--json")
+    lines = [row["found"] for row in json.loads(out)["findings"] if row["what"] == "not felt"]
+    assert code != 0
+    assert [line.partition(" threshold at ")[2] for line in lines] == AT_60_HZ
+
+
+@pytest.mark.parametrize("levels", [[4, 7, 10, 13], [24, 28, 32, 36]])
+def test_analyse_prints_no_internal_message(weak, tmp_path, capsys, levels):
+    output(capsys, "simulate", weak(levels), "--participants", "6", "--seed", "1", "--out", tmp_path / "data")
+    outcome = json.loads(output(capsys, "analyse", tmp_path / "data", "--json"))
+    notes = [note for found in outcome["outcomes"] for note in found["notes"]]
+    sentences = [line for check in outcome["hierarchical"] for line in check["sentences"]]
+    assert "no mixed model: the known values do not determine its estimates" in notes
+    assert not [line for line in (*notes, *sentences) if "found " in line or "expected " in line]
