@@ -64,7 +64,7 @@ def simulate(
         told = felt_and_lost(experiment)
         lines, record = told.lines, told.record
     else:
-        nobody = list(unfelt(experiment))
+        nobody = list(unfelt(experiment, simulated=True))
         lines, record = [one.line for one in nobody], {"unfelt": [asdict(one) for one in nobody]} if nobody else {}
     say("\n".join([text, *lines]), {**result, "aborted": n_aborted, "practice_missed": n_missed, **record})
 
