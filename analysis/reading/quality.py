@@ -12,6 +12,7 @@ from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.trials.tasks import FORM_TASK
 from tactometry.trials.trial import Tally
 
+from .practice import missed_practice
 from .rows import holds, is_catch, no_column
 from .trials import Trials
 
@@ -69,7 +70,9 @@ def quality(trials: Trials) -> pd.DataFrame:
     }
     table = pd.DataFrame(flags, index=rows.index).groupby(rows["participant"], sort=True).sum()
     rate = table["n_false_alarms"] / table["n_catch"].where(table["n_catch"] > 0)  # without catch trials NaN, not inf
-    return table.assign(false_alarm_rate=rate).reset_index()
+    missed = missed_practice(trials)
+    told = {"practice_missed": missed.reindex(table.index).fillna(False).astype(int)} if len(missed) else {}
+    return table.assign(false_alarm_rate=rate, **told).reset_index()
 
 
 def tally_of(trials: Trials) -> Tally:
@@ -115,6 +118,8 @@ class Exclusion:
         A participant with a larger rate of "yes" in catch trials.
     invalid_share_max : float, optional
         A participant with a larger part of invalid trials.
+    practice : bool
+        A participant who did not meet the criterion of the practice.
 
     Raises
     ------
@@ -128,6 +133,7 @@ class Exclusion:
     latency_max_s: float | None = None
     false_alarm_share_max: float | None = None
     invalid_share_max: float | None = None
+    practice: bool = False
 
     def __post_init__(self) -> None:
         shares = ("force_in_band_share_min", "false_alarm_share_max", "invalid_share_max")
@@ -144,7 +150,7 @@ class Exclusion:
         {'force_in_band_share_min': 0.8}
         """
         values = {rule.name: getattr(self, rule.name) for rule in fields(self)}
-        return {name: value for name, value in values.items() if value is not None}
+        return {name: value for name, value in values.items() if value is not None and value is not False}
 
 
 def exclude(trials: Trials, rules: Exclusion, quality: pd.DataFrame) -> tuple[Trials, pd.DataFrame]:
@@ -181,6 +187,9 @@ def _against_rule(rows: pd.DataFrame, name: str, bound: float, quality: pd.DataF
     if name == "latency_max_s":
         return _column(rows, "latency_s", name) > bound
     of = quality.set_index("participant")
+    if name == "practice":
+        missed = of["practice_missed"] if "practice_missed" in of.columns else pd.Series(0, of.index)
+        return rows["participant"].map(missed == 1).astype(bool)
     share = of["false_alarm_rate"] if name == "false_alarm_share_max" else of["n_invalid"] / of["n_rows"]
     return rows["participant"].map(share > bound).astype(bool)
 

@@ -138,6 +138,9 @@ def _quality_warnings(quality: pd.DataFrame) -> Iterator[str]:
     invalid = quality[quality["n_invalid"] > MANY_INVALID * quality["n_rows"]]
     if len(invalid):
         yield f"more than {percent_text(MANY_INVALID)} invalid trials: {', '.join(invalid['participant'])}"
+    if "practice_missed" in quality.columns and quality["practice_missed"].any():
+        missed = quality[quality["practice_missed"] == 1]
+        yield f"practice ended without meeting its criterion: {', '.join(missed['participant'])}"
 
 
 def _frame_warnings(quality: pd.DataFrame) -> Iterator[str]:

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from tactometry.errors import InvalidParameter
 from tactometry.protocols.block_state import Track
+from tactometry.protocols.procedures.practice import PracticeRun
 from tactometry.provenance import sha256, versions
 from tactometry.records.data_set import LARGEST_NUMBER, Session
 from tactometry.records.description import StudyDescription
@@ -66,6 +67,12 @@ class Recorded:
     @property
     def n_trials(self) -> int:
         return self.tally.n_trials
+
+    @property
+    def practice_missed(self) -> bool:
+        """Whether the practice ended without meeting its criterion."""
+        of_practice = [track for track in self.tracks if isinstance(track.procedure, PracticeRun)]
+        return any(track.ending == "trials" for track in of_practice)
 
     @property
     def endings(self) -> dict[str, int]:

@@ -2,8 +2,10 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 from math import inf
 
+from tactometry.observers.people import Feeling, Stated
 from tactometry.trials.cells import cell as cell_text
 
 from .experiment import Experiment
@@ -38,13 +40,18 @@ class Unfelt:
         return f"WARNING: even the strongest level ({self.level}) is {below}{where}"
 
 
-def unfelt(experiment: Experiment) -> Iterator[Unfelt]:
-    """Yield the conditions of a study whose strongest level is below the predicted threshold."""
+def unfelt(experiment: Experiment, *, simulated: bool = False) -> Iterator[Unfelt]:
+    """Yield the conditions of a study whose strongest level is below the predicted threshold.
+
+    The physics predicts it; of `simulated` participants the thresholds that their observer states.
+    """
+    middle = experiment.people.middle
     for cell in experiment.cells.values():
         if isinstance(cell.sensation, Unseen):  # its code may not run
             continue
-        level = cell.procedure.rule.bounds[1]
-        felt = felt_db(cell, level, contact_of(cell))
+        level, factors = cell.procedure.rule.bounds[1], cell.condition.factors
+        feeling = middle.stated(factors) if simulated and isinstance(middle, Stated) else Feeling()
+        felt = feeling.felt_db(level, partial(felt_db, cell, level, contact_of(cell)))
         if felt < -TOLERATED_DB:
-            name = ", ".join(f"{factor} {cell_text(value)}" for factor, value in cell.condition.factors.items())
+            name = ", ".join(f"{factor} {cell_text(value)}" for factor, value in factors.items())
             yield Unfelt(name, f"{level:g} {cell.stimulus.level_unit}", None if felt == -inf else felt)

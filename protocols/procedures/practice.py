@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from tactometry.arguments.require import expect, numbers, some, whole
+from tactometry.trials.tasks import PRACTICE_CRITERION
 
 from .procedure import RuleThreshold
 from .stepping import SteppingRule, SteppingRun
@@ -68,8 +69,8 @@ class Practice(SteppingRule["PracticeRun"]):
     """
 
     levels: tuple[float, ...]
-    n_correct: int = 4
-    n_of: int = 5
+    n_correct: int = PRACTICE_CRITERION[0]
+    n_of: int = PRACTICE_CRITERION[1]
     n_trials: int = 20
 
     name = "practice"

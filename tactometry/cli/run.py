@@ -126,7 +126,8 @@ def _report(root: Path, recorded: Recorded) -> int:
     """Print what was recorded: status 1 if a block, or one of its tracks, did not come to its end."""
     counts = recorded.endings
     failed = bool(UNFINISHED & counts.keys())
-    text = f"{recorded.trials}: {recorded.tally}{_ending_words(counts)}; next: {_advice(counts, root)}"
+    missed = "; the practice ended without meeting its criterion" if recorded.practice_missed else ""
+    text = f"{recorded.trials}: {recorded.tally}{_ending_words(counts)}{missed}; next: {_advice(counts, root)}"
     result = {
         "data_set": str(root),
         "trials_file": str(recorded.trials),
@@ -134,6 +135,7 @@ def _report(root: Path, recorded: Recorded) -> int:
         "presentations": recorded.tally.n_presented,
         "not_valid": recorded.tally.n_invalid,
         "ended": counts,
+        "practice_missed": recorded.practice_missed,
     }
     say(text, result)
     return int(failed)

@@ -58,15 +58,17 @@ def simulate(
     n_aborted = sum(session.endings.get("aborted", 0) for session in recorded)
     result = {"data_set": str(out), "participants": n_participants, "trials": n_trials, "seed": seed}
     aborted = f", {count_of(n_aborted, 'procedure')} aborted" if n_aborted else ""
-    text = f"{out}: {count_of(n_participants, 'simulated participant')}, {count_of(n_trials, 'trial')}{aborted}"
+    n_missed = sum(session.practice_missed for session in recorded)
+    missed = f", {count_of(n_missed, 'practice')} without its criterion" if n_missed else ""
+    text = f"{out}: {count_of(n_participants, 'simulated participant')}, {count_of(n_trials, 'trial')}{aborted}{missed}"
     experiment = wire(parse(content, study), study, code_from)
     if explain:
         told = felt_and_lost(experiment)
         lines, record = told.lines, told.record
     else:
-        nobody = list(unfelt(experiment))
+        nobody = list(unfelt(experiment, simulated=True))
         lines, record = [one.line for one in nobody], {"unfelt": [asdict(one) for one in nobody]} if nobody else {}
-    say("\n".join([text, *lines]), {**result, "aborted": n_aborted, **record})
+    say("\n".join([text, *lines]), {**result, "aborted": n_aborted, "practice_missed": n_missed, **record})
 
 
 @subcommand("demo --out demo --seed 1")

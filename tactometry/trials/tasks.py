@@ -72,6 +72,8 @@ TASKS: Final[Mapping[str, TaskRows]] = {
     "preference": TaskRows(FIRST_OR_SECOND, ("item", "item_b")),
     "measurement": TaskRows(ANYTHING, ("level_measured",), is_read=False),
 }
+PRACTICE_CRITERION: Final = (4, 5)
+"""Practice ends when so many of the last so many answers were right, unless a study states other numbers."""
 FORM_TASK: Final = "rating"
 """The task of the rows that hold answers to a questionnaire, about a stimulus or on its own."""
 

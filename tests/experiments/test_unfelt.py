@@ -73,6 +73,14 @@ def test_simulate_warns_of_condition_below_threshold(weak, tmp_path, capsys):
     assert found[0]["sensation_db"] == pytest.approx(-7.9, abs=0.1)
 
 
+def test_simulate_predicts_by_stated_threshold(weak, tmp_path, capsys):
+    path = weak([4, 13])
+    observer = "\n[observer]\nkind = 'psychometric'\nthreshold = 10.0\nwidth = 8.0\n"
+    path.write_text(path.read_text() + observer + "conditions = [{ frequency_hz = 240, threshold = 20.0 }]\n")
+    arguments = ("simulate", path, "--participants", "1", "--seed", "1", "--out", tmp_path / "data", "--json")
+    assert [row["condition"] for row in json.loads(output(capsys, *arguments))["unfelt"]] == AT_240_HZ
+
+
 def test_check_warns_of_condition_below_threshold(weak, tmp_path, capsys):
     code, _, out = call(capsys, "check", weak([24, 36]), "--out", tmp_path, "--json")
     lines = [row["found"] for row in json.loads(out)["findings"] if row["what"] == "not felt"]

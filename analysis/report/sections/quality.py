@@ -8,6 +8,7 @@ from ..section import Blocks, Heading, Lead, ResultKind, Section, TextGrid, grid
 COLUMNS = {
     "n_rows": "rows", "n_practice": "practice", "n_invalid": "invalid", "n_repeated": "asked again",
     "n_unanswered": "unanswered", "n_catch": "catch trials", "n_false_alarms": "false alarms",
+    "practice_missed": "practice missed",
     "false_alarm_rate": "rate of false alarms", "n_frames": "frames", "n_dropped_frames": "dropped frames",
     "n_tested": "functions", "n_flagged": "with p ≤ .01", "n_by_chance": "by chance", "meaning": "what a small p says",
 }  # fmt: skip
