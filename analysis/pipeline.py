@@ -100,10 +100,13 @@ def analyse(
         return analysis
     if touches is not None and len(courses := touches()):
         analysis = replace(analysis, tables={**analysis.tables, "touches": courses})
-    sections = sections_of(analysis)
+    sections, svgs = sections_of(analysis), None
     if figures is not None:
-        analysis = write_figures(analysis, figures, sections)
-    return analysis if report is None else write_report(analysis, report, pdf=pdf, sections=sections)
+        svgs = write_figures(analysis, figures, sections)
+        analysis = replace(analysis, figures_folder=figures)
+    if report is None:
+        return analysis
+    return write_report(analysis, report, pdf=pdf, sections=sections, svgs=svgs)
 
 
 def _group_notes(trials: Trials, within: Sequence[str]) -> list[str]:

@@ -30,10 +30,16 @@ PDF_TIMEOUT_S = 120.0
 
 
 def write_report(
-    analysis: Analysis, path: str | Path, *, pdf: bool = False, sections: Sequence[Section] | None = None
+    analysis: Analysis,
+    path: str | Path,
+    *,
+    pdf: bool = False,
+    sections: Sequence[Section] | None = None,
+    svgs: Mapping[str, str] | None = None,
 ) -> Analysis:
-    """Write the report to `path`, its tables to the folder ``<stem>_tables``, and a PDF if asked for; its `sections`
-    are drawn unless they are given.
+    """Write the report to `path`, its tables to the folder ``<stem>_tables``, and a PDF if asked for.
+
+    Its `sections`, and the `svgs` of their figures by name, are made unless they are given.
 
     Raises
     ------
@@ -47,7 +53,7 @@ def write_report(
     folder = path.with_name(f"{path.stem}_tables")
     with attempt(path, "cannot be written, or its tables", "a place to write to"):
         folder.mkdir(parents=True, exist_ok=True)
-        page = render(analysis, sections)
+        page = render(analysis, sections, svgs)
         write_tables(analysis.tables, folder)
         path.write_text(page, encoding="utf-8")
     if pdf:
@@ -66,9 +72,10 @@ def check_report(path: Path) -> None:
     expect(path.suffix.lower() in (".html", ".htm"), "--report", repr(path.name), "a file name that ends in .html")
 
 
-def write_figures(analysis: Analysis, folder: Path, sections: Sequence[Section] | None = None) -> Analysis:
-    """Write every figure as SVG and PNG (300 dots per inch) and, beside them, the table that holds its numbers; those
-    of the `sections`, which are drawn unless they are given.
+def write_figures(analysis: Analysis, folder: Path, sections: Sequence[Section] | None = None) -> dict[str, str]:
+    """Write every figure as SVG and PNG (300 dots per inch) and, beside them, the table that holds its numbers.
+
+    Returns the SVG text of each figure by name. The `sections` are made unless they are given.
 
     Raises
     ------
@@ -77,12 +84,14 @@ def write_figures(analysis: Analysis, folder: Path, sections: Sequence[Section] 
     """
     with attempt(folder, "cannot be written", "a place to write to"):
         folder.mkdir(parents=True, exist_ok=True)
+        svgs = {}
         for figure in figures_of(analysis, sections):
-            stem = file_text(figure.name)
-            (folder / f"{stem}.svg").write_text(figure.drawing.svg, encoding="utf-8")
-            (folder / f"{stem}.png").write_bytes(figure.drawing.png())
+            stem, drawing = file_text(figure.name), figure.draw()
+            (folder / f"{stem}.svg").write_text(drawing.svg, encoding="utf-8")
+            (folder / f"{stem}.png").write_bytes(drawing.png())
             write_tables({figure.name: figure.rows(analysis.tables[figure.table])}, folder)
-    return replace(analysis, figures_folder=folder)
+            svgs[figure.name] = drawing.svg
+    return svgs
 
 
 def write_tables(tables: Mapping[str, pd.DataFrame], folder: Path) -> None:
@@ -107,7 +116,7 @@ def csv_bytes(table: pd.DataFrame) -> bytes:
     return spreadsheet_text(([str(name) for name in table.columns], *cells.itertuples(index=False, name=None)))
 
 
-def render(analysis: Analysis, sections: Sequence[Section] | None = None) -> str:
+def render(analysis: Analysis, sections: Sequence[Section] | None = None, svgs: Mapping[str, str] | None = None) -> str:
     """The whole page; the same data give the same text."""
     from jinja2 import Environment, StrictUndefined
 
@@ -116,13 +125,14 @@ def render(analysis: Analysis, sections: Sequence[Section] | None = None) -> str
     environment.filters |= {"words": lambda text: in_words(text, factors), "nonbreaking": nonbreaking}
     template = environment.from_string((files(__package__) / "page.html").read_text("utf-8"))
     sections = sections_of(analysis) if sections is None else sections
-    figures = figures_of(analysis, sections)
+    if svgs is None:
+        svgs = {figure.name: figure.draw().svg for figure in figures_of(analysis, sections)}
     # The first line of the page says already that participants were simulated.
     warnings = [text for text in analysis.warnings if f"{text}." != analysis.origin.line]
     return template.render(
         analysis=analysis,
         title=title_of(analysis),
-        svgs={figure.name: _with_unique_names(figure, n) for n, figure in enumerate(figures)},
+        svgs={name: _with_unique_names(svg, n) for n, (name, svg) in enumerate(svgs.items())},
         data=data_line(analysis),
         warnings=warnings + _notes(analysis),
         sections=sections,
@@ -131,14 +141,14 @@ def render(analysis: Analysis, sections: Sequence[Section] | None = None) -> str
 
 
 def sections_of(analysis: Analysis) -> list[Section]:
-    """All sections between warnings and methods, with their figures drawn."""
+    """All sections between warnings and methods."""
     return [section for kind in KINDS for section in kind.sections(analysis)]
 
 
 def figures_of(analysis: Analysis, sections: Sequence[Section] | None = None) -> list[Figure]:
     """Every figure of the report, in order."""
-    drawn = sections_of(analysis) if sections is None else sections
-    return [figure for section in drawn for figure in section.figures()]
+    made = sections_of(analysis) if sections is None else sections
+    return [figure for section in made for figure in section.figures()]
 
 
 def data_line(analysis: Analysis) -> str:
@@ -178,9 +188,9 @@ def _notes(analysis: Analysis) -> list[str]:
     return list(dict.fromkeys([*notes, *(note for form in analysis.forms for note in form.notes)]))
 
 
-def _with_unique_names(figure: Figure, n: int) -> str:
+def _with_unique_names(svg: str, n: int) -> str:
     """Element names are made unique in the page: a reference must not reach into another figure."""
-    return re.sub(r'(\bid="|href="#|url\(#)', rf"\1f{n}-", figure.drawing.svg)
+    return re.sub(r'(\bid="|href="#|url\(#)', rf"\1f{n}-", svg)
 
 
 def title_of(analysis: Analysis) -> str:

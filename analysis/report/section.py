@@ -79,13 +79,19 @@ class Folded:
     n_open: int
 
 
+Draw = Callable[[], Drawing]
+
+
 @dataclass(frozen=True)
 class Figure:
-    """A drawing with its file name, caption, and the table of numbers: of them those rows that `of` holds."""
+    """A figure with its file name, caption, and the table of numbers: of them those rows that `of` holds.
+
+    It is drawn when it is written, because all figures of a report would take 30 MiB for each participant.
+    """
 
     kind: ClassVar = "figure"
     name: str
-    drawing: Drawing
+    draw: Draw
     caption: str
     table: str
     of: tuple[str, str] | None = None

@@ -87,7 +87,7 @@ def test_two_participants_have_the_intervals_that_are_promised(two) -> None:
 def test_the_axis_of_force_holds_0_the_target_and_all_values(two, one) -> None:
     for found in (one, two):
         (figure,) = (figure for figure in figures_of(found) if figure.name == "force")
-        (axes,) = figure.drawing.figure.axes
+        (axes,) = figure.draw().figure.axes
         low, high = axes.get_ylim()
         values = np.concatenate([np.asarray(line.get_ydata(), float) for line in axes.lines])
         assert low == 0.0
@@ -227,7 +227,7 @@ def test_no_two_of_fourteen_series_look_alike() -> None:
 def test_scores_of_a_load_are_not_called_good() -> None:
     found = analysis_of(RECORDED / "hybrid-button")
     labels = {
-        figure.name: figure.drawing.figure.axes[0].get_ylabel()
+        figure.name: figure.draw().figure.axes[0].get_ylabel()
         for figure in figures_of(found)
         if figure.name.endswith("_scores")
     }

@@ -37,7 +37,7 @@ def drawn_once(rated) -> list:
 
 @pytest.mark.slow
 def test_a_figure_has_the_same_bytes_again(rated, drawn_once) -> None:
-    one, other = (figures[1].drawing for figures in (drawn_once, figures_of(rated)))
+    one, other = (figures[1].draw() for figures in (drawn_once, figures_of(rated)))
     assert (one.svg, one.png()) == (other.svg, other.png())
 
 

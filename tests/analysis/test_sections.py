@@ -3,7 +3,7 @@
 import pandas as pd
 import pytest
 
-from tactometry.analysis.figures.style import drawing_of, new_figure
+from tactometry.analysis.figures.style import Drawing, drawing_of, new_figure
 from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report import page, summary as json, terminal
@@ -29,9 +29,13 @@ def found(whole) -> Analysis:
     return analyse_trials(read_trials(whole))
 
 
-def figure() -> Figure:
+def drawn() -> Drawing:
     with new_figure(2, 1) as bare:
-        return Figure("reactions", drawing_of(bare), "Reactions.", "reactions")
+        return drawing_of(bare)
+
+
+def figure() -> Figure:
+    return Figure("reactions", drawn, "Reactions.", "reactions")
 
 
 @pytest.fixture

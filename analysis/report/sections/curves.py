@@ -2,6 +2,7 @@
 estimates."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import pandas as pd
 
@@ -35,10 +36,14 @@ def _rate_figures(analysis: Analysis, task: str) -> Iterator[Figure]:
     is_one = counts["participant"].nunique() == 1
     classes = f"; levels in {MAX_LEVELS} classes, each at its mean" if counts["level"].nunique() > MAX_LEVELS else ""
     text = f"{kind} against level, {'one participant' if is_one else 'all participants together'}{classes}."
-    yield Figure(f"rates_{task}", psychophysics.rate_figure(rates, factors, unit=analysis.unit), text, "rates", of)
+    yield Figure(
+        f"rates_{task}", partial(psychophysics.rate_figure, rates, factors, unit=analysis.unit), text, "rates", of
+    )
     if factors and not _is_tracked(analysis, task):
         text = f"{kind} over all levels, {'one participant' if is_one else 'mean over participants'}."
-        yield Figure(f"mean_rates_{task}", psychophysics.mean_rate_figure(means, factors), text, "mean_rates", of)
+        yield Figure(
+            f"mean_rates_{task}", partial(psychophysics.mean_rate_figure, means, factors), text, "mean_rates", of
+        )
 
 
 def _is_tracked(analysis: Analysis, task: str) -> bool:
@@ -61,12 +66,12 @@ def _figures(analysis: Analysis) -> Iterator[tuple[str, Figure]]:
     shown = [estimate for estimate in analysis.estimates if estimate.cell.levels]
     for code in sorted({estimate.cell.participant for estimate in shown}):
         estimates = [estimate for estimate in shown if estimate.cell.participant == code]
-        drawing = curve_figure(estimates, analysis.factors, unit=analysis.unit)
+        draw = partial(curve_figure, estimates, analysis.factors, unit=analysis.unit)
         text = (
             f"{code}: rate at each level (dot size: trials) with Wilson's 95 % interval, fitted curve, and below it "
             "the threshold with its 95 % interval."
         )
-        yield f"{code}: psychometric curves", Figure(f"{code}_curves", drawing, text, "counts", ("participant", code))
+        yield f"{code}: psychometric curves", Figure(f"{code}_curves", draw, text, "counts", ("participant", code))
         yield from _tracks(analysis, code)
 
 
@@ -75,11 +80,11 @@ def _tracks(analysis: Analysis, code: str) -> Iterator[tuple[str, Figure]]:
     rows = rows[rows["participant"] == code]
     if rows.empty:
         return
-    drawing = psychophysics.track_figure(rows, analysis.factors, unit=analysis.unit)
+    draw = partial(psychophysics.track_figure, rows, analysis.factors, unit=analysis.unit)
     kinds = ", ".join(procedure_name(name) for name in sorted(set(rows["procedure"])))
     filled = " or ".join(CURVES[task].success for task in sorted(set(rows["task"])))
     text = f"{code}: tracks ({kinds}); filled: {filled}, open: not; catch trials are left out."
-    yield f"{code}: tracks", Figure(f"{code}_tracks", drawing, text, "tracks", ("participant", code))
+    yield f"{code}: tracks", Figure(f"{code}_tracks", draw, text, "tracks", ("participant", code))
 
 
 def _estimates_shown(analysis: Analysis) -> pd.DataFrame:

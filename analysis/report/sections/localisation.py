@@ -1,6 +1,7 @@
 """Where it was felt: right answers by distance, the resolution, and what was taken for what."""
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Any
 
 import pandas as pd
@@ -31,8 +32,8 @@ def _right(analysis: Analysis) -> Iterator[Content]:
     if DISTANCE in rates.columns:
         below = "; at the bottom the resolution with its interval" if len(resolutions) else ""
         text = f"Right answers against the distance between the nearest two places, {together}; bars are Wilson's 95 % "
-        drawing = figures.distance_figure(rates, resolutions, 1 / m)
-        yield Figure("localisation", drawing, f"{text}intervals, dotted is chance{below}.", TASK)
+        draw = partial(figures.distance_figure, rates, resolutions, 1 / m)
+        yield Figure("localisation", draw, f"{text}intervals, dotted is chance{below}.", TASK)
 
 
 def _resolution(analysis: Analysis) -> Iterator[Content]:
@@ -56,7 +57,7 @@ def _confused(analysis: Analysis) -> Iterator[Content]:
     table = analysis.tables[CONFUSIONS]
     text = "Share (%) of each answer among those to each right place."
     yield Heading("Confusions")
-    yield Figure("confusions", figures.confusion_figure(table), text, CONFUSIONS)
+    yield Figure("confusions", partial(figures.confusion_figure, table), text, CONFUSIONS)
     for title, name in (("Confusions", CONFUSIONS), ("Answers by their distance from the right place", ERRORS)):
         rows = analysis.table(name)
         if len(rows):

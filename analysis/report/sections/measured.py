@@ -1,6 +1,7 @@
 """What was measured, by condition: loss of amplitude, and applied force."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import pandas as pd
 
@@ -25,8 +26,8 @@ def _loss(analysis: Analysis, table: pd.DataFrame) -> tuple[str, str, Figure]:
     over = "participants" if table["n"].max() > 1 else "readings of one participant"
     within = f", with 95 % interval over {over}" if has_interval else ""
     bars = "; bars are 95 % t-intervals" if has_interval else ""
-    drawing = loss_figure(table, analysis.factors)
-    figure = Figure("loss", drawing, f"Loss of amplitude: means over {over}{bars}.", table="loss")
+    draw = partial(loss_figure, table, analysis.factors)
+    figure = Figure("loss", draw, f"Loss of amplitude: means over {over}{bars}.", table="loss")
     return "Loss of amplitude", f"Mean loss, 1 − measured / stated amplitude{within}.", figure
 
 
@@ -41,10 +42,10 @@ def _force_figure(analysis: Analysis) -> Figure:
     stated = [] if analysis.study.force_n is None else [analysis.study.force_n]
     targets = sorted(set(individuals[TARGET].astype(float))) if TARGET in analysis.factors else stated
     values = table, individuals, analysis.factors, "force_mean_n"
-    drawing = threshold_figure(*values, "Mean applied force (N)", targets=targets, from_zero=True)
+    draw = partial(threshold_figure, *values, "Mean applied force (N)", targets=targets, from_zero=True)
     dashed = f"; dashed: {'the target' if len(targets) == 1 else 'targets'}" if targets else ""
     text = f"Mean applied force: {figure_text(table, 'faint dots are participants')}{dashed}."
-    return Figure("force", drawing, text, "force")
+    return Figure("force", draw, text, "force")
 
 
 def _terminal(analysis: Analysis) -> Iterator[TextTable]:

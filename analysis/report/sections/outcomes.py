@@ -2,6 +2,7 @@
 once, by the hierarchical model."""
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import pandas as pd
 
@@ -84,17 +85,17 @@ def _figure(outcome: Outcome, analysis: Analysis) -> Figure:
     label = with_unit(name, outcome.unit(analysis.unit))
     if is_of_fit(outcome.group):  # whose values are the means
         values = values[values[outcome.dependent].isna()]
-    drawing = psychophysics.threshold_figure(outcome.group, values, outcome.factors, outcome.dependent, label)
+    draw = partial(psychophysics.threshold_figure, outcome.group, values, outcome.factors, outcome.dependent, label)
     triangles = ", open triangles bounds" if values[[LOW, HIGH]].notna().any(axis=None) else ""
     text = f"{name}: {figure_text(outcome.group, f'faint dots are participants{triangles}')}."
     stem = analysis.stem(outcome)
-    return Figure(stem, drawing, text, f"group_{stem}")
+    return Figure(stem, draw, text, f"group_{stem}")
 
 
 def _growth_figure(analysis: Analysis) -> Figure:
-    drawing = psychophysics.growth_figure(analysis.tables[GROWTH], analysis.factors, unit=analysis.unit)
+    draw = partial(psychophysics.growth_figure, analysis.tables[GROWTH], analysis.factors, unit=analysis.unit)
     text = "Numbers given to each level: geometric means over participants after modulus equalisation."
-    return Figure(GROWTH, drawing, text, GROWTH)
+    return Figure(GROWTH, draw, text, GROWTH)
 
 
 def _effect_columns(table: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
@@ -182,11 +183,11 @@ def _check_figure(outcome: HierarchicalOutcome, analysis: Analysis) -> Figure:
     name = dependent_title(_dependent(outcome))
     means, factors = outcome.conditions.rename(columns=MEANS), [f for f in analysis.factors if f in outcome.conditions]
     label = with_unit(name, analysis.unit)
-    drawing = psychophysics.threshold_figure(means, outcome.participants, factors, "threshold", label)
+    draw = partial(psychophysics.threshold_figure, means, outcome.participants, factors, "threshold", label)
     bars = " with 95 % intervals" if outcome.conditions["interval_low"].notna().any() else ""
     text = f"{name}: the hierarchical model's means{bars}; faint dots are participants, drawn to the group."
     stem = f"hierarchical_{outcome.task}"
-    return Figure(stem, drawing, text, stem)
+    return Figure(stem, draw, text, stem)
 
 
 def _check_terminal(analysis: Analysis) -> Iterator[TextTable]:

@@ -1,16 +1,16 @@
 """Questionnaires: scores by condition, word pairs, comparisons."""
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 
 import pandas as pd
 
 from ...attrakdiff.patterns import THESIS
 from ...figures import attrakdiff
-from ...figures.style import Drawing
 from ...outcomes.ratings import REFERENCE, Ratings
 from ...result import Analysis
 from ..captions import figure_text, means_of, means_sentence, means_text
-from ..section import Blocks, Figure, Folded, Lead, ResultKind, Section, TextGrid, TextTable
+from ..section import Blocks, Draw, Figure, Folded, Lead, ResultKind, Section, TextGrid, TextTable
 from ..sentences import form_sentences
 
 MOST_LINES = 7
@@ -35,29 +35,29 @@ def _figures(form: Ratings) -> Iterator[Figure]:
     order = list(form.form.dimensions)
     low, high = form.form.score_low, form.form.score_high
 
-    scores = attrakdiff.scores_figure(form.summary, names[:MOST_LINES], order, low, high)
+    scores = partial(attrakdiff.scores_figure, form.summary, names[:MOST_LINES], order, low, high)
     yield _figure(form, "scores", scores, f"Scores: {figure_text(form.summary)}.", "summary")
     if form.portfolio is not None:
         bars = " with 95 % confidence rectangles" if form.portfolio["PQ_low"].notna().any() else ""
         text = f"Portfolio: {means_of(form.summary)}{bars}."
-        yield _figure(form, "portfolio", attrakdiff.portfolio_figure(form.portfolio), text, "portfolio")
+        yield _figure(form, "portfolio", partial(attrakdiff.portfolio_figure, form.portfolio), text, "portfolio")
     if form.crossed is not None:
-        drawing = attrakdiff.crossed_figure(form.summary, THESIS, order, REFERENCE, (low, high))
+        draw = partial(attrakdiff.crossed_figure, form.summary, THESIS, order, REFERENCE, (low, high))
         shaded = " with its t-interval between participants" if form.summary["mean_low"].notna().any() else ""
         text = f"Frequency by envelope: {figure_text(form.summary)}; dashed{shaded}: {REFERENCE}."
-        yield _figure(form, "frequency_by_envelope", drawing, text, "summary")
+        yield _figure(form, "frequency_by_envelope", draw, text, "summary")
     for name, conditions in _profiles(form, names):
-        drawing = attrakdiff.profile_figure(form.profile, conditions, low, high)
+        draw = partial(attrakdiff.profile_figure, form.profile, conditions, low, high)
         of = f" of {', '.join(conditions)}" if len(names) > 1 else ""
-        yield _figure(form, name, drawing, f"{_items(form)}: {means_of(form.summary)}{of}.", "word_pairs")
+        yield _figure(form, name, draw, f"{_items(form)}: {means_of(form.summary)}{of}.", "word_pairs")
     if form.grouped is not None:
         yield from _grouped_figures(form, form.grouped)
 
 
 def _figure(
-    form: Ratings, name: str, drawing: Drawing, caption: str, table: str, of: tuple[str, str] | None = None
+    form: Ratings, name: str, draw: Draw, caption: str, table: str, of: tuple[str, str] | None = None
 ) -> Figure:
-    return Figure(f"{form.stem}_{name}", drawing, caption, f"{form.stem}_{table}", of)
+    return Figure(f"{form.stem}_{name}", draw, caption, f"{form.stem}_{table}", of)
 
 
 def _items(form: Ratings) -> str:
@@ -78,9 +78,9 @@ def _grouped_figures(form: Ratings, grouped: pd.DataFrame) -> Iterator[Figure]:
     """The thesis's comparisons of frequencies and of envelopes, each with the single focus."""
     for of, profile in grouped.groupby("of", sort=False):
         names = list(dict.fromkeys(profile["condition"]))
-        drawing = attrakdiff.profile_figure(profile, names, form.form.score_low, form.form.score_high)
+        draw = partial(attrakdiff.profile_figure, profile, names, form.form.score_low, form.form.score_high)
         text = f"Word pairs by {of}: {means_of(form.summary)}, over patterns; {REFERENCE} beside them."
-        yield _figure(form, f"word_pairs_by_{of}", drawing, text, "word_pairs_grouped", ("of", str(of)))
+        yield _figure(form, f"word_pairs_by_{of}", draw, text, "word_pairs_grouped", ("of", str(of)))
 
 
 def _terminal(analysis: Analysis) -> Iterator[TextTable]:

@@ -1,6 +1,7 @@
 """Tables of tasks without a curve: a section of its own, or below those of the dependent values that are its means."""
 
 from collections.abc import Iterator
+from functools import partial
 
 import pandas as pd
 
@@ -45,7 +46,7 @@ def _figures(analysis: Analysis, task: str) -> Iterator[Figure]:
         "each answer as independent, dotted is chance."
     )
     items = list(dict.fromkeys(shares["item"]))
-    yield Figure(preference.SHARES, share_figure(shares, items), text, preference.SHARES)
+    yield Figure(preference.SHARES, partial(share_figure, shares, items), text, preference.SHARES)
 
 
 def _terminal(analysis: Analysis) -> Iterator[TextTable]:

@@ -1,6 +1,7 @@
 """How force and speed went around the onset, where a bench kept them."""
 
 from collections.abc import Iterator
+from functools import partial
 from typing import Final
 
 import pandas as pd
@@ -35,7 +36,7 @@ def _figure(table: pd.DataFrame, quantity: str) -> Figure:
     words = f"{WORDS[quantity]} around the onset of the stimulus, in valid touches ({n_touches})"
     band = "; dotted: the band to keep" if rows["band_low"].notna().any() else ""
     text = f"{words}: median over the touches of each participant, shaded: 5th to 95th percentile{band}."
-    return Figure(f"{NAME}_{quantity}", courses_figure(table, quantity), text, NAME, of=("quantity", quantity))
+    return Figure(f"{NAME}_{quantity}", partial(courses_figure, table, quantity), text, NAME, of=("quantity", quantity))
 
 
 KIND = ResultKind(_sections)
