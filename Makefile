@@ -14,6 +14,7 @@ PYTEST := $(BIN)/python -m pytest --numprocesses auto --maxprocesses 4 --dist lo
 export PYTHONDONTWRITEBYTECODE :=
 INSTALL := $(PIP) install --quiet
 # Nothing that is built needs more than setuptools, which is of the core; an isolated build would download what has no hash.
+# The files are complete; pip does not accept the hash of coverage for coverage[toml], which it would look up itself.
 HASHED := $(INSTALL) --require-hashes --no-deps --no-build-isolation --requirement
 # pip checks no hash of a folder.
 EDITABLE := $(INSTALL) --no-deps --no-build-isolation --editable .
