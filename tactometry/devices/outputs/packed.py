@@ -262,8 +262,7 @@ class PackedOutput(AmplifiedDriver):
         self._sending: Sending | None = None
         self._stream_of = functools.lru_cache(maxsize=1)(encode)
         """The stream of a signal; the last one is kept, so that `play` begins at once."""
-        self._n_bytes = 0
-        self._over_s, self._is_torn = 0.0, False
+        self._n_bytes, self._over_s, self._is_torn = 0, 0.0, False
 
     @property
     def identity(self) -> str:
@@ -399,6 +398,4 @@ class PackedOutput(AmplifiedDriver):
             self.stop()
         finally:
             self._is_open = False
-            line, self._line = self._line, None
-            if line is not None:
-                line.close()
+            self._let_go()
