@@ -294,8 +294,7 @@ class PackedOutput(AmplifiedDriver):
             emitted = decode(self._stream_of(signal))
         except InvalidParameter as error:
             raise DeviceFailed(f"output {self.name!r}: {error}; nothing was played") from None
-        # a signal of no samples is "stop" and has no voltage
-        if signal.samples.size:
+        if signal.samples.size:  # one of no samples is "stop" and has no voltage
             self._check_supply(signal.peak)
         supply_v = min(max(signal.peak, self._lowest_v), self.full_scale_v)
         return Signal(np.sign(emitted.samples) * supply_v, emitted.rate_hz, "V")
