@@ -117,7 +117,14 @@ def begun_notes(tables: Mapping[Path, pd.DataFrame], used: Container[Path]) -> l
     return [f"{count_of(len(names), 'session')} without a trial, left out: {', '.join(names)}"] if names else []
 
 
-def routine_notes(n: int) -> list[str]:
+def routine_notes(left: Mapping[Path, pd.DataFrame]) -> list[str]:
     """What is said of rows that hold no trial."""
+    n = sum(map(len, left.values()))
+    if not n:
+        return []
+    file, first = next((file, table["row"].iloc[0]) for file, table in left.items() if len(table))
     rows = "1 row was left out that holds" if n == 1 else f"{n} rows were left out that hold"
-    return [f"{rows} neither level nor answer nor item, as other programs write for routines"] if n else []
+    return [
+        f"{rows} neither level nor answer nor item, as other programs write for routines (the first: {file.name}, row "
+        f"{first})"
+    ]

@@ -73,6 +73,7 @@ OPTIONAL = (
     Column("positions_late", "Part (0 to 1) of the stimulus in which positions came too late, and the last one held"),
     Column("separation_m", "Distance between the two places of the trial that are nearest to each other", "m"),
     Column("error_m", "Distance of the answered place from the right one", "m"),
+    Column("n_alternatives", "Number of intervals or alternatives of the choice; empty: the largest in its condition"),
 )
 _DERIVED = (
     "source row yes is_catch x status threshold interval_low interval_high pse jnd width width_low width_high "
@@ -88,7 +89,9 @@ DERIVED = frozenset(_DERIVED.split())
 """Columns that an analysis adds."""
 RESERVED = DERIVED | frozenset(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL))
 """Names that no factor may have."""
-MAY_BE_FACTORS = frozenset(("session", "study", "block", "track", "item", "item_b", "procedure", "rig"))
+MAY_BE_FACTORS = frozenset(
+    ("session", "study", "block", "track", "item", "item_b", "procedure", "rig", "n_alternatives")
+)
 """Reserved names that an analysis may all the same be asked to take as factors."""
 
 
