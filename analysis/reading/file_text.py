@@ -27,8 +27,8 @@ _MINUS = re.compile("[\u2212\uff0d](?=[.,]?[0-9])")
 _JSON_LIST = re.compile(r"\s*\[\s*[{\]]")
 
 
-def file_text(file: Path) -> str:
-    """Read a table's text: UTF-8, in Unicode's composed form, with ASCII minus signs.
+def file_text(file: Path, *, verbatim: bool = False) -> str:
+    """Read a table's text from UTF-8; unless it is `verbatim`, in the form that `plain_text` has.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def file_text(file: Path) -> str:
         raise InvalidFile(f"{file}, row {row}: found a zero byte, expected text")
     if not text.strip():
         raise InvalidFile(f"{file}: found an empty file, expected a header and trials")
-    return plain_text(text)
+    return text if verbatim else plain_text(text)
 
 
 def _kind_of_archive(content: bytes, kind: str) -> str:

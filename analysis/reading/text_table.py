@@ -34,7 +34,12 @@ _SEP_LINE = re.compile(r'"?sep=([^\r\n"])"?[;,\t]*(?:\r\n|\r|\n)', re.IGNORECASE
 
 
 def text_cells(
-    file: Path, separator: str = "", *, needed: Container[str] | None = None, notes: list[str] | None = None
+    file: Path,
+    separator: str = "",
+    *,
+    needed: Container[str] | None = None,
+    notes: list[str] | None = None,
+    verbatim: bool = False,
 ) -> pd.DataFrame:
     """All cells as text, with the number of their row in the column `row`; a list of objects in JSON, whatever the
     file's name, is read by `json_cells`.
@@ -42,6 +47,7 @@ def text_cells(
     The `separator` is by default that of a first line ``sep=;``, else a comma, in ``.tsv`` a tab. Columns without a
     name that are empty throughout are left out: PsychoPy ends each row with a comma. So are, with a line in `notes`,
     a first column without a name that counts the rows, and columns of one name that are not `needed` (None: all are).
+    Text is brought to one form of Unicode (`plain_text`), unless it is to stay `verbatim`.
 
     Raises
     ------
@@ -49,7 +55,7 @@ def text_cells(
         If the file cannot be read, is no text in UTF-8 or no table, or has rows of different lengths, more than
         `MOST_COLUMNS`, or a column without a name or with that of another.
     """
-    text = file_text(file)
+    text = file_text(file, verbatim=verbatim)
     notes = [] if notes is None else notes
     if file.suffix.lower() == ".json" or is_json_list(text):
         return json_cells(text, file)

@@ -114,7 +114,7 @@ def read_trials(
     trials = trials_in(texts, path, within=within, level_scale=scale, named_by_us=column_map is None)
     left_out = {file: table.drop(texts[file].index) for file, table in raw.items()}
     notes = [*unread_notes(path, files), *notes, *routine_notes(left_out), *begun_notes(read, raw)]
-    notes += _lost_notes(cells, given, trials.rows, path)
+    notes += [*_lost_notes(cells, given, trials.rows, path), *_between_notes(trials.rows, within or ())]
     return replace(trials, notes=(*notes, *trials.notes, *contradictions(trials.rows)))
 
 
@@ -140,6 +140,16 @@ def _lost_notes(
             "level, an answer or an item"
         )
     yield from alike_notes(rows["participant"].unique())
+
+
+def _between_notes(rows: pd.DataFrame, within: Sequence[str]) -> Iterator[str]:
+    """Warn of factors that `--within` names and of which each participant has one value."""
+    for name in within:
+        if rows[name].nunique() > 1 and rows.groupby("participant")[name].nunique().max() == 1:
+            yield (
+                f"{name} differs between participants: each has one value of it, although --within names it; check the "
+                "codes of participants if their conditions were to repeat"
+            )
 
 
 def trials_in(

@@ -4,7 +4,7 @@ import json
 import shutil
 
 import pytest
-from command_line import output, refused
+from command_line import call, output, refused
 from places import FOREIGN
 
 CASES = FOREIGN / "cases"
@@ -285,3 +285,81 @@ def test_decomposed_names_match_composed_ones(capsys, tmp_path):
     rows = ["participant,größe,level,response", *(f"S1,groß,{level},n" for level in (1, 2, 3))]
     table = written(tmp_path, [unicodedata.normalize("NFD", row) for row in rows], MAP)
     assert analysed(capsys, table, within="größe")["factors"] == ["größe"]
+
+
+# --- groups, and designs without an analysis of variance
+
+
+def test_reason_names_the_factor_between_participants(capsys):
+    found = analysed(capsys, CASES / "08_reason_between_groups" / "settings.csv", within="A")
+    outcome = found["outcomes"][0]
+    assert outcome["primary"]["reason"] == (
+        "by the rule: every participant has a value, and A differs between participants"
+    )
+    assert outcome["anova"][0]["F"] == pytest.approx(2.33, abs=0.005)
+    assert warning(found, "A differs between participants")
+
+
+def test_group_of_one_is_refused_an_analysis_of_variance(capsys):
+    folder = CASES / "17_right_already"
+    found = analysed(capsys, folder / "one_in_a_group" / "settings.csv", folder / "adj.toml", within="A,group")
+    expected = "no analysis of variance: group = g2: found one participant, expected at least 2 a group"
+    assert expected in found["outcomes"][0]["notes"]
+
+
+def test_design_without_complete_participants_names_its_empty_cells(capsys):
+    folder = CASES / "17_right_already"
+    found = analysed(capsys, folder / "not_one_complete" / "settings.csv", folder / "adj.toml", within="A,B")
+    assert warning(found, "without a valid trial").startswith("8 of ")
+    assert found["outcomes"][0]["primary"]["analysis"] == "censored_anova"
+
+
+def test_levels_below_the_threshold_give_its_lower_bound(capsys, tmp_path):
+    study = CASES / "17_right_already" / "levels_miss_the_threshold" / "study.toml"
+    output(capsys, "simulate", study, "--participants", 3, "--seed", 1, "--out", tmp_path / "d")
+    found = json.loads(output(capsys, "analyse", tmp_path / "d", "--json"))
+    assert warning(found, "6 of 6 cells with a threshold above the levels: its lower bound is given")
+
+
+# --- rules whose guess rate is not that of the task
+
+
+@pytest.mark.parametrize(
+    ("study", "message"),
+    [
+        ("left_out.toml", "procedure.guess_rates: found 0.5 by default where the task is yes_no"),
+        (
+            "four_intervals.toml",
+            "procedure.guess_rates: found 0.5 by default where the task is forced_choice, expected chance, 0.25",
+        ),
+    ],
+)
+@pytest.mark.parametrize("command", ["simulate", "power", "dry run"])
+def test_guess_rate_of_another_task_is_refused_before_any_trial(capsys, tmp_path, study, message, command):
+    path, out = CASES / "05_guess_rate_of_the_task" / study, tmp_path / "d"
+    arguments = {
+        "simulate": ("simulate", path, "--participants", 2, "--seed", 3, "--out", out),
+        "power": ("power", path, "--effect", "frequency_hz: 2 dB", "--participants", 8, "--seed", 3),
+        "dry run": ("run", path, "--participant", "P01", "--dry-run"),
+    }
+    assert message in refused(capsys, *arguments[command])
+    assert not out.exists()
+
+
+def test_stated_guess_rate_of_the_task_is_simulated(capsys, tmp_path):
+    path = CASES / "05_guess_rate_of_the_task" / "stated.toml"
+    output(capsys, "simulate", path, "--participants", 1, "--seed", 3, "--out", tmp_path / "d")
+
+
+# --- sensors at overload
+
+
+def test_check_counts_overload_values_as_lost_samples(capsys, monkeypatch):
+    monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.1)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight_finger.HEARD_S", 0.7)
+    monkeypatch.chdir(CASES / "18_overload_value")
+    _, _, out = call(capsys, "check", "--bench", "bench.toml", "--json")
+    said = {row["what"]: row for row in json.loads(out)["findings"] if row["part"] == "force"}
+    lost = said["samples in the calibrated range"]
+    assert lost["fine"] is False
+    assert float(said["mean, at rest"]["found"].removesuffix(" N")) < 2
