@@ -124,7 +124,8 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
     every, forms = cells.cells(answers, factors), ratings(trials, plan.primary)
     direct = _direct_tables(used, factors)
     if not every and not forms and not direct:
-        raise InvalidFile(f"{trials.path}: found {NOTHING}")
+        why = UNSCORED if all_used["task"].isin(cells.CHOICES).any() else ""
+        raise InvalidFile(f"{trials.path}: found {NOTHING}{why}")
     unit = cells.level_unit(trials)
     estimates = cells.estimates(every, unit)
     table = cells.estimate_table(estimates, factors, unit)
@@ -153,6 +154,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
     return replace(values, warnings=warnings_of(values), methods=methods(values))
 
 
+UNSCORED = "; a forced choice needs a column 'correct' or 'target'"
 NOTHING = (
     f"no valid answer of a task ({', '.join((*CURVES, *RESULTS))}) nor to a known questionnaire, expected some to "
     "analyse"

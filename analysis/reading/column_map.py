@@ -1,7 +1,7 @@
 """Foreign tables in our terms: what their columns are called, what their values mean, which rows are trials."""
 
 import re
-from collections.abc import Callable, Container, Iterator, Mapping
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
@@ -219,6 +219,18 @@ def _of_name(column_map: ColumnMap, file: Path) -> Mapping[str, str]:
             )
         values[ours] = value[1]
     return values
+
+
+def shared_name_notes(files: Iterable[Path], column_map: ColumnMap) -> Iterator[str]:
+    """Warn of files whose names have one participant at the star."""
+    if "*" not in column_map.from_name.get("participant", ""):
+        return
+    by_code: dict[str, list[str]] = {}
+    for file in files:
+        by_code.setdefault(_of_name(column_map, file)["participant"], []).append(file.name)
+    for code, names in by_code.items():
+        if len(names) > 1:
+            yield f"read as one participant, {code}, by from_name: {', '.join(names)}"
 
 
 def _name_pattern(key: str) -> str:

@@ -22,7 +22,7 @@ from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
 from tactometry.trials.tasks import FORM_TASK, TASKS, tasks_with_level
 
 from .cell_meaning import meaning
-from .column_map import ColumnMap, missing_notes, stated_codes, translate, trials_of
+from .column_map import ColumnMap, missing_notes, shared_name_notes, stated_codes, translate, trials_of
 from .contradictions import contradictions
 from .file_text import plain_text
 from .level_scale import on_scale, wide_levels
@@ -36,6 +36,7 @@ from .rows import (
     numbers_of,
     place_of,
     routine_notes,
+    unanswered_notes,
     with_all_columns,
     with_empty,
     with_rows,
@@ -114,6 +115,8 @@ def read_trials(
     trials = trials_in(texts, path, within=within, level_scale=scale, named_by_us=column_map is None)
     left_out = {file: table.drop(texts[file].index) for file, table in raw.items()}
     notes = [*unread_notes(path, files), *notes, *routine_notes(left_out), *begun_notes(read, raw)]
+    notes += unanswered_notes(trials.rows) if column_map is not None else []
+    notes += shared_name_notes(files, given)
     notes += [*_lost_notes(cells, given, trials.rows, path), *_between_notes(trials.rows, within or ())]
     return replace(trials, notes=(*notes, *trials.notes, *contradictions(trials.rows)))
 

@@ -1,6 +1,7 @@
 """What a reader must know before the numbers."""
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 import pandas as pd
 
@@ -8,15 +9,16 @@ from tactometry.errors import count_of
 from tactometry.trials.tasks import FORM_TASK
 
 from ..outcomes.ratings import asked_forms
+from ..reading.rows import correctness
 from ..reading.study_file import choices_of, forms_of
-from ..reading.trials import Trials
+from ..reading.trials import Trials, used_rows
 from ..result import Analysis
-from ..tasks.cells import STATED
+from ..tasks.cells import CHOICES, STATED
 from ..tasks.goodness import goodness_warnings
 from ..tasks.kinds import CURVES, RESULTS
 from ..tasks.localisation import OF_PARTICIPANTS, conditions_of_fits
 from ..threshold.status import Status
-from ..wording import named_cells, percent_text
+from ..wording import NAMED, named_cells, percent_text
 
 MANY_FALSE_ALARMS = 0.25
 MANY_INVALID = 0.2
@@ -44,6 +46,7 @@ def warnings_of(analysis: Analysis) -> tuple[str, ...]:
         *analysis.origin.warnings,
         *trials.notes,
         *_exclusion_warnings(analysis.tables.get("excluded")),
+        *_unused_warnings(trials),
         *_missing_values(analysis),
         *of_curves,
         *_other_tasks(trials),
@@ -102,6 +105,23 @@ def _answer_warnings(trials: Trials, estimates: pd.DataFrame) -> Iterator[str]:
         n_catch = estimates.loc[estimates["task"] == task, "n_catch"]
         if len(n_catch) and not n_catch.sum():  # a task that was not put lacks nothing
             yield f"no catch trials where the task is {task}: the guess rate rests on its prior alone"
+
+
+def _unused_warnings(trials: Trials) -> Iterator[str]:
+    """Participants without an answer that counts, and forced choices of which nothing says whether they were right."""
+    used = used_rows(trials)
+    lost = sorted(set(trials.rows["participant"]) - set(used["participant"]))
+    if lost:
+        more = f" and {len(lost) - NAMED} more" if len(lost) > NAMED else ""
+        yield f"no valid answer, and so no result, of {', '.join(lost[:NAMED])}{more}"
+    choices = used[used["task"].isin(CHOICES)]
+    unknown = choices[correctness(choices).isna()]
+    if len(unknown):
+        first = unknown.iloc[0]
+        yield (
+            f"{count_of(len(unknown), 'row')} of a forced choice with neither 'correct' nor 'target' left out (the "
+            f"first: {Path(str(first['source'])).name}, row {first['row']})"
+        )
 
 
 def _alternatives_warnings(analysis: Analysis) -> Iterator[str]:

@@ -173,6 +173,38 @@ def test_participants_without_a_kept_row_are_named(capsys, tmp_path):
     assert "no trial was read of S2" in warning(analysed(capsys, table), "no trial was read")
 
 
+TRIALS = [f"{code},{level},{'y' if level > 2 else 'n'}" for code in ("S1", "S2") for level in (1, 2, 3)]
+
+
+def test_participants_without_an_answer_are_named(capsys, tmp_path):
+    table = written(tmp_path, ["participant,level,response", *TRIALS, "S3,1,", "S3,2,"], MAP)
+    found = analysed(capsys, table)
+    assert warning(found, "no valid answer") == "no valid answer, and so no result, of S3"
+    assert warning(found, "without an answer").startswith(
+        "2 rows without an answer were left out (the first: t.csv, row 8)"
+    )
+
+
+def test_choices_without_a_right_answer_are_counted(capsys, tmp_path):
+    rows = [f"S1,{level},1,{1 if level > 1 else ''}" for level in (1, 2, 3)]
+    table = written(tmp_path, ["participant,level,response,target", *rows], '[constants]\ntask = "forced_choice"\n')
+    assert warning(analysed(capsys, table), "neither 'correct'").startswith("1 row of a forced choice")
+
+
+def test_choices_need_correct_or_target(capsys, tmp_path):
+    table = written(tmp_path, ["participant,level,response", "S1,1,1"], '[constants]\ntask = "forced_choice"\n')
+    said = refused(capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", "")
+    assert said.endswith("a forced choice needs a column 'correct' or 'target'")
+
+
+def test_files_of_one_code_by_their_names_are_named(capsys, tmp_path):
+    for name in ("results_1.csv", "results_2.csv"):
+        (tmp_path / name).write_text("level,response\n1,n\n2,y\n3,y\n")
+    (tmp_path / "map.toml").write_text(MAP + '[from_name]\nparticipant = "*_"\n')
+    said = warning(analysed(capsys, tmp_path, tmp_path / "map.toml"), "from_name")
+    assert said == "read as one participant, results, by from_name: results_1.csv, results_2.csv"
+
+
 # --- codes of participants
 
 

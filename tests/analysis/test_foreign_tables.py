@@ -48,6 +48,7 @@ def test_psychopys_own_file_is_read_as_it_is():
     assert trials.notes == (
         "2 rows were left out that hold neither level nor answer nor item, as other programs write for routines (the "
         "first: psychopy_2026.2.5.csv, row 2)",
+        "4 rows without an answer were left out (the first: psychopy_2026.2.5.csv, row 5)",
     )
 
 
