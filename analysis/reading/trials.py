@@ -17,7 +17,7 @@ from tactometry.errors import InvalidFile, count_of, nearest
 from tactometry.records.data_set import keys_of
 from tactometry.records.head import ADDED
 from tactometry.trials.cell_rules import PARTICIPANT, CellRule
-from tactometry.trials.columns import ALWAYS, FIRST, MAY_BE_FACTORS, OPTIONAL, RESERVED, stated_factors
+from tactometry.trials.columns import ALWAYS, FIRST, FOREIGN, MAY_BE_FACTORS, OPTIONAL, RESERVED, stated_factors
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
 from tactometry.trials.tasks import FORM_TASK, TASKS, tasks_with_level
 
@@ -46,7 +46,7 @@ from .trial_files import trial_files, unread_notes
 from .unfolded import POSITIVE, TOTAL
 
 REQUIRED = ("participant", "level", "task", "response")
-READ = tuple(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL))
+READ = tuple(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL, *FOREIGN))
 """Columns with a meaning, of which a table has each once."""
 CURVED = tasks_with_level("curve")
 TRIAL_KEY = (

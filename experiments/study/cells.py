@@ -18,7 +18,7 @@ from tactometry.trials.cells import cell as cell_text
 
 from .felt_scene import felt
 from .own_parts import OwnStimulus, sensation_class, stimulus_class as own_stimulus_class
-from .procedure_table import ReadyProcedure, check_guess_rates, rule_of, without
+from .procedure_table import ReadyProcedure, rule_of, without
 from .stimulus_kinds import DEFAULTS, OWN, STIMULI, TOUCHES, StimulusKind
 from .study_file import VARIED, Study
 
@@ -104,10 +104,7 @@ class Wiring:
             touch.speed_m_per_s if isinstance(touch, Sliding) else None,
         )
         sensation = self._felt(kind, of, stimulus, touch)
-        procedure = self.procedure(of["procedure"])
-        if self._plays:  # what ran already can be read
-            check_guess_rates(of["procedure"], self.study.task)
-        return WiredCell(condition, stimulus, procedure, sensation, kind.surface)
+        return WiredCell(condition, stimulus, self.procedure(of["procedure"]), sensation, kind.surface)
 
     def _kind(self, table: Mapping[str, Any], factors: Factors, touch_class: type) -> tuple[StimulusKind, Any]:
         """What is known of a kind of stimulus, and its class."""

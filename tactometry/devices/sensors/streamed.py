@@ -72,7 +72,7 @@ class StreamedSensor:
 
 
 LARGEST_FORCE_N = 100.0
-LARGEST_PLACE_M = 10.0
+LARGEST_PLACE_M = 1e6
 """Values beyond these are none of a finger: instruments send them at overload (unverified defaults)."""
 
 
