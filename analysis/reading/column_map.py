@@ -147,7 +147,7 @@ def stated_codes(raw: pd.DataFrame, column_map: ColumnMap) -> set[str]:
     if name not in raw.columns or "participant" in (*column_map.constants, *column_map.from_name):
         return set()
     meanings = column_map.values.get("participant", {})
-    codes = set(raw[name]) - {"", *column_map.missing}
+    codes = set(raw[name].unique()) - {"", *column_map.missing}
     return {_text(meanings.get(code, code)) for code in codes}
 
 

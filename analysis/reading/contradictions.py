@@ -39,19 +39,28 @@ def _column(rows: pd.DataFrame, name: str) -> "pd.Series[float]":
 
 
 def _wrong_correctness(rows: pd.DataFrame) -> "pd.Series[bool]":
-    response, target, stated = numbers_of(rows["response"]), _column(rows, "target"), _column(rows, "correct")
-    known = rows["task"].isin(CHOSEN) & response.notna() & target.notna() & stated.notna()
+    response, target, stated = _chosen(rows), _column(rows, "target"), _column(rows, "correct")
+    known = response.notna() & target.notna() & stated.notna()
     return known & ((response == target) != (stated == 1))
 
 
 def _beyond_alternatives(rows: pd.DataFrame) -> "pd.Series[bool]":
-    largest = np.fmax(numbers_of(rows["response"]), _column(rows, "target"))
-    return rows["task"].isin(CHOSEN) & (largest > _column(rows, "n_alternatives"))
+    stated, of_choices = _column(rows, "n_alternatives"), rows["task"].isin(CHOSEN)
+    return of_choices & ((_chosen(rows) > stated) | (_column(rows, "target") > stated))
+
+
+def _chosen(rows: pd.DataFrame) -> "pd.Series[float]":
+    """The number of the interval or alternative that was chosen; NaN in other tasks."""
+    of_choices = rows["task"].isin(CHOSEN)
+    chosen = pd.Series(np.nan, index=rows.index)
+    chosen[of_choices] = numbers_of(rows.loc[of_choices, "response"])
+    return chosen
 
 
 def _signed_amplitudes(rows: pd.DataFrame) -> "pd.Series[bool]":
     if "level_unit" not in rows.columns:
         return pd.Series(False, index=rows.index)
-    has_unit = (rows["level_unit"] != "") & ~rows["level_unit"].map(is_logarithm)
+    units = [unit for unit in rows["level_unit"].unique() if unit and not is_logarithm(unit)]
+    has_unit = rows["level_unit"].isin(units)
     is_amplitude = rows["task"].isin(tasks_with_level("curve", "ratio")) & ~rows["task"].isin(OF_SIGN)
     return is_amplitude & has_unit & (rows["level"] < 0)

@@ -136,7 +136,7 @@ def _lost_notes(
     """Warn of participants of whom no row was read, and of those whose codes may be the same."""
     stated = set().union(*(stated_codes(table, column_map) for table in cells.values()))
     short = without_separators(stated, path)
-    lost = {short.get(code, code) for code in stated} - set(rows["participant"])
+    lost = {short.get(code, code) for code in stated} - set(rows["participant"].unique())
     if lost:
         yield (
             f"no trial was read of {', '.join(sorted(lost))}: none of their rows was kept by the column map or holds a "

@@ -110,7 +110,7 @@ def _answer_warnings(trials: Trials, estimates: pd.DataFrame) -> Iterator[str]:
 def _unused_warnings(trials: Trials) -> Iterator[str]:
     """Participants without an answer that counts, and forced choices of which nothing says whether they were right."""
     used = used_rows(trials)
-    lost = sorted(set(trials.rows["participant"]) - set(used["participant"]))
+    lost = sorted(set(trials.rows["participant"].unique()) - set(used["participant"].unique()))
     if lost:
         more = f" and {len(lost) - NAMED} more" if len(lost) > NAMED else ""
         yield f"no valid answer, and so no result, of {', '.join(lost[:NAMED])}{more}"
