@@ -134,21 +134,21 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
     every, forms = cells.cells(answers, factors), ratings(trials, plan.primary)
     direct = _direct_tables(used, factors)
     if not every and not forms and not direct:
-        raise InvalidFile(f"{trials.path}: found {NOTHING}")
-    unit, n_choices = cells.level_unit(trials), cells.n_alternatives(trials)
-    estimates = cells.estimates(every, n_choices, unit)
+        why = UNSCORED if all_used["task"].isin(cells.CHOICES).any() else ""
+        raise InvalidFile(f"{trials.path}: found {NOTHING}{why}")
+    unit = cells.level_unit(trials)
+    estimates = cells.estimates(every, unit)
     table = cells.estimate_table(estimates, factors, unit)
     if len(table):
         table = table.join(rule_columns(cells.counted_answers(all_judged), factors, estimates, replay))
-        table = table.join(_goodness(answers, factors, estimates, n_choices, unit))
+        table = table.join(_goodness(answers, factors, estimates, unit))
     forces = force_of_participants(used, factors) if has_force(used) else None
     values = Analysis(
         trials=trials,
         unit=unit,
-        n_choices=n_choices,
         estimates=tuple(estimates),
         outcomes=tuple(_outcomes(table, direct, factors, forces, plan)),
-        hierarchical=tuple(_hierarchical(estimates, factors, n_choices, unit)) if plan.hierarchical else (),
+        hierarchical=tuple(_hierarchical(estimates, factors, unit)) if plan.hierarchical else (),
         forms=forms,
         plan=plan,
         tables={},
@@ -164,16 +164,16 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
     return replace(values, warnings=warnings_of(values), methods=methods(values))
 
 
+UNSCORED = "; a forced choice needs a column 'correct' or 'target'"
 NOTHING = (
     f"no valid answer of a task ({', '.join((*CURVES, *RESULTS))}) nor to a known questionnaire, expected some to "
     "analyse"
 )
 
 
-def _goodness(
-    answers: pd.DataFrame, factors: Sequence[str], estimates: Sequence[Estimate], n_choices: int, unit: str
-) -> pd.DataFrame:
-    options = {task: curve.options(n_choices, unit) for task, curve in CURVES.items()}
+def _goodness(answers: pd.DataFrame, factors: Sequence[str], estimates: Sequence[Estimate], unit: str) -> pd.DataFrame:
+    fitted = cells.curves_of([estimate.cell for estimate in estimates])
+    options = {(task, n): CURVES[task].options(n, unit) for task, n in fitted}
     rng = np.random.default_rng(SEED)
     return goodness_columns(answers, factors, estimates, options, rng, cells.COUNTING)
 
@@ -210,12 +210,10 @@ def _outcomes(
             yield outcome(compared, conditions, task, dependent, forces=applied, bounds=bounds, primary=plan.primary)
 
 
-def _hierarchical(
-    estimates: Sequence[Estimate], factors: Sequence[str], n_choices: int, unit: str
-) -> Iterator[HierarchicalOutcome]:
+def _hierarchical(estimates: Sequence[Estimate], factors: Sequence[str], unit: str) -> Iterator[HierarchicalOutcome]:
     for task in CURVES:
         fits = {estimate.cell: estimate.fit for estimate in estimates if estimate.cell.task == task}
-        fit = group_fit(list(fits), factors, n_choices, unit, fits) if fits else None
+        fit = group_fit(list(fits), factors, unit, fits) if fits else None
         if fit is not None:
             yield fit
 

@@ -18,6 +18,7 @@ from .reading.origin import Origin
 from .reading.study_file import StudyText
 from .reading.trials import Trials
 from .tasks.cell import Estimate
+from .tasks.cells import CHOICES
 
 SHOWN_ROWS: Final = 20
 LAST_SHOWN: Final = ("quality", "excluded", "sittings", "happenings")
@@ -28,7 +29,7 @@ LAST_SHOWN: Final = ("quality", "excluded", "sittings", "happenings")
 class Analysis:
     """What was found in one data set.
 
-    `tables` maps a name to the table that is written as NAME.csv; `n_choices` are the alternatives of a forced choice.
+    `tables` maps a name to the table that is written as NAME.csv.
     `report`, `pdf` and `tables_folder` are None until written."""
 
     trials: Trials
@@ -36,7 +37,6 @@ class Analysis:
     estimates: tuple[Estimate, ...]
     outcomes: tuple[Outcome, ...]
     tables: Mapping[str, pd.DataFrame]
-    n_choices: int = 2
     warnings: tuple[str, ...] = ()
     methods: str = ""
     hierarchical: tuple[HierarchicalOutcome, ...] = ()
@@ -53,6 +53,15 @@ class Analysis:
     def factors(self) -> tuple[str, ...]:
         """The names of the conditions."""
         return self.trials.factors
+
+    @property
+    def n_choices(self) -> dict[int, list[tuple[float | str, ...]]]:
+        """Each number of alternatives of the forced choices, with the conditions that have it."""
+        found: dict[int, list[tuple[float | str, ...]]] = {}
+        for cell in (estimate.cell for estimate in self.estimates if estimate.cell.task in CHOICES):
+            conditions = found.setdefault(cell.n_choices, [])
+            conditions += [] if cell.condition in conditions else [cell.condition]
+        return dict(sorted(found.items()))
 
     def __repr__(self) -> str:
         """In one line: what was analysed, and which tables there are."""

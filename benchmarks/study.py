@@ -55,7 +55,7 @@ def in_memory(root: Path, n_jobs: int) -> Steps:
         answers = cells.counted_answers(cells.judgements(used_rows(trials)))
         every = cells.cells(answers, trials.factors)
         unit = cells.level_unit(trials)
-        estimates = cells.estimates(every, cells.n_alternatives(trials), unit)
+        estimates = cells.estimates(every, unit)
         table = cells.estimate_table(estimates, trials.factors, unit)
     with timed(steps, "analysis of variance"):
         outcome(table, list(trials.factors), "yes_no", "threshold")

@@ -27,6 +27,7 @@ class DesignStatus(NotedStatus):
     NO_NAME = "no_name", "a level of a factor has no name"
     MISSING_CELL = "missing_cell", "a participant has no value in one of the conditions"
     TOO_FEW_PARTICIPANTS = "too_few_participants", "too few participants have a value"
+    SMALL_GROUP = "small_group", ""
     ONE_LEVEL = "one_level", "a factor has one level only"
     CONSTANT = "constant", "all values are equal"
     NO_VARIANCE_WITHIN = "no_variance_within", "no participant's values differ between conditions"
@@ -45,7 +46,7 @@ def reason_of(refusal: InvalidParameter) -> str:
     'all values are equal'
     """
     status = refusal.status if isinstance(refusal, UndefinedStatistic) else DesignStatus.NO_MAXIMUM
-    return status.note
+    return status.note or str(refusal)  # a message that names a group says more than any note
 
 
 class UndefinedStatistic(InvalidParameter):

@@ -102,7 +102,7 @@ def _refuse_small(between: str, sizes: Mapping[object, int]) -> None:
     smallest = min(sizes, key=lambda name: sizes[name])
     where, expected = f"{between} = {smallest}", f"at least {MIN_GROUP} a group"
     is_enough = sizes[smallest] >= MIN_GROUP
-    expect_defined(is_enough, DesignStatus.TOO_FEW_PARTICIPANTS, where, "one participant", expected)
+    expect_defined(is_enough, DesignStatus.SMALL_GROUP, where, "one participant", expected)
 
 
 def _between_ss(scores: Array, groups: Groups) -> float:

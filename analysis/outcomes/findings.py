@@ -6,7 +6,7 @@ The rule looks at the design and at what is known of the values, never at their 
 checks: the same question put to other assumptions, no second answer.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import StrEnum
 
@@ -147,20 +147,22 @@ class Outcome:
         return pd.DataFrame(rows)
 
 
-def primary_analysis(named: str | None, *, is_whole: bool, groups: str | None = None) -> tuple[Primary, str]:
-    """Return the primary analysis and the reason for it; `groups` is the factor that differs between participants.
+def primary_analysis(
+    named: str | None, *, is_whole: bool, between: str | None = None, within: Sequence[str] = ()
+) -> tuple[Primary, str]:
+    """The primary analysis, and why it is.
 
     >>> primary_analysis(None, is_whole=False)
     (<Primary.CENSORED: 'censored_anova'>, 'by the rule: values are missing or bounds')
-    >>> primary_analysis(None, is_whole=True, groups="hand")[1]
-    'by the rule: no value is missing; hand differs between participants'
+    >>> primary_analysis(None, is_whole=True, between="group")[1]
+    'by the rule: every participant has a value, and group differs between participants'
     >>> primary_analysis("permutation", is_whole=True)
     (<Primary.PERMUTATION: 'permutation'>, 'named by the plan of analysis')
     """
     if named is not None:
         return Primary(named), "named by the plan of analysis"
-    if not is_whole:
-        return Primary.CENSORED, "by the rule: values are missing or bounds"
-    if groups is not None:
-        return Primary.ANOVA, f"by the rule: no value is missing; {groups} differs between participants"
-    return Primary.ANOVA, "by the rule: every participant has a value in every condition"
+    if is_whole:
+        where = " in every condition" if within or between is None else ""
+        groups = "" if between is None else f", and {between} differs between participants"
+        return Primary.ANOVA, f"by the rule: every participant has a value{where}{groups}"
+    return Primary.CENSORED, "by the rule: values are missing or bounds"

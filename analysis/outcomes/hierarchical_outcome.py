@@ -50,7 +50,6 @@ class HierarchicalOutcome:
 def group_fit(
     cells: Sequence[Cell],
     factors: Sequence[str],
-    n_choices: int,
     unit: str,
     fits: Mapping[Cell, ThresholdFit] = MappingProxyType({}),
 ) -> HierarchicalOutcome | None:
@@ -63,6 +62,9 @@ def group_fit(
         return None
     if len(cells) > MOST_CELLS:
         return _no_outcome(task, f"{len(cells)} cells, at most {MOST_CELLS} are fitted here (fit_hierarchical)")
+    n_choices = cells[0].n_choices
+    if any(cell.n_choices != n_choices for cell in cells):
+        return _no_outcome(task, "conditions differ in the number of alternatives, and the model has one guess rate")
     varied = [name for place, name in enumerate(factors) if len({cell.condition[place] for cell in cells}) > 1]
     rows: list[tuple[float | str, ...]] = []
     for cell in cells:

@@ -222,7 +222,7 @@ def _with_model(result: Outcome, design: EstimateDesign, forces: pd.DataFrame) -
 
 
 def _with_primary(result: Outcome, named: str | None, *, is_whole: bool) -> Outcome:
-    primary, reason = primary_analysis(named, is_whole=is_whole, groups=result.between)
+    primary, reason = primary_analysis(named, is_whole=is_whole, between=result.between, within=result.within)
     if primary not in result.analyses():
         if not result.analyses() and named in (None, Primary.ANOVA):  # the notes say already why there is none
             return result

@@ -1,9 +1,10 @@
 """Foreign tables in our terms: what their columns are called, what their values mean, which rows are trials."""
 
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
+from typing import Any
 
 import pandas as pd
 
@@ -12,8 +13,13 @@ from tactometry.config.quantity import si_unit, unit_suffix, units
 from tactometry.config.strict import read_toml
 from tactometry.errors import InvalidFile
 
+from .file_text import plain_text
 from .level_scale import LevelScale
 from .rows import expect_column, holds
+from .unfolded import POSITIVE, TOTAL, counted_trials, survey_answers, with_responses
+
+NEEDED = ("participant", "level", "task", "response", POSITIVE, TOTAL)
+"""Columns that no table may lack."""
 
 
 @dataclass(frozen=True)
@@ -23,15 +29,17 @@ class ColumnMap:
     Parameters
     ----------
     columns : mapping of str to str
-        Our name of a column to theirs.
+        Our name of a column to theirs. ``n_positive`` and ``n_trials`` name the counts of a table that has a row for
+        each level.
     constants : mapping of str to value
-        Our name of a column that is not there, to the value of every row.
+        Our name of a column that is not there, to the value of every row, as ``n_alternatives = 2``.
     values : mapping of str to mapping
         Our name of a column, to what its values mean: theirs to ours. A value that is not named stays.
     keep : mapping of str to list of str
         Their name of a column, to the values of the rows that are trials; other rows are left out.
     from_name : mapping of str to str
-        Our name of a column, to the key of the file's name that holds it: ``sub`` of ``sub-01_ses-2_beh.tsv``.
+        Our name of a column, to the key of the file's name that holds it: ``sub`` of ``sub-01_ses-2_beh.tsv``. Or the
+        part of the name about it, with a star in its place: ``P*``, ``_subject_*_``, ``*`` for all of the name.
     units : mapping of str to str
         Our name of a column, to the unit that it has there: ``latency_s = "ms"`` divides by 1000. Levels come to the SI
         unit, which is then `level_unit`.
@@ -81,11 +89,27 @@ def read_column_map(path: str | Path) -> ColumnMap:
     InvalidFile
         If the file cannot be read, is no TOML, or holds something else.
     """
-    return read_toml(ColumnMap, Path(path), "a column map")
+    read = read_toml(ColumnMap, Path(path), "a column map")
+    return replace(read, **{key.name: _plain(getattr(read, key.name)) for key in fields(read)})
 
 
-def translate(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:
-    """A table of text in our terms.
+def _plain(value: Any) -> Any:
+    """Return the texts of a key as `plain_text` writes those of tables."""
+    if isinstance(value, Mapping):
+        return {plain_text(name): _plain(held) for name, held in value.items()}
+    if isinstance(value, tuple):
+        return tuple(map(_plain, value))
+    return plain_text(value) if isinstance(value, str) else value
+
+
+def translate(
+    raw: pd.DataFrame,
+    column_map: ColumnMap,
+    file: Path,
+    elsewhere: Container[str] = (),
+    warn: Callable[[str], None] = lambda note: None,
+) -> pd.DataFrame:
+    """A table of text in our terms; columns that other tables have `elsewhere` may be missing, and are then empty.
 
     Raises
     ------
@@ -95,10 +119,36 @@ def translate(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFr
     if column_map == ColumnMap():
         return raw
     # Their names and words come first: rows are kept, and cells are missing, as the file has them.
-    table = _with_our_names(_with_our_signs(_trial_rows(raw, column_map, file), column_map), column_map, file)
+    whole = raw.assign(**dict.fromkeys(_optional(raw, column_map, elsewhere), ""))
+    table = _with_our_names(_with_our_signs(_trial_rows(whole, column_map, file), column_map), column_map, file)
     for name, text in {**column_map.constants, **_of_name(column_map, file)}.items():
         table[name] = _text(text)
-    return _in_si(_with_our_values(table, column_map, file), column_map, file)
+    table = _with_our_values(survey_answers(table, file, warn), column_map, file)
+    return with_responses(counted_trials(_in_si(table, column_map, file), file), file)
+
+
+def _optional(raw: pd.DataFrame, column_map: ColumnMap, elsewhere: Container[str]) -> list[str]:
+    """Their names of columns that this table lacks, others have, and no trial needs."""
+    named = {theirs for ours, theirs in column_map.columns.items() if ours not in NEEDED}
+    return sorted(theirs for theirs in named if theirs in elsewhere and theirs not in raw.columns)
+
+
+def missing_notes(tables: Mapping[Path, pd.DataFrame], column_map: ColumnMap) -> Iterator[str]:
+    """Warn of mapped columns that some of the tables lack."""
+    for ours, theirs in column_map.columns.items():
+        lacking = [file.name for file, table in tables.items() if theirs not in table.columns]
+        if lacking:
+            yield f"found no column {theirs!r} in {', '.join(lacking)}: {ours} is empty there"
+
+
+def stated_codes(raw: pd.DataFrame, column_map: ColumnMap) -> set[str]:
+    """The participants that a table names in any row."""
+    name = column_map.columns.get("participant", "participant")
+    if name not in raw.columns or "participant" in (*column_map.constants, *column_map.from_name):
+        return set()
+    meanings = column_map.values.get("participant", {})
+    codes = set(raw[name].unique()) - {"", *column_map.missing}
+    return {_text(meanings.get(code, code)) for code in codes}
 
 
 def trials_of(table: pd.DataFrame, file: Path) -> pd.DataFrame:
@@ -161,12 +211,39 @@ def _with_our_names(raw: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.
 def _of_name(column_map: ColumnMap, file: Path) -> Mapping[str, str]:
     values = {}
     for ours, key in column_map.from_name.items():
-        # Anchored at the start or an underscore: the key "run" is none of "prerun-1".
-        value = re.search(rf"(?:^|_){re.escape(key)}-([A-Za-z0-9]+)", file.name)
+        value = re.search(_name_pattern(key), plain_text(file.stem))
         if value is None:
-            raise InvalidFile(f"{file}: found no {key}-... in the file's name, expected it for {ours!r} (from_name)")
+            raise InvalidFile(
+                f"{file}: found no {key if '*' in key else f'{key}-...'} in the file's name, expected it for {ours!r} "
+                '(from_name); a star marks the place of the code: "P*" in P01.csv, "_subject_*_" in x_subject_1_y.csv'
+            )
         values[ours] = value[1]
     return values
+
+
+def shared_name_notes(files: Iterable[Path], column_map: ColumnMap) -> Iterator[str]:
+    """Warn of files whose names have one participant at the star."""
+    if "*" not in column_map.from_name.get("participant", ""):
+        return
+    by_code: dict[str, list[str]] = {}
+    for file in files:
+        by_code.setdefault(_of_name(column_map, file)["participant"], []).append(file.name)
+    for code, names in by_code.items():
+        if len(names) > 1:
+            yield f"read as one participant, {code}, by from_name: {', '.join(names)}"
+
+
+def _name_pattern(key: str) -> str:
+    """Return a regular expression for a code in a file's name: of a BIDS key, or of a text with a star.
+
+    >>> re.search(_name_pattern("_subject_*_"), "_subject_1_trials_2026")[1], re.search(_name_pattern("P*"), "P01")[1]
+    ('1', '01')
+    """
+    if "*" not in key:
+        # Anchored at the start or an underscore: the key "run" is none of "prerun-1".
+        return rf"(?:^|_){re.escape(key)}-([A-Za-z0-9]+)"
+    before, _, after = map(re.escape, key.partition("*"))
+    return f"{before or '^'}(.+?){after or '$'}"
 
 
 def _with_our_values(table: pd.DataFrame, column_map: ColumnMap, file: Path) -> pd.DataFrame:

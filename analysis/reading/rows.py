@@ -9,6 +9,7 @@ import pandas as pd
 
 from tactometry.errors import InvalidFile, count_of, nearest
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS, rows_text
+from tactometry.trials.tasks import FORM_TASK
 
 from ..arrays import Array
 
@@ -117,7 +118,25 @@ def begun_notes(tables: Mapping[Path, pd.DataFrame], used: Container[Path]) -> l
     return [f"{count_of(len(names), 'session')} without a trial, left out: {', '.join(names)}"] if names else []
 
 
-def routine_notes(n: int) -> list[str]:
+def unanswered_notes(rows: pd.DataFrame) -> list[str]:
+    """What is said of trials without an answer."""
+    silent = rows[(rows["response"] == "") & (rows["task"] != FORM_TASK)]
+    if silent.empty:
+        return []
+    verb = "was" if len(silent) == 1 else "were"
+    first = silent.iloc[0]
+    place = f"{Path(str(first['source'])).name}, row {first['row']}"
+    return [f"{count_of(len(silent), 'row')} without an answer {verb} left out (the first: {place})"]
+
+
+def routine_notes(left: Mapping[Path, pd.DataFrame]) -> list[str]:
     """What is said of rows that hold no trial."""
+    n = sum(map(len, left.values()))
+    if not n:
+        return []
+    file, first = next((file, table["row"].iloc[0]) for file, table in left.items() if len(table))
     rows = "1 row was left out that holds" if n == 1 else f"{n} rows were left out that hold"
-    return [f"{rows} neither level nor answer nor item, as other programs write for routines"] if n else []
+    return [
+        f"{rows} neither level nor answer nor item, as other programs write for routines (the first: {file.name}, row "
+        f"{first})"
+    ]

@@ -6,16 +6,20 @@ Every refusal is one sentence with the file and, where there is one, the row (th
 import csv
 import io
 import json
-from collections.abc import Iterator
+import re
+from collections import Counter
+from collections.abc import Container, Iterator, Sequence
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 from tactometry.errors import InvalidFile
-from tactometry.files.durable import read_file
 from tactometry.files.json_file import json_items
 from tactometry.trials.row_rules import MOST_COLUMNS
+
+from .file_text import file_text, is_json_list
 
 TEXT = pd.StringDtype("python", na_value=np.nan)
 """Of a cell: the same whether pyarrow is installed or not, without which `str` is this."""
@@ -23,13 +27,27 @@ MOST_EMPTY = 10_000_000
 """Cells without a value in a table of JSON, which a small file could otherwise fill the memory with."""
 LAST_LINE = "end"
 """Put behind a table that may hold quotation marks."""
+FEWEST_LOST = 12
+"""Cells in one line, of which fewer may be a header whose names repeat."""
+_LINE_BREAK = re.compile(r"\r\n|\r|\n")
+_SEP_LINE = re.compile(r'"?sep=([^\r\n"])"?[;,\t]*(?:\r\n|\r|\n)', re.IGNORECASE)
 
 
-def text_cells(file: Path, separator: str = "") -> pd.DataFrame:
-    """All cells as text, with the number of their row in the column `row`; a ``.json`` file is read by `json_cells`.
+def text_cells(
+    file: Path,
+    separator: str = "",
+    *,
+    needed: Container[str] | None = None,
+    notes: list[str] | None = None,
+    verbatim: bool = False,
+) -> pd.DataFrame:
+    """All cells as text, with the number of their row in the column `row`; a list of objects in JSON, whatever the
+    file's name, is read by `json_cells`.
 
-    Columns without a name that are empty throughout are left out: PsychoPy ends each row with a comma. The `separator`
-    is by default a comma, in ``.tsv`` a tab.
+    The `separator` is by default that of a first line ``sep=;``, else a comma, in ``.tsv`` a tab. Columns without a
+    name that are empty throughout are left out: PsychoPy ends each row with a comma. So are, with a line in `notes`,
+    a first column without a name that counts the rows, and columns of one name that are not `needed` (None: all are).
+    Text is brought to one form of Unicode (`plain_text`), unless it is to stay `verbatim`.
 
     Raises
     ------
@@ -37,18 +55,42 @@ def text_cells(file: Path, separator: str = "") -> pd.DataFrame:
         If the file cannot be read, is no text in UTF-8 or no table, or has rows of different lengths, more than
         `MOST_COLUMNS`, or a column without a name or with that of another.
     """
-    text = _text(file)
-    if file.suffix == ".json":
+    text = file_text(file, verbatim=verbatim)
+    notes = [] if notes is None else notes
+    if file.suffix.lower() == ".json" or is_json_list(text):
         return json_cells(text, file)
+    text, stated, n_before = _without_sep_line(text)
     header = text[: text.find("\n")] if "\n" in text else text
     if not separator:
-        separator = "\t" if file.suffix == ".tsv" else ","
+        separator = stated or ("\t" if file.suffix.lower() == ".tsv" else ",")
         _expect_commas(header, separator, file)
-    _expect_few_columns(header.count(separator) + 1, f"{file}, row 1")
+    _expect_lines(text, separator, file)
+    _expect_few_columns(header.count(separator) + 1, f"{file}, row {n_before + 1}")
     cells = plain_cells(text, separator)
     if cells is None:
-        cells = _any_cells(text, separator, file)
-    return _with_header(cells, file)
+        cells = _any_cells(text, separator, file, n_before)
+    return _with_header(cells.set_axis(cells.index + n_before), file, needed, notes)
+
+
+def _without_sep_line(text: str) -> tuple[str, str, int]:
+    r"""Split off Excel's first line ``sep=,``: the other lines, the separator and how many lines were taken.
+
+    >>> _without_sep_line("sep=;\r\na;b"), _without_sep_line("a,b")
+    (('a;b', ';', 1), ('a,b', '', 0))
+    """
+    found = _SEP_LINE.match(text)
+    return (text[found.end() :], found[1], 1) if found else (text, "", 0)
+
+
+def _expect_lines(text: str, separator: str, file: Path) -> None:
+    """Refuse a table whose line breaks are gone: one line that repeats cells, as no header does."""
+    if "\n" in text.strip() or "\r" in text.strip() or '"' in text:
+        return
+    cells = text.strip().split(separator)
+    if len(cells) > len({*cells}) and len(cells) > FEWEST_LOST:
+        raise InvalidFile(
+            f"{file}: found one line of {len(cells)} cells, expected a line for each row; the line breaks are gone"
+        )
 
 
 def json_cells(text: str, file: Path) -> pd.DataFrame:
@@ -152,60 +194,89 @@ def plain_cells(text: str, separator: str) -> pd.DataFrame | None:
         return None
 
 
-def _any_cells(text: str, separator: str, file: Path) -> pd.DataFrame:
+def _any_cells(text: str, separator: str, file: Path, n_before: int = 0) -> pd.DataFrame:
     lines = text if text.endswith("\n") else f"{text}\n"
     try:
         # An open quotation mark takes the last line, too, which is then no row of its own.
-        *rows, end = csv.reader(io.StringIO(f"{lines}{LAST_LINE}", newline=""), delimiter=separator)
+        reader = csv.reader(io.StringIO(f"{lines}{LAST_LINE}", newline=""), delimiter=separator)
+        *rows, end = reader
     except csv.Error as damage:
         raise InvalidFile(
             f"{file}: found something that is no table ({damage}), expected comma-separated values"
         ) from None
     if end != [LAST_LINE]:
         raise InvalidFile(f"{file}: found a quotation mark that is never closed, expected it in pairs")
+    if _is_counted(rows):
+        rows[0].insert(0, "")
     n_columns = max(1, len(rows[0]))
-    for row, cells in enumerate(rows, start=1):
+    has_breaks = reader.line_num > len(rows) + 1
+    for row, cells in enumerate(rows, start=n_before + 1):
+        if has_breaks and any(_holds_rows(n, cell, separator, n_columns) for n, cell in enumerate(cells)):
+            raise InvalidFile(
+                f"{file}, row {row}: found a quotation mark that opens a cell over several rows, expected it closed in "
+                "its row; take the mark out, or double it within a quoted cell"
+            )
         if len(cells) not in (0, n_columns):
             raise InvalidFile(f"{file}, row {row}: found {len(cells)} cells, expected {n_columns} as in the header")
     return pd.DataFrame([cells or [""] * n_columns for cells in rows], dtype=TEXT)
 
 
-def _text(file: Path) -> str:
-    content = read_file(file, "a table of trials")
-    try:
-        text = content.decode("utf-8-sig")  # spreadsheets write a mark before the first byte
-    except UnicodeDecodeError as damage:
-        row = content.count(b"\n", 0, damage.start) + 1
-        raise InvalidFile(
-            f"{file}, row {row}: found the byte 0x{content[damage.start]:02x}, expected UTF-8 text; save the table as "
-            "UTF-8"
-        ) from None
-    if "\0" in text:
-        row = text.count("\n", 0, text.index("\0")) + 1
-        raise InvalidFile(f"{file}, row {row}: found a zero byte, expected text")
-    if not text.strip():
-        raise InvalidFile(f"{file}: found an empty file, expected a header and trials")
-    return text
+def _is_counted(rows: list[list[str]]) -> bool:
+    """Return True if each row but the header has one more cell, the first of which counts (R's ``write.table``)."""
+    body = [cells for cells in rows[1:] if cells]
+    return bool(body) and {len(cells) for cells in body} == {len(rows[0]) + 1} and _counts([row[0] for row in body])
 
 
-def _with_header(cells: pd.DataFrame, file: Path) -> pd.DataFrame:
-    cells = _without_nameless(cells)
+def _holds_rows(place: int, cell: str, separator: str, n_columns: int) -> bool:
+    r"""Return True if a cell holds the end of its row and the beginning of a later one.
+
+    >>> _holds_rows(1, "fast,4,n\nS01,", ",", 4), _holds_rows(1, "fast, but\nnot too fast", ",", 4)
+    (True, False)
+    """
+    lines = _LINE_BREAK.split(cell)
+    return len(lines) > 1 and (
+        lines[0].count(separator) >= n_columns - 1 - place and lines[-1].count(separator) >= place
+    )
+
+
+def _with_header(cells: pd.DataFrame, file: Path, needed: Container[str] | None, notes: list[str]) -> pd.DataFrame:
+    cells = _without_nameless(cells, file, notes)
+    header = int(cells.index[0]) + 1
     names = [str(name).strip() for name in cells.iloc[0]]
-    seen: set[str] = set()
     for place, name in zip(map(int, cells.columns), names, strict=True):
         if not name:
-            raise InvalidFile(f"{file}, row 1: found no name for column {place + 1}, expected one for each")
-        if name in seen:
-            raise InvalidFile(f"{file}, row 1: found the column {name!r} twice, expected each once")
-        seen.add(name)
-    body = cells.iloc[1:].set_axis(names, axis=1)
-    if len(names) > 1:  # in a table of one column an empty line is an empty cell
-        begun = body[body[names[0]] == ""]  # so that no more cells are compared than must be
+            raise InvalidFile(f"{file}, row {header}: found no name for column {place + 1}, expected one for each")
+    repeated = [word for word, n in Counter(names).items() if n > 1]
+    for word in repeated:
+        if needed is None or word in needed:
+            raise InvalidFile(f"{file}, row {header}: found the column {word!r} twice, expected each once")
+        notes.append(f"{file.name}: the column {word!r} appears {names.count(word)} times and was not read")
+    body = cells.iloc[1:].set_axis(names, axis=1)[[name for name in names if name not in repeated]]
+    if body.shape[1] > 1:  # in a table of one column an empty line is an empty cell
+        begun = body[body.iloc[:, 0] == ""]  # so that no more cells are compared than must be
         body = body.drop(index=begun.index[(begun == "").all(axis=1)]) if len(begun) else body
     return body.assign(row=body.index + 1)
 
 
-def _without_nameless(cells: pd.DataFrame) -> pd.DataFrame:
-    """Without the columns in which no cell holds anything, not even the first."""
+def _without_nameless(cells: pd.DataFrame, file: Path, notes: list[str]) -> pd.DataFrame:
+    """Without the columns in which no cell holds anything, not even the first, and without a first one that counts."""
     nameless = [place for place in cells.columns if not str(cells[place].iloc[0]).strip()]
-    return cells.drop(columns=[place for place in nameless if (cells[place].str.strip() == "").all()])
+    unused = [place for place in nameless if (cells[place].str.strip() == "").all()]
+    first = cells.columns[0]
+    if first in nameless and first not in unused and _counts(cells[first].iloc[1:].tolist()):
+        notes.append(f"{file.name}: the first column has no name and counts the rows, and was not read")
+        unused.append(first)
+    return cells.drop(columns=unused)
+
+
+def _counts(words: Sequence[str]) -> bool:
+    """Return True if cells, the empty ones left out, are rising whole numbers, as R and pandas number rows.
+
+    >>> _counts(["0", "1", "5", ""]), _counts(["2", "2"]), _counts(["S01"])
+    (True, False, False)
+    """
+    held = [word for word in words if word]
+    if not held or not all(word.isdecimal() for word in held):
+        return False
+    numbers = list(map(int, held))
+    return all(before < after for before, after in pairwise(numbers))

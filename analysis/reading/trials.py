@@ -3,9 +3,7 @@
 Every refusal is one sentence with the file, the row (the header is row 1) and the column.
 """
 
-import json
-import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -19,12 +17,16 @@ from tactometry.errors import InvalidFile, count_of, nearest
 from tactometry.records.data_set import keys_of
 from tactometry.records.head import ADDED
 from tactometry.trials.cell_rules import PARTICIPANT, CellRule
-from tactometry.trials.columns import MAY_BE_FACTORS, RESERVED, stated_factors
+from tactometry.trials.columns import ALWAYS, FIRST, FOREIGN, MAY_BE_FACTORS, OPTIONAL, RESERVED, stated_factors
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
 from tactometry.trials.tasks import FORM_TASK, TASKS, tasks_with_level
 
-from .column_map import ColumnMap, translate, trials_of
+from .cell_meaning import meaning
+from .column_map import ColumnMap, missing_notes, shared_name_notes, stated_codes, translate, trials_of
+from .contradictions import contradictions
+from .file_text import plain_text
 from .level_scale import on_scale, wide_levels
+from .participants import alike_notes, with_codes, without_separators
 from .rows import (
     bad_cell,
     begun_notes,
@@ -34,14 +36,18 @@ from .rows import (
     numbers_of,
     place_of,
     routine_notes,
+    unanswered_notes,
     with_all_columns,
     with_empty,
     with_rows,
 )
 from .text_table import text_cells
-from .trial_files import FOREIGN_FILES, OWN_FILES, trial_files
+from .trial_files import trial_files, unread_notes
+from .unfolded import POSITIVE, TOTAL
 
 REQUIRED = ("participant", "level", "task", "response")
+READ = tuple(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL, *FOREIGN))
+"""Columns with a meaning, of which a table has each once."""
 CURVED = tasks_with_level("curve")
 TRIAL_KEY = (
     *("participant", "study", "session", "block", "task", "procedure"),
@@ -94,18 +100,59 @@ def read_trials(
     InvalidParameter
         If `within` names a column that is not there, or the levels cannot be put on the scale.
     """
-    path = Path(path)
-    files = trial_files(path, OWN_FILES if column_map is None else OWN_FILES + FOREIGN_FILES)
-    given = column_map or ColumnMap()
-    read = {file: _text_of(file, given) for file in files}
+    path, given, notes = Path(path), column_map or ColumnMap(), list[str]()
+    within = None if within is None else [plain_text(name) for name in within]
+    files = trial_files(path, foreign=column_map is not None)
+    needed = None if within is None else {*within, *READ, *given.columns.values(), *given.keep}
+    cells = {file: text_cells(file, given.separator, needed=needed, notes=notes) for file in files}
+    read = _translated(cells, given, notes)
     raw = with_rows(read) if column_map is None else read
     for file in (file for file, table in raw.items() if table.empty):
         raise InvalidFile(f"{file}: found no row below the header, expected trials")
     texts = raw if column_map is None else {file: trials_of(table, file) for file, table in raw.items()}
+    texts = with_codes(texts, path, notes)
     scale = level_scale or given.level_scale
     trials = trials_in(texts, path, within=within, level_scale=scale, named_by_us=column_map is None)
-    routines = routine_notes(sum(map(len, raw.values())) - len(trials.rows))
-    return replace(trials, notes=(*routines, *begun_notes(read, raw), *trials.notes))
+    left_out = {file: table.drop(texts[file].index) for file, table in raw.items()}
+    notes = [*unread_notes(path, files), *notes, *routine_notes(left_out), *begun_notes(read, raw)]
+    notes += unanswered_notes(trials.rows) if column_map is not None else []
+    notes += shared_name_notes(files, given)
+    notes += [*_lost_notes(cells, given, trials.rows, path), *_between_notes(trials.rows, within or ())]
+    return replace(trials, notes=(*notes, *trials.notes, *contradictions(trials.rows)))
+
+
+def _translated(
+    cells: Mapping[Path, pd.DataFrame], column_map: ColumnMap, notes: list[str]
+) -> dict[Path, pd.DataFrame]:
+    elsewhere = {str(name) for table in cells.values() for name in table.columns}
+    read = {file: _text_of(table, file, column_map, elsewhere, notes) for file, table in cells.items()}
+    notes += missing_notes(cells, column_map)
+    return read
+
+
+def _lost_notes(
+    cells: Mapping[Path, pd.DataFrame], column_map: ColumnMap, rows: pd.DataFrame, path: Path
+) -> Iterator[str]:
+    """Warn of participants of whom no row was read, and of those whose codes may be the same."""
+    stated = set().union(*(stated_codes(table, column_map) for table in cells.values()))
+    short = without_separators(stated, path)
+    lost = {short.get(code, code) for code in stated} - set(rows["participant"].unique())
+    if lost:
+        yield (
+            f"no trial was read of {', '.join(sorted(lost))}: none of their rows was kept by the column map or holds a "
+            "level, an answer or an item"
+        )
+    yield from alike_notes(rows["participant"].unique())
+
+
+def _between_notes(rows: pd.DataFrame, within: Sequence[str]) -> Iterator[str]:
+    """Warn of factors that `--within` names and of which each participant has one value."""
+    for name in within:
+        if rows[name].nunique() > 1 and rows.groupby("participant")[name].nunique().max() == 1:
+            yield (
+                f"{name} differs between participants: each has one value of it, although --within names it; check the "
+                "codes of participants if their conditions were to repeat"
+            )
 
 
 def trials_in(
@@ -200,12 +247,15 @@ def _refuse_other_code(table: pd.DataFrame, file: Path) -> None:
         _expect(table, "participant", table["participant"] == code, expected)
 
 
-def _text_of(file: Path, column_map: ColumnMap) -> pd.DataFrame:
-    raw = translate(text_cells(file, column_map.separator), column_map, file)
+def _text_of(
+    cells: pd.DataFrame, file: Path, column_map: ColumnMap, elsewhere: Container[str], notes: list[str]
+) -> pd.DataFrame:
+    raw = translate(cells, column_map, file, elsewhere, notes.append)
     if "level" not in raw.columns and holds(raw, "task", FORM_TASK).all():
         raw = raw.assign(level="")  # answers to a questionnaire are to no level
     for name in REQUIRED:
-        expect_column(raw, name, file, "; name it with a column map (--columns)")
+        of_counts = f"; for counts name {POSITIVE} and {TOTAL} in [columns] of the map" if name == "response" else ""
+        expect_column(raw, name, file, f"; name it with a column map (--columns){of_counts}")
     return raw
 
 
@@ -244,44 +294,11 @@ def _expect(table: pd.DataFrame, name: str, fine: "pd.Series[bool]", expected: s
     # A cell may hold a page of text, a sentence may not.
     shown = "nothing" if not text else repr(text if len(text) <= 40 else text[:40] + "...")
     where = f"{place_of(bad)}, column {name!r}"
-    raise InvalidFile(f"{where}: found {shown}, expected {expected}{_meaning(name, text)}")
+    raise InvalidFile(f"{where}: found {shown}, expected {expected}{meaning(name, text)}")
 
 
 OWN = ("row", "source")
 """Columns that reading adds: where a row stands in which file."""
-NOT_MEASURED = frozenset(("none", "null", "nan", "na", "n/a", "-", "--", "undefined"))
-"""What other programs write where nothing was measured."""
-NAMED_VALUES = ("response", "correct", "catch", "valid", "practice")
-"""Columns whose values other programs write in words."""
-
-
-def _meaning(name: str, text: str) -> str:
-    """How to say in a column map what a word means.
-
-    >>> _meaning("response", "y")
-    "; say what it means in a column map (--columns), below [values.response]: 'y' = 1"
-    >>> _meaning("response", "None"), _meaning("response", "7")
-    ("; say in a column map (--columns) that it was not measured: missing = ['None']", '')
-    """
-    if name not in NAMED_VALUES or not text or _NUMBER.fullmatch(text):
-        return ""
-    word = _toml_text(text)
-    if text.strip().lower() in NOT_MEASURED:
-        return f"; say in a column map (--columns) that it was not measured: missing = [{word}]"
-    return f"; say what it means in a column map (--columns), below [values.{name}]: {word} = 1"
-
-
-def _toml_text(text: str) -> str:
-    r"""
-    >>> print(_toml_text("y"), _toml_text("don't\n"))
-    'y' "don't\n"
-    """
-    if text.isprintable() and "'" not in text:
-        return f"'{text}'"
-    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")  # JSON may hold it as it is, TOML may not
-
-
-_NUMBER = re.compile(r"[+-]?\d+\.?\d*")
 
 
 def _numbers(table: pd.DataFrame, name: str) -> "pd.Series[float]":

@@ -1,6 +1,7 @@
 """What a reader must know before the numbers."""
 
 from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 import pandas as pd
 
@@ -8,15 +9,16 @@ from tactometry.errors import count_of
 from tactometry.trials.tasks import FORM_TASK
 
 from ..outcomes.ratings import asked_forms
+from ..reading.rows import correctness
 from ..reading.study_file import choices_of, forms_of
-from ..reading.trials import Trials
+from ..reading.trials import Trials, used_rows
 from ..result import Analysis
-from ..tasks.cells import CHOICES
+from ..tasks.cells import CHOICES, STATED
 from ..tasks.goodness import goodness_warnings
 from ..tasks.kinds import CURVES, RESULTS
 from ..tasks.localisation import OF_PARTICIPANTS, conditions_of_fits
 from ..threshold.status import Status
-from ..wording import named_cells, percent_text
+from ..wording import NAMED, named_cells, percent_text
 
 MANY_FALSE_ALARMS = 0.25
 MANY_INVALID = 0.2
@@ -44,6 +46,7 @@ def warnings_of(analysis: Analysis) -> tuple[str, ...]:
         *analysis.origin.warnings,
         *trials.notes,
         *_exclusion_warnings(analysis.tables.get("excluded")),
+        *_unused_warnings(trials),
         *_missing_values(analysis),
         *of_curves,
         *_other_tasks(trials),
@@ -79,7 +82,8 @@ def _curve_warnings(analysis: Analysis, estimates: pd.DataFrame) -> Iterator[str
         if concerned.any():
             cells = estimates[concerned]
             yield f"{len(cells)} of {len(estimates)} cells {text} ({named_cells(cells, factors)})"
-    yield from _answer_warnings(analysis.trials, estimates, analysis.n_choices)
+    yield from _answer_warnings(analysis.trials, estimates)
+    yield from _alternatives_warnings(analysis)
 
 
 def _missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]:
@@ -96,13 +100,48 @@ def _missing_cells(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]
             yield f"{len(lost)} of {len(held)} cells of {task} without a valid trial ({named_cells(lost, inside)})"
 
 
-def _answer_warnings(trials: Trials, estimates: pd.DataFrame, n_choices: int) -> Iterator[str]:
+def _answer_warnings(trials: Trials, estimates: pd.DataFrame) -> Iterator[str]:
     for task in (task for task, curve in CURVES.items() if curve.counts_catch):
         n_catch = estimates.loc[estimates["task"] == task, "n_catch"]
         if len(n_catch) and not n_catch.sum():  # a task that was not put lacks nothing
             yield f"no catch trials where the task is {task}: the guess rate rests on its prior alone"
-    if trials.rows["task"].isin(CHOICES).any() and "target" not in trials.rows.columns:
-        yield f"no column 'target' in a forced choice: {n_choices} alternatives were taken from the answers given"
+
+
+def _unused_warnings(trials: Trials) -> Iterator[str]:
+    """Participants without an answer that counts, and forced choices of which nothing says whether they were right."""
+    used = used_rows(trials)
+    lost = sorted(set(trials.rows["participant"].unique()) - set(used["participant"].unique()))
+    if lost:
+        more = f" and {len(lost) - NAMED} more" if len(lost) > NAMED else ""
+        yield f"no valid answer, and so no result, of {', '.join(lost[:NAMED])}{more}"
+    choices = used[used["task"].isin(CHOICES)]
+    unknown = choices[correctness(choices).isna()]
+    if len(unknown):
+        first = unknown.iloc[0]
+        yield (
+            f"{count_of(len(unknown), 'row')} of a forced choice with neither 'correct' nor 'target' left out (the "
+            f"first: {Path(str(first['source'])).name}, row {first['row']})"
+        )
+
+
+def _alternatives_warnings(analysis: Analysis) -> Iterator[str]:
+    """Where the numbers of alternatives were not stated, and where conditions differ in them."""
+    found, columns = analysis.n_choices, analysis.trials.rows.columns
+    if not found or STATED in columns:
+        return
+    numbers = " and ".join(map(str, found))
+    if "target" not in columns:
+        yield f"no column 'target' in a forced choice: {numbers} alternatives were taken from the answers given"
+    if len(found) > 1:
+        named = "; ".join(f"{n}: {', '.join(map(_condition_text, each))}" for n, each in found.items())
+        yield (
+            f"conditions of the forced choice have different numbers of alternatives by their answers ({named}); if "
+            f"that is wrong, state the column {STATED!r} in a column map"
+        )
+
+
+def _condition_text(condition: Sequence[float | str]) -> str:
+    return " ".join(map(str, condition))
 
 
 def _other_tasks(trials: Trials) -> list[str]:

@@ -150,7 +150,7 @@ def _rule_methods(table: pd.DataFrame, procedures: Collection[str]) -> list[str]
     return [f"The estimate of the rule that chose the levels{which} stands beside the fit and enters no analysis."]
 
 
-def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:
+def _fit_methods(table: pd.DataFrame, n_choices: Collection[int]) -> list[str]:
     if not len(table):
         return []
     fitted = [curve for task, curve in CURVES.items() if task in set(table["task"])]
@@ -167,7 +167,8 @@ def _fit_methods(table: pd.DataFrame, n_choices: int) -> list[str]:
             "asymptote alone, or a curve that rises beyond the levels, explain the answers with a posterior "
             "probability of 0.8."
         )
-    parts += [curve.methods.format(n_choices=n_choices) for curve in fitted if curve.methods]
+    shares = " or ".join(f"1/{n}" for n in n_choices) + (", by condition" if len(n_choices) > 1 else "")
+    parts += [curve.methods.format(guess_rate=shares) for curve in fitted if curve.methods]
     return [*parts, *([GOODNESS] if _is_tested(table) else [])]
 
 

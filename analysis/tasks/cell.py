@@ -14,7 +14,8 @@ from ..threshold.fitting import ThresholdFit
 class Cell:
     """Answers of one participant in one condition: `levels`, `n_yes`, `n_trials` of equal length.
 
-    `n_yes` counts "yes", correct, or "more" answers. Catch trials stand apart.
+    `n_yes` counts "yes", correct, or "more" answers. Catch trials stand apart. `n_choices` are the alternatives of a
+    forced choice.
     """
 
     participant: str
@@ -25,6 +26,7 @@ class Cell:
     n_trials: tuple[int, ...]
     n_catch: int
     n_false_alarms: int
+    n_choices: int = 2
 
 
 @dataclass(frozen=True)

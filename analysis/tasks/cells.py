@@ -22,6 +22,9 @@ LEVELLED_TASKS = tasks_with_level("curve", "scale", "ratio")
 UNIT = "level_unit"
 CHOICES = tuple(name for name, curve in CURVES.items() if curve.scored_by == "correct")
 """Forced choices, whose responses alone do not say what was right."""
+STATED = "n_alternatives"
+BY_CHANCE = 0.001
+"""A condition has fewer alternatives than others if chance explains that with less than this (unverified default)."""
 COUNTING = frozenset(name for name, curve in CURVES.items() if curve.counts_catch)
 """Tasks whose guess rate rests on catch trials."""
 COLUMNS = (
@@ -60,6 +63,7 @@ def cells(answers: pd.DataFrame, factors: Sequence[str]) -> list[Cell]:
     """The cells of judgements that count (`counted_answers`), ordered by participant, condition and task."""
     keys = cell_keys(factors)
     counted = answers[[*keys, "is_catch", "x", "yes"]]  # parts of all columns take most of the time
+    counted = counted.assign(n_choices=alternatives(answers, factors))
     return [_cell(key, rows, len(factors)) for key, rows in parts(counted, keys)]
 
 
@@ -93,6 +97,7 @@ def _cell(key: tuple[Any, ...], rows: pd.DataFrame, n_factors: int) -> Cell:
         n_trials=tuple(np.bincount(place).tolist()),
         n_catch=int(catch.sum()),
         n_false_alarms=int(yes[catch].sum()),
+        n_choices=int(rows["n_choices"].iloc[0]),
     )
 
 
@@ -105,27 +110,62 @@ def count_table(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["participant", *factors, "task", "level", "n_yes", "n_trials"])
 
 
-def n_alternatives(trials: Trials) -> int:
-    """Alternatives of forced choices: the largest interval ever chosen or used as target, at least 2."""
-    rows = trials.rows[trials.rows["task"].isin(CHOICES)]
-    answers = numbers_of(rows["response"])
-    largest = answers.max()
+def alternatives(answers: pd.DataFrame, factors: Sequence[str]) -> "pd.Series[float]":
+    """Return for each row how many alternatives a forced choice of its condition has; 2 in other tasks.
+
+    It is the number stated in `n_alternatives`, else the largest interval that was chosen or a target in the condition.
+    A condition in which the largest of all is missing by chance, with a probability above `BY_CHANCE`, has that number.
+
+    Raises
+    ------
+    InvalidFile
+        If a condition states two numbers.
+    """
+    number = pd.Series(2.0, index=answers.index)
+    rows = answers[answers["task"].isin(CHOICES)]
+    if rows.empty:
+        return number
+    conditions = [rows[name] for name in factors] + [rows["task"]]
+    used = numbers_of(rows["response"])
     if "target" in rows.columns:
-        largest = max(largest, rows["target"].max())
-    return max(2, int(largest)) if np.isfinite(largest) else 2  # NaN where no row is one of a forced choice
+        used = used.where(~(rows["target"] > used.fillna(0)), rows["target"])
+    of_condition = used.groupby(conditions, observed=True)
+    largest, n = of_condition.transform("max").clip(lower=2), of_condition.transform("count")
+    overall = largest.max()
+    inferred = largest.mask((1 - 1 / overall) ** n > BY_CHANCE, overall)
+    number[rows.index] = _stated(rows, conditions).fillna(inferred)
+    return number
 
 
-def estimates(cells: Sequence[Cell], n_choices: int, unit: str = "", interval: float = 0.95) -> list[Estimate]:
-    """Fit every cell, those of one task in one batch; in the order of the cells.
+def _stated(rows: pd.DataFrame, conditions: Sequence["pd.Series[Any]"]) -> "pd.Series[float]":
+    if STATED not in rows.columns:
+        return pd.Series(np.nan, index=rows.index)
+    of_condition = rows[STATED].groupby(list(conditions), observed=True)
+    lowest, highest = of_condition.transform("min"), of_condition.transform("max")
+    if (lowest < highest).any():
+        several = lowest < highest
+        found = f"{lowest[several].iloc[0]:g} and {highest[several].iloc[0]:g} in one condition"
+        expected = "one number in each condition; name its factor with --within, or this column"
+        raise bad_cell(rows[several].iloc[0], STATED, found, expected)
+    return highest
+
+
+def estimates(cells: Sequence[Cell], unit: str = "", interval: float = 0.95) -> list[Estimate]:
+    """Fit every cell, those of one task and number of alternatives in one batch; in the order of the cells.
 
     By the posterior, its mode and marginal intervals, with what the curve of the task knows of its rates.
     """
     fits: dict[Cell, ThresholdFit] = {}
-    for task in CURVES:  # one batch a task: its cells share the options of the fit, and one call is faster than many
-        of_task = [cell for cell in cells if cell.task == task]
-        if of_task:
-            fits |= dict(zip(of_task, _fits(of_task, task, n_choices, unit, interval), strict=True))
+    for task, n_choices in curves_of(cells):  # cells of a batch share the options of the fit, and one call is faster
+        alike = [cell for cell in cells if (cell.task, cell.n_choices) == (task, n_choices)]
+        fits |= dict(zip(alike, _fits(alike, task, n_choices, unit, interval), strict=True))
     return [Estimate(cell, fits[cell]) for cell in cells]
+
+
+def curves_of(cells: Sequence[Cell]) -> list[tuple[str, int]]:
+    """Return the tasks of cells, in the order of `CURVES`, with each number of alternatives."""
+    found = {(cell.task, cell.n_choices) for cell in cells}
+    return [(task, n) for task in CURVES for n in sorted(n for name, n in found if name == task)]
 
 
 def _fits(cells: Sequence[Cell], task: str, n_choices: int, unit: str, interval: float) -> tuple[ThresholdFit, ...]:

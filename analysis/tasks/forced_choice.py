@@ -10,6 +10,6 @@ ANALYSIS = TaskAnalysis(
         "correct",
         lambda n_choices, unit: detection(unit, 1 / n_choices),
         scored_by="correct",
-        methods="The guess rate of forced choices was 1/{n_choices}.",
+        methods="The guess rate of forced choices was {guess_rate}.",
     ),
 )

@@ -10,6 +10,7 @@ from scipy.stats import binom
 from tactometry.psychometric import shape_named
 
 from ..arrays import Array, Indices
+from ..reading.unfolded import COUNTED
 from ..threshold.counts import POOLED_BELOW, Counts, count_arrays, normalise
 from ..threshold.goodness import STATISTICS, Goodness, Sequences, goodness
 from ..threshold.log_posterior import LogPosterior
@@ -36,6 +37,8 @@ TESTS = {
     "overdispersion": "answers near in time are alike, as with lapses in a row, and intervals are too narrow",
 }
 """The tests, in the order of `STATISTICS`, with what a small p says of the function."""
+OF_ORDER = slice(2, None)
+"""The tests that compare the order of the answers."""
 P_COLUMNS = dict(zip(TESTS, ("deviance_p", "residual_level_p", "residual_order_p", "dispersion_p"), strict=True))
 MISFIT = "misfit"
 
@@ -44,21 +47,24 @@ def goodness_columns(
     answers: pd.DataFrame,
     factors: Sequence[str],
     estimates: Sequence[Estimate],
-    options: Mapping[str, Mapping[str, Any]],
+    options: Mapping[tuple[str, int], Mapping[str, Any]],
     rng: np.random.Generator,
     counting: Container[str] = (),
 ) -> pd.DataFrame:
     """A row for each estimate, in their order: the statistics of `goodness` but the deviance, each p, and in `misfit`
     the tests whose p is at most `FLAGGED_P`. Empty where no function was fitted. `options` are those of the fits, by
-    task; the guess rate of those `counting` rests on catch trials."""
+    task and number of alternatives; the guess rate of those `counting` rests on catch trials."""
     rows = _in_order(answers, factors)
     values, p = (np.full((len(estimates), len(TESTS)), np.nan) for _ in range(2))
-    for task, of_fits in options.items():
-        of_task = [n for n, estimate in enumerate(estimates) if estimate.cell.task == task]
+    for alike, of_fits in options.items():
+        of_task = [n for n, one in enumerate(estimates) if (one.cell.task, one.cell.n_choices) == alike]
         fitted = [n for n in of_task if estimates[n].fit.function is not None]
         for numbers in _of_like_size(estimates, fitted):
             tested = _goodness_of(rows, [estimates[n] for n in numbers], numbers, of_fits, rng, counting)
             values[numbers], p[numbers] = tested.statistics, tested.p
+    if "procedure" in rows.columns:  # counts say nothing of the order of the answers
+        unordered = rows.loc[rows["procedure"] == COUNTED, "cell"].unique()
+        values[unordered, OF_ORDER] = p[unordered, OF_ORDER] = np.nan
     columns: dict[str, Any] = {"deviance_p": p[:, 0]}
     for n, (value, name) in enumerate(zip(STATISTICS, P_COLUMNS.values(), strict=True)):
         columns |= {} if n == 0 else {value: values[:, n], name: p[:, n]}  # the estimates have the deviance already

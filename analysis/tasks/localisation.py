@@ -42,8 +42,9 @@ def place_factor(rows: pd.DataFrame, factors: Sequence[str]) -> str | None:
 
 
 def n_alternatives(rows: pd.DataFrame) -> int:
-    """The largest number of an alternative that was right or answered; at least 2."""
-    return int(max(2, rows["target"].max(), numbers_of(rows["response"]).max()))
+    """The largest number of an alternative that was stated, right or answered; at least 2."""
+    stated = rows["n_alternatives"].max() if "n_alternatives" in rows.columns else np.nan
+    return int(np.fmax(max(2, rows["target"].max(), numbers_of(rows["response"]).max()), stated))
 
 
 def _names_place(rows: pd.DataFrame, name: str) -> bool:
@@ -114,20 +115,22 @@ def _resolutions_among(judged: pd.DataFrame, m: int, conditions: Sequence[str]) 
     options: dict[str, Any] = {"shape": SHAPE, "guess_rate": 1 / m, "scale_free_width": True}
     fits = fit_many(right.columns.to_numpy(float), right.to_numpy(), trials.to_numpy(), **options)
     found = pd.DataFrame([_row(fit, m) for fit in fits], index=trials.index).reset_index()
-    estimates = [Estimate(cell, fit) for cell, fit in zip(_cells(judged, keys), fits, strict=True)]
+    estimates = [Estimate(cell, fit) for cell, fit in zip(_cells(judged, keys, m), fits, strict=True)]
     answers = judged.assign(task=TASK, x=judged[DISTANCE], yes=judged["is_right"].astype(int), is_catch=False)
     answers["procedure"] = "constant_stimuli"  # a distance does not follow the answers
     rng = np.random.default_rng(SEED)
-    return found.join(goodness_columns(answers, conditions, estimates, {TASK: options}, rng))
+    return found.join(goodness_columns(answers, conditions, estimates, {(TASK, m): options}, rng))
 
 
-def _cells(judged: pd.DataFrame, keys: Sequence[str]) -> list[Cell]:
+def _cells(judged: pd.DataFrame, keys: Sequence[str], m: int) -> list[Cell]:
     """Right answers at each distance, of each participant and condition in their order."""
     cells = []
     for key, rows in split(judged, keys):
         counts = _counts(rows, [DISTANCE])
         levels, right, trials = (tuple(counts[name].tolist()) for name in (DISTANCE, "n_correct", "n_trials"))
-        cells.append(Cell(str(key[0]), tuple(key[1:]), TASK, levels, right, trials, n_catch=0, n_false_alarms=0))
+        cells.append(
+            Cell(str(key[0]), tuple(key[1:]), TASK, levels, right, trials, n_catch=0, n_false_alarms=0, n_choices=m)
+        )
     return cells
 
 

@@ -10,13 +10,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from ..reading.unfolded import COUNTED
 from .cell import Estimate
 
 RUN = ("session", "study", "block")
 """What, of one participant, tells one block from another."""
 DISCARDED = 2
 """Reversals that do not count, as on the way to the threshold (Levitt 1971)."""
-FIXED = ("constant", "constant_stimuli")
+FIXED = ("constant", "constant_stimuli", COUNTED)
 """Procedures whose levels do not depend on the answers."""
 
 

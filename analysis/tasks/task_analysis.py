@@ -38,7 +38,7 @@ class Curve:
     counts_catch : bool
         Answers in catch trials tell the guess rate.
     methods : str
-        What the methods section says of the rates, with ``{n_choices}``.
+        What the methods section says of the rates, with ``{guess_rate}``.
     """
 
     rate_label: str

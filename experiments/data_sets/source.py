@@ -108,7 +108,7 @@ def read_source(path: Path) -> ExportedDataSet:
             f"{path}: found {count_of(n_simulated, 'row')} of simulated participants beside those of people, expected "
             "either alone: move one kind to a folder of its own"
         )
-    tables = [text_cells(file) for file in trial_files(path)]
+    tables = [text_cells(file, verbatim=True) for file in trial_files(path)]
     for file, table in zip(trial_files(path), tables, strict=True):
         _check_study(table, file)
     fullest = max(tables, key=lambda table: table.shape[1])  # older sessions lack the columns that came later

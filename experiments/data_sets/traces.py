@@ -189,7 +189,7 @@ def _bank(root: Path, bench: Path | None) -> Mapping[str, Stimulus]:
     path = root / "study.toml"
     study = parse(read_file(path, "the study that ran"), str(path))
     try:
-        experiment = wire(study, str(path))
+        experiment = wire(study, str(path), begun=True)
     except TactometryError:  # its files or its code are not at hand: of these nothing is computed
         experiment = wire(study, str(path), plays=False)
     bank = experiment.bank if bench is None else bank_on(experiment, load_bench(bench))

@@ -142,7 +142,7 @@ class _Compared:
             return results.tables[results.compared or self.task](of_task, factors)
         every = cells.cells(cells.counted_answers(cells.judgements(self.used)), factors)
         unit = cells.level_unit(self.trials)
-        return cells.estimate_table(cells.estimates(every, cells.n_alternatives(self.trials), unit), factors, unit)
+        return cells.estimate_table(cells.estimates(every, unit), factors, unit)
 
     def row(self, case: Case, number: int, n: int) -> Row:
         """Of the first `n` participants."""

@@ -16,7 +16,7 @@ import numpy as np
 from tactometry.arguments.require import at_most, expect
 from tactometry.choice_form import ChoiceForm, choice_forms_of
 from tactometry.config.quantity import unit_suffix, units
-from tactometry.errors import count_of, rewording
+from tactometry.errors import rewording
 from tactometry.followed import FollowsFinger
 from tactometry.observers.changes.change import Answer, Shift
 from tactometry.observers.decisions import Observer
@@ -26,7 +26,7 @@ from tactometry.own_code import not_allowed
 from tactometry.protocols.block_state import Condition, Track
 from tactometry.protocols.procedures.procedure import MOST_TRIALS
 from tactometry.protocols.session import session, words_of
-from tactometry.protocols.tasks.task import AsksForm, Place, Task
+from tactometry.protocols.tasks.task import AsksForm, Task
 from tactometry.questionnaire import Questionnaire, questionnaires_of
 from tactometry.records.description import StudyDescription
 from tactometry.rigs.simulated import Meeting, Rendering, Sensation, SimulatedRig, meeting, rendering
@@ -37,6 +37,7 @@ from tactometry.signal import Signal, Stimulus
 from tactometry.trials.columns import Column, table_columns
 from tactometry.trials.tasks import TASKS
 
+from .cell_checks import check_places, check_rules
 from .cells import WiredCell, Wiring
 from .felt_scene import FeltScene
 from .felt_words import scene_in_words
@@ -282,7 +283,13 @@ def _factor_column(name: str) -> Column:
 
 
 def wire(
-    study: Study, where: str, code_from: Path | None = None, *, simulated: bool = True, plays: bool = True
+    study: Study,
+    where: str,
+    code_from: Path | None = None,
+    *,
+    simulated: bool = True,
+    plays: bool = True,
+    begun: bool = False,
 ) -> Experiment:
     """Build every table of a study, and hold its strongest stimuli against the limits. Code of one's own is imported
     from the folder `code_from`, or not at all.
@@ -293,6 +300,8 @@ def wire(
         Whether participants may be: without it the code of an observer is not imported.
     plays : bool
         Whether a stimulus may be: without it data are read, and neither files nor code of one's own are asked for.
+    begun : bool
+        Whether a session of it began: then its rule stays, whatever guess rate it assumes.
 
     Raises
     ------
@@ -302,12 +311,14 @@ def wire(
     with rewording(lambda words: f"{where}, {words}"):
         experiment = _build(study, where, code_from, simulated=simulated, plays=plays)
         _check_forces(experiment)
-        _check_places(experiment)
+        check_places(experiment.table.over, experiment.cells)
         for strongest in experiment.strongest():
             if getattr(strongest.stimulus, "read", True):
                 _check_signal(study.limits, strongest)
         for cell in experiment.cells.values():
             experiment.table.task_kind.check_levels(experiment.task, *cell.procedure.rule.bounds)
+        if plays and not begun:
+            check_rules(study, experiment.cells.values())
         return experiment
 
 
@@ -369,19 +380,6 @@ def _check_forces(experiment: Experiment) -> None:
             continue
         with _within_limits(f"touch.force_n: found {request.target_n:g} N"):
             experiment.study.limits.check_force(request.target_n, request.tolerance)
-
-
-def _check_places(experiment: Experiment) -> None:
-    """Whether the alternatives of each trial are at places of their own, if they are at places at all."""
-    over = experiment.table.over
-    together: dict[Key, list[frozenset[Place]]] = defaultdict(list)
-    for key, cell in experiment.cells.items():
-        rest = tuple(item for item in key if item[0] != over)
-        together[rest].extend(filter(None, [frozenset(places_of(cell.stimulus))]))
-    for alternatives in together.values() if over else ():
-        n, n_apart = len(alternatives), len(set(alternatives))
-        found = f"{n} alternatives of {over!r} at {count_of(n_apart, 'place')}"
-        expect(n == n_apart, "task.over", found, "no more answers than places; give each a place of its own")
 
 
 def _check_signal(limits: Limits, strongest: Strongest) -> None:

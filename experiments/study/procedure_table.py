@@ -15,6 +15,12 @@ from tactometry.protocols.procedures.procedure import Procedure, Rule
 
 from .procedure_kinds import PROCEDURES, ProcedureKind
 
+GUESS_RATE_TOLERANCE = 0.05
+HIGHEST_FALSE_ALARMS = 0.3
+"""Of the guess rates of a rule, against those of its task (unverified defaults)."""
+SAYS_YES = ("yes_no", "comparison")
+"""Tasks whose guess rate is a rate of false alarms."""
+
 
 def without(table: Mapping[str, Any], *keys: str) -> dict[str, Any]:
     """A table without some of its keys."""
@@ -65,6 +71,32 @@ def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
     told = f"true with {table['kind']}"
     expect(kind.can_be_shared or not shared, "procedure.shared", told, f"it with {able} only")
     return ReadyProcedure(rule, shared)
+
+
+def check_guess_rates(procedure: Mapping[str, Any], task: Mapping[str, Any]) -> None:
+    """Refuse a rule that looks for its levels on a function with another guess rate than the task has.
+
+    Raises
+    ------
+    InvalidParameter
+        If no rate is within `GUESS_RATE_TOLERANCE` of chance in a forced choice, or all are above
+        `HIGHEST_FALSE_ALARMS` where participants say yes or no.
+    """
+    kind = kind_of(procedure, "procedure", PROCEDURES)
+    fields = resolve(kind.table).__dataclass_fields__
+    name = next((name for name in ("guess_rates", "guess_rate") if name in fields), None)
+    if name is None:
+        return
+    stated = procedure.get(name, fields[name].default)
+    rates = stated if isinstance(stated, list | tuple) else (stated,)
+    found = f"{', '.join(f'{rate:g}' for rate in rates)}{'' if name in procedure else ' by default'}"
+    found += f" where the task is {task.get('kind')}"
+    if task.get("kind") == "forced_choice":
+        chance = 1 / task.get("n_intervals", 2)
+        is_near = any(abs(rate - chance) <= GUESS_RATE_TOLERANCE for rate in rates)
+        expect(is_near, f"procedure.{name}", found, f"chance, {chance:.2g}")
+    elif task.get("kind") in SAYS_YES:
+        expect(min(rates) <= HIGHEST_FALSE_ALARMS, f"procedure.{name}", found, "the rate of false alarms, as 0.02")
 
 
 def practice_of(table: Mapping[str, Any]) -> Practice | None:

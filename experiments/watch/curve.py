@@ -87,7 +87,7 @@ def _n_choices(rows: list[Trial]) -> int:
 def fit_of(answers: Answers) -> ThresholdFit:
     """Fit the psychometric function exactly as `analyse` fits it."""
     counts = (answers.levels, answers.n_yes, answers.n_trials, answers.n_catch, answers.n_false_alarms)
-    return estimates([Cell("", (), answers.task, *counts)], answers.n_choices, answers.unit)[0].fit
+    return estimates([Cell("", (), answers.task, *counts, answers.n_choices)], answers.unit)[0].fit
 
 
 def band_of(answers: Answers) -> CurveBand | None:

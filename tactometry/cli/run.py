@@ -61,7 +61,8 @@ def command(
     Exit status 1 if a block, or a track of it, did not come to its end.
     """
     numbers, content = load(study)
-    experiment = wire(numbers, study, folder_of(study) if allow_code else None, simulated=rig == "simulated")
+    code_from = folder_of(study) if allow_code else None
+    experiment = wire(numbers, study, code_from, simulated=rig == "simulated", begun=resume)
     who = Who(Session(participant, n_session, numbers.name).participant, n_session, number, seed)
     root = out or Path(f"{numbers.name}-{'simulated' if rig == 'simulated' else 'data'}")
     refuse_erased(root, [participant], allowed=allow_erased)

@@ -74,6 +74,10 @@ OPTIONAL = (
     Column("separation_m", "Distance between the two places of the trial that are nearest to each other", "m"),
     Column("error_m", "Distance of the answered place from the right one", "m"),
 )
+FOREIGN = (
+    Column("n_alternatives", "Number of intervals or alternatives of the choice; empty: the largest in its condition"),
+)
+"""Columns that tables of other programs may have."""
 _DERIVED = (
     "source row yes is_catch x status threshold interval_low interval_high pse jnd width width_low width_high "
     "guess_rate lapse_rate n_yes n_trials n_levels n_catch n_false_alarms false_alarm_rate deviance method shape "
@@ -86,9 +90,11 @@ _DERIVED = (
 )
 DERIVED = frozenset(_DERIVED.split())
 """Columns that an analysis adds."""
-RESERVED = DERIVED | frozenset(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL))
+RESERVED = DERIVED | frozenset(column.name for column in (*FIRST, *ALWAYS, *OPTIONAL, *FOREIGN))
 """Names that no factor may have."""
-MAY_BE_FACTORS = frozenset(("session", "study", "block", "track", "item", "item_b", "procedure", "rig"))
+MAY_BE_FACTORS = frozenset(
+    ("session", "study", "block", "track", "item", "item_b", "procedure", "rig", "n_alternatives")
+)
 """Reserved names that an analysis may all the same be asked to take as factors."""
 
 

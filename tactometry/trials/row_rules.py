@@ -75,7 +75,7 @@ RULES: Mapping[str, CellRule] = {
         "the name of a study: words of small letters and digits joined by hyphens",
         lambda text: STUDY.fullmatch(text) is not None,
     ),
-    **dict.fromkeys(("session", "block", "trial", "attempt", "target"), _COUNT),
+    **dict.fromkeys(("session", "block", "trial", "attempt", "target", "n_alternatives"), _COUNT),
     **dict.fromkeys(("level", "level_delivered", "level_measured", "standard_level"), _ANY),
     **dict.fromkeys(("onset_s", "latency_s", "force_mean_n", "force_sd_n"), _POSITIVE),
     **dict.fromkeys(("speed_target_m_per_s", "speed_mean_m_per_s", "separation_m", "error_m"), _POSITIVE),

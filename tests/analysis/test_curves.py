@@ -10,7 +10,7 @@ from tactometry.analysis.tasks.cells import estimates
 
 def estimate(level: float = 20.0, k=(0, 3, 7, 10)) -> Estimate:
     levels = tuple(level + step for step in range(4))
-    (made,) = estimates([Cell("P01", (level,), "yes_no", levels, k, (10,) * 4, 0, 0)], 2)
+    (made,) = estimates([Cell("P01", (level,), "yes_no", levels, k, (10,) * 4, 0, 0)])
     return made
 
 
@@ -54,7 +54,7 @@ def test_the_figure_has_a_title_and_a_curve_for_each_condition_up_to_the_most() 
 
 
 def test_a_cell_with_catch_trials_alone_and_one_of_a_single_level_are_drawn() -> None:
-    (single,) = estimates([Cell("P01", ("b",), "yes_no", (5.0,), (3,), (9,), 0, 0)], 2)
-    (catch,) = estimates([Cell("P01", ("a",), "yes_no", (), (), (), 3, 1)], 2)
+    (single,) = estimates([Cell("P01", ("b",), "yes_no", (5.0,), (3,), (9,), 0, 0)])
+    (catch,) = estimates([Cell("P01", ("a",), "yes_no", (), (), (), 3, 1)])
     assert curve_figure([catch], ["hand"], unit="").svg.startswith("<svg")
     assert curve_figure([catch, single], ["hand"], unit="").svg.startswith("<svg")

@@ -46,7 +46,9 @@ def test_psychopys_own_file_is_read_as_it_is():
     assert set(trials.rows["participant"]) == {"7"}
     assert used_rows(trials)["latency_s"].tolist() == pytest.approx([0.5, 0.51, 0.53, 0.54, 0.56, 0.57, 0.59, 0.6])
     assert trials.notes == (
-        "2 rows were left out that hold neither level nor answer nor item, as other programs write for routines",
+        "2 rows were left out that hold neither level nor answer nor item, as other programs write for routines (the "
+        "first: psychopy_2026.2.5.csv, row 2)",
+        "4 rows without an answer were left out (the first: psychopy_2026.2.5.csv, row 5)",
     )
 
 
@@ -261,9 +263,9 @@ def test_an_answer_that_is_not_mapped_names_the_line_to_write(tmp_path, capsys, 
 def test_the_line_to_write_is_toml_that_means_the_word(word):
     import tomllib
 
-    from tactometry.analysis.reading.trials import _meaning
+    from tactometry.analysis.reading.cell_meaning import meaning
 
-    hint = _meaning("response", word)
+    hint = meaning("response", word)
     if "[values.response]: " in hint:
         assert tomllib.loads(hint.partition("[values.response]: ")[2]) == {word: 1}
     elif hint:

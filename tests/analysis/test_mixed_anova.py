@@ -70,7 +70,7 @@ def test_two_factors_within_have_their_interactions_with_the_groups() -> None:
     ("sizes", "status", "message"),
     [
         ((4,), DesignStatus.ONE_LEVEL, "hand: found 1 group, expected at least 2 to compare"),
-        ((4, 1), DesignStatus.TOO_FEW_PARTICIPANTS, "hand = right: found one participant, expected at least 2 a group"),
+        ((4, 1), DesignStatus.SMALL_GROUP, "hand = right: found one participant, expected at least 2 a group"),
     ],
 )
 def test_refuses_groups_that_cannot_be_compared(sizes, status, message) -> None:

@@ -35,7 +35,7 @@ RULES = {
 
 def tracks_at_the_end(root):
     """Every track of a data set's recorded sessions, with whose it was."""
-    experiment = wire(parse((root / "study.toml").read_bytes(), "study.toml"), "study.toml")
+    experiment = wire(parse((root / "study.toml").read_bytes(), "study.toml"), "study.toml", begun=True)
     for journal in sessions(root):
         recording = read(journal)
         head = recording.head

@@ -50,7 +50,7 @@ SLOW = {"many": pytest.mark.slow}
 def test_all_participants_at_once_have_the_verdicts_of_each_alone(catch) -> None:
     levels = (1.0, 2.0, 3.0, 4.0)
     cells = [Cell(f"P{i}", (), "yes_no", levels, k, (10,) * 4, *catch[::-1]) for i, k in enumerate(ANSWERS)]
-    alone = [each.fit.status for each in estimates(cells, 2, "dB")]
+    alone = [each.fit.status for each in estimates(cells, "dB")]
     each_by_fit = [
         fit(
             levels, k, 10, shape="gumbel", guess_rate=None, scale_free_width=True,
@@ -58,7 +58,7 @@ def test_all_participants_at_once_have_the_verdicts_of_each_alone(catch) -> None
         ).status
         for k in ANSWERS
     ]  # fmt: skip
-    found = group_fit(cells, (), 2, "dB").participants["status"].tolist()
+    found = group_fit(cells, (), "dB").participants["status"].tolist()
     assert alone == each_by_fit
     assert found == alone
 
@@ -68,9 +68,7 @@ def test_intervals_of_participants_hold_what_the_variances_leave_uncertain(monke
     seen = []
     monkeypatch.setattr(fitting, "cells", lambda *given: seen.append(given) or shrunken(*given))
     answers = {"A": (0, 3, 7, 10), "B": (1, 6, 8, 10), "C": (0, 1, 4, 9), "D": (2, 7, 9, 10)}
-    found = group_fit(
-        [Cell(who, (), "yes_no", (1, 2, 3, 4), k, (10,) * 4, 0, 0) for who, k in answers.items()], (), 2, ""
-    )
+    found = group_fit([Cell(who, (), "yes_no", (1, 2, 3, 4), k, (10,) * 4, 0, 0) for who, k in answers.items()], (), "")
     (model, fitted), n = seen[-1], len(seen[-1][1].parameters) - len(seen[-1][0].basis)
     as_found = fitted.covariance.copy()
     as_found[n:], as_found[:, n:] = 0, 0

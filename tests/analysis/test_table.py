@@ -113,7 +113,10 @@ def test_a_foreign_table_is_read_through_a_column_map(tmp_path: Path) -> None:
         ([HEADER, ROW, "P01,1,s"], "{}, row 3: found 3 cells, expected 14 as in the header"),
         (
             [HEADER, ROW, changed("participant", "Jane Doe")],
-            "{}, row 3, column 'participant': found 'Jane Doe', expected " + CODE,
+            "{}, row 3, column 'participant': found 'Jane Doe', expected "
+            + CODE
+            + "; give each a code in a column map "
+            "(--columns), below [values.participant]: 'Jane Doe' = 'P1'",
         ),
         ([HEADER, changed("participant", "")], "{}, row 2, column 'participant': found nothing, expected " + CODE),
         ([HEADER, changed("task", "yesno")], "{}, row 2, column 'task': found 'yesno', expected one of " + TASKS),

@@ -86,7 +86,7 @@ def test_equality_points_and_differences_of_real_data() -> None:
     if not path.exists():
         pytest.skip("the shared folder with the trials of Dallmann 2015 is absent")
     trials = read_trials(path)
-    fit = group_fit(cells(counted_answers(judgements(used_rows(trials))), trials.factors), trials.factors, 2, "cm/s")
+    fit = group_fit(cells(counted_answers(judgements(used_rows(trials))), trials.factors), trials.factors, "cm/s")
     by = fit.conditions.set_index("vibration_hz")
     assert by["jnd"].to_dict() == pytest.approx({0: 2.94, 32: 3.58}, rel=0.03)
     assert by["threshold"].to_dict() == pytest.approx({0: 8.56, 32: 8.41}, rel=0.005)
@@ -101,11 +101,11 @@ def cell(who: str, condition: tuple = (), k=(0, 3, 7, 10), **options) -> Cell:
 
 
 def test_one_participant_has_none() -> None:
-    assert group_fit([cell("A")], [], 2, "") is None
+    assert group_fit([cell("A")], [], "") is None
 
 
 def test_a_study_without_factors_has_one_condition() -> None:
-    fit = group_fit([cell("A"), cell("B", k=(1, 4, 8, 10)), cell("C", k=(0, 2, 7, 9))], [], 2, "dB")
+    fit = group_fit([cell("A"), cell("B", k=(1, 4, 8, 10)), cell("C", k=(0, 2, 7, 9))], [], "dB")
     assert fit.conditions["condition"].tolist() == ["all"]
     assert fit.effects == {}
 
@@ -119,13 +119,13 @@ def test_cells_that_were_fitted_are_not_fitted_again(monkeypatch, unit) -> None:
         for who, k in answers.items()
     ]
     factors = ("force_n", "hand")
-    anew = group_fit(every, factors, 2, unit)
-    known = {estimate.cell: estimate.fit for estimate in estimates(every, 2, unit)}
+    anew = group_fit(every, factors, unit)
+    known = {estimate.cell: estimate.fit for estimate in estimates(every, unit)}
     fitted, fit_many = [], starts.fit_many
     monkeypatch.setattr(
         starts, "fit_many", lambda *counts, **of: fitted.append(len(counts[0])) or fit_many(*counts, **of)
     )
-    told = group_fit(every, factors, 2, unit, known)
+    told = group_fit(every, factors, unit, known)
     assert fitted == [2]  # the answers of each condition together
     for table, expected in ((told.conditions, anew.conditions), (told.participants, anew.participants)):
         pd.testing.assert_frame_equal(table, expected, rtol=1e-6)
@@ -134,7 +134,7 @@ def test_cells_that_were_fitted_are_not_fitted_again(monkeypatch, unit) -> None:
 
 def test_false_alarms_on_catch_trials_raise_the_rate_of_guesses() -> None:
     rates = [
-        group_fit([cell(who, n_catch=40, n_false_alarms=n) for who in ("P1", "P2", "P3")], (), 2, "").fit.guess_rate
+        group_fit([cell(who, n_catch=40, n_false_alarms=n) for who in ("P1", "P2", "P3")], (), "").fit.guess_rate
         for n in (0, 16)
     ]
     assert rates[1] > rates[0] + 0.1
@@ -150,7 +150,6 @@ def test_a_factor_between_participants_is_not_tested() -> None:
     found = group_fit(
         [cell("A", ("x",)), cell("B", ("x",), k=(1, 4, 8, 10)), cell("C", ("y",)), cell("D", ("y",), k=(1, 4, 9, 10))],
         ["hand"],
-        2,
         "",
     )
     assert found.effects == {}
@@ -158,7 +157,8 @@ def test_a_factor_between_participants_is_not_tested() -> None:
 
 
 def test_forced_choices_guess_at_their_chance() -> None:
-    fit = group_fit([cell(who, task="forced_choice", k=(3, 5, 8, 10)) for who in "ABC"], [], 4, "")
+    choices = [replace(cell(who, task="forced_choice", k=(3, 5, 8, 10)), n_choices=4) for who in "ABC"]
+    fit = group_fit(choices, [], "")
     assert fit.fit.guess_rate == 0.25
 
 
@@ -170,7 +170,7 @@ def test_forced_choices_guess_at_their_chance() -> None:
     ],
 )
 def test_what_tells_no_threshold_has_a_reason(found, note) -> None:
-    told = group_fit(found, [], 2, "")
+    told = group_fit(found, [], "")
     assert told.fit is None
     assert hierarchical_sentences(told, "")[0].startswith(note)
     assert told.tables("yes_no") == {}
@@ -178,13 +178,13 @@ def test_what_tells_no_threshold_has_a_reason(found, note) -> None:
 
 def test_very_many_cells_are_left_to_the_function(monkeypatch) -> None:
     monkeypatch.setattr(module, "MOST_CELLS", 2)
-    assert group_fit([cell(who) for who in "ABC"], [], 2, "").note.startswith("no hierarchical fit: 3 cells, at most 2")
-    assert group_fit([cell(who) for who in "AB"], [], 2, "").fit is not None
+    assert group_fit([cell(who) for who in "ABC"], [], "").note.startswith("no hierarchical fit: 3 cells, at most 2")
+    assert group_fit([cell(who) for who in "AB"], [], "").fit is not None
 
 
 def test_a_comparison_has_no_rate_of_lapses_or_guesses_to_tell() -> None:
     answers = {"A": (1, 3, 7, 9), "B": (1, 4, 8, 10), "C": (0, 2, 7, 9)}
-    outcome = group_fit([cell(who, task="comparison", k=k) for who, k in answers.items()], [], 2, "")
+    outcome = group_fit([cell(who, task="comparison", k=k) for who, k in answers.items()], [], "")
     told = hierarchical_sentences(outcome, "")
     assert any("standard deviations between" in sentence for sentence in told)
     assert not any("rate" in sentence for sentence in told)
@@ -197,5 +197,5 @@ def test_a_search_that_loses_all_digits_ends_with_a_reason() -> None:
         cell(f"P{n}", levels=(18.0, 26.0), k=k, n_trials=(40, 40), n_catch=0, n_false_alarms=0)
         for n, k in enumerate(answers)
     ]
-    told = group_fit(found, (), 2, "dB")
+    told = group_fit(found, (), "dB")
     assert told.fit is not None or told.note.startswith("no hierarchical fit: the likelihood still rises")

@@ -212,6 +212,12 @@ def test_what_a_sensor_cannot_tell_is_lost():
     assert np.isnan(factor.force_n(np.array([-11.0, 10.5, np.nan]))).all()
 
 
+@pytest.mark.parametrize("overload", [9.99999999e37, -1e30, 1.1e5])
+def test_force_of_no_finger_is_a_lost_sample(overload):
+    calibration = ForceCalibration(newtons_per_count=0.001)
+    assert calibration.force_n(np.array([1000.0, overload])).tolist() == pytest.approx([1.0, np.nan], nan_ok=True)
+
+
 @pytest.mark.parametrize(
     ("form", "message"),
     [

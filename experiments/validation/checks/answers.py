@@ -116,7 +116,7 @@ def _wald_difference(found: MixedEstimate) -> Estimate:
 
 
 def _fitted(cells: list[Cell]) -> pd.DataFrame:
-    return estimate_table(estimates(cells, 2), [FACTOR], "")
+    return estimate_table(estimates(cells), [FACTOR], "")
 
 
 def _p_of_hierarchical(found: HierarchicalFit) -> float:

@@ -71,9 +71,15 @@ class StreamedSensor:
             self.reader.close()
 
 
+LARGEST_FORCE_N = 100.0
+LARGEST_PLACE_M = 1e6
+"""Values beyond these are none of a finger: instruments send them at overload (unverified defaults)."""
+
+
 @dataclass(frozen=True)
 class ForceCalibration(Measured):
-    """One of three forms; what lies outside of a range that is known becomes NaN, a lost sample.
+    """One of three forms; what lies outside of a range that is known becomes NaN, a lost sample. So does a force above
+    `LARGEST_FORCE_N`, as the value that an instrument sends at overload.
 
     Parameters
     ----------
@@ -129,9 +135,9 @@ class ForceCalibration(Measured):
         expect(rises, "ForceCalibration.count_low", self.count_low, f"below count_high, {self.count_high}")
 
     def force_n(self, counts: FloatArray) -> FloatArray:
-        """(n_samples,) counts to newton; NaN outside of what is known."""
+        """(n_samples,) counts to newton; NaN outside of what is known, and above `LARGEST_FORCE_N`."""
         known = (counts >= self.count_low) & (counts <= self.count_high)
-        return np.where(known, self._force_n(counts), np.nan)
+        return _within(np.where(known, self._force_n(counts), np.nan), LARGEST_FORCE_N)
 
     def _force_n(self, counts: FloatArray) -> FloatArray:
         if self.table_counts is not None and self.table_forces_n is not None:
@@ -175,7 +181,14 @@ def streamed_position(
 ) -> StreamedSensor:
     """A position sensor on one channel per axis; `zero_counts` (default 0) is where a position is 0."""
     columns, zero = np.array(channels), np.array(zero_counts or (0.0,) * len(channels))
-    return StreamedSensor(reader, lambda counts: (counts.take(columns, axis=1) - zero) * metres_per_count)
+    return StreamedSensor(
+        reader, lambda counts: _within((counts.take(columns, axis=1) - zero) * metres_per_count, LARGEST_PLACE_M)
+    )
+
+
+def _within(values: FloatArray, largest: float) -> FloatArray:
+    """Return the values with NaN, a lost sample, for those beyond `largest`."""
+    return np.where(np.abs(values) <= largest, values, np.nan)
 
 
 def mean_speed_m_per_s(times_s: FloatArray, positions_m: FloatArray) -> float | None:

@@ -1,0 +1,40 @@
+"""Lines of a column map that say what a refused cell means."""
+
+import json
+import re
+
+NOT_MEASURED = frozenset(("none", "null", "nan", "na", "n/a", "-", "--", "undefined"))
+"""What other programs write where nothing was measured."""
+NAMED_VALUES = ("response", "correct", "catch", "valid", "practice")
+"""Columns whose values other programs write in words."""
+
+
+def meaning(name: str, text: str) -> str:
+    """How to say in a column map what a word means.
+
+    >>> meaning("response", "y")
+    "; say what it means in a column map (--columns), below [values.response]: 'y' = 1"
+    >>> meaning("response", "None"), meaning("response", "7")
+    ("; say in a column map (--columns) that it was not measured: missing = ['None']", '')
+    """
+    if name == "participant" and text:
+        return f"; give each a code in a column map (--columns), below [values.participant]: {_toml_text(text)} = 'P1'"
+    if name not in NAMED_VALUES or not text or _NUMBER.fullmatch(text):
+        return ""
+    word = _toml_text(text)
+    if text.strip().lower() in NOT_MEASURED:
+        return f"; say in a column map (--columns) that it was not measured: missing = [{word}]"
+    return f"; say what it means in a column map (--columns), below [values.{name}]: {word} = 1"
+
+
+def _toml_text(text: str) -> str:
+    r"""
+    >>> print(_toml_text("y"), _toml_text("don't\n"))
+    'y' "don't\n"
+    """
+    if text.isprintable() and "'" not in text:
+        return f"'{text}'"
+    return json.dumps(text, ensure_ascii=False).replace("\x7f", "\\u007f")  # JSON may hold it as it is, TOML may not
+
+
+_NUMBER = re.compile(r"[+-]?\d+\.?\d*")

@@ -1,0 +1,66 @@
+"""Warnings of columns that contradict each other, and of values that cannot be."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from tactometry.errors import count_of
+from tactometry.trials.tasks import tasks_with_level
+
+from .level_scale import is_logarithm
+from .rows import numbers_of
+
+CHOSEN = ("forced_choice", "localisation")
+"""Tasks whose response is the number that `target` holds where it is correct."""
+OF_SIGN = ("comparison", "adjustment", "same_different")
+"""Tasks whose levels may be differences, which have a sign in any unit."""
+
+
+def contradictions(rows: pd.DataFrame) -> Iterator[str]:
+    """Warn of contradicting columns of a checked table, with the number of rows and the first."""
+    checks = (
+        (_wrong_correctness(rows), "a value of 'correct' other than 'response' and 'target' say; 'correct' was used"),
+        (_beyond_alternatives(rows), "a response or target above 'n_alternatives'; the stated number was used"),
+        (_signed_amplitudes(rows), "a negative level in a unit that is not a logarithm; see 'level' and 'level_unit'"),
+        (_column(rows, "latency_s") < 0, "a negative 'latency_s': the answer came before the question"),
+    )
+    for mask, what in checks:
+        if mask.any():
+            first = rows[mask].iloc[0]
+            place = f"{Path(str(first['source'])).name}, row {first['row']}"
+            verb = "has" if mask.sum() == 1 else "have"
+            yield f"{count_of(int(mask.sum()), 'row')} {verb} {what} (the first: {place})"
+
+
+def _column(rows: pd.DataFrame, name: str) -> "pd.Series[float]":
+    return rows[name] if name in rows.columns else pd.Series(np.nan, index=rows.index)
+
+
+def _wrong_correctness(rows: pd.DataFrame) -> "pd.Series[bool]":
+    response, target, stated = _chosen(rows), _column(rows, "target"), _column(rows, "correct")
+    known = response.notna() & target.notna() & stated.notna()
+    return known & ((response == target) != (stated == 1))
+
+
+def _beyond_alternatives(rows: pd.DataFrame) -> "pd.Series[bool]":
+    stated, of_choices = _column(rows, "n_alternatives"), rows["task"].isin(CHOSEN)
+    return of_choices & ((_chosen(rows) > stated) | (_column(rows, "target") > stated))
+
+
+def _chosen(rows: pd.DataFrame) -> "pd.Series[float]":
+    """The number of the interval or alternative that was chosen; NaN in other tasks."""
+    of_choices = rows["task"].isin(CHOSEN)
+    chosen = pd.Series(np.nan, index=rows.index)
+    chosen[of_choices] = numbers_of(rows.loc[of_choices, "response"])
+    return chosen
+
+
+def _signed_amplitudes(rows: pd.DataFrame) -> "pd.Series[bool]":
+    if "level_unit" not in rows.columns:
+        return pd.Series(False, index=rows.index)
+    units = [unit for unit in rows["level_unit"].unique() if unit and not is_logarithm(unit)]
+    has_unit = rows["level_unit"].isin(units)
+    is_amplitude = rows["task"].isin(tasks_with_level("curve", "ratio")) & ~rows["task"].isin(OF_SIGN)
+    return is_amplitude & has_unit & (rows["level"] < 0)

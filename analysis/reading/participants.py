@@ -1,0 +1,78 @@
+"""Codes of participants: written without separators, and compared with each other."""
+
+import re
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+
+import pandas as pd
+
+from tactometry.errors import InvalidFile
+from tactometry.trials.cell_rules import PARTICIPANT
+
+from ..wording import NAMED
+
+_SEPARATORS = re.compile(r"[_-]+")
+_ZEROS = re.compile(r"(?<![0-9])0+(?=[0-9])")
+
+
+def without_separators(codes: Iterable[str], path: Path) -> dict[str, str]:
+    """Map codes that are not of letters and digits alone to such, by leaving out hyphens and underscores.
+
+    A code with a space may be a person's name, for which the column map must state a code.
+
+    Raises
+    ------
+    InvalidFile
+        If two codes differ by these alone.
+
+    >>> without_separators(["sub-01", "S02", "Bob Smith", "P_01"], Path("t.csv"))
+    {'sub-01': 'sub01', 'P_01': 'P01'}
+    """
+    codes = list(codes)
+    short = {code: _SEPARATORS.sub("", code) for code in codes if not PARTICIPANT.fullmatch(code)}
+    short = {code: text for code, text in short.items() if PARTICIPANT.fullmatch(text)}
+    for code, text in short.items():
+        same = [other for other in codes if other != code and short.get(other, other) == text]
+        if same:
+            raise InvalidFile(
+                f"{path}: found the participants {same[0]!r} and {code!r}, expected codes that differ by more than "
+                f"separators; write into a column map, below [values.participant], {code!r} = 'another code', or = "
+                f"{same[0]!r} where they are one"
+            )
+    return short
+
+
+def with_codes(tables: Mapping[Path, pd.DataFrame], path: Path, notes: list[str]) -> dict[Path, pd.DataFrame]:
+    """Return the tables with `without_separators` applied to their participants, and say so in `notes`."""
+    codes = dict.fromkeys(code for table in tables.values() for code in table["participant"].unique())
+    short = without_separators(codes, path)
+    if not short:
+        return dict(tables)
+    written = _named(f"{code} as {text}" for code, text in short.items())
+    notes.append(
+        f"participant codes are written without separators: {written}; [values.participant] of the map names others"
+    )
+    return {file: table.assign(participant=table["participant"].replace(short)) for file, table in tables.items()}
+
+
+def alike_notes(codes: Iterable[str]) -> Iterator[str]:
+    """Warn of codes that differ by case, separators or leading zeros alone.
+
+    >>> list(alike_notes(["01", "1", "S2"]))[0][:75]
+    'participants that may be the same, as their codes differ only by case, sepa'
+    """
+    groups: dict[str, list[str]] = {}
+    for code in codes:
+        groups.setdefault(_ZEROS.sub("", _SEPARATORS.sub("", code).casefold()), []).append(code)
+    alike = [" and ".join(sorted(group)) for group in groups.values() if len(group) > 1]
+    if alike:
+        yield (
+            "participants that may be the same, as their codes differ only by case, separators or leading zeros: "
+            f"{_named(alike)}; each was analysed separately; where they are one, write one code or map it in "
+            "[values.participant] of a column map"
+        )
+
+
+def _named(texts: Iterable[str]) -> str:
+    texts = list(texts)
+    return f"{', '.join(texts[:NAMED])}{f' and {len(texts) - NAMED} more' if len(texts) > NAMED else ''}"

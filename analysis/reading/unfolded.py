@@ -1,0 +1,115 @@
+"""Rows that hold several answers, as one row for each answer: counts, and surveys of jsPsych."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from tactometry.errors import InvalidFile, count_of
+from tactometry.files.json_file import json_value
+from tactometry.trials.row_rules import rows_text
+from tactometry.trials.tasks import FORM_TASK
+
+from .rows import expect_column, numbers_of
+
+POSITIVE, TOTAL = "n_positive", "n_trials"
+"""Columns of a table of counts: answers that were yes or correct, and all answers."""
+COUNTED = "counts"
+"""The procedure of rows that were made of counts: their order says nothing."""
+CHOICE = "forced_choice"
+ALTERNATIVES = "n_alternatives"
+MOST_COUNTED = 10_000_000
+"""Trials in a table of counts (unverified default)."""
+
+
+def counted_trials(table: pd.DataFrame, file: Path) -> pd.DataFrame:
+    """Return a row for each trial of a table of counts; other tables as they are.
+
+    Positive answers are spread evenly over the trials of their row, as their order is not known.
+
+    Raises
+    ------
+    InvalidFile
+        If one of the two columns is missing, or a row has no counts, or more positive answers than trials.
+    """
+    if POSITIVE not in table.columns:
+        return table
+    expect_column(table, TOTAL, file, f", the number of trials of which {POSITIVE} were positive")
+    positive, total = (numbers_of(table[name].str.strip()).to_numpy() for name in (POSITIVE, TOTAL))
+    is_count = (positive >= 0) & (positive <= total) & (positive % 1 == 0) & (total % 1 == 0)
+    if not is_count.all():
+        wrong = table[~is_count]
+        found = " of ".join(wrong[name].iloc[0] or "nothing" for name in (POSITIVE, TOTAL))
+        first, *others = wrong["row"]
+        raise InvalidFile(
+            f"{file}{rows_text(first, others, len(wrong))}: found {found} ({POSITIVE} of {TOTAL}), expected whole "
+            "numbers, at most as many positive as all"
+        )
+    if total.sum() > MOST_COUNTED:
+        raise InvalidFile(f"{file}: found {total.sum():g} trials in counts, expected at most {MOST_COUNTED}")
+    times = total.astype(np.int64)
+    place = np.arange(times.sum()) - np.repeat(np.cumsum(times) - times, times)
+    k, n = np.repeat(positive, times), np.repeat(total, times)
+    is_yes = np.floor((place + 1) * k / n) > np.floor(place * k / n)
+    rows = table.loc[table.index.repeat(times)].drop(columns=[POSITIVE, TOTAL, "trial"], errors="ignore")
+    answers = np.where(is_yes, "1", "0")
+    name = "correct" if "task" in rows.columns and (rows["task"] == CHOICE).any() else "response"
+    return rows.assign(**{name: answers}).assign(procedure=COUNTED).reset_index(drop=True)
+
+
+def with_responses(table: pd.DataFrame, file: Path) -> pd.DataFrame:
+    """Return a table of forced choices that states only whether each was correct, with a response.
+
+    The number of the interval is then not known: 1 stands for a correct answer, 2 for a wrong one.
+
+    Raises
+    ------
+    InvalidFile
+        If nothing states the number of alternatives.
+    """
+    is_choice = {"task", "correct"} <= set(table.columns) and (table["task"] == CHOICE).all()
+    if "response" in table.columns or not is_choice:
+        return table
+    why = f"; where 'correct' alone is known, write {ALTERNATIVES} = 2 into [constants] of the column map"
+    expect_column(table, ALTERNATIVES, file, why)
+    return table.assign(response=table["correct"].map({"1": "1", "0": "2"}).fillna(""))
+
+
+def survey_answers(table: pd.DataFrame, file: Path, warn: Callable[[str], None]) -> pd.DataFrame:
+    """Return a row for each item where the response is an object of JSON, as jsPsych writes answers to a survey."""
+    if not {"task", "response"} <= set(table.columns):
+        return table
+    nested = table["response"].str.startswith("{")
+    answers = {place: _object(text) for place, text in table.loc[nested, "response"].items()}
+    answers = {place: items for place, items in answers.items() if items}
+    if not answers:
+        return table
+    times = [len(answers.get(place, "1")) for place in table.index]
+    rows = table.loc[table.index.repeat(times)]
+    is_item = rows.index.isin(list(answers))
+    items = [item for place in table.index if place in answers for item in answers[place].items()]
+    said = {"item": [key for key, _ in items], "response": [text for _, text in items], "task": FORM_TASK}
+    for name, texts in said.items():
+        column = np.full(len(rows), "", dtype=object)
+        if name in rows.columns:
+            column[:] = rows[name]
+        column[is_item] = texts
+        rows = rows.assign(**{name: column})
+    where = f"{file.name}, row {table['row'][table.index.isin(list(answers))].iloc[0]}"
+    warn(
+        f"{count_of(len(answers), 'row')} of answers to a survey were read as the task {FORM_TASK} (the first: {where})"
+    )
+    return rows.reset_index(drop=True)
+
+
+def _object(text: str) -> dict[str, str]:
+    """
+    >>> _object('{"Q0": 3, "Q1": "often"}'), _object("{left}")
+    ({'Q0': '3', 'Q1': 'often'}, {})
+    """
+    try:
+        value = json_value(text)
+    except ValueError:
+        return {}
+    return {str(name): "" if held is None else str(held) for name, held in value.items()}

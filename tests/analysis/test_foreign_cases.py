@@ -1,0 +1,397 @@
+"""Tables with the faults of other programs' files, analysed through the command with their known results."""
+
+import json
+import shutil
+
+import pytest
+from command_line import call, output, refused
+from places import FOREIGN
+
+CASES = FOREIGN / "cases"
+YES_NO = "6.07 [5.46, 6.69] (n = 4)"
+NEGATIVE = "-5.70 [-6.84, -4.56] (n = 3)"
+MAP = '[constants]\ntask = "yes_no"\n[values.response]\ny = 1\nn = 0\n'
+
+
+def analysed(capsys, table, column_map=None, within=""):
+    column_map = column_map or (table.parent / "map.toml")
+    return json.loads(output(capsys, "analyse", table, "--columns", column_map, "--within", within, "--json"))
+
+
+def mean(found):
+    return found["outcomes"][0]["group"][0]["text"]
+
+
+def copy_of(case, tmp_path):
+    """A copy of a case's folder, to change."""
+    return shutil.copytree(CASES / case, tmp_path / case)
+
+
+def warning(found, beginning):
+    return next(warning for warning in found["warnings"] if beginning in warning)
+
+
+# --- right results
+
+
+@pytest.mark.parametrize(
+    ("table", "column_map", "expected"),
+    [
+        ("01_open_quotation_mark/same_without_notes.csv", "map.toml", YES_NO),
+        ("02_csv_beside_json/tables", "map.toml", YES_NO),
+        ("06_counts/counts.csv", "n_of_m.toml", YES_NO),
+        ("07_name_of_the_file/byfile", "star.toml", YES_NO),
+        ("07_name_of_the_file/byfile2", "subject_star.toml", YES_NO),
+        ("09_missing_optional_column/tables", "map.toml", NEGATIVE),
+        ("10_row_numbers/from_r.csv", "map.toml", YES_NO),
+        ("10_row_numbers/from_pandas.csv", "map.toml", YES_NO),
+        ("11_sep_line/trials.csv", "map.toml", YES_NO),
+        ("12_unicode_minus/trials.csv", "map.toml", NEGATIVE),
+        ("14_json_as_txt/results.txt", "map.toml", YES_NO),
+        ("14_json_as_txt/folder", "map.toml", YES_NO),
+        ("16_column_twice/trials.csv", "map.toml", YES_NO),
+        ("17_right_already/carriage_returns/trials.csv", "map.toml", YES_NO),
+        ("17_right_already/line_in_a_cell/trials.csv", "map.toml", YES_NO),
+        ("17_right_already/bids_with_mark/bids", "map.toml", YES_NO),
+    ],
+)
+def test_threshold_is_right_for_each_case(capsys, table, column_map, expected):
+    path = CASES / table
+    assert mean(analysed(capsys, path, path.parent / column_map)) == expected
+
+
+@pytest.mark.parametrize(
+    ("table", "column_map", "message"),
+    [
+        (
+            "01_open_quotation_mark/trials.csv",
+            "map.toml",
+            "trials.csv, row 22: found a quotation mark that opens a cell",
+        ),
+        ("06_counts/counts.csv", "map.toml", "for counts name n_positive and n_trials in [columns] of the map"),
+        ("07_name_of_the_file/byfile", "P.toml", 'a star marks the place of the code: "P*" in P01.csv'),
+        ("07_name_of_the_file/byfile2", "subject.toml", '"_subject_*_" in x_subject_1_y.csv'),
+        ("13_one_line/trials.csv", "map.toml", "found one line of 483 cells, expected a line for each row"),
+        ("15_workbook/trials.xlsx", "map.toml", "found an Excel workbook; save its sheet as CSV"),
+    ],
+)
+def test_refusal_names_the_fault_of_each_case(capsys, table, column_map, message):
+    path = CASES / table
+    assert message in refused(capsys, "analyse", path, "--columns", path.parent / column_map, "--within", "")
+
+
+@pytest.mark.parametrize(
+    ("table", "text"),
+    [
+        ("04_leading_zeros/trials.csv", "leading zeros: 01 and 1, 02 and 2, 03 and 3, 04 and 4; each was"),
+        ("09_missing_optional_column/tables", "found no column 'key_resp.rt' in 3.csv: latency_s is empty there"),
+        ("10_row_numbers/from_r.csv", "from_r.csv: the first column has no name and counts the rows"),
+        ("16_column_twice/trials.csv", "trials.csv: the column 'note' appears 2 times and was not read"),
+    ],
+)
+def test_warning_names_what_each_case_leaves_out(capsys, table, text):
+    assert warning(analysed(capsys, CASES / table), text)
+
+
+def test_alternatives_are_counted_in_each_condition(capsys):
+    found = analysed(capsys, CASES / "03_two_and_four_alternatives" / "trials.csv", within="n_afc")
+    group = {row["n_afc"]: row["text"] for row in found["outcomes"][0]["group"]}
+    assert group == {2: "3.23 [2.71, 3.74] (n = 6)", 4: "3.44 [3.25, 3.63] (n = 6)"}
+    assert found["outcomes"][0]["anova"][0]["F"] == pytest.approx(1.25, abs=0.005)
+    assert "(2: 2; 4: 4)" in warning(found, "different numbers of alternatives")
+
+
+def test_stated_alternatives_must_be_one_number_in_a_condition(capsys, tmp_path):
+    lines = '[constants]\ntask = "forced_choice"\n[columns]\nn_alternatives = "n_afc"\n'
+    (tmp_path / "map.toml").write_text(lines)
+    table = CASES / "03_two_and_four_alternatives" / "trials.csv"
+    said = refused(capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", "")
+    assert "column 'n_alternatives': found 2 and 4 in one condition" in said
+    found = analysed(capsys, table, tmp_path / "map.toml", within="n_alternatives")
+    assert {row["guess_rate"] for row in found["thresholds"]} == {0.5, 0.25}
+
+
+def test_few_answers_do_not_lower_the_number_of_alternatives(capsys, tmp_path):
+    sides = [("a", n, n % 4 + 1) for n in range(40)] + [("b", n, n % 3 + 1) for n in range(6)]
+    rows = [
+        f"S1,{level},{side},{target if 4 * level > 2 * n % 13 else 1 + target % 3},{target}"
+        for side, n, target in sides
+        for level in (1, 2, 3)
+    ]
+    table = written(
+        tmp_path, ["participant,level,side,response,target", *rows], '[constants]\ntask = "forced_choice"\n'
+    )
+    assert {row["guess_rate"] for row in analysed(capsys, table, within="side")["thresholds"]} == {0.25}
+
+
+# --- nothing is left out in silence
+
+
+def test_row_number_is_that_of_the_file_after_sep_line(capsys, tmp_path):
+    folder = copy_of("11_sep_line", tmp_path)
+    table = folder / "trials.csv"
+    table.write_text(table.read_text().replace("S01,2,n", "S01,loud,n", 1))
+    assert "trials.csv, row 3, column 'level': found 'loud'" in refused(
+        capsys, "analyse", table, "--columns", folder / "map.toml", "--within", ""
+    )
+
+
+def test_folder_reads_files_whatever_case_their_ending_has(capsys, tmp_path):
+    folder = copy_of("02_csv_beside_json", tmp_path)
+    (folder / "tables" / "S04.csv").rename(folder / "tables" / "S04.CSV")
+    assert mean(analysed(capsys, folder / "tables")) == YES_NO
+
+
+@pytest.mark.parametrize("name", ["S09.xlsx", "S09.psydat", "notes.txt", "settings.json", "S01.json", "more/S09.csv"])
+def test_folder_warns_of_files_it_does_not_read(capsys, tmp_path, name):
+    folder = copy_of("02_csv_beside_json", tmp_path) / "tables"
+    (folder / name).parent.mkdir(exist_ok=True)
+    (folder / name).write_text("{}")
+    found = analysed(capsys, folder)
+    assert (found["n_participants"], warning(found, "not read")) == (4, f"not read: {name}")
+
+
+def test_folder_is_silent_about_other_forms_of_read_files(capsys, tmp_path):
+    folder = copy_of("02_csv_beside_json", tmp_path) / "tables"
+    (folder / "S01.psydat").write_bytes(b"\x80\x04")
+    assert not [warning for warning in analysed(capsys, folder)["warnings"] if "not read" in warning]
+
+
+def test_bids_folder_warns_of_subjects_without_trials(capsys, tmp_path):
+    folder = copy_of("17_right_already/bids_with_mark", tmp_path)
+    beh = folder / "bids" / "sub-04" / "beh"
+    (beh / "sub-04_task-detect_beh.tsv").rename(beh / "sub-04_task-detect.tsv")
+    found = analysed(capsys, folder / "bids")
+    assert (found["n_participants"], warning(found, "not read")) == (3, "not read: sub-04")
+
+
+def test_participants_without_a_kept_row_are_named(capsys, tmp_path):
+    table = tmp_path / "t.csv"
+    rows = [f"{code},{level},n,{part}" for code, part in (("S1", "test"), ("S2", "Test")) for level in (1, 2, 3)]
+    table.write_text("\n".join(["participant,level,response,part", *rows]))
+    (tmp_path / "map.toml").write_text(MAP + '[keep]\npart = ["test"]\n')
+    assert "no trial was read of S2" in warning(analysed(capsys, table), "no trial was read")
+
+
+TRIALS = [f"{code},{level},{'y' if level > 2 else 'n'}" for code in ("S1", "S2") for level in (1, 2, 3)]
+
+
+def test_participants_without_an_answer_are_named(capsys, tmp_path):
+    table = written(tmp_path, ["participant,level,response", *TRIALS, "S3,1,", "S3,2,"], MAP)
+    found = analysed(capsys, table)
+    assert warning(found, "no valid answer") == "no valid answer, and so no result, of S3"
+    assert warning(found, "without an answer").startswith(
+        "2 rows without an answer were left out (the first: t.csv, row 8)"
+    )
+
+
+def test_choices_without_a_right_answer_are_counted(capsys, tmp_path):
+    rows = [f"S1,{level},1,{1 if level > 1 else ''}" for level in (1, 2, 3)]
+    table = written(tmp_path, ["participant,level,response,target", *rows], '[constants]\ntask = "forced_choice"\n')
+    assert warning(analysed(capsys, table), "neither 'correct'").startswith("1 row of a forced choice")
+
+
+def test_choices_need_correct_or_target(capsys, tmp_path):
+    table = written(tmp_path, ["participant,level,response", "S1,1,1"], '[constants]\ntask = "forced_choice"\n')
+    said = refused(capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", "")
+    assert said.endswith("a forced choice needs a column 'correct' or 'target'")
+
+
+def test_files_of_one_code_by_their_names_are_named(capsys, tmp_path):
+    for name in ("results_1.csv", "results_2.csv"):
+        (tmp_path / name).write_text("level,response\n1,n\n2,y\n3,y\n")
+    (tmp_path / "map.toml").write_text(MAP + '[from_name]\nparticipant = "*_"\n')
+    said = warning(analysed(capsys, tmp_path, tmp_path / "map.toml"), "from_name")
+    assert said == "read as one participant, results, by from_name: results_1.csv, results_2.csv"
+
+
+# --- codes of participants
+
+
+@pytest.mark.parametrize(("code", "ours"), [("sub-01", "sub01"), ("P_01", "P01")])
+def test_code_is_written_without_separators_with_a_warning(capsys, tmp_path, code, ours):
+    table = tmp_path / "t.csv"
+    table.write_text("participant,level,response\n" + f"{code},1,n\n{code},2,y\n{code},3,y\n")
+    (tmp_path / "map.toml").write_text(MAP)
+    found = analysed(capsys, table)
+    assert found["thresholds"][0]["participant"] == ours
+    assert f"{code} as {ours}; [values.participant]" in warning(found, "separators")
+
+
+@pytest.mark.parametrize(
+    ("codes", "message"),
+    [
+        (("P_01", "P01"), "found the participants 'P01' and 'P_01'"),
+        (("Bob Smith",), "below [values.participant]: 'Bob Smith' = 'P1'"),
+    ],
+)
+def test_code_is_refused_with_the_line_to_write(capsys, tmp_path, codes, message):
+    table = tmp_path / "t.csv"
+    table.write_text("participant,level,response\n" + "".join(f"{code},1,n\n" for code in codes))
+    (tmp_path / "map.toml").write_text(MAP)
+    assert message in refused(capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", "")
+
+
+# --- counts, and tables of correct and wrong
+
+
+def written(tmp_path, rows, lines):
+    """A table and its map."""
+    (tmp_path / "t.csv").write_text("\n".join(rows) + "\n")
+    (tmp_path / "map.toml").write_text(lines)
+    return tmp_path / "t.csv"
+
+
+CHOICE = '[constants]\ntask = "forced_choice"\nn_alternatives = {}\n'
+COUNTS = '[columns]\nn_positive = "k"\nn_trials = "n"\n'
+CORRECT = {1: 10, 2: 12, 3: 16, 4: 19, 5: 20}
+
+
+@pytest.mark.parametrize("n_alternatives", [2, 4])
+def test_correct_alone_gives_the_threshold_of_its_counts(capsys, tmp_path, n_alternatives):
+    counts = [f"S1,{level},{k},20" for level, k in CORRECT.items()]
+    trials = [f"S1,{level},{int(n < k)}" for level, k in CORRECT.items() for n in range(20)]
+    constants = CHOICE.format(n_alternatives)
+    of_counts = analysed(capsys, written(tmp_path, ["participant,level,k,n", *counts], constants + COUNTS))
+    of_trials = analysed(capsys, written(tmp_path, ["participant,level,correct", *trials], constants))
+    first, second = (found["thresholds"][0] for found in (of_counts, of_trials))
+    assert first["threshold"] == second["threshold"]
+    assert first["guess_rate"] == second["guess_rate"] == 1 / n_alternatives
+    assert (first["n_trials"], first["residual_order_p"]) == (100, None)
+
+
+def test_correct_alone_is_refused_without_alternatives(capsys, tmp_path):
+    table = written(tmp_path, ["participant,level,correct", "S1,1,1"], '[constants]\ntask = "forced_choice"\n')
+    said = refused(capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", "")
+    assert "write n_alternatives = 2 into [constants] of the column map" in said
+
+
+@pytest.mark.parametrize(("k", "n"), [(13, 12), (-1, 12), (1.5, 12), ("", 12), (1, "")])
+def test_impossible_counts_are_refused_with_their_row(capsys, tmp_path, k, n):
+    rows = ["participant,level,k,n", "S1,1,1,12", f"S1,2,{k},{n}"]
+    table = written(tmp_path, rows, '[constants]\ntask = "yes_no"\n' + COUNTS)
+    said = refused(capsys, "analyse", table, "--columns", tmp_path / "map.toml", "--within", "")
+    assert f"t.csv, row 3: found {k or 'nothing'} of {n or 'nothing'} (n_positive of n_trials)" in said
+
+
+# --- columns that contradict each other
+
+
+@pytest.mark.parametrize(
+    ("header", "row", "text"),
+    [
+        ("target,correct", "2,1", "30 rows have a value of 'correct' other than 'response' and 'target' say"),
+        ("target,n_alternatives", "3,2", "30 rows have a response or target above 'n_alternatives'"),
+        ("target,level_unit", "1,V", "30 rows have a negative level in a unit that is not a logarithm"),
+        ("target,latency_s", "1,-0.2", "30 rows have a negative 'latency_s': the answer came before the question"),
+    ],
+)
+def test_contradictions_are_warned_of_with_their_rows(capsys, tmp_path, header, row, text):
+    rows = [f"S1,{level},1,{row}" for level in (-3, -2, -1) for _ in range(10)]
+    table = written(tmp_path, [f"participant,level,response,{header}", *rows], '[constants]\ntask = "forced_choice"\n')
+    assert warning(analysed(capsys, table), text).endswith("(the first: t.csv, row 2)")
+
+
+# --- surveys of jsPsych
+
+
+def test_survey_answers_of_jspsych_are_ratings(capsys, tmp_path):
+    trials = [{"participant": "S1", "level": level, "response": "y"} for level in (1, 2, 3)]
+    survey = {"participant": "S1", "trial_type": "survey-likert", "response": {"Q0": 3, "Q1": None}}
+    (tmp_path / "t.json").write_text(json.dumps([*trials, survey]))
+    (tmp_path / "map.toml").write_text(MAP)
+    found = analysed(capsys, tmp_path / "t.json")
+    assert (
+        warning(found, "survey")
+        == "1 row of answers to a survey were read as the task rating (the first: t.json, row 4)"
+    )
+    assert warning(found, "not analysed here") == "not analysed here, rows of other tasks: 2 (rating)"
+
+
+# --- Unicode
+
+
+def test_decomposed_names_match_composed_ones(capsys, tmp_path):
+    import unicodedata
+
+    rows = ["participant,größe,level,response", *(f"S1,groß,{level},n" for level in (1, 2, 3))]
+    table = written(tmp_path, [unicodedata.normalize("NFD", row) for row in rows], MAP)
+    assert analysed(capsys, table, within="größe")["factors"] == ["größe"]
+
+
+# --- groups, and designs without an analysis of variance
+
+
+def test_reason_names_the_factor_between_participants(capsys):
+    found = analysed(capsys, CASES / "08_reason_between_groups" / "settings.csv", within="A")
+    outcome = found["outcomes"][0]
+    assert outcome["primary"]["reason"] == (
+        "by the rule: every participant has a value, and A differs between participants"
+    )
+    assert outcome["anova"][0]["F"] == pytest.approx(2.33, abs=0.005)
+    assert warning(found, "A differs between participants")
+
+
+def test_group_of_one_is_refused_an_analysis_of_variance(capsys):
+    folder = CASES / "17_right_already"
+    found = analysed(capsys, folder / "one_in_a_group" / "settings.csv", folder / "adj.toml", within="A,group")
+    expected = "no analysis of variance: group = g2: found one participant, expected at least 2 a group"
+    assert expected in found["outcomes"][0]["notes"]
+
+
+def test_design_without_complete_participants_names_its_empty_cells(capsys):
+    folder = CASES / "17_right_already"
+    found = analysed(capsys, folder / "not_one_complete" / "settings.csv", folder / "adj.toml", within="A,B")
+    assert warning(found, "without a valid trial").startswith("8 of ")
+    assert found["outcomes"][0]["primary"]["analysis"] == "censored_anova"
+
+
+def test_levels_below_the_threshold_give_its_lower_bound(capsys, tmp_path):
+    study = CASES / "17_right_already" / "levels_miss_the_threshold" / "study.toml"
+    output(capsys, "simulate", study, "--participants", 3, "--seed", 1, "--out", tmp_path / "d")
+    found = json.loads(output(capsys, "analyse", tmp_path / "d", "--json"))
+    assert warning(found, "6 of 6 cells with a threshold above the levels: its lower bound is given")
+
+
+# --- rules whose guess rate is not that of the task
+
+
+@pytest.mark.parametrize(
+    ("study", "message"),
+    [
+        ("left_out.toml", "procedure.guess_rates: found 0.5 by default where the task is yes_no"),
+        (
+            "four_intervals.toml",
+            "procedure.guess_rates: found 0.5 by default where the task is forced_choice, expected chance, 0.25",
+        ),
+    ],
+)
+@pytest.mark.parametrize("command", ["simulate", "power", "dry run"])
+def test_guess_rate_of_another_task_is_refused_before_any_trial(capsys, tmp_path, study, message, command):
+    path, out = CASES / "05_guess_rate_of_the_task" / study, tmp_path / "d"
+    arguments = {
+        "simulate": ("simulate", path, "--participants", 2, "--seed", 3, "--out", out),
+        "power": ("power", path, "--effect", "frequency_hz: 2 dB", "--participants", 8, "--seed", 3),
+        "dry run": ("run", path, "--participant", "P01", "--dry-run"),
+    }
+    assert message in refused(capsys, *arguments[command])
+    assert not out.exists()
+
+
+def test_stated_guess_rate_of_the_task_is_simulated(capsys, tmp_path):
+    path = CASES / "05_guess_rate_of_the_task" / "stated.toml"
+    output(capsys, "simulate", path, "--participants", 1, "--seed", 3, "--out", tmp_path / "d")
+
+
+# --- sensors at overload
+
+
+def test_check_counts_overload_values_as_lost_samples(capsys, monkeypatch):
+    monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.1)
+    monkeypatch.setattr("tactometry.experiments.bench.preflight_finger.HEARD_S", 0.7)
+    monkeypatch.chdir(CASES / "18_overload_value")
+    _, _, out = call(capsys, "check", "--bench", "bench.toml", "--json")
+    said = {row["what"]: row for row in json.loads(out)["findings"] if row["part"] == "force"}
+    lost = said["samples in the calibrated range"]
+    assert lost["fine"] is False
+    assert float(said["mean, at rest"]["found"].removesuffix(" N")) < 2
