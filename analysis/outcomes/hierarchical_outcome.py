@@ -24,6 +24,10 @@ MOST_CELLS = 500
 ALL = "condition"
 WITHOUT_LAPSES = {"shape": SHAPE, "guess_rate": 0.0, "lapse_rate": 0.0, "scale_free_width": False}
 """Comparisons have the probit model as published (Moscatelli, Mezzetti and Lacquaniti 2012): a check without lapses."""
+APPROXIMATE = (
+    "the intervals are approximate after an adaptive procedure: in simulations, 95 % intervals contained the true "
+    "thresholds of 64 to 95 % of the participants"
+)
 COLUMNS = ("participant", "level", "n_yes", "n_trials", "n_false_alarms", "n_catch")
 QUANTITIES = {"threshold": "threshold", "log_width": "width"}
 HAS_FIT = (GroupStatus.OK, GroupStatus.SINGULAR)
@@ -52,9 +56,12 @@ def group_fit(
     factors: Sequence[str],
     unit: str,
     fits: Mapping[Cell, ThresholdFit] = MappingProxyType({}),
+    *,
+    is_adaptive: bool = False,
 ) -> HierarchicalOutcome | None:
     """The hierarchical fit of the cells of one task; None for fewer than two participants.
 
+    `is_adaptive` says that levels followed the answers; the outcome then notes that its intervals are approximate.
     `fits` are those of `cells.estimates`, which are not made again where the model has the same curve.
     """
     task = cells[0].task
@@ -90,7 +97,7 @@ def group_fit(
         known={} if curve.has_difference else _known(fits, [factors.index(name) for name in varied]),
         **options,
     )
-    return _outcome(task, fit, varied, table)
+    return _outcome(task, fit, varied, table, APPROXIMATE if is_adaptive else "")
 
 
 def _known(fits: Mapping[Cell, ThresholdFit], places: Sequence[int]) -> Known:
@@ -103,7 +110,9 @@ def _no_outcome(task: str, why: str) -> HierarchicalOutcome:
     return HierarchicalOutcome(task, None, f"no hierarchical fit: {why}", pd.DataFrame(), pd.DataFrame())
 
 
-def _outcome(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> HierarchicalOutcome:
+def _outcome(
+    task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame, caution: str
+) -> HierarchicalOutcome:
     if fit.status not in HAS_FIT:
         return _no_outcome(task, fit.note)
     has_difference = CURVES[task].has_difference
@@ -113,7 +122,7 @@ def _outcome(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.D
     quantities = ("threshold", "log_width") if has_widths else ("threshold",)
     effects, notes = _effects(fit, varied, table, quantities)
     conditions = conditions.assign(text=[_text(row) for _, row in conditions.iterrows()])
-    note = "; ".join(filter(None, (fit.note, notes)))
+    note = "; ".join(filter(None, (fit.note, notes, caution)))
     return HierarchicalOutcome(task, fit, note, conditions, participants, effects)
 
 

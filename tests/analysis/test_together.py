@@ -51,6 +51,15 @@ def test_participants_are_drawn_to_the_group_and_stay_near_the_truth(study, foun
     assert fit.participants["threshold"].std() < 1.1 * own
 
 
+@pytest.mark.parametrize(("procedure", "is_approximate"), [("constant_stimuli", False), ("quest_plus", True)])
+def test_intervals_are_called_approximate_after_an_adaptive_procedure(study, tmp_path, procedure, is_approximate):
+    trials = pd.read_csv(study[0])
+    trials["procedure"] = procedure
+    trials.to_csv(tmp_path / "trials.csv", index=False)
+    (fit,) = analyse(tmp_path / "trials.csv").hierarchical
+    assert ("intervals are approximate after an adaptive procedure" in fit.note) == is_approximate
+
+
 def test_the_result_says_group_effects_variances_and_rates(found) -> None:
     told = summary(found)["hierarchical"][0]
     assert re.match(WALD, told["sentences"][0])

@@ -259,7 +259,8 @@ def test_a_missing_cell_is_warned_of_first_and_named(tmp_path) -> None:
     found = analysed(file)
     assert found["warnings"][0] == "1 of 8 cells of comparison without a valid trial (P1 hz 240)"
     outcome = found["outcomes"][0]
-    assert outcome["notes"] == ["the analysis of values and bounds counts 1 value as missing at random"]
+    assert outcome["notes"][0] == "the analysis of values and bounds counts 1 value as missing at random"
+    assert "leaves out participant P1" in outcome["notes"][1]
     assert outcome["primary"]["analysis"] == "censored_anova"
     assert outcome["checks"] == [
         "repeated-measures analysis of variance of the largest complete part, without participant P1"

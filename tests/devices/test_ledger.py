@@ -252,6 +252,7 @@ def test_signal_may_end_in_another_thread(tmp_path, clocks):
     thread = threading.Thread(target=output.stop)
     thread.start()
     thread.join()
+    clocks.pass_by(5.0)  # so that closing it does not end the signal in time
     output.close()
     assert n_played(guard(tmp_path, clocks), clocks) == 3
 
