@@ -2,12 +2,13 @@
 
 import multiprocessing
 import os
+import resource
 import signal
 import sqlite3
 import tempfile
 import threading
 import time
-from contextlib import suppress
+from contextlib import closing, suppress
 from pathlib import Path
 
 import numpy as np
@@ -211,6 +212,46 @@ def test_guard_refuses_ledger_that_cannot_be_kept(tmp_path, clocks, content):
     path.mkdir() if content is None else path.write_bytes(content)
     with pytest.raises((DeviceFailed, InvalidFile), match=r"outputs\.sqlite3: "):
         guard(tmp_path, clocks).open()
+
+
+@pytest.mark.parametrize("column", ["boot_s", "utc_s", "duration_s"])
+@pytest.mark.parametrize("value", ["text", b"\xff", float("inf"), -float("inf")])
+def test_guard_refuses_ledger_with_damaged_row(tmp_path, clocks, column, value):
+    n_played(guard(tmp_path, clocks), clocks)
+    begun = guard(tmp_path, clocks)
+    begun.open()
+    change_rows(tmp_path, column, value)
+    for act in (lambda: begun.play(volts()), guard(tmp_path, clocks).open):
+        with pytest.raises(DeviceFailed, match=r"outputs\.sqlite3: .*row 1: found .*, expected finite numbers"):
+            act()
+    begun.close()
+
+
+def test_guard_refuses_ledger_with_negative_duration(tmp_path, clocks):
+    n_played(guard(tmp_path, clocks), clocks)
+    change_rows(tmp_path, "duration_s", -1.0)
+    with pytest.raises(DeviceFailed, match="expected finite numbers"):
+        guard(tmp_path, clocks).open()
+
+
+def change_rows(path, column, value):
+    with closing(sqlite3.connect(path / "outputs.sqlite3", isolation_level=None)) as database:
+        database.execute(f"UPDATE emissions SET {column} = ?", (value,))
+
+
+def test_full_disk_refuses_signal_with_its_cause(tmp_path, clocks):
+    n_played(guard(tmp_path, clocks), clocks)
+    clocks.pass_by(WINDOW_S)
+    output = guard(tmp_path, clocks)
+    output.open()
+    largest = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, largest[1]))
+    try:
+        with pytest.raises(DeviceFailed, match=r"\((disk I/O|.*full)"):
+            output.play(volts())
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, largest)
+    assert n_played(output, clocks) == 3
 
 
 @pytest.mark.parametrize(("since_s", "n_kept"), [(3599.0, 1), (3601.0, 0)])

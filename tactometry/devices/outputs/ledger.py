@@ -4,6 +4,7 @@ One SQLite database of the user's account serves all processes: it has the locks
 it whole. A row is written before its signal begins, so that a process that is killed has counted it.
 """
 
+import math
 import os
 import sqlite3
 import threading
@@ -100,10 +101,8 @@ class Ledger:
         with self._turn, self._connected() as database:
             database.execute(_TABLE)
             now = Moment.now()
-            rows = database.execute("SELECT id, duration_s, boot_id, boot_s, utc_s FROM emissions").fetchall()
-            old = [
-                (row,) for row, duration_s, *begin in rows if Moment(*begin).ago_s(now) - duration_s > LONGEST_WINDOW_S
-            ]
+            rows = _rows(database, "TRUE")
+            old = [(row,) for row, begin, duration_s in rows if begin.ago_s(now) - duration_s > LONGEST_WINDOW_S]
             database.executemany("DELETE FROM emissions WHERE id = ?", old)
 
     @property
@@ -121,13 +120,15 @@ class Ledger:
         DeviceFailed
             If the database cannot be written or is damaged; nothing was counted.
         """
-        with self._turn, self._connected() as database:
-            now = Moment.now()
-            allow(self._of_others(database, now))
-            self._shorten(database, now)  # the new signal replaces it
-            row = (self._output, self._opened, now.boot_id, now.boot_s, now.utc_s, duration_s)
-            columns = "output, opened, boot_id, boot_s, utc_s, duration_s"
-            added = database.execute(f"INSERT INTO emissions ({columns}) VALUES (?, ?, ?, ?, ?, ?)", row)
+        with self._turn:
+            with self._connected() as database:
+                now = Moment.now()
+                allow(self._of_others(database, now))
+                self._shorten(database, now)  # the new signal replaces it
+                row = (self._output, self._opened, now.boot_id, now.boot_s, now.utc_s, duration_s)
+                columns = "output, opened, boot_id, boot_s, utc_s, duration_s"
+                added = database.execute(f"INSERT INTO emissions ({columns}) VALUES (?, ?, ?, ?, ?, ?)", row)
+            # only a row that is committed: another process may take the number of one that is not
             self._last = (added.lastrowid or 0, now, duration_s)
 
     def end(self, late_s: float) -> None:
@@ -154,9 +155,8 @@ class Ledger:
             self._database = None
 
     def _of_others(self, database: sqlite3.Connection, now: Moment) -> Emissions:
-        words = "SELECT duration_s, boot_id, boot_s, utc_s FROM emissions WHERE output = ? AND opened != ?"
-        rows = database.execute(words, (self._output, self._opened)).fetchall()
-        return tuple((Moment(*begin).ago_s(now), duration_s) for duration_s, *begin in rows)
+        rows = _rows(database, "output = ? AND opened != ?", self._output, self._opened)
+        return tuple((begin.ago_s(now), duration_s) for _, begin, duration_s in rows)
 
     @contextmanager
     def _connected(self) -> Iterator[sqlite3.Connection]:
@@ -167,10 +167,10 @@ class Ledger:
             self._database.execute("BEGIN IMMEDIATE")
             try:
                 yield self._database
-            except BaseException:
-                self._database.execute("ROLLBACK")
-                raise
-            self._database.execute("COMMIT")
+                self._database.execute("COMMIT")
+            finally:
+                if self._database.in_transaction:  # a full disk has ended it already
+                    self._database.execute("ROLLBACK")
         except sqlite3.Error as error:
             raise DeviceFailed(
                 f"{self._path}: cannot keep how long outputs played ({error}), expected a database that can be "
@@ -183,3 +183,19 @@ class Ledger:
         # a process that is killed loses nothing; only a power failure could, and nothing plays behind one at once
         database.execute("PRAGMA synchronous = OFF")
         return database
+
+
+def _rows(database: sqlite3.Connection, where: str, *values: str) -> list[tuple[int, Moment, float]]:
+    """Return id, begin and duration of each row that meets a condition.
+
+    Raises
+    ------
+    sqlite3.DatabaseError
+        If a row has something else than finite numbers, which SQLite keeps in any column.
+    """
+    query = f"SELECT id, duration_s, boot_s, utc_s, boot_id FROM emissions WHERE {where}"
+    rows = database.execute(query, values).fetchall()
+    for row, *numbers, _ in rows:
+        if not all(isinstance(number, float) and math.isfinite(number) for number in numbers) or numbers[0] < 0:
+            raise sqlite3.DatabaseError(f"emissions, row {row}: found {numbers}, expected finite numbers")
+    return [(row, Moment(name, boot_s, utc_s), duration_s) for row, duration_s, boot_s, utc_s, name in rows]
