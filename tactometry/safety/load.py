@@ -33,8 +33,8 @@ class PassedCharge:
     --------
     >>> balanced = Signal(np.array([[100.0] * 50 + [-100.0] * 50]), rate_hz=100.0, unit="V")
     >>> charge = Load("electrode", 1e-9, leak_resistance_ohm=1e6).passed_c(balanced)
-    >>> round(charge.largest_c, 7), round(charge.net_c, 7), round(charge.stopped_c(0.25, late_s=0.1), 7)
-    (4.97e-05, 0.0, 3.55e-05)
+    >>> [round(1e6 * c, 2) + 0.0 for c in (charge.largest_c, charge.net_c, charge.stopped_c(0.25, late_s=0.1))]
+    [49.75, 0.0, 35.5]
     """
 
     passed_c: FloatArray
