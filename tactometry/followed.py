@@ -8,6 +8,7 @@ from typing import Any, Final, Protocol, runtime_checkable
 
 import numpy as np
 
+from .arguments.require import positive
 from .gates import triangle
 from .signal import FloatArray, Signal, Stimulus
 
@@ -84,6 +85,10 @@ class FollowedSignal(Signal):
 
     stimulus: FollowsFinger
     path: FingerPath
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        positive("FollowedSignal", rise_s=self.stimulus.rise_s)
 
     @cached_property
     def _digest(self) -> str:

@@ -4,7 +4,7 @@ import importlib.util
 import io
 import json
 import threading
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -26,7 +26,7 @@ from texture_bench import (
 
 from tactometry.devices.outputs.frame_feed import FollowingFeed
 from tactometry.devices.outputs.guarded import Guarded
-from tactometry.errors import LimitExceeded
+from tactometry.errors import InvalidParameter, LimitExceeded
 from tactometry.experiments.bench.bench_file import Devices, load_bench
 from tactometry.experiments.bench.finding import findings_of
 from tactometry.experiments.bench.preflight_finger import position
@@ -222,6 +222,35 @@ def test_a_place_that_has_not_come_is_the_last_one_and_then_nobody_knows():
     assert made.unknown == pytest.approx(0.9, abs=2e-3)
     assert emitted[:199].min() == 1000.0
     assert emitted[203:].max() == 0.0
+
+
+@dataclass(frozen=True)
+class Custom(FollowedTexture):
+    """A texture whose custom code returns these parts in turn."""
+
+    returned: tuple = ()
+
+    def parts(self, x_m, before=None):
+        return np.resize(self.returned, x_m.size), before
+
+
+@pytest.mark.parametrize("returned", [(7.0, -3.0), (np.nan, 1.0), (np.inf, -np.inf), (0.0, 0.0, 1.0), (1.0, 0.2)])
+def test_followed_frames_keep_what_the_guard_assumed(returned):
+    stimulus = Custom(Region(-1.0, 1.0), duration_s=0.1, ramp_s=0.0, rise_s=1e-3, returned=returned)
+    signal = FollowedSignal(np.full((1, 2000), 1.0), 20e3, "V", stimulus, FingerPath())
+    made = FollowingFeed(np.full((2000, 1), 1000.0), 20, signal, latency_s=0.05)
+    emitted = np.concatenate([made.take(n)[:, 0] for n in (7, 993, 1000)])
+    assert np.isfinite(emitted).all()
+    assert 0.0 <= emitted.min() <= emitted.max() <= 1000.0
+    assert np.abs(np.diff(emitted)).max() <= 50.0 * (1 + 1e-6)  # 1000 in 1 ms at 20 kHz
+
+
+@pytest.mark.parametrize("rise_s", [0.0, -1e-3, np.nan, np.inf])
+def test_followed_signal_refuses_impossible_rise(rise_s):
+    stimulus = FollowedTexture(Region(-1.0, 1.0))
+    object.__setattr__(stimulus, "rise_s", rise_s)
+    with pytest.raises(InvalidParameter, match=r"FollowedSignal\.rise_s"):
+        FollowedSignal(np.ones((1, 10)), 20e3, "V", stimulus, FingerPath())
 
 
 def test_no_path_drives_more_current_or_charge_than_the_guard_allows():

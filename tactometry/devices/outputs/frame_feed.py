@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...followed import FollowedSignal
+from ...signal import FloatArray
 from ..boot_clock import boot_clock_s
 
 SCANT_S: Final = 0.01
@@ -148,6 +149,7 @@ class FollowingFeed(FrameFeed):
         super().__init__(frames, n_fade)
         self._signal, self.latency_s = signal, latency_s
         self._before: Any = None
+        self._part: float | None = None
         self._pieces: list[NDArray[Any]] = []
         self._n_late = self._n_unknown = 0
 
@@ -161,9 +163,21 @@ class FollowingFeed(FrameFeed):
         self._n_late += len(piece) - int(np.searchsorted(times_s, last_s, side="right"))
         self._n_unknown += int(np.count_nonzero(np.isnan(places_m)))
         parts, self._before = self._signal.stimulus.parts(places_m, self._before)
+        parts = self._as_checked(parts)
         emitted: NDArray[Any] = (piece * parts[:, None]).astype(piece.dtype)  # whole numbers are cut towards zero
         self._pieces.append(emitted)
         return emitted
+
+    def _as_checked(self, parts: FloatArray) -> FloatArray:
+        """Return parts as the guard assumed them, whatever custom code returned: 0 to 1, 0 for NaN, no fast steps."""
+        parts = np.clip(np.nan_to_num(parts, nan=0.0), 0.0, 1.0)
+        step = (1 + 1e-9) / (self._signal.stimulus.rise_s * self._signal.rate_hz)
+        last = float(parts[0]) if self._part is None else self._part
+        if np.max(np.abs(np.diff(parts, prepend=last))) > step:
+            for n, part in enumerate(parts.tolist()):
+                last = parts[n] = min(max(part, last - step), last + step)
+        self._part = float(parts[-1])
+        return parts
 
     def frames(self) -> NDArray[Any]:
         """What was emitted, (n_frames, n_channels)."""
