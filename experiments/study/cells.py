@@ -7,7 +7,7 @@ from typing import Any
 
 from tactometry.arguments.require import expect
 from tactometry.config.strict import as_table, build, build_kind, kind_of
-from tactometry.errors import InvalidParameter, nearest, rewording
+from tactometry.errors import Gathered, InvalidParameter, nearest, rewording
 from tactometry.loading import resolve
 from tactometry.own_code import is_own
 from tactometry.protocols.block_state import Condition
@@ -77,6 +77,18 @@ class Wiring:
             If a table holds what its kind does not know, or a factor changes nothing.
         """
         of = tables(self.study, factors)
+        found = Gathered()
+        with found.part():
+            procedure = self.procedure(of["procedure"])
+        with found.part():
+            condition, stimulus, kind, sensation = self._played(of, factors)
+        found.end()
+        return WiredCell(condition, stimulus, procedure, sensation, kind.surface)
+
+    def _played(
+        self, of: Mapping[str, Mapping[str, Any]], factors: Factors
+    ) -> tuple[Condition, Stimulus, StimulusKind, Sensation]:
+        """Return what a cell plays, its kind and what is felt of it."""
         touch_class = resolve(kind_of(of["touch"], "touch", TOUCHES))
         kind, stimulus_class = self._kind(of["stimulus"], factors, touch_class)
         expect(
@@ -103,8 +115,7 @@ class Wiring:
             touch,
             touch.speed_m_per_s if isinstance(touch, Sliding) else None,
         )
-        sensation = self._felt(kind, of, stimulus, touch)
-        return WiredCell(condition, stimulus, self.procedure(of["procedure"]), sensation, kind.surface)
+        return condition, stimulus, kind, self._felt(kind, of, stimulus, touch)
 
     def _kind(self, table: Mapping[str, Any], factors: Factors, touch_class: type) -> tuple[StimulusKind, Any]:
         """What is known of a kind of stimulus, and its class."""
