@@ -128,15 +128,20 @@ class Wiring:
 
     def _stimulus(self, kind: StimulusKind, stated: Mapping[str, Any], factors: Factors, stimulus_class: Any) -> Any:
         """A stimulus, its parts first."""
-        table = _keys(stated, factors, stimulus_class)
+        table = self._located(_keys(stated, factors, stimulus_class))
         parts = {
-            key: build_kind(as_table(table.get(key, {}), f"stimulus.{key}"), f"stimulus.{key}", kinds)
+            key: build_kind(self._located(as_table(table.get(key, {}), f"stimulus.{key}")), f"stimulus.{key}", kinds)
             for key, kinds in kind.parts.items()
         }
         given = parts | ({"read": self._plays} if kind.reads else {})
         rest = {key: value for key, value in table.items() if key not in parts}
         stimulus = build(stimulus_class, rest, "stimulus", **given)
         return OwnStimulus(stimulus, stated["kind"]) if kind is OWN else stimulus
+
+    def _located(self, table: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return a table with its `path` as a path from the current folder; data are read without the files."""
+        path = table.get("path")
+        return {**table, "path": self.study.beside(path)} if self._plays and isinstance(path, str) else table
 
     def _name(self, kind: str, factors: Factors, stimulus_class: Any) -> str:
         """Of a stimulus, by all factors that change it: journals hold it, and cells of one name share a stimulus."""

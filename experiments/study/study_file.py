@@ -198,6 +198,7 @@ class Study:
     translations: dict[str, dict[str, str]] = field(default_factory=dict)
     images: dict[str, ImageTable] = field(default_factory=dict)
     analysis: dict[str, Any] = field(default_factory=dict)
+    _folder: Path = field(default=Path(), repr=False, compare=False)
 
     def __post_init__(self) -> None:
         is_name = STUDY.fullmatch(self.name) is not None
@@ -216,6 +217,14 @@ class Study:
     def cautions(self) -> tuple[str, ...]:
         """What the study allows and a session should be told."""
         return tuple(f"study, {warning_of(f'limits.{name}')}" for name in self.limits.switched_off)
+
+    def beside(self, path: str) -> str:
+        """Return the path of a file that the study names, relative to the study file.
+
+        A data set contains a copy of the study without its files: these are then found from the current folder.
+        """
+        located = self._folder / path
+        return path if Path(path).exists() and not located.exists() else str(located)
 
     def words_in(self, language: str) -> dict[str, str]:
         """The texts of the study in a language of two letters: its translations above the rest."""
@@ -314,7 +323,7 @@ def parse(content: bytes, where: str) -> Study:
         found, of_study = Gathered(), Gathered()
         table = as_si(table, "", found)
         with of_study.part():
-            study = build(Study, table, "")
+            study = build(Study, table, "", _folder=Path(where).parent)
         for error in of_study.errors:
             found.add(error)
         if found.errors:

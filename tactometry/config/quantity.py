@@ -145,7 +145,8 @@ def as_si(value: object, path: str, found: Gathered | None = None) -> Any:
 
 
 def _si_or_nan(text: str, suffix: str, path: str, found: Gathered) -> float:
-    number = nan
-    with found.part():
-        number = si(text, suffix, path)
-    return number
+    try:
+        return si(text, suffix, path)
+    except InvalidParameter as error:
+        found.add(error)
+        return nan
