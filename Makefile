@@ -57,6 +57,7 @@ help: ## what can be made
 
 demo: $(VENV)/.core ## simulate a study, analyse it and write the report to demo/
 	@$(BIN)/tactometry demo --out demo
+	@echo "next: . $(BIN)/activate    # this shell then finds the command tactometry"
 
 test: system $(VENV)/.test ## every behaviour, law and device once, on all cores
 	@$(PYTEST) -m 'not slow' --hypothesis-profile once $(ARGS)

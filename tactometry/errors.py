@@ -42,6 +42,76 @@ class InvalidFile(TactometryError):  # noqa: N818
     """A study file, data set or journal that cannot be read as what it claims to be."""
 
 
+class Mistakes(InvalidFile, InvalidParameter):
+    """Several mistakes of one file, each an error of its own in `parts`."""
+
+    def __init__(self, parts: Iterable[TactometryError]) -> None:
+        self.parts = tuple(parts)
+        super().__init__("; ".join(map(str, self.parts)))
+
+
+def each_of(error: TactometryError) -> tuple[TactometryError, ...]:
+    """Return the mistakes that an error consists of; most errors are one."""
+    return error.parts if isinstance(error, Mistakes) else (error,)
+
+
+class Gathered:
+    """Mistakes of the parts of a file, raised together.
+
+    Examples
+    --------
+    >>> found = Gathered()
+    >>> for key in ("a", "b"):
+    ...     with found.part():
+    ...         raise InvalidParameter(f"{key}: found no such key")
+    >>> found.end()
+    Traceback (most recent call last):
+    tactometry.errors.Mistakes: a: found no such key; b: found no such key
+    """
+
+    def __init__(self) -> None:
+        self.errors: list[TactometryError] = []
+
+    @contextmanager
+    def part(self) -> Iterator[None]:
+        """Keep the mistakes of the body."""
+        try:
+            yield
+        except (InvalidParameter, InvalidFile) as error:
+            self.add(error)
+
+    def add(self, error: TactometryError) -> None:
+        """Keep the mistakes of an error, of each place the first."""
+        for part in each_of(error):
+            if _place_of(part) not in map(_place_of, self.errors):
+                self.errors.append(part)
+
+    def end(self) -> None:
+        """Raise what was kept.
+
+        Raises
+        ------
+        TactometryError
+            The one mistake, or `Mistakes`.
+        """
+        if self.errors:
+            raise self.errors[0] if len(self.errors) == 1 else Mistakes(self.errors)
+
+
+def _place_of(error: TactometryError) -> str:
+    return str(error).partition(": found ")[0].removeprefix(": ")
+
+
+def reworded(error: TactometryError, kind: type[TactometryError], tell: Callable[[str], str]) -> TactometryError:
+    """Return an error as one of a kind, in the words that `tell` makes of each of its mistakes."""
+    parts: list[TactometryError] = []
+    for part in each_of(error):
+        told = kind(tell(str(part)))
+        told.__context__ = part
+        parts.append(told)
+    return parts[0] if len(parts) == 1 else Mistakes(parts)
+
+
 class LimitExceeded(TactometryError):  # noqa: N818
     """A signal that must not reach a finger."""
 
@@ -157,7 +227,7 @@ def rewording(tell: Callable[[str], str]) -> Iterator[None]:
     try:
         yield
     except TactometryError as error:
-        raise InvalidParameter(tell(str(error))) from None
+        raise reworded(error, InvalidParameter, tell) from None
 
 
 def nearest(found: str, names: Iterable[str], n: int = 1) -> str:
@@ -172,6 +242,15 @@ def nearest(found: str, names: Iterable[str], n: int = 1) -> str:
     """
     close = difflib.get_close_matches(found[:LONGEST_WORD], list(names), n=n)
     return f"; did you mean {' or '.join(map(repr, close))}?" if close else ""
+
+
+def nearest_of(found: str, names: Iterable[str]) -> str:
+    """Return the name that is most like a mistyped one; empty if none is.
+
+    >>> nearest_of("procedur", ["procedure", "task"])
+    'procedure'
+    """
+    return next(iter(difflib.get_close_matches(found[:LONGEST_WORD], list(names), n=1)), "")
 
 
 def count_of(n: int, noun: str) -> str:

@@ -130,11 +130,12 @@ class Section:
 
 @dataclass(frozen=True)
 class TextTable:
-    """A table of the terminal, with what is said below it."""
+    """A table of the terminal, with what is said below it; `across` names what its heads are."""
 
     cross: pd.DataFrame
     title: str
     sentences: Sequence[str] = ()
+    across: str = "quantity"
 
 
 @dataclass(frozen=True)

@@ -6,12 +6,12 @@ from datetime import date
 from functools import partial
 from math import inf
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from tactometry.arguments.require import expect
 from tactometry.arguments.unlimited import Unlimited, warning_of
 from tactometry.config.quantity import as_si
-from tactometry.config.strict import as_table, build, build_kind, check_keys
+from tactometry.config.strict import as_table, build, build_kind, check_keys, values_of
 from tactometry.config.toml import errors_in, read_table
 from tactometry.devices.kinds import OUTPUTS, SENSORS
 from tactometry.devices.measured import Measured
@@ -19,11 +19,14 @@ from tactometry.devices.outputs.guarded import Guarded
 from tactometry.devices.outputs.ledger import Ledger, default_path
 from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import ForceCalibration, StreamedSensor, streamed_force, streamed_position
+from tactometry.errors import Gathered
 from tactometry.safety.limits import Limits
 from tactometry.session.request import Fact, Facts
 
 from ..study.study_file import no_such
 from .bench_parts import DisplayTable, ForcePart, Learnt, OutputPart, PositionPart, SensorPart, TracesTable
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -261,10 +264,15 @@ def parse_bench(tables: Mapping[str, Any]) -> BenchFile:
     >>> bench.limits.voltage_peak_v
     2000.0
     """
-    table = as_si(dict(tables), "")
-    assert isinstance(table, dict)
-    check_keys(table, _PARTS, "", read_by=BenchFile)
-    return BenchFile(**{key: _PARTS[key](as_table(part, key), key) for key, part in table.items()})
+    found, parts = Gathered(), {}
+    table = as_si(dict(tables), "", found)
+    with found.part():
+        check_keys(table, _PARTS, "", read_by=BenchFile)
+    for key in filter(_PARTS.__contains__, table):
+        with found.part():
+            parts[key] = _PARTS[key](as_table(table[key], key), key)
+    found.end()
+    return BenchFile(**parts)
 
 
 def _split(table: Mapping[str, Any], names: tuple[str, ...]) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -273,26 +281,42 @@ def _split(table: Mapping[str, Any], names: tuple[str, ...]) -> tuple[dict[str, 
     return named, {key: value for key, value in table.items() if key not in names}
 
 
+def _part(kind: type[T], table: Mapping[str, Any], path: str, **inner: Callable[[], object]) -> T:
+    """Build a part of the bench and what it contains, of which all mistakes are raised together."""
+    found, made = Gathered(), {}
+    for name, build_inner in inner.items():
+        with found.part():
+            made[name] = build_inner()
+    with found.part():
+        values_of(kind, table, path, inner)
+    found.end()
+    return build(kind, table, path, **made)
+
+
 def _output(table: Mapping[str, Any], path: str) -> OutputPart:
     of_bench, of_device = _split(table, ("gain", "load", "ramp_s", "ungated"))
-    device = build_kind({"kind": "null", **of_device}, path, OUTPUTS)
     if of_device.get("kind") == "packed":  # one bit has no ramp
         of_bench = {"ramp_s": 0.0, **of_bench}
-    return build(OutputPart, of_bench, path, settings=device)
+    return _part(OutputPart, of_bench, path, settings=lambda: build_kind({"kind": "null", **of_device}, path, OUTPUTS))
 
 
 def _sensors(tables: Mapping[str, Any], path: str) -> dict[str, SensorPart]:
-    return {name: _sensor(as_table(table, f"{path}.{name}"), f"{path}.{name}") for name, table in tables.items()}
+    found, sensors = Gathered(), {}
+    for name, table in tables.items():
+        with found.part():
+            sensors[name] = _sensor(as_table(table, f"{path}.{name}"), f"{path}.{name}")
+    found.end()
+    return sensors
 
 
 def _sensor(table: Mapping[str, Any], path: str) -> SensorPart:
     of_bench, of_device = _split(table, ("delay_s",))
-    return build(SensorPart, of_bench, path, settings=build_kind(of_device, path, SENSORS))
+    return _part(SensorPart, of_bench, path, settings=lambda: build_kind(of_device, path, SENSORS))
 
 
 def _force(table: Mapping[str, Any], path: str) -> ForcePart:
     of_force, of_calibration = _split(table, ("sensor", "channel", "release"))
-    return build(ForcePart, of_force, path, calibration=build(ForceCalibration, of_calibration, path))
+    return _part(ForcePart, of_force, path, calibration=lambda: build(ForceCalibration, of_calibration, path))
 
 
 _PARTS: Mapping[str, Callable[[Mapping[str, Any], str], Any]] = {

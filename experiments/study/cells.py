@@ -7,7 +7,7 @@ from typing import Any
 
 from tactometry.arguments.require import expect
 from tactometry.config.strict import as_table, build, build_kind, kind_of
-from tactometry.errors import InvalidParameter, nearest, rewording
+from tactometry.errors import Gathered, InvalidParameter, nearest, rewording
 from tactometry.loading import resolve
 from tactometry.own_code import is_own
 from tactometry.protocols.block_state import Condition
@@ -77,6 +77,18 @@ class Wiring:
             If a table holds what its kind does not know, or a factor changes nothing.
         """
         of = tables(self.study, factors)
+        found = Gathered()
+        with found.part():
+            procedure = self.procedure(of["procedure"])
+        with found.part():
+            condition, stimulus, kind, sensation = self._played(of, factors)
+        found.end()
+        return WiredCell(condition, stimulus, procedure, sensation, kind.surface)
+
+    def _played(
+        self, of: Mapping[str, Mapping[str, Any]], factors: Factors
+    ) -> tuple[Condition, Stimulus, StimulusKind, Sensation]:
+        """Return what a cell plays, its kind and what is felt of it."""
         touch_class = resolve(kind_of(of["touch"], "touch", TOUCHES))
         kind, stimulus_class = self._kind(of["stimulus"], factors, touch_class)
         expect(
@@ -103,8 +115,7 @@ class Wiring:
             touch,
             touch.speed_m_per_s if isinstance(touch, Sliding) else None,
         )
-        sensation = self._felt(kind, of, stimulus, touch)
-        return WiredCell(condition, stimulus, self.procedure(of["procedure"]), sensation, kind.surface)
+        return condition, stimulus, kind, self._felt(kind, of, stimulus, touch)
 
     def _kind(self, table: Mapping[str, Any], factors: Factors, touch_class: type) -> tuple[StimulusKind, Any]:
         """What is known of a kind of stimulus, and its class."""
@@ -117,15 +128,20 @@ class Wiring:
 
     def _stimulus(self, kind: StimulusKind, stated: Mapping[str, Any], factors: Factors, stimulus_class: Any) -> Any:
         """A stimulus, its parts first."""
-        table = _keys(stated, factors, stimulus_class)
+        table = self._located(_keys(stated, factors, stimulus_class))
         parts = {
-            key: build_kind(as_table(table.get(key, {}), f"stimulus.{key}"), f"stimulus.{key}", kinds)
+            key: build_kind(self._located(as_table(table.get(key, {}), f"stimulus.{key}")), f"stimulus.{key}", kinds)
             for key, kinds in kind.parts.items()
         }
         given = parts | ({"read": self._plays} if kind.reads else {})
         rest = {key: value for key, value in table.items() if key not in parts}
         stimulus = build(stimulus_class, rest, "stimulus", **given)
         return OwnStimulus(stimulus, stated["kind"]) if kind is OWN else stimulus
+
+    def _located(self, table: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Return a table with its `path` as a path from the current folder; data are read without the files."""
+        path = table.get("path")
+        return {**table, "path": self.study.beside(path)} if self._plays and isinstance(path, str) else table
 
     def _name(self, kind: str, factors: Factors, stimulus_class: Any) -> str:
         """Of a stimulus, by all factors that change it: journals hold it, and cells of one name share a stimulus."""

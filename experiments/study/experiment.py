@@ -16,7 +16,7 @@ import numpy as np
 from tactometry.arguments.require import at_most, expect
 from tactometry.choice_form import ChoiceForm, choice_forms_of
 from tactometry.config.quantity import unit_suffix, units
-from tactometry.errors import rewording
+from tactometry.errors import Gathered, rewording
 from tactometry.followed import FollowsFinger
 from tactometry.observers.changes.change import Answer, Shift
 from tactometry.observers.decisions import Observer
@@ -323,14 +323,23 @@ def wire(
 
 
 def _build(study: Study, where: str, code_from: Path | None, *, simulated: bool, plays: bool) -> Experiment:
-    table = task_of(study)
-    cells = dict(_cells(Wiring(study, code_from, plays=plays), _tracks_per_cell(study, table)))
+    found = Gathered()
+    with found.part():
+        table = task_of(study)
+    with found.part():
+        practice = practice_of(study.practice)
+    with found.part():
+        people = population_of(study.observer, "observer", code_from if simulated else None)
+    wiring = Wiring(study, code_from, plays=plays)
+    with found.part():
+        n_tracks = 1 if found.errors else _tracks_per_cell(study, table)
+        cells = dict(_cells(wiring, n_tracks))
+    found.end()
     crossing_of(study, table.over, study.factors)  # refuses an order that the design cannot have
     forms = {name: asked_form(study, name) for name in study.inquiries}
     questionnaires_of(study.forms)  # those that nothing asks must be sound too
     choice_forms_of(study.forms)
-    people = population_of(study.observer, "observer", code_from if simulated else None)
-    experiment = Experiment(study, table, cells, practice_of(study.practice), forms, people, where)
+    experiment = Experiment(study, table, cells, practice, forms, people, where)
     people.check(_levels_of(cells), "observer")
     if people.raters is not None:
         people.raters.check(_levels_of(cells), dimensions_of(experiment.questionnaires), "observer.raters")

@@ -121,8 +121,10 @@ def page_images(experiment: Experiment) -> dict[str, PageImage]:
     InvalidParameter
         If a file is missing, another than the study states, or no image.
     """
+    study = experiment.study
+    located = {name: replace(table, path=study.beside(table.path)) for name, table in study.images.items()}
     with rewording(lambda words: f"{experiment.where}, {words}"):
-        return {name: image_of(table, f"images.{name}") for name, table in experiment.study.images.items()}
+        return {name: image_of(table, f"images.{name}") for name, table in located.items()}
 
 
 def rehearse_forms(experiment: Experiment, language: str) -> None:

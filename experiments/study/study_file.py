@@ -1,6 +1,7 @@
 """Study files: the numbers of one experiment, strictly read."""
 
 import os
+import re
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, field
 from math import inf, isfinite, prod
@@ -10,10 +11,11 @@ from typing import Any
 from tactometry.arguments.require import expect, first_repeat, one_of, positive, without_none
 from tactometry.arguments.unlimited import warning_of
 from tactometry.config.quantity import as_si
-from tactometry.config.strict import build
+from tactometry.config.strict import build, fields_of
 from tactometry.config.toml import LARGEST_FILE, errors_in, table_of
-from tactometry.errors import InvalidFile, InvalidParameter, nearest, rewording
+from tactometry.errors import Gathered, InvalidFile, InvalidParameter, TactometryError, nearest, reworded, rewording
 from tactometry.files.durable import read_file
+from tactometry.loading import resolve
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.rigs.images import ImageTable
 from tactometry.safety.limits import Limits
@@ -196,6 +198,7 @@ class Study:
     translations: dict[str, dict[str, str]] = field(default_factory=dict)
     images: dict[str, ImageTable] = field(default_factory=dict)
     analysis: dict[str, Any] = field(default_factory=dict)
+    _folder: Path = field(default=Path(), repr=False, compare=False)
 
     def __post_init__(self) -> None:
         is_name = STUDY.fullmatch(self.name) is not None
@@ -214,6 +217,14 @@ class Study:
     def cautions(self) -> tuple[str, ...]:
         """What the study allows and a session should be told."""
         return tuple(f"study, {warning_of(f'limits.{name}')}" for name in self.limits.switched_off)
+
+    def beside(self, path: str) -> str:
+        """Return the path of a file that the study names, relative to the study file.
+
+        A data set contains a copy of the study without its files: these are then found from the current folder.
+        """
+        located = self._folder / path
+        return path if Path(path).exists() and not located.exists() else str(located)
 
     def words_in(self, language: str) -> dict[str, str]:
         """The texts of the study in a language of two letters: its translations above the rest."""
@@ -309,7 +320,37 @@ def parse(content: bytes, where: str) -> Study:
     """
     table = table_of(content, where, "a study file")
     with errors_in(where):
-        return build(Study, as_si(table, ""), "")
+        found, of_study = Gathered(), Gathered()
+        table = as_si(table, "", found)
+        with of_study.part():
+            study = build(Study, table, "", _folder=Path(where).parent)
+        for error in of_study.errors:
+            found.add(error)
+        if found.errors:
+            with found.part():
+                _check_the_rest(table, {_first_key(error) for error in of_study.errors})
+        found.end()
+        return study
+
+
+def _check_the_rest(table: Mapping[str, Any], wrong: Collection[str]) -> None:
+    """Wire a study without its `wrong` keys, to find the mistakes in its other tables as well."""
+    wire = resolve(f"{__package__}.experiment:wire")
+    stand_ins = {"name": "study", "title": "", "description": "", "limits": {}}
+    rest = {key: value for key, value in table.items() if key not in wrong and key in fields_of(Study)}
+    found = Gathered()
+    try:
+        wire(build(Study, stand_ins | rest, ""), "", plays=False)
+    except (InvalidParameter, InvalidFile) as error:
+        found.add(reworded(error, InvalidParameter, lambda words: words.removeprefix(", ")))
+    # A table that is missing here, or a number that could not be read, makes mistakes that are none.
+    spurious = re.compile(r"\b(limits|nan)\b" if "limits" in wrong else r"\bnan\b")
+    found.errors = [error for error in found.errors if _first_key(error) in rest and not spurious.search(str(error))]
+    found.end()
+
+
+def _first_key(error: TactometryError) -> str:
+    return re.split(r"[.:\[]", str(error).removeprefix(": "), maxsplit=1)[0]
 
 
 def builtin() -> dict[str, Path]:

@@ -1,19 +1,22 @@
 """Scene files: TOML, read strictly; an error opens with the key path."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from tactometry.config.quantity import as_si
 from tactometry.config.strict import build, build_kind, check_keys, convert
 from tactometry.config.toml import errors_in, read_table
-from tactometry.errors import InvalidParameter
+from tactometry.errors import Gathered, InvalidParameter
 
 from ..composition.effect import Effect, FingerContact
 from .effects import EFFECTS
 from .scene import Scene
 from .surfaces import SURFACES
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True)
@@ -81,21 +84,47 @@ def scene_of(table: Mapping[str, object]) -> SceneFile:
     >>> scene_of({"outputs": ["voltage_v"], "surface": tone}).scene.surface.frequency_hz
     240.0
     """
-    tables = build(SceneTables, as_si(dict(table), ""), "")
-    scene = _scene(tables)
+    found = Gathered()
+    stated = as_si(dict(table), "", found)
+    with found.part():
+        tables = build(SceneTables, stated, "")
+    with found.part():
+        surface, effects, contacts = _parts(stated)
+    found.end()
+    scene = _scene(tables, surface, effects, contacts)
     given = tables.given or {}
     check_keys(given, scene.surface.given, "given", "quantity")
     return SceneFile(tables.title, scene, convert(dict[str, float], given, "given"))
 
 
-def _scene(tables: SceneTables) -> Scene:
-    surface, effects = build_kind(tables.surface, "surface", SURFACES), _all_of(tables.effects)
-    contacts = tuple(build(FingerContact, touch, f"contacts[{n}]") for n, touch in enumerate(tables.contacts))
+def _parts(stated: Mapping[str, Any]) -> tuple[Any, tuple[Effect, ...], tuple[FingerContact, ...]]:
+    """Build surface, effects and contacts; `SceneTables` refuses one that is missing or no table."""
+    found, surface = Gathered(), None
+    if isinstance(stated.get("surface"), Mapping):
+        with found.part():
+            surface = build_kind(stated["surface"], "surface", SURFACES)
+    effects = _all_of(stated, "effects", lambda table, path: build_kind(table, path, EFFECTS), found)
+    contacts = _all_of(stated, "contacts", partial(build, FingerContact), found)
+    found.end()
+    return surface, effects, contacts
+
+
+def _all_of(
+    stated: Mapping[str, Any], key: str, made: Callable[[Mapping[str, Any], str], T], found: Gathered
+) -> tuple[T, ...]:
+    parts: list[T] = []
+    tables = stated.get(key)
+    for n, table in enumerate(tables if isinstance(tables, list) else ()):
+        if isinstance(table, Mapping):
+            with found.part():
+                parts.append(made(table, f"{key}[{n}]"))
+    return tuple(parts)
+
+
+def _scene(
+    tables: SceneTables, surface: Any, effects: tuple[Effect, ...], contacts: tuple[FingerContact, ...]
+) -> Scene:
     try:
         return Scene(surface, effects, tables.outputs, tables.accuracy, contacts, tables.settings or {})
     except InvalidParameter as error:
         raise InvalidParameter(str(error).removeprefix("Scene.")) from None
-
-
-def _all_of(tables: tuple[dict[str, Any], ...]) -> tuple[Effect, ...]:
-    return tuple(build_kind(table, f"effects[{n}]", EFFECTS) for n, table in enumerate(tables))

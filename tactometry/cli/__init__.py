@@ -10,7 +10,7 @@ from types import FrameType
 import click
 
 from .. import __version__
-from ..errors import SIGNALLED, TactometryError, Terminated, nearest
+from ..errors import SIGNALLED, TactometryError, Terminated, each_of, nearest
 from ..files.durable import private
 from ..loading import resolve
 
@@ -90,7 +90,7 @@ def _terminate(number: int, frame: FrameType | None) -> None:
 
 
 def main(arguments: list[str] | None = None) -> None:
-    """Run a command; every foreseen error is one sentence on standard error and an exit status."""
+    """Run a command; every foreseen error is one line on standard error and an exit status."""
     for number in _ENDING:
         if signal.getsignal(number) is signal.SIG_DFL:
             signal.signal(number, _terminate)
@@ -103,8 +103,9 @@ def main(arguments: list[str] | None = None) -> None:
     except click.ClickException as error:
         status = _complain(f"{_where(error)}{error.format_message()}", 2)
     except TactometryError as error:
-        more = resolve("tactometry.cli.keys:where_keys_are_told")(error)
-        status = _complain(f"{error}{more}", error.exit_status)
+        more = resolve("tactometry.cli.keys:where_keys_are_told")
+        for part in each_of(error):
+            status = _complain(f"{part}{more(part)}", error.exit_status)
     except BrokenPipeError:
         sys.stderr.close()
         status = 0

@@ -72,8 +72,9 @@ def summary_text(analysis: "Analysis") -> str:
     with console.capture() as capture:
         for warning in analysis.warnings:
             console.print(f"! {warning}", markup=False, highlight=False)
-        for table, sentences in tables(analysis):
-            console.print(table)
+        for table, sentences in tables(analysis, console.width):
+            if table is not None:
+                console.print(table)
             for sentence in sentences:
                 console.print(sentence, markup=False, highlight=False)
         if analysis.figures_folder is not None:

@@ -2,9 +2,11 @@
 
 import re
 from collections.abc import Mapping
+from math import nan
+from typing import Any
 
 from ..arguments.unlimited import WORD
-from ..errors import InvalidParameter, nearest
+from ..errors import Gathered, InvalidParameter, nearest
 
 _PREFIXES = {
     "p": 1e-12,
@@ -127,16 +129,24 @@ def si(text: str, suffix: str, where: str) -> float:
     return float(match[1]) * known[unit]
 
 
-def as_si(value: object, path: str) -> object:
+def as_si(value: object, path: str, found: Gathered | None = None) -> Any:
     """`value` with every string below a key with a unit suffix turned into a number in SI; `path` names the value.
 
-    A limit that is "unlimited" stays as it is.
+    A limit that is "unlimited" stays as it is. With `found`, mistakes are kept there, and the values are NaN.
     """
     if isinstance(value, dict):
-        return {key: as_si(item, f"{path}.{key}" if path else str(key)) for key, item in value.items()}
+        return {key: as_si(item, f"{path}.{key}" if path else str(key), found) for key, item in value.items()}
     suffix = unit_suffix(path.rpartition(".")[2].partition("[")[0])
     if isinstance(value, list):
-        return [as_si(item, f"{path}[{n}]") for n, item in enumerate(value)]
+        return [as_si(item, f"{path}[{n}]", found) for n, item in enumerate(value)]
     if isinstance(value, str) and suffix is not None and not (value == WORD and not path.endswith("]")):
-        return si(value, suffix, path)
+        return si(value, suffix, path) if found is None else _si_or_nan(value, suffix, path, found)
     return value
+
+
+def _si_or_nan(text: str, suffix: str, path: str, found: Gathered) -> float:
+    try:
+        return si(text, suffix, path)
+    except InvalidParameter as error:
+        found.add(error)
+        return nan

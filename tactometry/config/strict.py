@@ -12,7 +12,7 @@ from typing import Any, Final, TypeVar
 import msgspec
 
 from ..arguments.unlimited import UNLIMITED, WORD, Unlimited, check_highest
-from ..errors import InvalidParameter, nearest
+from ..errors import Gathered, InvalidParameter, nearest, nearest_of
 from ..loading import resolve
 from .toml import errors_in, read_table
 
@@ -35,23 +35,41 @@ def build(kind: type[T], table: object, path: str, **given: object) -> T:
     Raises
     ------
     InvalidParameter
-        If a key is unknown (with the nearest name), missing or of another type, or `kind` refuses a value; the
+        If a key is unknown (with the nearest name), missing or of another type, or `kind` refuses a value; each
         sentence opens with the key path.
+    """
+    values = values_of(kind, table, path, given)
+    try:
+        return kind(**values, **given)
+    except InvalidParameter as error:
+        raise InvalidParameter(_relocate(str(error), kind.__name__, path)) from None
+
+
+def values_of(kind: type, table: object, path: str, given: Collection[str] = ()) -> dict[str, Any]:
+    """Convert the keys of a table of a file that set fields of `kind`, without the `given` ones.
+
+    Raises
+    ------
+    InvalidParameter
+        As `build`, but for what `kind` refuses.
     """
     table = as_table(table, path)
     hints = typing.get_type_hints(kind)
     fields = fields_of(kind)
     names = [name for name in fields if name not in given]
-    check_keys(table, names, path, read_by=kind)
+    found, values = Gathered(), {}
+    with found.part():
+        check_keys(table, names, path, read_by=kind)
+    meant = {nearest_of(key, names) for key in table if key not in names}
     for name in names:
-        if name not in table and is_required(fields[name]):
-            found = f"{_join(path, name)}: found no such key, expected {words_of(hints[name])}"
-            raise InvalidKey(found, kind)
-    values = {name: convert(hints[name], table[name], _join(path, name)) for name in names if name in table}
-    try:
-        return kind(**values, **given)
-    except InvalidParameter as error:
-        raise InvalidParameter(_relocate(str(error), kind.__name__, path)) from None
+        if name in table:
+            with found.part():
+                values[name] = convert(hints[name], table[name], _join(path, name))
+        elif is_required(fields[name]) and name not in meant:
+            missing = f"{_join(path, name)}: found no such key, expected {words_of(hints[name])}"
+            found.add(InvalidKey(missing, kind))
+    found.end()
+    return values
 
 
 def build_kind(table: Mapping[str, Any], path: str, targets: Mapping[str, str]) -> Any:
@@ -125,13 +143,15 @@ def check_keys(
     Raises
     ------
     InvalidKey
-        At the first.
+        For each.
     """
+    found = Gathered()
     for key in table:
         if key not in names:
             known = f"one of {', '.join(names)}{nearest(key, names)}" if names else "none; remove it"
             known += cure
-            raise InvalidKey(f"{_join(path, key)}: found an unknown {what}, expected {known}", read_by)
+            found.add(InvalidKey(f"{_join(path, key)}: found an unknown {what}, expected {known}", read_by))
+    found.end()
 
 
 def read_toml(kind: type[T], path: Path, what: str) -> T:
@@ -162,10 +182,11 @@ def convert(kind: Any, value: object, path: str) -> Any:
     if typing.get_origin(kind) is tuple and isinstance(value, list):
         inner = typing.get_args(kind)[0]
         if dataclasses.is_dataclass(inner):
-            return tuple(convert(inner, item, f"{path}[{index}]") for index, item in enumerate(value))
+            return tuple(_each(inner, {f"{path}[{index}]": item for index, item in enumerate(value)}))
     if typing.get_origin(kind) is dict and isinstance(value, Mapping):
         inner = typing.get_args(kind)[1]
-        return {key: item if inner is Any else convert(inner, item, _join(path, key)) for key, item in value.items()}
+        items = value.values() if inner is Any else _each(inner, {_join(path, key): value[key] for key in value})
+        return dict(zip(value, items, strict=True))
     if Unlimited in typing.get_args(kind):
         return _limit(kind, value, path)
     try:
@@ -176,6 +197,16 @@ def convert(kind: Any, value: object, path: str) -> Any:
         wrong = _at(value, inner)
         expected = words_of(kind) if not inner else _words_of_error(str(error))
         raise InvalidParameter(f"{path}{inner}: found {_in_toml(wrong)}, expected {expected}") from None
+
+
+def _each(kind: Any, values: Mapping[str, object]) -> list[Any]:
+    """Convert values by their paths."""
+    found, converted = Gathered(), []
+    for path, value in values.items():
+        with found.part():
+            converted.append(convert(kind, value, path))
+    found.end()
+    return converted
 
 
 def _limit(kind: Any, value: object, path: str) -> float | int:

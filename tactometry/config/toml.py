@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
-from ..errors import InvalidFile, TactometryError
+from ..errors import InvalidFile, TactometryError, reworded
 from ..files.durable import read_file
 
 LARGEST_FILE: Final = 1_000_000
@@ -102,4 +102,4 @@ def errors_in(where: str | Path) -> Iterator[None]:
     try:
         yield
     except TactometryError as wrong:
-        raise InvalidFile(f"{where}, {str(wrong).removeprefix(': ')}") from None
+        raise reworded(wrong, InvalidFile, lambda words: f"{where}, {words.removeprefix(': ')}") from None

@@ -15,12 +15,12 @@ LARGEST_IMAGE = 50_000_000
 
 @dataclass(frozen=True)
 class ImageTable:
-    """An image of a page: its `path`, from where the program runs, and the `sha256` of the file.
+    """An image of a page: its `path`, relative to the study file, and the `sha256` of the file.
 
     Parameters
     ----------
     path : str
-        A PNG or JPEG file, from where the program runs.
+        A PNG or JPEG file, relative to the study file.
     sha256 : str
         Of the file; a refusal tells it.
     """
@@ -48,7 +48,7 @@ def image_of(table: ImageTable, where: str) -> PageImage:
     from PIL import Image as Pillow, UnidentifiedImageError
 
     path = Path(table.path)
-    with rewording(lambda words: f"{where}.path: {words}; it is looked for from where the program runs"):
+    with rewording(lambda words: f"{where}.path: {words}; it is relative to the study file"):
         content = read_file(path, "an image", LARGEST_IMAGE)
     digest = sha256(content)
     is_this = f"that of {path}, {digest!r}; state it, so that another file is not shown in its place"

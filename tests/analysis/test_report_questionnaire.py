@@ -1,10 +1,12 @@
 """The report of a study that asks a questionnaire alone: scores, comparisons, and figures of word pairs."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from attrakdiff_answers import study as answers_of
+from command_line import output
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.report.page import figures_of
@@ -65,6 +67,22 @@ def test_word_pairs_are_compared_by_frequency_and_envelope_beside_the_single_foc
     assert means["frequency", "high", item] == pytest.approx(np.mean([own[code, item] for code in ("P4", "P5", "P6")]))
     assert means["envelope", "sinc", item] == pytest.approx(np.mean([own[code, item] for code in ("P3", "P6")]))
     assert means["envelope", "P0", item] == own["P0", item]
+
+
+@pytest.mark.parametrize("width", [80, 60])
+def test_terminal_table_keeps_each_value_on_one_line(patterns, capsys, monkeypatch, width) -> None:
+    monkeypatch.setenv("COLUMNS", str(width))
+    lines = output(capsys, "analyse", patterns).splitlines()
+    assert max(map(len, lines)) <= width
+    rows = [line.split() for line in lines if line.startswith("│")]
+    assert rows[0][1:4] == ["P0", "│", "PQ"]
+    assert all(re.search(r"\[\S+, \S+\] \(n = 6\) │$", " ".join(row)) for row in rows)
+
+
+def test_terminal_names_csv_when_table_is_too_wide(patterns, capsys, monkeypatch) -> None:
+    monkeypatch.setenv("COLUMNS", "40")
+    text = " ".join(output(capsys, "analyse", patterns).split())
+    assert "n): too wide for 40 columns; see the tables of --report FILE.html (CSV)" in text
 
 
 def test_the_terminal_shows_scores_and_comparisons(rated) -> None:

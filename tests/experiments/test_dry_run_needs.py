@@ -2,8 +2,12 @@
 
 import pytest
 from command_line import call
+from PIL import Image
 
-from tactometry.experiments.study.study_file import builtin
+from tactometry.experiments.study.experiment import wire
+from tactometry.experiments.study.rehearsal import page_images
+from tactometry.experiments.study.study_file import builtin, load
+from tactometry.provenance import sha256
 
 RECORDED_FORCE = """
 [sensors.hand]
@@ -65,3 +69,14 @@ def test_dry_run_checks_own_code_of_simulated_participant(here, capsys):
     dry = call(capsys, *words, "--dry-run")
     assert dry[:2] == call(capsys, *words)[:2]
     assert (dry[0], "--allow-code" in dry[1]) == (2, True)
+
+
+def test_image_is_found_beside_its_study(here, monkeypatch):
+    (here / "elsewhere").mkdir()
+    monkeypatch.chdir(here / "elsewhere")
+    Image.new("L", (2, 1)).save(here / "tone.png")
+    digest = sha256((here / "tone.png").read_bytes())
+    study = (here / "image.toml").read_text("utf-8").replace("missing.png", "tone.png").replace("0" * 64, digest)
+    (here / "image.toml").write_text(study)
+    images = page_images(wire(load("../image.toml")[0], "../image.toml"))
+    assert images["welcome"].path == str(here / "tone.png")

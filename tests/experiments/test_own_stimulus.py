@@ -201,8 +201,9 @@ def test_code_that_is_no_stimulus_is_refused_in_one_sentence(own, tmp_path, caps
     own.with_name("mine.py").write_text(
         CODE.replace(*change).replace("            return -np.inf\n", "", "nan" in sentence)
     )
-    said = refused(capsys, "simulate", own, *ALL, "--out", tmp_path / "d", "--allow-code")
-    assert sentence in said
+    code, said, _ = call(capsys, "simulate", own, *ALL, "--out", tmp_path / "d", "--allow-code")
+    assert code == 2
+    assert sentence in said.splitlines()[0]
 
 
 def test_its_length_and_unit_stand_in_the_study(own, tmp_path, capsys):
@@ -254,6 +255,15 @@ def test_a_file_is_played_and_its_data_are_read_without_it(filed, tmp_path, caps
     assert f'sha256 = "{digest(wav(as_int16(TONE)))}"' in study  # whose own digest is in the head of the journal
 
 
+def test_wav_file_is_found_beside_its_study(filed, tmp_path, capsys, monkeypatch):
+    (tmp_path / "elsewhere").mkdir()
+    monkeypatch.chdir(tmp_path / "elsewhere")
+    output(capsys, "run", "../filed.toml", "--participant", "P01", "--rig", "simulated", "--dry-run")
+    (tmp_path / "buzz.wav").unlink()
+    said = refused(capsys, "run", "../filed.toml", "--participant", "P01", "--rig", "simulated", "--dry-run")
+    assert "../buzz.wav" in said
+
+
 def test_it_is_felt_as_any_voltage_is(filed, tmp_path, capsys):
     output(capsys, "simulate", filed, *ALL, "--out", tmp_path / "d")
     told = json.loads(output(capsys, "run", filed, "--participant", "P01", "--dry-run", "--json"))
@@ -290,7 +300,7 @@ def test_another_file_of_its_name_is_refused_with_its_digest(filed, tmp_path, ca
     content = wav(as_int16(0.9 * TONE))
     (tmp_path / "buzz.wav").write_bytes(content)
     said = refused(capsys, "simulate", filed, *ALL, "--out", tmp_path / "d")
-    assert f"expected '{digest(content)}', which is that of buzz.wav" in said
+    assert f"expected '{digest(content)}', which is that of {tmp_path / 'buzz.wav'}" in said
 
 
 def test_a_level_above_a_limit_is_refused(filed, capsys):

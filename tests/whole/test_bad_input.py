@@ -273,7 +273,7 @@ def test_a_file_that_is_no_toml_is_refused_with_its_line(tmp_path, capsys, monke
     monkeypatch.chdir(tmp_path)
     status, said, _ = call(capsys, "simulate", "s.toml", "--participants", 1, "--seed", 1, "--out", "d")
     assert status == 2
-    assert re.fullmatch(f"tactometry: {message}", said)
+    assert re.fullmatch(f"tactometry: {message}", said.splitlines()[0])
 
 
 def test_a_study_with_a_weighted_staircase_runs(tmp_path, capsys):

@@ -5,7 +5,7 @@ import subprocess
 import sys
 
 import pytest
-from command_line import output, refused
+from command_line import call, output, refused
 
 from tactometry.experiments.reference.keys import keys_of
 from tactometry.experiments.reference.tables import tables
@@ -89,8 +89,9 @@ def test_a_refused_key_names_the_command_that_tells_all(file, capsys, tmp_path, 
     text, command, name = WRONG[file]
     monkeypatch.chdir(tmp_path)
     (tmp_path / file).write_text(text, encoding="utf-8")
-    said = refused(capsys, *command, file)
-    assert said.endswith(f" (all keys: tactometry keys {name})")
+    code, said, _ = call(capsys, *command, file)
+    assert code == 2
+    assert all(line.endswith(f" (all keys: tactometry keys {name})") for line in said.splitlines())
 
 
 def test_only_what_a_name_asks_for_is_imported():

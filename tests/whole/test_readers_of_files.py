@@ -30,6 +30,7 @@ NAMED = {
         "own_class(kind, code_from, path)": "code of one's own",
         "resolve(CHANGES[kind])": "CHANGES",
     },
+    "bench/bench_file.py": {"kind": "parts of the bench"},
     "study/cells.py": {
         "touch_class": "TOUCHES",
         "stimulus_class": "STIMULI, or code of one's own",

@@ -52,7 +52,7 @@ def _terminal(analysis: Analysis) -> Iterator[TextTable]:
     for name, title in (("loss", _loss_title), ("force", _force_title)):
         if name in analysis.tables:
             table = analysis.tables[name]
-            yield TextTable(cross_table(table, analysis.factors), title(table))
+            yield TextTable(cross_table(table, analysis.factors), title(table), across="condition")
 
 
 def _loss_title(table: pd.DataFrame) -> str:

@@ -113,7 +113,7 @@ def _terminal(analysis: Analysis) -> Iterator[TextTable]:
         unit = f", {outcome.unit(analysis.unit)}" if outcome.unit(analysis.unit) else ""
         primary = [outcome.heading(), *primary_sentences(outcome)] if outcome.primary else []
         title = f"{dependent_name(outcome.dependent)}{unit} ({means_text(outcome.group)}, n)"
-        yield TextTable(outcome.cross, title, [*outcome.notes, *primary])
+        yield TextTable(outcome.cross, title, [*outcome.notes, *primary], across="condition")
     yield from _check_terminal(analysis)
 
 
@@ -197,7 +197,7 @@ def _check_terminal(analysis: Analysis) -> Iterator[TextTable]:
             name = dependent_name(_dependent(outcome))
             title = f"check, all participants at once: {name}{unit} (mean, 95 % interval)"
             cross = cross_table(outcome.conditions, outcome.fit.factors)
-            yield TextTable(cross, title, hierarchical_sentences(outcome, analysis.unit))
+            yield TextTable(cross, title, hierarchical_sentences(outcome, analysis.unit), across="condition")
 
 
 def _values_of_check(outcome: HierarchicalOutcome, unit: str) -> dict[str, object]:

@@ -87,7 +87,8 @@ def _terminal(analysis: Analysis) -> Iterator[TextTable]:
     for form in analysis.forms:
         heading, lines = next(iter(form_sentences(form).items()))
         compared = [heading, *lines] if form.tests_effects else []
-        yield TextTable(form.cross(), f"{form.form.title} ({means_text(form.summary)}, n)", [*form.notes, *compared])
+        title = f"{form.form.title} ({means_text(form.summary)}, n)"
+        yield TextTable(form.cross(), title, [*form.notes, *compared], across="scale")
 
 
 def _values(analysis: Analysis) -> Iterator[tuple[str, object]]:

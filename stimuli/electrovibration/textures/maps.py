@@ -35,7 +35,7 @@ class Mapped:
     values : tuple of float
         Written here.
     path : str or None
-        A CSV file of numbers, or a picture (PNG), which is made grey; it is looked for from where the program runs.
+        A CSV file of numbers, or a picture (PNG), which is made grey; its path is relative to the study file.
     sha256 : str or None
         Its digest: a study is its numbers, and those of such a file are part of it.
     row : int
@@ -107,7 +107,7 @@ class GreyImage(Mapped):
     values : tuple of float
         The grey levels, from 0 (no friction) to 1; or a file, by `path`.
     path : str, optional
-        A PNG or CSV file, from where the program runs.
+        A PNG or CSV file, relative to the study file.
     sha256 : str, optional
         Of the file; a refusal tells it.
     row : int
@@ -143,7 +143,7 @@ class HeightMap(Mapped):
     values : tuple of float
         The heights, in any unit; or a file, by `path`.
     path : str, optional
-        A PNG or CSV file, from where the program runs.
+        A PNG or CSV file, relative to the study file.
     sha256 : str, optional
         Of the file; a refusal tells it.
     row : int

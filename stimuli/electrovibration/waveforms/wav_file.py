@@ -32,7 +32,7 @@ class WavFile:
     Parameters
     ----------
     path : str
-        The file: whole numbers of 8 to 32 bits, or floating point; it is looked for from where the program runs.
+        The file: whole numbers of 8 to 32 bits, or floating point; its path is relative to the study file.
     sha256 : str
         Its digest, which says that it is still the same. Without it the file is refused, in a sentence that
         tells it: write it then.
