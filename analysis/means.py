@@ -9,9 +9,9 @@ import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike
 from scipy.special import betaincinv, expit, ndtri
-from scipy.stats import t as student
 
 from .arrays import RELATIVE_ZERO, Array, size_of
+from .distributions import Student
 
 
 def parts(table: pd.DataFrame, keys: Sequence[str]) -> Iterable[tuple[tuple[Any, ...], pd.DataFrame]]:
@@ -102,7 +102,7 @@ def mean_with_interval(values: Array, interval: float = INTERVAL, possible: Rang
     known: dict[str, object] = {"mean": mean * size, "sd": sd * size}
     if possible.is_bounded and n < FEWEST_IN_RANGE:
         return known
-    half = float(student.ppf((1 + interval) / 2, n - 1)) * sd / float(np.sqrt(n)) * size
+    half = float(Student.ppf((1 + interval) / 2, n - 1)) * sd / float(np.sqrt(n)) * size
     low, high = possible.around(mean * size, half)
     return {"mean": mean * size, "mean_low": low, "mean_high": high, "sd": sd * size}
 

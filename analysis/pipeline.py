@@ -23,7 +23,7 @@ from .reading.quality import exclude, frames, quality, with_frames
 from .reading.trials import Trials, read_trials, used_rows
 from .report.data_warnings import warnings_of
 from .report.methods import methods
-from .report.page import check_report, sections_of, write_figures, write_report
+from .report.page import Spread, check_report, draw_figures, figures_of, sections_of, write_figures, write_report
 from .report.study_text import study_text
 from .result import Analysis
 from .tasks import cells
@@ -48,6 +48,7 @@ def analyse(
     warnings: Sequence[str] = (),
     replay: Replay | None = None,
     touches: Callable[[], pd.DataFrame] | None = None,
+    spread: Spread = map,
 ) -> Analysis:
     """Analyse a data set's folder or a trials file; write the report and its tables if `report` names a file.
 
@@ -78,6 +79,8 @@ def analyse(
     touches : callable, optional
         Gives the courses of force and speed over the touches, for a report or figures: a row for each participant,
         quantity, target and time from the onset, with percentiles.
+    spread : callable
+        Distributes the drawing of figures, as `map` does in this process; with any the files are the same.
 
     Raises
     ------
@@ -100,10 +103,12 @@ def analyse(
         return analysis
     if touches is not None and len(courses := touches()):
         analysis = replace(analysis, tables={**analysis.tables, "touches": courses})
-    sections, svgs = sections_of(analysis), None
+    sections = sections_of(analysis)
     if figures is not None:
-        svgs = write_figures(analysis, figures, sections)
+        svgs = write_figures(analysis, figures, sections, spread)
         analysis = replace(analysis, figures_folder=figures)
+    else:
+        svgs = draw_figures(figures_of(analysis, sections), spread)
     if report is None:
         return analysis
     return write_report(analysis, report, pdf=pdf, sections=sections, svgs=svgs)

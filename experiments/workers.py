@@ -31,7 +31,8 @@ def check_workers(n_jobs: int, scheduler: str | None) -> None:
         With one sentence.
     """
     is_number = n_jobs == 1 if scheduler else n_jobs >= 1 or n_jobs == -1
-    expect(is_number, "--jobs", n_jobs, "at least 1, or -1 for all cores; or --scheduler alone")
+    expected = "--scheduler alone" if scheduler else "at least 1, or -1 for all cores"
+    expect(is_number, "--jobs", n_jobs, expected)
 
 
 @contextmanager

@@ -14,12 +14,11 @@ from itertools import combinations
 
 import numpy as np
 import pandas as pd
-from scipy.linalg import helmert
-from scipy.stats import t as student
 
 from tactometry.arguments.require import expect
 
 from ..arrays import Array
+from ..distributions import Student
 from .bounded_design import BoundedDesign, bounded_design
 from .contrasts import Sphericity, Tested, effect_places, epsilons
 from .design import MAX_FACTORS, DesignStatus, expect_defined, names_of
@@ -53,7 +52,7 @@ class CensoredAnova:
         mean = fit.means.ravel() + centre / scale
         columns = {"mean": mean, "sd": np.sqrt(between)}
         for name, variance in (("mean", between), ("within", inside)):
-            half = student.ppf((1 + interval) / 2, sizes - 1) * np.sqrt(variance * kept)
+            half = Student.ppf((1 + interval) / 2, sizes - 1) * np.sqrt(variance * kept)
             columns |= {f"{name}_low": mean - half, f"{name}_high": mean + half}
         return pd.concat([pd.DataFrame(self.design.cells()), pd.DataFrame(columns) * scale], axis=1)
 
@@ -139,6 +138,8 @@ def _held_fit(design: BoundedDesign) -> StrataFit:
 
 def _tests(design: BoundedDesign, fit: StrataFit) -> list[Tested]:
     """In the order of `repeated_measures`, or of `mixed_anova`."""
+    from scipy.linalg import helmert  # slow to load
+
     n_groups = len(fit.means)
     together, apart = np.full((1, n_groups), 1 / n_groups), helmert(n_groups)
     tests = [] if design.between is None else [_wald_test(fit, 0, apart, design.between)]
@@ -303,9 +304,9 @@ def _row(contrast: CellContrast, scale: float, interval: float) -> dict[str, obj
 
 def _t_test(estimate: float, error: float, df: float, scale: float, interval: float) -> dict[str, float]:
     t = estimate / error
-    half = float(student.isf((1 - interval) / 2, df)) * error
+    half = float(Student.isf((1 - interval) / 2, df)) * error
     ends = {"difference_low": (estimate - half) * scale, "difference_high": (estimate + half) * scale}
-    return ends | {"t": t, "df": df, "p_unc": 2 * float(student.sf(abs(t), df))}
+    return ends | {"t": t, "df": df, "p_unc": 2 * float(Student.sf(abs(t), df))}
 
 
 def _group_row(model: CensoredAnova, cell: Array, places: Sequence[int], interval: float) -> dict[str, object]:

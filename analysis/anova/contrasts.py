@@ -8,12 +8,11 @@ from dataclasses import dataclass
 from itertools import combinations, product
 
 import numpy as np
-from scipy.linalg import helmert
-from scipy.stats import chi2, f as fisher
 
 from tactometry.errors import InvalidParameter
 
 from ..arrays import Array
+from ..distributions import ChiSquare, Fisher
 from .design import WithinDesign
 
 MOST_EXACT = 14
@@ -60,7 +59,7 @@ class Tested:
     def p(self, epsilon: float = 1.0) -> float:
         """Chance of such an F or a larger one; both degrees of freedom are multiplied by epsilon."""
         first, second = self.df
-        return float(fisher.sf(self.f, epsilon * first, epsilon * second))
+        return float(Fisher.sf(self.f, epsilon * first, epsilon * second))
 
 
 @dataclass(frozen=True)
@@ -117,6 +116,8 @@ def participant_scores(design: WithinDesign) -> Array:
 
 def contrasts(n_levels: tuple[int, ...], places: tuple[int, ...]) -> Array:
     """Orthonormal rows, shape (contrast, cell): Helmert's along the factors at `places`, the mean along the others."""
+    from scipy.linalg import helmert  # slow to load
+
     whole = np.ones((1, 1))
     for place, k in enumerate(n_levels):
         along = helmert(k) if place in places else np.full((1, k), k**-0.5)
@@ -166,7 +167,7 @@ def _mauchly_p(log_w: float, p: int, df: int, n_conditions: int) -> float:
     polynomial = (p + 2) * (p - 1) * (p - 2) * (2 * p**3 + 6 * p**2 + 3 * n_conditions + 2)
     second = polynomial / (288 * (df * p * factor) ** 2)
     statistic, df_chi2 = -df * factor * log_w, p * (p + 1) // 2 - 1
-    first, later = float(chi2.sf(statistic, df_chi2)), float(chi2.sf(statistic, df_chi2 + 4))
+    first, later = float(ChiSquare.sf(statistic, df_chi2)), float(ChiSquare.sf(statistic, df_chi2 + 4))
     return first + second * (later - first)
 
 

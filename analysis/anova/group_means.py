@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import t as student
 
 from ..arrays import Array, size_of
+from ..distributions import Student
 from ..means import ANY, FEWEST_IN_RANGE, POSITIVE, RATE, Range, mean_with_interval, parts
 from ..wording import interval_text
 
@@ -137,7 +137,7 @@ def _halves(wide: pd.DataFrame, interval: float) -> dict[tuple[object, ...], flo
     size = size_of(values)
     covariance = np.asarray(np.cov(values / size, rowvar=False), dtype=np.float64)
     variances = within_variances(covariance.reshape(wide.shape[1], -1))
-    halves = float(student.ppf((1 + interval) / 2, n - 1)) * np.sqrt(variances / n) * size
+    halves = float(Student.ppf((1 + interval) / 2, n - 1)) * np.sqrt(variances / n) * size
     names = [tuple(name) for name in wide.columns.to_frame().itertuples(index=False, name=None)]
     return dict(zip(names, halves.tolist(), strict=True))
 

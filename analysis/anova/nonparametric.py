@@ -6,12 +6,12 @@ from itertools import combinations
 
 import numpy as np
 import pandas as pd
-from scipy.stats import chi2, rankdata
 
 from tactometry.arguments.require import expect
 from tactometry.errors import nearest
 
 from ..arrays import Array
+from ..distributions import ChiSquare
 from .contrasts import ContrastEffect, effects
 from .design import WithinDesign, refuse_alike, spread, within_design
 from .post_hoc import pairs
@@ -35,6 +35,8 @@ def friedman(table: pd.DataFrame, *, dependent: str, factor: str, subject: str) 
     >>> friedman(table, dependent="y", factor="force_n", subject="who").round(4).values.tolist()
     [['force_n', 0.95, 2, 7.6, 0.0224, 4]]
     """
+    from scipy.stats import rankdata  # slow to load
+
     design = within_design(table, dependent=dependent, within=factor, subject=subject, where="friedman")
     values = _rounded(design.values)
     refuse_alike((np.ptp(values, axis=1) > 0).any(), dependent, "all ranks are tied")
@@ -42,7 +44,7 @@ def friedman(table: pd.DataFrame, *, dependent: str, factor: str, subject: str) 
     ranks = rankdata(values, axis=1) - (values.shape[1] + 1) / 2
     q = df * float((ranks.sum(axis=0) ** 2).sum() / (ranks**2).sum())
     columns = ["Source", "W", "ddof1", "Q", "p_unc", "n"]
-    result = pd.DataFrame([[factor, q / (design.n * df), df, q, float(chi2.sf(q, df)), design.n]], columns=columns)
+    result = pd.DataFrame([[factor, q / (design.n * df), df, q, float(ChiSquare.sf(q, df)), design.n]], columns=columns)
     result.attrs["notes"] = list(design.notes)
     return result
 
@@ -138,4 +140,6 @@ def _rounded(values: Array) -> Array:
 
 
 def _ranks(values: Array) -> Array:
+    from scipy.stats import rankdata  # slow to load
+
     return np.reshape(np.asarray(rankdata(_rounded(values), axis=None), dtype=np.float64), values.shape)

@@ -13,13 +13,12 @@ from itertools import combinations, permutations
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq
 from scipy.special import logsumexp, nctdtr
-from scipy.stats import chi2, t as student, wilcoxon
 
 from tactometry.arguments.require import between, expect
 
 from ..arrays import RELATIVE_ZERO, Array, size_of
+from ..distributions import ChiSquare, Student
 from .corrections import adjusted_p
 from .design import UndefinedStatistic, within_design
 
@@ -108,7 +107,7 @@ def all_together(result: pd.DataFrame, correction: str, interval: float) -> pd.D
     # Pairs without error have no p, and count for none.
     n_tested = 1 if correction == "none" else max(1, int(result["p_unc"].notna().sum()))
     df = result["df"].astype(float).to_numpy()
-    wider = student.isf((1 - interval) / 2 / n_tested, df) / student.isf((1 - interval) / 2, df)
+    wider = Student.isf((1 - interval) / 2 / n_tested, df) / Student.isf((1 - interval) / 2, df)
     low, high = (result[f"difference_{end}"].astype(float) for end in ("low", "high"))
     # Halved first: a sum of large ends may overflow.
     half = (high / 2 - low / 2) * wider
@@ -179,9 +178,9 @@ def _row(pair: Pair, interval: float) -> dict[str, object]:
         return row | dict.fromkeys(_TESTED) | {"status": "zero_error"}
     sd = float(d.std(ddof=1))
     t = mean / sd * np.sqrt(n)
-    half = float(student.ppf((1 + interval) / 2, n - 1)) * sd / np.sqrt(n)
+    half = float(Student.ppf((1 + interval) / 2, n - 1)) * sd / np.sqrt(n)
     ends = ((mean - half) * pair.size, (mean + half) * pair.size)
-    p = 2 * float(student.sf(abs(t), n - 1))
+    p = 2 * float(Student.sf(abs(t), n - 1))
     dz_low, dz_high = dz_interval(t, n, interval)
     tested = (*ends, t, p, mean / sd, dz_low, dz_high, bayes_factor(t, n))
     return row | dict(zip(_TESTED, tested, strict=True)) | {"status": "ok"}
@@ -200,8 +199,10 @@ def _noncentral(t: float, df: int, chance: float) -> float:
     Far out the normal part of t has no share: t < x where the root of chi-square over its degrees of freedom is above
     the noncentrality over x (to 20 / t^2; scipy's series takes seconds there, and then has no value).
     """
+    from scipy.optimize import brentq  # slow to load
+
     if abs(t) > FAR_T * np.sqrt(df):
-        return float(t * np.sqrt(chi2.isf(chance if t > 0 else 1 - chance, df) / df))
+        return float(t * np.sqrt(ChiSquare.isf(chance if t > 0 else 1 - chance, df) / df))
 
     def above(x: float) -> float:
         share = float(nctdtr(df, x, t))
@@ -237,6 +238,8 @@ def bayes_factor(t: float, n_first: int, n_second: int | None = None) -> float:
 
 
 def _rank_row(pair: Pair) -> dict[str, object]:
+    from scipy.stats import wilcoxon  # slow to load
+
     d = np.round(pair.differences, DIGITS)
     row = {**pair.keys, "median_difference": float(np.median(d)) * pair.size, "n": len(d)}
     moved = d[d != 0]
@@ -323,10 +326,10 @@ def two_one_sided(
     half, t_low, t_high = 0.0, np.inf, -np.inf
     p = float(abs(difference) >= bound / unit)
     if error > 0:
-        half = float(student.isf(alpha, df)) * error
+        half = float(Student.isf(alpha, df)) * error
         t_low = (difference + bound / unit) / error
         t_high = (difference - bound / unit) / error
-        p = max(float(student.sf(t_low, df)), float(student.cdf(t_high, df)))
+        p = max(float(Student.sf(t_low, df)), float(Student.cdf(t_high, df)))
     ends = {"low": (difference - half) * unit, "high": (difference + half) * unit}
     return {"difference": difference * unit, **ends, "t_low": t_low, "t_high": t_high, "p": p}
 

@@ -12,7 +12,6 @@ from itertools import combinations
 
 import numpy as np
 import pandas as pd
-from scipy.stats import ttest_ind
 
 from tactometry.arguments.require import expect
 
@@ -181,6 +180,8 @@ def _rows(means: pd.DataFrame, dependent: str, between: str, interval: float) ->
 
 
 def _welch_test(first: Array, second: Array, interval: float) -> dict[str, object]:
+    from scipy.stats import ttest_ind  # slow to load
+
     size = size_of(np.concatenate([first, second]))
     first, second = first / size, second / size
     counts = {"difference": float(second.mean() - first.mean()) * size, "n_a": len(first), "n_b": len(second)}

@@ -21,7 +21,6 @@ from functools import cache, cached_property
 
 import numpy as np
 from scipy.special import log_ndtr, ndtri_exp
-from scipy.stats import qmc
 
 from tactometry.psychometric import log1mexp
 
@@ -292,6 +291,8 @@ def truncated_normal(mean: Array, covariance: Array, low: Array, high: Array) ->
 
 @cache
 def _even(n_dimensions: int) -> Array:
+    from scipy.stats import qmc  # slow to load
+
     points: Array = qmc.Sobol(n_dimensions, rng=np.random.default_rng(SEED)).random(N_POINTS)
     points.setflags(write=False)
     return points

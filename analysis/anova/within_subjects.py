@@ -10,9 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq
 from scipy.special import ncfdtr
-from scipy.stats import shapiro
 
 from ..arrays import Array, size_of
 from ..wording import p_text, share_text
@@ -239,6 +237,8 @@ def noncentrality(f: float, df: tuple[float, float], interval: float) -> tuple[f
 
 
 def _under(f: float, df: tuple[float, float], chance: float) -> float:
+    from scipy.optimize import brentq  # slow to load
+
     def above(x: float) -> float:
         return float(ncfdtr(*df, x, f)) - chance
 
@@ -292,6 +292,8 @@ def _residuals(cells: Array) -> Array:
 
 
 def _normality(residuals: Array) -> dict[str, object]:
+    from scipy.stats import shapiro  # slow to load
+
     w, p = None, None
     if residuals.size <= MAX_SHAPIRO:
         w, p = map(float, shapiro(residuals.ravel() / residuals.std()))  # W has no unit, its sums of squares have

@@ -16,6 +16,7 @@ from tactometry.trials.columns import RESERVED, stated_factors
 
 from ..anova.group_means import MEANS, group_table
 from ..arrays import Array
+from ..distributions import Fisher
 from ..means import MEAN, Range, by_condition, mean_row, parts
 from ..reading.rows import no_column
 
@@ -296,9 +297,8 @@ def cronbach_alpha(values: Array) -> float:
 
 
 def _feldt(alpha: float, n: int, k: int, interval: float) -> tuple[float, float]:
-    from scipy.stats import f as fisher
 
     df = (n - 1, (n - 1) * (k - 1))
     # Alpha falls as F rises: the larger quantile makes the lower end.
-    low, high = (fisher.ppf(chance, *df) for chance in ((1 + interval) / 2, (1 - interval) / 2))
+    low, high = (Fisher.ppf(chance, *df) for chance in ((1 + interval) / 2, (1 - interval) / 2))
     return 1 - (1 - alpha) * float(low), 1 - (1 - alpha) * float(high)

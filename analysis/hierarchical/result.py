@@ -7,12 +7,12 @@ from itertools import product
 
 import numpy as np
 import pandas as pd
-from scipy.stats import chi2, f as f_distribution, t as t_distribution
 
 from tactometry.arguments.require import expect
 
 from ..anova.contrasts import epsilons
 from ..arrays import Array
+from ..distributions import ChiSquare, Fisher, Student
 from ..noted_status import NotedStatus
 
 
@@ -111,9 +111,9 @@ class HierarchicalFit:
         row = self._rows(np.array([[weights.get(key, 0.0) for key in keys]]), of)[0]
         estimate, df = float(row @ self.means), self.n_participants - 1
         error = float(np.sqrt(row @ self.covariance @ row))
-        reach = float(t_distribution.ppf((1 + self.interval) / 2, df)) * error
+        reach = float(Student.ppf((1 + self.interval) / 2, df)) * error
         t = estimate / error
-        p = 2 * float(t_distribution.sf(abs(t), df))
+        p = 2 * float(Student.sf(abs(t), df))
         return Contrast(estimate, error, estimate - reach, estimate + reach, t, df, p)
 
     def effect(self, *factors: str, of: str = "threshold") -> FactorEffect:
@@ -140,9 +140,9 @@ class HierarchicalFit:
         covariance = rows @ self.covariance @ rows.T
         f = float(differences @ np.linalg.solve(covariance, differences)) / df
         if not self.components.get(f"{of}_cell"):
-            return FactorEffect(f, df, np.inf, float(chi2.sf(df * f, df)))
+            return FactorEffect(f, df, np.inf, float(ChiSquare.sf(df * f, df)))
         df_error, epsilon = df * (self.n_participants - 1), self._epsilon(weights, of)
-        p = float(f_distribution.sf(f, epsilon * df, epsilon * df_error))
+        p = float(Fisher.sf(f, epsilon * df, epsilon * df_error))
         return FactorEffect(f, df, df_error, p, epsilon)
 
     def _epsilon(self, weights: Array, of: str) -> float:

@@ -5,9 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import pandas as pd
 from scipy.special import ndtri
-from scipy.stats import t as t_distribution
 
 from ..arrays import Array, Bools, Rows
+from ..distributions import Student
 from ..mixed_models.laplace import ClusteredModel, MixedFit, inner_mode, precision_of
 from ..threshold.likelihood import LOG_WIDTH, THRESHOLD
 from ..threshold.status import Status
@@ -170,4 +170,4 @@ def reaches(n_participants: int, interval: float) -> tuple[float, float]:
     normal = float(ndtri(share))
     if n_participants == 1:
         return normal, normal
-    return float(t_distribution.ppf(share, n_participants - 1)), normal
+    return float(Student.ppf(share, n_participants - 1)), normal

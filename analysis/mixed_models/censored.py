@@ -12,7 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import linprog
 from scipy.special import log_ndtr
 
 from tactometry.arguments.require import expect
@@ -253,6 +252,8 @@ def endless_direction(ends: Array, x: Array) -> Array | None:
     >>> endless_direction(np.array([[1.0, 1.0], [2.0, 2.0], [3.0, np.inf]]), np.array([[1.0, 0], [1, 0], [1, 1]]))
     array([0., 1.])
     """
+    from scipy.optimize import linprog  # slow to load
+
     upward, downward = np.isposinf(ends[:, 1]), np.isneginf(ends[:, 0])
     one_sided = np.concatenate([x[upward & ~downward], -x[downward & ~upward]])
     if not len(one_sided):

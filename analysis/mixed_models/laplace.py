@@ -18,7 +18,6 @@ from itertools import product
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
 
 from ..arrays import Array, Expansion, Rows
 
@@ -256,6 +255,8 @@ def maximise(model: ClusteredModel, start: Array, marginal: Marginal = log_margi
 
     `marginal` gives the log marginal likelihood and its gradient at parameters and their inner mode.
     """
+    from scipy.optimize import minimize  # slow to load
+
     objective = _Objective(model, marginal)
     with np.errstate(all="ignore"):
         parameters, hessian = start, _hessian(objective, start)

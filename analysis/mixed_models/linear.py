@@ -11,14 +11,13 @@ from itertools import combinations
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import minimize_scalar
-from scipy.stats import f as fisher, t as student
 
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 
 from ..anova.design import DesignStatus, codes_of, expect_defined, finite_rows, refuse_constant, refuse_one
 from ..arrays import RELATIVE_ZERO, Array, Indices, size_of
+from ..distributions import Fisher, Student
 
 RATIOS = (1e-8, 1e10)
 """Where the variance of participants over the residual one is looked for, besides 0."""
@@ -288,6 +287,7 @@ def _fit(y: Array, design: ModelDesign) -> InterceptFit:
 
     statsmodels' search in all parameters at once can end beside it: F then differs in the first digit.
     """
+    from scipy.optimize import minimize_scalar  # slow to load
 
     def log_likelihood(log_ratio: float) -> float:
         return _at(float(np.exp(log_ratio)), y, design).log_likelihood
@@ -352,7 +352,7 @@ def _coefficients(design: ModelDesign, fit: InterceptFit, unit: tuple[float, flo
     is_intercept = np.arange(len(se)) == 0
     shifted = fit.estimates + np.where(is_intercept, centre / scale, 0.0)
     t = shifted / se
-    half = student.ppf((1 + interval) / 2, df) * se
+    half = Student.ppf((1 + interval) / 2, df) * se
     return pd.DataFrame(
         {
             "term": list(design.names),
@@ -360,7 +360,7 @@ def _coefficients(design: ModelDesign, fit: InterceptFit, unit: tuple[float, flo
             "se": se * scale,
             "df": df,
             "t": t,
-            "p": 2 * student.sf(np.abs(t), df),
+            "p": 2 * Student.sf(np.abs(t), df),
             "low": (shifted - half) * scale,
             "high": (shifted + half) * scale,
         }
@@ -378,6 +378,6 @@ def _terms(design: ModelDesign, fit: InterceptFit) -> pd.DataFrame:
         df1, df2 = len(term), int(design.df[term].min())
         of_term = covariance[np.ix_(term, term)]
         f = float(estimates[term] @ np.linalg.solve(of_term, estimates[term])) / df1
-        p = float(fisher.sf(f, df1, df2))
+        p = float(Fisher.sf(f, df1, df2))
         rows.append({"term": name, "df1": df1, "df2": df2, "F": f, "p": p})
     return pd.DataFrame(rows)

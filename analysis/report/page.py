@@ -5,8 +5,9 @@ import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from importlib.resources import files
 from pathlib import Path
 
@@ -27,6 +28,10 @@ from .section import Figure, Section
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 WEASYPRINT = "weasyprint"
 PDF_TIMEOUT_S = 120.0
+Drawn = tuple[str, bytes | None]
+"""The SVG text of a figure, and its PNG."""
+Spread = Callable[[Callable[[Figure], Drawn], Iterable[Figure]], Iterable[Drawn]]
+"""Call a function with each figure, here (`map`) or in other processes, and return the results in their order."""
 
 
 def write_report(
@@ -72,10 +77,13 @@ def check_report(path: Path) -> None:
     expect(path.suffix.lower() in (".html", ".htm"), "--report", repr(path.name), "a file name that ends in .html")
 
 
-def write_figures(analysis: Analysis, folder: Path, sections: Sequence[Section] | None = None) -> dict[str, str]:
+def write_figures(
+    analysis: Analysis, folder: Path, sections: Sequence[Section] | None = None, spread: Spread = map
+) -> dict[str, str]:
     """Write every figure as SVG and PNG (300 dots per inch) and, beside them, the table that holds its numbers.
 
-    Returns the SVG text of each figure by name. The `sections` are made unless they are given.
+    Returns the SVG text of each figure by name. The `sections` are made unless they are given. `spread` distributes
+    the drawing over processes.
 
     Raises
     ------
@@ -84,14 +92,26 @@ def write_figures(analysis: Analysis, folder: Path, sections: Sequence[Section] 
     """
     with attempt(folder, "cannot be written", "a place to write to"):
         folder.mkdir(parents=True, exist_ok=True)
-        svgs = {}
-        for figure in figures_of(analysis, sections):
-            stem, drawing = file_text(figure.name), figure.draw()
-            (folder / f"{stem}.svg").write_text(drawing.svg, encoding="utf-8")
-            (folder / f"{stem}.png").write_bytes(drawing.png())
+        svgs, figures = {}, figures_of(analysis, sections)
+        for figure, (svg, png) in zip(figures, spread(partial(_drawn, with_png=True), figures), strict=True):
+            assert png is not None
+            stem = file_text(figure.name)
+            (folder / f"{stem}.svg").write_text(svg, encoding="utf-8")
+            (folder / f"{stem}.png").write_bytes(png)
             write_tables({figure.name: figure.rows(analysis.tables[figure.table])}, folder)
-            svgs[figure.name] = drawing.svg
+            svgs[figure.name] = svg
     return svgs
+
+
+def draw_figures(figures: Sequence[Figure], spread: Spread = map) -> dict[str, str]:
+    """Return the SVG text of each figure by name."""
+    drawn = spread(partial(_drawn, with_png=False), figures)
+    return {figure.name: svg for figure, (svg, _) in zip(figures, drawn, strict=True)}
+
+
+def _drawn(figure: Figure, with_png: bool) -> Drawn:
+    drawing = figure.draw()
+    return drawing.svg, drawing.png() if with_png else None
 
 
 def write_tables(tables: Mapping[str, pd.DataFrame], folder: Path) -> None:
@@ -126,7 +146,7 @@ def render(analysis: Analysis, sections: Sequence[Section] | None = None, svgs: 
     template = environment.from_string((files(__package__) / "page.html").read_text("utf-8"))
     sections = sections_of(analysis) if sections is None else sections
     if svgs is None:
-        svgs = {figure.name: figure.draw().svg for figure in figures_of(analysis, sections)}
+        svgs = draw_figures(figures_of(analysis, sections))
     # The first line of the page says already that participants were simulated.
     warnings = [text for text in analysis.warnings if f"{text}." != analysis.origin.line]
     return template.render(

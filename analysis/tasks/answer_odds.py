@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from scipy.optimize import minimize
 from scipy.special import expit, log_expit
 
 from ..arrays import Array, Bools, Indices
@@ -34,6 +33,8 @@ def logistic_fit(design: Array, answers: Bools, groups: Indices | None = None) -
     >>> beta.round(3).tolist(), covariance.round(3).tolist()
     ([1.099], [[1.333]])
     """
+    from scipy.optimize import minimize  # slow to load
+
     sides = np.where(answers, 1.0, -1.0)[:, None] * design
 
     def loss(beta: Array) -> tuple[float, Array]:

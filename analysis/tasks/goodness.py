@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binom
+from scipy.special import betainc
 
 from tactometry.psychometric import shape_named
 
@@ -193,6 +193,6 @@ def _is_surprising(p: "pd.Series[float]") -> bool:
     """
     bounds = np.array([FLAGGED_P, FLAGGED_P / 10])
     n_small = (p.to_numpy()[:, None] <= bounds).sum(axis=0)
-    # The survival function is that of more than its argument.
-    chance_of_as_many = binom.sf(n_small - 1, len(p), bounds)
+    # The regularised incomplete beta function is the chance of at least as many, from one on.
+    chance_of_as_many = betainc(np.maximum(n_small, 1), len(p) - np.maximum(n_small, 1) + 1, bounds)
     return bool(((n_small > 0) & (chance_of_as_many <= SURPRISING)).any())

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import linregress, t as student
 
 from ..arrays import Array
+from ..distributions import Student
 from ..means import by_condition
 from ..reading.rows import bad_cell, delivered_level, numbers_of
 from .task_analysis import Results, TaskAnalysis
@@ -31,6 +31,8 @@ def exponent(levels: Array, numbers: Array, interval: float = 0.95) -> dict[str,
     >>> {name: round(v, 3) for name, v in exponent(x, np.array([2.0, 4.0, 16.0, 8.0])).items()}
     {'exponent': 1.0, 'exponent_low': -6.336, 'exponent_high': 8.336}
     """
+    from scipy.stats import linregress  # slow to load
+
     means = pd.Series(np.log(numbers)).groupby(levels).mean()
     if len(means) < 2:
         return {"exponent": None, "exponent_low": None, "exponent_high": None}
@@ -38,7 +40,7 @@ def exponent(levels: Array, numbers: Array, interval: float = 0.95) -> dict[str,
     slope = float(line.slope)
     if not df:
         return {"exponent": slope, "exponent_low": None, "exponent_high": None}
-    half = float(student.ppf((1 + interval) / 2, df) * line.stderr)
+    half = float(Student.ppf((1 + interval) / 2, df) * line.stderr)
     return {"exponent": slope, "exponent_low": slope - half, "exponent_high": slope + half}
 
 

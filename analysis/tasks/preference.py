@@ -13,14 +13,14 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.sparse.csgraph import connected_components
-from scipy.stats import norm, t as student
+from scipy.special import ndtri
 
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidFile, nearest
 from tactometry.trials.columns import stated_factors
 
 from ..arrays import Array, Bools, Indices
+from ..distributions import Student
 from ..means import exact_interval, parts
 from ..reading.rows import no_column, numbers_of, place_of
 from ..reading.trials import Trials
@@ -120,7 +120,7 @@ def bradley_terry(
         return _without_worths(counts, ALWAYS_FIRST)
     worth, error, df = fitted
     tail = (1 + interval) / 2
-    reach = error * float(norm.ppf(tail) if np.isinf(df) else student.ppf(tail, df))
+    reach = error * float(ndtri(tail) if np.isinf(df) else Student.ppf(tail, df))
     table = pd.DataFrame({"worth": worth, "standard_error": error, "low": worth - reach, "high": worth + reach})
     worths = pd.concat([counts, table.iloc[:-1]], axis=1)
     return Worths(worths, table.iloc[-1:].reset_index(drop=True), WorthStatus.OK, "")
@@ -142,6 +142,8 @@ def _check(a: Texts, b: Texts, answer: NDArray[Any], participants: Sequence[str]
 
 def _gap(items: Texts, winner: Indices, loser: Indices) -> str:
     """Which items were never preferred to which others, directly or through others (Ford's condition)."""
+    from scipy.sparse.csgraph import connected_components  # slow to load
+
     beats = np.zeros((len(items), len(items)))
     beats[winner, loser] = 1
     n, group = connected_components(beats, directed=True, connection="strong")

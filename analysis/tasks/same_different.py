@@ -8,7 +8,6 @@ from math import sqrt
 
 import numpy as np
 import pandas as pd
-from scipy.optimize import brentq
 from scipy.special import ndtr, ndtri
 
 from ..reading.rows import is_catch, numbers_of
@@ -36,6 +35,8 @@ def differencing_sensitivity(n_hits: int, n_different: int, n_false_alarms: int,
     >>> round(differencing_sensitivity(30, 50, 10, 50), 3)
     2.13
     """
+    from scipy.optimize import brentq  # slow to load
+
     hit, false_alarm = (ndtr(z) for z in _rates(n_hits, n_different, n_false_alarms, n_same))
     if hit <= false_alarm:
         return 0.0

@@ -9,9 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.polynomial.hermite_e import hermegauss
-from scipy.optimize import brentq
 from scipy.special import log_ndtr, ndtri
-from scipy.stats import chi2_contingency
 
 from tactometry.arguments.require import expect
 
@@ -108,6 +106,8 @@ def forced_choice_sensitivity(rate_correct: float, n_alternatives: int) -> float
     >>> [round(forced_choice_sensitivity(0.75, m), 4) for m in (2, 3, 4)]
     [0.9539, 1.4338, 1.6822]
     """
+    from scipy.optimize import brentq  # slow to load
+
     ends = (-LARGEST_D_PRIME, LARGEST_D_PRIME)
     low, high = (forced_choice_chance(end, n_alternatives) for end in ends)
     expect(low < rate_correct < high, "rate_correct", rate_correct, f"a rate between {low:.3g} and 1")
@@ -178,6 +178,8 @@ def _criterion(table: Indices) -> float:
 
 
 def _equal_shares(table: Indices) -> float | None:
+    from scipy.stats import chi2_contingency  # slow to load
+
     wrong_and_right = np.array([table.diagonal(), table.sum(axis=1) - table.diagonal()])
     if not (wrong_and_right.any(axis=0).all() and wrong_and_right.any(axis=1).all()):
         return None  # an empty row or column has no expected counts

@@ -10,9 +10,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
-from scipy.stats import chi2
 
 from ..arrays import Array, Bools, Indices, Rows
+from ..distributions import ChiSquare
 from .likelihood import GUESS, LOG_WIDTH, THRESHOLD, log_chances
 from .log_posterior import LogPosterior
 from .mode import Mode, climb, find_mode, find_overdispersed_mode
@@ -247,7 +247,7 @@ def profile(posterior: LogPosterior, mode: Mode, interval: float) -> Array:
 
     Shape (n_sets, 2), on the scale of `Counts.u`; infinite where the profile has no end on that side.
     """
-    floor = mode.log_density - chi2.ppf(interval, 1) / 2
+    floor = mode.log_density - ChiSquare.ppf(interval, 1) / 2
     return np.stack([_profile_end(posterior, mode, floor, side) for side in (-1.0, 1.0)], axis=1)
 
 

@@ -12,7 +12,6 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 
 from tactometry.psychometric import log_mixture
 
@@ -22,6 +21,7 @@ from .likelihood import BINOMIAL_BELOW, GUESS, LAPSE, LOG_WIDTH, N_PARAMETERS, T
 from .log_posterior import LogPosterior
 from .mode import Mode
 from .prior import LARGEST_ETA, Prior, log_prior_of
+from .splines import spline_integral
 
 NEGLIGIBLE = 14.0
 """A log density this far below the mode's is outside."""
@@ -289,8 +289,8 @@ def quantiles(density: Array, low: Array, high: Array, interval: float) -> Array
     equidistant nodes from `low` to `high`, by the integral of their cubic splines."""
     shares = np.array([(1 - interval) / 2, 0.5, (1 + interval) / 2])
     n_nodes = density.shape[1]
-    fine = np.linspace(0, n_nodes - 1, 40 * n_nodes)
-    integral = CubicSpline(np.arange(n_nodes), density, axis=1).antiderivative()(fine)
+    fine, weights = spline_integral(n_nodes)
+    integral = density @ weights
     # A spline may dip below 0 between two nodes, and what is inverted below has to rise.
     cumulated = np.maximum.accumulate(integral, axis=1)
     places = np.array([np.interp(shares * row[-1], row, fine) for row in cumulated])

@@ -20,11 +20,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import isotonic_regression
 from scipy.special import betainc, betaincinv, betaln, logsumexp
-from scipy.stats import chi2
 
 from ..arrays import Array, Bools
+from ..distributions import ChiSquare
 from ..noted_status import NotedStatus
 from .chances import weighted
 from .counts import Counts
@@ -33,6 +32,7 @@ from .log_posterior import LogPosterior
 from .mode import Mode
 from .posterior import Marginals
 from .prior import LARGEST_RATE, Prior
+from .splines import rising_fit
 
 HELD = 0.8
 """The posterior probability from which an explanation of the answers is taken: four to one."""
@@ -92,7 +92,7 @@ def stand_as_after_a_track(counts: Counts) -> Bools:
     n, n_levels = counts.n_trials.sum(axis=1), np.maximum(counts.n_levels, 1)
     even = np.maximum(n / n_levels, 1.0)[:, None]
     squares = np.where(counts.n_trials > 0, (counts.n_trials - even) ** 2 / even, 0.0)
-    is_uneven = chi2.sf(squares.sum(axis=1), np.maximum(n_levels - 1, 1)) < UNEVEN
+    is_uneven = ChiSquare.sf(squares.sum(axis=1), np.maximum(n_levels - 1, 1)) < UNEVEN
     is_scattered = (n_levels > FEW) & (n < 2 * n_levels)
     return np.asarray(is_uneven | is_scattered)
 
@@ -176,7 +176,7 @@ def _falls(counts: Counts) -> Bools:
         variance = rate * (1 - rate) * (away**2 * counts.n_trials).sum(axis=1)
         z = (away * excess).sum(axis=1) / np.sqrt(variance)
     drop = 2 * (saturated_log_likelihood(counts) - _isotonic_log_likelihood(counts))
-    critical = chi2.ppf(1 - DROP_SIGNIFICANCE, np.maximum(counts.n_levels - 1, 1))
+    critical = ChiSquare.ppf(1 - DROP_SIGNIFICANCE, np.maximum(counts.n_levels - 1, 1))
     return np.asarray((z < TREND_CRITERION) | (drop > critical))
 
 
@@ -187,7 +187,7 @@ def _isotonic_log_likelihood(counts: Counts) -> Array:
         used = counts.n_trials[i] > 0
         k, n = counts.n_yes[i, used], counts.n_trials[i, used]
         if np.any(np.diff(k / n) < 0):
-            p = isotonic_regression(k / n, weights=n).x
+            p = rising_fit(k / n, n)
             with np.errstate(divide="ignore"):
                 # A weighted mean of ones may round to above 1, where log1p has no value.
                 log_no = np.log1p(-np.minimum(p, 1))

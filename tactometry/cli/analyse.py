@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 )
 @path_option("--plan", metavar="PLAN.toml", help="What is left out, and what counts as equal.")
 @path_option("--figures", metavar="DIR", help="Every figure as SVG and PNG, with its data.")
+@click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to draw with; -1: all cores.")
 def command(
     path: Path,
     report: Path | None,
@@ -35,6 +36,7 @@ def command(
     figures: Path | None,
     *,
     pdf: bool,
+    n_jobs: int,
 ) -> None:
     """Thresholds with 95 % intervals, group table and ANOVA of the data set or trials file PATH."""
     from tactometry.analysis.pipeline import analyse
@@ -44,21 +46,25 @@ def command(
     from tactometry.experiments.data_sets.rule_estimates import replay_of
     from tactometry.experiments.data_sets.session_files import edit_warnings
     from tactometry.experiments.data_sets.touch_courses import touch_courses
+    from tactometry.experiments.workers import check_workers, workers
 
+    check_workers(n_jobs, None)
     factors = None if within is None else [name.strip() for name in within.split(",") if name.strip()]
-    analysis = analyse(
-        path,
-        report=report,
-        pdf=pdf,
-        within=factors,
-        column_map=None if columns is None else read_column_map(columns),
-        level_scale=level_scale,
-        plan=None if plan is None else read_plan(plan),
-        figures=figures,
-        warnings=edit_warnings(path),
-        replay=replay_of(path),
-        touches=partial(touch_courses, path),
-    )
+    with workers(n_jobs) as spread:
+        analysis = analyse(
+            path,
+            report=report,
+            pdf=pdf,
+            within=factors,
+            column_map=None if columns is None else read_column_map(columns),
+            level_scale=level_scale,
+            plan=None if plan is None else read_plan(plan),
+            figures=figures,
+            warnings=edit_warnings(path),
+            replay=replay_of(path),
+            touches=partial(touch_courses, path),
+            spread=spread,
+        )
     say(summary_text(analysis), summary(analysis))
 
 

@@ -33,7 +33,7 @@ COMMAND_LINES = {
     "no jobs": (
         ["simulate", "tutorial", "--participants", "1", "--seed", "1", "--out", "d", "--jobs", "0"],
         2,
-        "--jobs: found 0, expected at least 1, or -1 for all cores; or --scheduler alone",
+        "--jobs: found 0, expected at least 1, or -1 for all cores",
     ),
     "name for a code": (
         ["run", "tutorial", "--participant", "Anna K.", "--rig", "simulated", "--out", "d"],

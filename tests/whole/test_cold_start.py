@@ -14,6 +14,7 @@ from tactometry.stimuli.electrovibration.skin.stack import _zero
 from tactometry.stimuli.perception.detection import blackman_harris
 
 RECORDED = str(Path(__file__).parents[1] / "recorded" / "electrovibration-threshold")
+ONE_PARTICIPANT = str(Path(__file__).parents[1] / "recorded" / "forced-choice")
 SESSION = ("run", "tutorial", "--participant", "P01", "--rig", "simulated", "--out", "made")
 DRY_RUN = ("run", "electrovibration-threshold", "--participant", "P01", "--dry-run")
 SIMULATE = ("simulate", "tutorial", "--participants", "1", "--seed", "1", "--out", "made")
@@ -32,9 +33,14 @@ LOADS = {
     SIMULATE: RECORDS,
     DRY_RUN: RECORDS | {"numba", "llvmlite", "scipy"},
     ("analyse", RECORDED): TABLES | {"rich"},
+    ("analyse", ONE_PARTICIPANT): TABLES | {"rich"},
 }
 """All distributions that a command loads."""
-NEVER = {DRY_RUN: {"scipy.signal", "scipy.optimize", "scipy.stats", "scipy.special"}}
+NEVER = {
+    DRY_RUN: {"scipy.signal", "scipy.optimize", "scipy.stats", "scipy.special"},
+    ("analyse", RECORDED): {"scipy.stats"},
+    ("analyse", ONE_PARTICIPANT): {"scipy.interpolate", "scipy.optimize", "scipy.stats"},
+}
 DRAWING = {"matplotlib", "cycler", "fonttools", "kiwisolver", "packaging", "pillow", "pyparsing"}
 REPORT = TABLES | DRAWING | {"rich", "jinja2", "markupsafe"}
 CORE_ONLY = Path(__file__).parents[1] / "support" / "core_only.py"
