@@ -84,7 +84,7 @@ def posterior_draws(posterior: LogPosterior, n_draws: int = N_DRAWS) -> Array:
     draws.
     """
     prior, box = posterior.prior, find_box(posterior, find_mode(posterior))
-    axes, weights = nodes_in(prior, box.low[0], box.high[0])
+    axes, weights = nodes_in(prior, box.low[0], box.high[0], posterior.counts.n_trials.sum())
     density = log_density_grid(posterior, axes, 0.0) + axes[LOG_WIDTH][:, None, None]
     mass = np.exp(density - density.max()) * weights[LAPSE][:, None] * weights[GUESS]
     cumulated = np.cumsum(mass.ravel(), dtype=np.float64)

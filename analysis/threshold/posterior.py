@@ -27,6 +27,8 @@ NEGLIGIBLE = 14.0
 """A log density this far below the mode's is outside."""
 FINAL_NODES = (37, 27)
 RATE_NODES = 10
+RATE_NODES_OF_FEW, FEW_TRIALS = 8, 40
+"""So few trials leave a rate so wide a density that fewer nodes move no end by 1e-5 of the interval."""
 INTERIOR_RATE_NODES = 12
 """A rate whose density dies out above 0 needs more nodes than one that begins at 0."""
 SEARCH_NODES = (13, 11, 5, 5)
@@ -174,14 +176,15 @@ def rate_rule(n: int) -> tuple[Array, Array]:
     return (points + 1) / 2, weights
 
 
-def nodes_in(prior: Prior, low: Array, high: Array) -> tuple[list[Array], list[Array]]:
+def nodes_in(prior: Prior, low: Array, high: Array, n_trials: float) -> tuple[list[Array], list[Array]]:
     """Nodes and weights along each parameter for the box of one data set; one node for a fixed parameter."""
     nodes, weights = [], []
+    n_from_zero = RATE_NODES_OF_FEW if n_trials <= FEW_TRIALS else RATE_NODES
     for place in range(N_PARAMETERS):
         if place not in prior.free:
             unit, weight = np.zeros(1), np.ones(1)
         elif place in (LAPSE, GUESS):
-            unit, weight = rate_rule(RATE_NODES if low[place] == 0 else INTERIOR_RATE_NODES)
+            unit, weight = rate_rule(n_from_zero if low[place] == 0 else INTERIOR_RATE_NODES)
         else:
             unit = np.linspace(0, 1, FINAL_NODES[place])
             weight = np.ones(FINAL_NODES[place])
@@ -264,7 +267,7 @@ def _marginal_densities(
     """Of one data set: means, the densities of threshold and log width on their nodes, the mean of eta, the logarithm
     of the integral over all, and the shares beyond the levels."""
     prior, (low, high) = posterior.prior, (box.low[0], box.high[0])
-    axes, weights = nodes_in(prior, low, high)
+    axes, weights = nodes_in(prior, low, high, posterior.counts.n_trials.sum())
     densities = np.stack([log_density_grid(posterior, axes, float(eta)) for eta in etas[0]])
     densities += axes[LOG_WIDTH][:, None, None]  # the prior is one of the width, the nodes lie along its logarithm
     highest = densities.max()

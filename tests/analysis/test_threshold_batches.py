@@ -26,6 +26,7 @@ def converged(monkeypatch: pytest.MonkeyPatch, *arguments, **options) -> tuple[T
         patch.setattr(shared_grid, "WORTH_SHARING", 10**9)
         patch.setattr(posterior, "FINAL_NODES", (75, 55))
         patch.setattr(posterior, "RATE_NODES", 20)
+        patch.setattr(posterior, "FEW_TRIALS", 0)
         patch.setattr(posterior, "INTERIOR_RATE_NODES", 24)
         patch.setattr(posterior, "NEGLIGIBLE", 20.0)
         patch.setattr(posterior, "SINGLE_TRIALS", 0)
@@ -56,6 +57,17 @@ def test_ends_and_means_of_yes_no_answers_are_those_of_the_converged_posterior(m
     ):
         if true.status == "ok":
             assert np.abs(ends(found) - ends(true))[:2].max() < 0.004 * (true.interval_high - true.interval_low)
+
+
+@pytest.mark.parametrize("guess_rate", [None, 0.5])
+def test_fewer_rate_nodes_suffice_for_few_trials(monkeypatch: pytest.MonkeyPatch, guess_rate: float | None) -> None:
+    k, options = answers(5, guess_rate or 0.04, np.random.default_rng(1))[:8], {"shape": "normal"}
+    monkeypatch.setattr(shared_grid, "WORTH_SHARING", 10**9)
+    found = [ends(each) for each in fit_many(LEVELS, k, 5, guess_rate=guess_rate, **options)]
+    monkeypatch.setattr(posterior, "FEW_TRIALS", 0)
+    monkeypatch.setattr(posterior, "RATE_NODES", 20)
+    reference = [ends(each) for each in fit_many(LEVELS, k, 5, guess_rate=guess_rate, **options)]
+    assert np.array(found, float) == pytest.approx(np.array(reference, float), abs=1e-4, nan_ok=True)
 
 
 def test_chances_of_many_levels_may_be_multiplied_before_their_logarithm_is_taken(monkeypatch) -> None:
