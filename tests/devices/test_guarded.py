@@ -69,6 +69,29 @@ def test_end_of_a_replaced_signal_is_told_before_the_next(clock):
     assert ends_c == pytest.approx([5e-6], rel=0.1)  # 10 V through 1 Mohm for 0.5 s
 
 
+class Interrupted(Clipping):
+    """An output whose signal begins, and then the process is to end."""
+
+    error = KeyboardInterrupt
+
+    def play(self, signal):
+        raise self.error
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, SystemExit])
+def test_guard_counts_signal_when_play_is_interrupted(clock, error):
+    driver, found = Interrupted(), []
+    driver.error = error
+    output = Guarded(driver, LIMITS, LEAKY, clock)
+    output.subscribe(lambda *emission: found.append(emission[2]), found.append)
+    output.open()
+    with pytest.raises(error):
+        output.play(volts())
+    clock.now_s += 0.5
+    output.stop()
+    assert found == pytest.approx([1e-5, 5e-6], rel=0.1)  # 10 V through 1 Mohm: all of it, and 0.5 s
+
+
 def test_guard_refuses_what_a_driver_would_clip(told):
     output, _ = told
     with pytest.raises(LimitExceeded, match="voltage_peak_v"):

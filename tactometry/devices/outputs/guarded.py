@@ -127,15 +127,24 @@ class Guarded:
             self._end_playing(now_s)
         self._count(limits, now_s, final.duration_s, largest_c)
         self._end_playing(now_s)  # the new signal replaces it
-        onset_s = self.driver.play(signal)
+        try:
+            onset_s = self.driver.play(signal)
+        except (KeyboardInterrupt, SystemExit):  # it may have begun already
+            self._begin(time.perf_counter(), limits, final.duration_s, charge)
+            raise
+        self._begin(onset_s, limits, final.duration_s, charge)
+        return onset_s
+
+    def _begin(self, onset_s: float, limits: Limits, duration_s: float, charge: PassedCharge | None) -> None:
+        """Count and report a signal that the driver has begun."""
+        largest_c = 0.0 if charge is None else charge.largest_c
         with self._counting:
             # the clock anew: a driver may let the signal before fall to zero first
             now_s = self.clock()
-            self._exposure = self._exposure.after(now_s, final.duration_s, limits.duty_window_s, largest_c)
-            self._playing = _Playing(now_s + onset_s - time.perf_counter(), final.duration_s, charge)
+            self._exposure = self._exposure.after(now_s, duration_s, limits.duty_window_s, largest_c)
+            self._playing = _Playing(now_s + onset_s - time.perf_counter(), duration_s, charge)
         if self.emits:
-            self._on_signal(onset_s, final.duration_s, largest_c)
-        return onset_s
+            self._on_signal(onset_s, duration_s, largest_c)
 
     def _count(self, limits: Limits, now_s: float, duration_s: float, charge_c: float) -> None:
         """Refuse a signal by what was emitted before, or write it down in the ledger."""
