@@ -135,9 +135,13 @@ def record(
     keeper = OpenSession(root, design, session, kind.name, resume=resume)
     try:
         refuse_erased(root, [who.participant], allowed=allow_erased)  # erased before the session was locked
+        if resume and keeper.journal.head is None:
+            tell(f"--resume: {root} contains no session {who.session} of {who.participant} to resume; it begins now")
         seed, n_resumed = _session_seed(keeper.journal.head, who, kind), keeper.tally.n_trials
         if keeper.repaired:
             tell(keeper.repaired)
+        if keeper.journal.head is None and who.seed is None:
+            tell(f"seed: {seed} (the same --seed repeats this)")
         with closing(_made(kind, seed, keeper, withdrawal)) as rig:
             _begin(keeper, _head(design, who, seed, kind, rig, keeper), tell)
             course = experiment.course(who.participant, who.session, number, seed)

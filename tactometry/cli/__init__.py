@@ -42,6 +42,16 @@ COMMANDS = {
     "design": ("tactometry.cli.design:command", "Time-reversal screens: what is wanted, what can be reached and why."),
 }
 
+GROUPS = {
+    "Begin": ("demo", "studies", "new", "keys"),
+    "Sessions": ("check", "run", "watch", "calibrate"),
+    "Data": ("analyse", "show", "validate", "replay", "rebuild", "export", "erase"),
+    "Planning": ("simulate", "power"),
+    "Physics": ("scene", "design"),
+    "Checks of the program": ("validate-method", "cost", "reproduce"),
+}
+"""Commands by the heading under which `--help` lists them."""
+
 
 class Commands(click.Group):
     """The commands of the table; help is shown without importing any."""
@@ -59,8 +69,12 @@ class Commands(click.Group):
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         del ctx
-        with formatter.section("Commands"):
-            formatter.write_dl([(name, text) for name, (_, text) in COMMANDS.items()])
+        grouped = {name for names in GROUPS.values() for name in names}
+        width = max(map(len, COMMANDS))
+        for heading, names in {**GROUPS, "Other": [name for name in COMMANDS if name not in grouped]}.items():
+            if names:
+                with formatter.section(heading):
+                    formatter.write_dl([(f"{name:<{width}}", COMMANDS[name][1]) for name in names])
 
 
 @click.command(

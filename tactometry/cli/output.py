@@ -2,6 +2,7 @@
 
 import json
 import math
+import secrets
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import AbstractContextManager
@@ -111,6 +112,23 @@ def _finite(value: object) -> object:
     if isinstance(value, Mapping):
         return {name: _finite(part) for name, part in value.items()}
     return [_finite(part) for part in value] if isinstance(value, list | tuple) else value
+
+
+def drawn_seed(seed: int | None, *, resume: bool = False) -> int:
+    """Return the seed, or draw one and print it on standard error.
+
+    Raises
+    ------
+    InvalidParameter
+        If what is resumed has another seed than one that is drawn.
+    """
+    if seed is not None:
+        return seed
+    if resume:
+        raise InvalidParameter("--seed: found none, expected the seed that the interrupted run printed")
+    seed = secrets.randbelow(2**32)
+    click.echo(f"seed: {seed} (the same --seed repeats this)", err=True)
+    return seed
 
 
 def writing(path: Path) -> AbstractContextManager[None]:

@@ -18,7 +18,7 @@ from tactometry.experiments.study.study_file import folder_of, load
 from tactometry.experiments.workers import check_workers, workers
 
 from ..arguments.require import expect
-from .output import STUDY, allow_code_option, path_option, say, subcommand
+from .output import STUDY, allow_code_option, drawn_seed, path_option, say, subcommand
 
 
 @subcommand('power tutorial --effect "frequency_hz: 6 dB" --participants 6..12 --seed 1 --out power')
@@ -31,7 +31,7 @@ from .output import STUDY, allow_code_option, path_option, say, subcommand
 @click.option("--participants", required=True, help="As 6..24, 6..24:2 or 8,12,16.")
 @click.option("--trials", help="In each track, as 40,60; by default as the study says.")
 @click.option("--target", type=float, default=0.8, show_default=True, help="The power that is wanted.")
-@click.option("--seed", type=int, required=True, help="The same seed gives the same bytes.")
+@click.option("--seed", type=int, help="The same seed gives the same bytes; default: a new one, which is printed.")
 @click.option("--alpha", type=float, default=0.05, show_default=True, help="The level of the test.")
 @click.option("--precision", type=float, default=0.05, show_default=True, help="Half of a power's 95 % interval.")
 @click.option("--most", type=int, default=1000, show_default=True, help="Studies to simulate of each kind at most.")
@@ -54,6 +54,7 @@ def command(
     expect(out is not None or not resume, "--resume", "no --out", "the folder of the analysis that was interrupted")
     expect(out is not None or not keep_data, "--keep-data", "no --out", "the folder in which they are kept")
     _, content = load(study)
+    options["seed"] = drawn_seed(options["seed"], resume=resume)
     options["code_from"] = folder_of(study) if options.pop("allow_code") else None
     people, tracks, share = participants_of(participants), trials_of(trials), options.pop("dropout")
     design = PowerDesign(content, study, parse_effect(effect), people, tracks, dropout_share=share, **options)

@@ -22,7 +22,15 @@ from ..records.data_set import Session
 from ..records.erasures import refuse_erased
 from ..trials.cells import cell
 from ..trials.columns import RIGS
-from .output import STUDY, allow_code_option, allow_erased_option, bench_option, path_option, say, subcommand
+from .output import (
+    STUDY,
+    allow_code_option,
+    allow_erased_option,
+    bench_option,
+    path_option,
+    say,
+    subcommand,
+)
 from .watch import watching
 
 
@@ -32,7 +40,7 @@ from .watch import watching
 @click.option("--session", "n_session", type=int, default=1, show_default=True, help="The participant's session.")
 @click.option("--rig", type=click.Choice(list(RIGS)), default="bench", show_default=True)
 @click.option("--number", type=int, help="Number for counterbalancing; default: the last digits of the code.")
-@click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Default: a new one, which the journal keeps.")
+@click.option("--seed", type=click.IntRange(0, 2**63 - 1), help="Default: a new one, which is printed.")
 @bench_option
 @path_option("--out", help="The data set; default: STUDY's name and -data, or -simulated.")
 @click.option("--resume", is_flag=True, help="Go on where an interrupted session stopped.")

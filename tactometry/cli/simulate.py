@@ -12,7 +12,7 @@ from tactometry.experiments.study.study_file import folder_of, load, parse
 from tactometry.experiments.workers import check_workers
 
 from ..errors import count_of
-from .output import STUDY, allow_code_option, allow_erased_option, path_option, progress, say, subcommand
+from .output import STUDY, allow_code_option, allow_erased_option, drawn_seed, path_option, progress, say, subcommand
 
 DEMO_STUDY = "electrovibration-threshold"
 N_PARTICIPANTS = 10
@@ -21,7 +21,7 @@ N_PARTICIPANTS = 10
 @subcommand("simulate tutorial --participants 5 --seed 1 --out simulated")
 @click.argument("study", type=STUDY)
 @click.option("--participants", "n_participants", type=int, required=True, help="How many, P01 and on.")
-@click.option("--seed", type=int, required=True, help="The same seed gives the same bytes.")
+@click.option("--seed", type=int, help="The same seed gives the same bytes; default: a new one, which is printed.")
 @path_option("--out", required=True, help="The data set to write.")
 @click.option("--resume", is_flag=True, help="Go on where an interrupted simulation stopped.")
 @click.option("--jobs", "n_jobs", type=int, default=1, show_default=True, help="Processes to use; -1: all cores.")
@@ -32,7 +32,7 @@ N_PARTICIPANTS = 10
 def simulate(
     study: str,
     n_participants: int,
-    seed: int,
+    seed: int | None,
     out: Path,
     *,
     resume: bool,
@@ -48,6 +48,7 @@ def simulate(
     check_workers(n_jobs, scheduler)
     _, content = load(study)
     code_from = folder_of(study) if allow_code else None
+    seed = drawn_seed(seed, resume=resume)
     simulation = Simulation(content, study, out, n_participants, seed, resume, code_from, allow_erased)
     sessions = sessions_of(simulation, n_jobs=n_jobs, scheduler=scheduler)
     recorded = list(progress(sessions, len(simulation.sessions()), "simulating"))

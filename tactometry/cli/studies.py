@@ -24,7 +24,7 @@ def _say_studies() -> None:
 
 @subcommand("new tutorial --out mine.toml")
 @click.argument("study", type=STUDY, required=False)
-@path_option("--out", help="The file to write; default STUDY.toml.")
+@path_option("--out", help="The file to write, - for standard output; default STUDY.toml.")
 @click.option("--list", "is_list", is_flag=True, help="The built-in studies, a line each, as tactometry studies.")
 def new(study: str | None, out: Path | None, *, is_list: bool) -> None:
     """Copy the built-in STUDY to a file of your own to edit."""
@@ -36,6 +36,9 @@ def new(study: str | None, out: Path | None, *, is_list: bool) -> None:
     if study is None:
         raise InvalidParameter("STUDY: found none, expected the name of a study: tactometry new --list")
     _, content = load(study)
+    if out == Path("-"):
+        click.echo(content, nl=False)
+        return
     path = out or Path(locate(study).name)
     try:
         with path.open("xb") as file:
