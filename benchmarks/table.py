@@ -7,6 +7,7 @@ run. `--page` alone writes the page anew from what is kept.
 """
 
 import argparse
+import ast
 import json
 import os
 import platform
@@ -16,12 +17,14 @@ import tempfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from datetime import UTC, datetime
+from hashlib import sha256
 from pathlib import Path
 from time import perf_counter
 
 from measured import ROWS, Measured
 
 FOLDER = Path(__file__).resolve().parent
+ROOT = FOLDER.parent
 RESULTS, PAGE = "results.json", "README.md"
 LONGEST_S = 3600.0
 ELSEWHERE = {
@@ -31,6 +34,15 @@ ELSEWHERE = {
     "ladder_peers": "docs/explanation/cost.md",
 }
 """They write what a page of the docs shows, and run by name alone."""
+MEASURED_BY_COMMAND = {
+    "cli_startup": ("tactometry.cli",),
+    "cold_start": ("tactometry.cli", "tactometry.analysis.pipeline"),
+    "limits_mutation": ("tactometry.safety.limits",),
+    "time_to_zero": ("tactometry.devices.outputs", "tactometry.rigs"),
+    "watch": ("tactometry.experiments.watch",),
+}
+"""Modules that a benchmark measures without importing them."""
+OLDER = "code changed since"
 WHY_MISSED = {
     "electrovibration_motion": "for a step LSODA takes 0.8 ms against our 0.02 ms; when the goal was set these were "
     "1.6 and 0.014 ms, 114 x. Other inputs are 100 to 600 times as quick",
@@ -54,7 +66,8 @@ Every ratio and time that was asked for, and what was reached. Written by `make 
 `make bench ARGS="watch traces"` renews two, `make bench ARGS=--page` writes this page from `results.json`. A median is
 held against what was asked; the spread is that of repeats within and between runs. Ratios are to a peer of the same
 run, in which both take turns; times are of the processor where nothing else is said. Limits in seconds are meant for a
-quiet machine: a row's load says how quiet it was (processes that wanted a core, at most, while it ran).
+quiet machine: a row's load says how quiet it was (processes that wanted a core, at most, while it ran). A row is marked
+*code changed since* if the packages that it measures changed after its run, or if its run did not record them.
 
 """
 
@@ -70,6 +83,8 @@ class Outcome:
     n_runs: int = 0
     took_s: float = 0.0
     failed: str = ""
+    sources: str = ""
+    """The digest of the code that it measured; empty in results of before it was recorded."""
 
 
 def programs(folder: Path = FOLDER) -> list[str]:
@@ -77,6 +92,31 @@ def programs(folder: Path = FOLDER) -> list[str]:
     own = Path(__file__).name
     found = (path for path in folder.glob("*.py") if path.name != own)
     return sorted(path.stem for path in found if '__name__ == "__main__"' in path.read_text(encoding="utf-8"))
+
+
+def sources_of(program: Path, root: Path = ROOT) -> list[Path]:
+    """Return a benchmark and the files it measures: each imported module with its package, without other packages.
+
+    The packages count because a change is seldom in the module that is imported. A module directly below
+    `tactometry` counts alone.
+    """
+    tree = ast.parse(program.read_text(encoding="utf-8"))
+    imported = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.module}
+    found = {program}
+    for name in (*imported, *MEASURED_BY_COMMAND.get(program.stem, ())):
+        place = root.joinpath(*name.split("."))
+        if name.split(".")[0] != "tactometry" or place == root / "tactometry":
+            continue
+        module = place.with_suffix(".py")
+        folder = place if place.is_dir() else place.parent
+        found.update([module] if folder == root / "tactometry" else folder.glob("*.py"))
+    return sorted(path for path in found if path.is_file())
+
+
+def digest(program: Path, root: Path = ROOT) -> str:
+    """Return the digest of what `sources_of` returns."""
+    content = [path.name.encode() + b"\0" + path.read_bytes() for path in sources_of(program, root)]
+    return sha256(b"\0".join(content)).hexdigest()[:16]
 
 
 def once(program: Path, longest_s: float = LONGEST_S) -> tuple[list[Measured], str]:
@@ -111,13 +151,14 @@ def pooled(rows: Iterable[Measured]) -> tuple[Measured, ...]:
 
 def run(program: Path, n_runs: int, before: Outcome) -> Outcome:
     """Run a benchmark some times; one that fails keeps what it measured `before`."""
-    began_s, rows, load = perf_counter(), [], 0.0
+    began_s, rows, load, sources = perf_counter(), [], 0.0, digest(program)
     for _ in range(n_runs):
         found, failed = once(program)
         rows, load = [*rows, *found], max(load, os.getloadavg()[0])
         if failed:
             return replace(before, failed=f"{_today()}, load {load:.1f}: {failed}")
-    return Outcome(pooled(rows), _today(), round(load, 1), machine(), n_runs, round(perf_counter() - began_s, 1))
+    took_s = round(perf_counter() - began_s, 1)
+    return Outcome(pooled(rows), _today(), round(load, 1), machine(), n_runs, took_s, sources=sources)
 
 
 def _today() -> str:
@@ -134,11 +175,18 @@ def machine() -> str:
     return f"{processor}, {os.cpu_count()} cores, {platform.system()}; Python {platform.python_version()}; {versions()}"
 
 
-def page(outcomes: Mapping[str, Outcome], names: Sequence[str]) -> str:
-    """The page; benchmarks that were never run are named too."""
+def page(outcomes: Mapping[str, Outcome], names: Sequence[str], folder: Path = FOLDER) -> str:
+    """The page; benchmarks that were never run are named too, and rows older than the code they measure are marked."""
     machines = list(dict.fromkeys(each.machine for name in names if (each := outcomes.get(name)) and each.rows))
     known = {name: outcomes.get(name, Outcome()) for name in names}
-    lines = [*_summary(known.values()), "", *_table(known, machines), "", *_failures(known), *_reasons(known)]
+    lines = [
+        *_summary(known.values()),
+        "",
+        *_table(known, machines, _older(known, folder)),
+        "",
+        *_failures(known),
+        *_reasons(known),
+    ]
     lines += [f"- Machine {n}: {each}" for n, each in enumerate(machines, 1)]
     lines += [f"- `{name}.py` by name alone: what it finds stands in {where}." for name, where in ELSEWHERE.items()]
     return HEAD + "\n".join(lines) + "\n"
@@ -150,13 +198,19 @@ def _summary(outcomes: Iterable[Outcome]) -> Iterator[str]:
     yield f"{verdicts.count(True)} of {n_asked} that were asked for are reached, {verdicts.count(False)} missed."
 
 
-def _table(known: Mapping[str, Outcome], machines: Sequence[str]) -> Iterator[str]:
+def _older(known: Mapping[str, Outcome], folder: Path) -> set[str]:
+    """Return the benchmarks whose rows are of other code than there is."""
+    return {name for name, outcome in known.items() if outcome.sources != digest(folder / f"{name}.py")}
+
+
+def _table(known: Mapping[str, Outcome], machines: Sequence[str], older: set[str]) -> Iterator[str]:
     yield "| benchmark | what | asked | median | least to largest | repeats | | measured | load | machine |"
     yield "|---|---|---|---|---|---|---|---|---|---|"
     for name, outcome in known.items():
         for row in outcome.rows:
             verdict = f"**{row.verdict}**" if row.holds is False else row.verdict
-            where = f"{outcome.date} | {outcome.load:.1f} | {machines.index(outcome.machine) + 1}"
+            date = f"{outcome.date}, *{OLDER}*" if name in older else outcome.date
+            where = f"{date} | {outcome.load:.1f} | {machines.index(outcome.machine) + 1}"
             median = row.told(row.median)
             yield (
                 f"| {name} | {row.what} | {row.asked} | {median} | {row.spread} | {len(row.values)} | {verdict} "
@@ -191,7 +245,7 @@ def write(outcomes: Mapping[str, Outcome], folder: Path) -> None:
     kept = {name: asdict(outcome) for name, outcome in sorted(outcomes.items())}
     lines = ",\n".join(f"{json.dumps(name)}: {json.dumps(each)}" for name, each in kept.items())
     (folder / RESULTS).write_text(f"{{\n{lines}\n}}\n", encoding="utf-8")
-    (folder / PAGE).write_text(page(outcomes, programs(folder)), encoding="utf-8")
+    (folder / PAGE).write_text(page(outcomes, programs(folder), folder), encoding="utf-8")
 
 
 def renew(names: Sequence[str], n_runs: int, folder: Path = FOLDER) -> None:

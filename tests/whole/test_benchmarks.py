@@ -111,7 +111,7 @@ def test_a_miss_that_is_understood_has_its_reason_below_the_table(folder: Path, 
     reason = "- whole, missed: theirs became quicker."
     for value, told in ((2.0, True), (1.0, False)):
         outcome = table.Outcome((measured.Measured("ours over theirs", (value,), at_most=1.5),), machine="one")
-        assert (reason in table.page({"whole": outcome}, table.programs(folder))) is told
+        assert (reason in table.page({"whole": outcome}, table.programs(folder), folder)) is told
 
 
 def test_one_that_is_renewed_leaves_the_others_with_their_dates(folder: Path) -> None:
@@ -120,9 +120,44 @@ def test_one_that_is_renewed_leaves_the_others_with_their_dates(folder: Path) ->
     table.renew(["whole"], 1, folder)
     kept = json.loads((folder / "results.json").read_text("utf-8"))
     assert kept["torn"]["date"] == "2026-01-02"
-    assert "| torn | older | | 1 x | | 1 | | 2026-01-02 | 0.5 |" in re.sub(
+    assert "| torn | older | | 1 x | | 1 | | 2026-01-02, *code changed since* | 0.5 |" in re.sub(
         " +", " ", (folder / "README.md").read_text()
     )
+
+
+def test_page_marks_rows_older_than_their_code(folder: Path) -> None:
+    table.renew(["whole"], 1, folder)
+    assert "changed since* |" not in (folder / "README.md").read_text("utf-8")
+    with (folder / "whole.py").open("a", encoding="utf-8") as program:
+        program.write("# changed\n")
+    table.write(table.read(folder / "results.json"), folder)
+    rows = [line for line in (folder / "README.md").read_text("utf-8").splitlines() if line.startswith("| whole")]
+    assert len(rows) == 2
+    assert all("*code changed since* |" in row for row in rows)
+
+
+def test_changed_neighbour_of_a_measured_module_changes_digest(tmp_path: Path) -> None:
+    package = tmp_path / "tactometry" / "fits"
+    package.mkdir(parents=True)
+    for file in (
+        package / "fitting.py",
+        package / "starts.py",
+        package.parent / "psychometric.py",
+        package.parent / "x.py",
+    ):
+        file.write_text("", "utf-8")
+    program = tmp_path / "speed.py"
+    program.write_text("from tactometry.fits.fitting import fit\nfrom tactometry.psychometric import SHAPES\n", "utf-8")
+    names = [path.name for path in table.sources_of(program, tmp_path)]
+    assert sorted(names) == ["fitting.py", "psychometric.py", "speed.py", "starts.py"]
+    before = table.digest(program, tmp_path)
+    (package / "starts.py").write_text("RATES = 7\n", "utf-8")
+    assert table.digest(program, tmp_path) != before
+
+
+@pytest.mark.parametrize("name", [name for name in table.programs() if name not in table.ELSEWHERE])
+def test_each_benchmark_names_the_code_it_measures(name: str) -> None:
+    assert len(table.sources_of(BENCHMARKS / f"{name}.py")) > 1
 
 
 def test_one_that_says_nothing_has_failed(folder: Path) -> None:
@@ -136,4 +171,4 @@ def test_one_that_takes_too_long_is_ended(folder: Path) -> None:
 
 
 def test_what_was_never_run_is_on_the_page(folder: Path) -> None:
-    assert "| torn | not run yet |" in table.page({}, table.programs(folder))
+    assert "| torn | not run yet |" in table.page({}, table.programs(folder), folder)
