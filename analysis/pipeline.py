@@ -1,6 +1,6 @@
 """From a path to tables, warnings and a report: what `tactometry analyse` and `tactometry demo` call."""
 
-from collections.abc import Callable, Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -148,13 +148,12 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
         table = table.join(rule_columns(cells.counted_answers(all_judged), factors, estimates, replay))
         table = table.join(_goodness(answers, factors, estimates, unit))
     forces = force_of_participants(used, factors) if has_force(used) else None
-    tracked = set(tracks(judged, factors).get("task", ()))
     values = Analysis(
         trials=trials,
         unit=unit,
         estimates=tuple(estimates),
         outcomes=tuple(_outcomes(table, direct, factors, forces, plan)),
-        hierarchical=tuple(_hierarchical(estimates, factors, unit, tracked)) if plan.hierarchical else (),
+        hierarchical=tuple(_hierarchical(estimates, factors, unit, judged)) if plan.hierarchical else (),
         forms=forms,
         plan=plan,
         tables={},
@@ -217,8 +216,9 @@ def _outcomes(
 
 
 def _hierarchical(
-    estimates: Sequence[Estimate], factors: Sequence[str], unit: str, tracked: Container[str]
+    estimates: Sequence[Estimate], factors: Sequence[str], unit: str, judged: pd.DataFrame
 ) -> Iterator[HierarchicalOutcome]:
+    tracked = set(tracks(judged, factors).get("task", ()))
     for task in CURVES:
         fits = {estimate.cell: estimate.fit for estimate in estimates if estimate.cell.task == task}
         fit = group_fit(list(fits), factors, unit, fits, is_adaptive=task in tracked) if fits else None

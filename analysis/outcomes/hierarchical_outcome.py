@@ -61,8 +61,8 @@ def group_fit(
 ) -> HierarchicalOutcome | None:
     """The hierarchical fit of the cells of one task; None for fewer than two participants.
 
-    `is_adaptive` says that levels followed the answers; the outcome then notes that its intervals are approximate.
-    `fits` are those of `cells.estimates`, which are not made again where the model has the same curve.
+    `fits` of `cells.estimates` are not made again where the model has the same curve. `is_adaptive`: levels followed
+    the answers.
     """
     task = cells[0].task
     if len({cell.participant for cell in cells}) < 2:
@@ -75,9 +75,8 @@ def group_fit(
     varied = [name for place, name in enumerate(factors) if len({cell.condition[place] for cell in cells}) > 1]
     rows: list[tuple[float | str, ...]] = []
     for cell in cells:
-        of_cell = (cell.n_false_alarms, cell.n_catch, *cell.condition)
         counts = zip(cell.levels, cell.n_yes, cell.n_trials, strict=True)
-        rows += [(cell.participant, level, k, n, *of_cell) for level, k, n in counts]
+        rows += [(cell.participant, *count, cell.n_false_alarms, cell.n_catch, *cell.condition) for count in counts]
     if not rows:
         return _no_outcome(task, "no trial with a level")
     table = pd.DataFrame(rows, columns=[*COLUMNS, *factors])

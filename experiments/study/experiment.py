@@ -3,7 +3,6 @@
 import itertools
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from functools import cached_property
 from math import comb
@@ -13,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from tactometry.arguments.require import at_most, expect
+from tactometry.arguments.require import at_most
 from tactometry.choice_form import ChoiceForm, choice_forms_of
 from tactometry.config.quantity import unit_suffix, units
 from tactometry.errors import Gathered, rewording
@@ -30,8 +29,6 @@ from tactometry.protocols.tasks.task import AsksForm, Task
 from tactometry.questionnaire import Questionnaire, questionnaires_of
 from tactometry.records.description import StudyDescription
 from tactometry.rigs.simulated import Meeting, Rendering, Sensation, SimulatedRig, meeting, rendering
-from tactometry.safety.limits import Limits
-from tactometry.session.request import Play
 from tactometry.session.run import Course
 from tactometry.signal import Signal, Stimulus
 from tactometry.trials.columns import Column, table_columns
@@ -41,6 +38,7 @@ from .cell_checks import check_places, check_rules
 from .cells import WiredCell, Wiring
 from .felt_scene import FeltScene
 from .felt_words import scene_in_words
+from .limit_checks import check_forces, check_signal
 from .own_parts import Unseen
 from .procedure_table import practice_of
 from .prompts import messages_of, texts_of
@@ -50,9 +48,6 @@ from .task_table import DECISIONS, TaskTable, asked_form, task_of
 
 if TYPE_CHECKING:
     from tactometry.observers.raters import Rater
-
-MOST_SAMPLES = 100_000_000
-"""What a stimulus may hold: 800 MB."""
 
 
 @dataclass(frozen=True)
@@ -310,11 +305,11 @@ def wire(
     """
     with rewording(lambda words: f"{where}, {words}"):
         experiment = _build(study, where, code_from, simulated=simulated, plays=plays)
-        _check_forces(experiment)
+        check_forces(experiment)
         check_places(experiment.table.over, experiment.cells)
         for strongest in experiment.strongest():
             if getattr(strongest.stimulus, "read", True):
-                _check_signal(study.limits, strongest)
+                check_signal(study.limits, strongest)
         for cell in experiment.cells.values():
             experiment.table.task_kind.check_levels(experiment.task, *cell.procedure.rule.bounds)
         if plays and not begun:
@@ -380,28 +375,3 @@ def _tracks_per_cell(study: Study, table: TaskTable) -> float:
         return 1
     n_levels = len(study.factors[table.over])
     return comb(n_levels, table.task_kind.n_together or n_levels) / n_levels
-
-
-def _check_forces(experiment: Experiment) -> None:
-    for condition in experiment.conditions:
-        request = condition.touch.request(condition.stimulus, None, None)
-        if isinstance(request, Play):
-            continue
-        with _within_limits(f"touch.force_n: found {request.target_n:g} N"):
-            experiment.study.limits.check_force(request.target_n, request.tolerance)
-
-
-def _check_signal(limits: Limits, strongest: Strongest) -> None:
-    """Its length before its samples, which may be too many to make."""
-    stimulus = strongest.stimulus
-    duration_s = getattr(stimulus, "duration_s", 0.0)
-    longest = f"at most limits.duration_s, {limits.longest_s:g} s; shorten the stimulus, or raise the limit"
-    expect(duration_s <= limits.longest_s, "stimulus.duration_s", f"{duration_s:g} s", longest)
-    n_samples = duration_s * getattr(stimulus, "rate_hz", 0.0)
-    at_most("stimulus.duration_s times the rate, in samples", n_samples, MOST_SAMPLES)
-    with _within_limits(f"{strongest.where}: found the highest level {strongest.level:g}"):
-        limits.check(strongest.signal)
-
-
-def _within_limits(finding: str) -> AbstractContextManager[None]:
-    return rewording(lambda words: f"{finding}, expected one within the limits ({words})")
