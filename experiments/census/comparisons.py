@@ -15,8 +15,8 @@ import pandas as pd
 from scipy.special import ndtr
 
 from tactometry.analysis.tasks.comparison import FIT
-from tactometry.analysis.tasks.task_analysis import DIFFERENCE_PER_WIDTH, JND_PER_SD, SHAPE
-from tactometry.analysis.threshold.fitting import fit_many
+from tactometry.analysis.tasks.task_analysis import JND_PER_SD, SHAPE
+from tactometry.analysis.threshold.equality import fit_comparisons
 
 LEVELS = tuple(np.linspace(-6.0, 6.0, 7).tolist())
 SDS, N_TRIALS, LAPSE_RATES = (1.5, 2.5), (20, 40), (0.0, 0.02, 0.03, 0.05)
@@ -50,13 +50,11 @@ def census(
     `options` of `fit`. Open ends of intervals, and those that are not told, hold all on their side."""
     for person in people:
         pse, n_more = answers(person, n_sets, rng)
-        fitted = fit_many(LEVELS, n_more, person.n_trials, **options)
+        fitted = fit_comparisons(LEVELS, n_more, person.n_trials, **options)
         told = [
-            [one.threshold, one.interval_low, one.interval_high, one.width, one.width_low, one.width_high]
-            for one in fitted
+            [one.threshold, one.interval_low, one.interval_high, one.jnd, one.jnd_low, one.jnd_high] for one in fitted
         ]
         table = pd.DataFrame(told, columns=["pse", "pse_low", "pse_high", "jnd", "jnd_low", "jnd_high"], dtype=float)
-        table[["jnd_low", "jnd_high", "jnd"]] *= DIFFERENCE_PER_WIDTH
         named = {"sd": person.sd, "n_trials": person.n_trials, "lapse_rate": person.lapse_rate}
         yield table.assign(**named, true_pse=pse, true_jnd=JND_PER_SD * person.sd)
 
