@@ -27,8 +27,8 @@ FLOOR_P = 0.01
 def standard_tests(estimates: pd.DataFrame, used: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
     """Test whether the points of subjective equality differ from the standard.
 
-    From `FEWEST` participants with a value in a condition on it is a t-test of the mean difference. Of fewer,
-    each one's `differs` says whether the standard lies outside of the 95 % interval of the posterior. Empty without a standard.
+    A t-test of the mean difference needs `FEWEST` participants with a value in a condition. Of fewer, each one's
+    `differs` says whether the standard lies outside of the 95 % interval of the posterior. Empty without a standard.
     """
     compared = estimates[estimates["task"].isin(TASKS)] if len(estimates) else estimates
     if compared.empty or STANDARD not in used.columns:

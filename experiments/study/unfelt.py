@@ -19,8 +19,8 @@ TOLERATED_DB = 0.05
 
 
 NEAR_DB = 10.0
-"""A standard less than this above the threshold is near it: a part of its presentations is not felt, and lower levels
-are not felt at all (unverified default)."""
+"""A standard less than this above the threshold is near it: two standard deviations between people (unverified
+default)."""
 
 
 @dataclass(frozen=True)
