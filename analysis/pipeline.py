@@ -32,6 +32,7 @@ from .tasks.cell import Cell, Estimate
 from .tasks.goodness import SEED, goodness_columns, goodness_table
 from .tasks.kinds import ANALYSES, CURVES, RESULTS
 from .tasks.rule_estimate import Replay, rule_columns, tracks
+from .tasks.standard import FLOORS, TESTS, lowest_levels, standard_tests
 from .tasks.task_analysis import Results
 
 
@@ -161,12 +162,12 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
         study=study_text(everything.path, unit),
     )
     tables = {"quality": with_frames(recorded, frames(everything.path)), "excluded": excluded, **direct}
+    tables |= {TESTS: standard_tests(table, used, factors), FLOORS: lowest_levels(every, factors)}
     tables |= _curve_tables(table, every, judged, factors) | _force_tables(forces, factors)
     tables |= _compared_tables(values) | {"categories": categories(trials)}
     tables |= {"sittings": sittings(heads_of(everything.path)), "happenings": happenings(everything.path)}
     values = replace(values, tables={name: rows for name, rows in tables.items() if len(rows)})
-    # Last: they tell of all tables.
-    return replace(values, warnings=warnings_of(values), methods=methods(values))
+    return replace(values, warnings=warnings_of(values), methods=methods(values))  # last: they tell of all tables
 
 
 UNSCORED = "; a forced choice needs a column 'correct' or 'target'"

@@ -17,6 +17,7 @@ from ..tasks.cells import CHOICES, STATED
 from ..tasks.goodness import goodness_warnings
 from ..tasks.kinds import CURVES, RESULTS
 from ..tasks.localisation import OF_PARTICIPANTS, conditions_of_fits
+from ..tasks.standard import FLOORS, floor_warnings
 from ..threshold.status import Status
 from ..wording import NAMED, named_cells, percent_text
 
@@ -82,6 +83,7 @@ def _curve_warnings(analysis: Analysis, estimates: pd.DataFrame) -> Iterator[str
         if concerned.any():
             cells = estimates[concerned]
             yield f"{len(cells)} of {len(estimates)} cells {text} ({named_cells(cells, factors)})"
+    yield from floor_warnings(analysis.table(FLOORS), factors)
     yield from _answer_warnings(analysis.trials, estimates)
     yield from _alternatives_warnings(analysis)
 

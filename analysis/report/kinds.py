@@ -6,6 +6,7 @@ from .section import ResultKind
 
 NAMES = (
     "outcomes",
+    "standard",
     "questionnaires",
     "task_tables",
     "localisation",

@@ -13,10 +13,10 @@ from ..arrays import Array
 from ..means import parts, rate_interval
 from ..reading.rows import bad_cell, correctness, delivered_level, is_catch, numbers_of
 from ..reading.trials import Trials
+from ..threshold.equality import fit_comparisons
 from ..threshold.fitting import ThresholdFit, fit_many
 from .cell import Cell, Estimate, catch_counts, cell_keys, stacked_counts
 from .kinds import CURVES
-from .task_analysis import DIFFERENCE_PER_WIDTH
 
 LEVELLED_TASKS = tasks_with_level("curve", "scale", "ratio")
 UNIT = "level_unit"
@@ -170,7 +170,8 @@ def curves_of(cells: Sequence[Cell]) -> list[tuple[str, int]]:
 
 def _fits(cells: Sequence[Cell], task: str, n_choices: int, unit: str, interval: float) -> tuple[ThresholdFit, ...]:
     n_false_alarms, n_catch = catch_counts(cells, COUNTING)
-    return fit_many(
+    fit_all = fit_comparisons if CURVES[task].has_difference else fit_many
+    return fit_all(
         *stacked_counts(cells),
         **CURVES[task].options(n_choices, unit),
         interval=interval,
@@ -183,7 +184,7 @@ def estimate_table(estimates: Sequence[Estimate], factors: Sequence[str], unit: 
     """One row per participant and condition; empty where the data do not tell.
 
     `threshold` is the detection threshold, or the point of subjective equality (also as `pse`) in a
-    comparison, where `jnd` is 0.6745 standard deviations.
+    comparison, where `jnd` is the distance from it to the level that is called "more" in 75 % of trials.
     """
     return pd.DataFrame([_row(estimate, factors, unit) for estimate in estimates])
 
@@ -197,9 +198,7 @@ def _row(estimate: Estimate, factors: Sequence[str], unit: str) -> dict[str, obj
 
 
 def _difference(fit: ThresholdFit) -> dict[str, float | None]:
-    names = {"jnd": fit.width, "jnd_low": fit.width_low, "jnd_high": fit.width_high}
-    scaled = {name: None if width is None else width * DIFFERENCE_PER_WIDTH for name, width in names.items()}
-    return {"pse": fit.threshold, **scaled}
+    return {"pse": fit.threshold, "jnd": fit.jnd, "jnd_low": fit.jnd_low, "jnd_high": fit.jnd_high}
 
 
 MAX_LEVELS = 16

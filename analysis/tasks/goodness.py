@@ -138,7 +138,7 @@ def _logarithm(levels: Array) -> Array:
 def _parameters(estimates: Sequence[Estimate], counts: Counts, on_axis: Callable[[Array], Array]) -> Array:
     """Of the fitted functions, (n_sets, 4), on the scale of the counts."""
     fits = [estimate.fit for estimate in estimates]
-    rows = [(fit.threshold, fit.width, fit.lapse_rate, fit.guess_rate) for fit in fits]
+    rows = [(f.threshold, f.width, f.lapse_rate, f.guess_rate) for f in (fit.function for fit in fits) if f]
     threshold, width, lapse, guess = np.array(rows, dtype=np.float64).T
     m = (on_axis(threshold) - counts.centre) / counts.spread
     v = np.log(width / counts.spread)

@@ -27,6 +27,9 @@ class ThresholdFit:
     status rests: the threshold lies so far below the levels that all are on the upper asymptote; the levels meet the
     rise of the function; it lies so far above them that all are on the lower asymptote (None for fewer than two
     levels).
+
+    Of a comparison (`equality.fit_comparisons`) `threshold` is the point of subjective equality, where half of all
+    answers are "more", `middle` the middle of the curve between its asymptotes, and `jnd` the distance to 75 % "more".
     """
 
     threshold: float | None
@@ -52,6 +55,10 @@ class ThresholdFit:
     probability_below: float | None = None
     probability_within: float | None = None
     probability_above: float | None = None
+    middle: float | None = None
+    jnd: float | None = None
+    jnd_low: float | None = None
+    jnd_high: float | None = None
 
     @property
     def function(self) -> PsychometricFunction | None:
@@ -60,7 +67,7 @@ class ThresholdFit:
             return None
         return PsychometricFunction(
             self.shape,
-            self.threshold,  # type: ignore[arg-type]
+            self.threshold if self.middle is None else self.middle,  # type: ignore[arg-type]
             self.width,  # type: ignore[arg-type]
             self.guess_rate,  # type: ignore[arg-type]
             self.lapse_rate,  # type: ignore[arg-type]

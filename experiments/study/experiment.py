@@ -30,7 +30,7 @@ from tactometry.questionnaire import Questionnaire, questionnaires_of
 from tactometry.records.description import StudyDescription
 from tactometry.rigs.simulated import Meeting, Rendering, Sensation, SimulatedRig, meeting, rendering
 from tactometry.session.run import Course
-from tactometry.signal import Signal, Stimulus
+from tactometry.signal import Stimulus
 from tactometry.trials.columns import Column, table_columns
 from tactometry.trials.tasks import TASKS
 
@@ -38,7 +38,7 @@ from .cell_checks import check_places, check_rules
 from .cells import WiredCell, Wiring
 from .felt_scene import FeltScene
 from .felt_words import scene_in_words
-from .limit_checks import check_forces, check_signal
+from .limit_checks import Strongest, check_forces, check_signal
 from .own_parts import Unseen
 from .procedure_table import practice_of
 from .prompts import messages_of, texts_of
@@ -48,20 +48,6 @@ from .task_table import DECISIONS, TaskTable, asked_form, task_of
 
 if TYPE_CHECKING:
     from tactometry.observers.raters import Rater
-
-
-@dataclass(frozen=True)
-class Strongest:
-    """A stimulus at the highest level that a session may ask for, with the table that says so."""
-
-    name: str
-    where: str
-    level: float
-    stimulus: Stimulus
-
-    @property
-    def signal(self) -> Signal:
-        return self.stimulus.at(self.level)
 
 
 @dataclass(frozen=True)
@@ -305,7 +291,7 @@ def wire(
     """
     with rewording(lambda words: f"{where}, {words}"):
         experiment = _build(study, where, code_from, simulated=simulated, plays=plays)
-        check_forces(experiment)
+        check_forces(study.limits, experiment.conditions)
         check_places(experiment.table.over, experiment.cells)
         for strongest in experiment.strongest():
             if getattr(strongest.stimulus, "read", True):

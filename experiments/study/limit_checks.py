@@ -1,31 +1,45 @@
 """What a study asks for, held against its limits before anything is made of it."""
 
+from collections.abc import Iterable
 from contextlib import AbstractContextManager
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
 
 from tactometry.arguments.require import at_most, expect
 from tactometry.errors import rewording
+from tactometry.protocols.block_state import Condition
 from tactometry.safety.limits import Limits
 from tactometry.session.request import Play
-
-if TYPE_CHECKING:
-    from .experiment import Experiment, Strongest
+from tactometry.signal import Signal, Stimulus
 
 MOST_SAMPLES = 100_000_000
 """What a stimulus may hold: 800 MB."""
 
 
-def check_forces(experiment: "Experiment") -> None:
+@dataclass(frozen=True)
+class Strongest:
+    """A stimulus at the highest level that a session may ask for, with the table that says so."""
+
+    name: str
+    where: str
+    level: float
+    stimulus: Stimulus
+
+    @property
+    def signal(self) -> Signal:
+        return self.stimulus.at(self.level)
+
+
+def check_forces(limits: Limits, conditions: Iterable[Condition]) -> None:
     """Refuse a force that is asked for beyond its limit."""
-    for condition in experiment.conditions:
+    for condition in conditions:
         request = condition.touch.request(condition.stimulus, None, None)
         if isinstance(request, Play):
             continue
         with _within_limits(f"touch.force_n: found {request.target_n:g} N"):
-            experiment.study.limits.check_force(request.target_n, request.tolerance)
+            limits.check_force(request.target_n, request.tolerance)
 
 
-def check_signal(limits: Limits, strongest: "Strongest") -> None:
+def check_signal(limits: Limits, strongest: Strongest) -> None:
     """Refuse a signal beyond the limits; its length before its samples, which may be too many to make."""
     stimulus = strongest.stimulus
     duration_s = getattr(stimulus, "duration_s", 0.0)

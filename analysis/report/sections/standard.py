@@ -1,0 +1,33 @@
+"""Points of subjective equality against the standard, and the rates of "more" at the lowest levels."""
+
+from collections.abc import Iterator
+
+from ...result import Analysis
+from ...tasks.standard import FLOORS, TESTS, standard_sentences
+from ..section import Details, Lead, ResultKind, Section, Sentences, TextTable, grid, rows_of
+
+TITLE = "Points of subjective equality against the standard"
+LEAD = (
+    "Mean difference from the standard, with a t-test over participants (p is not corrected for the number of "
+    "conditions); below three participants, each one's posterior interval."
+)
+
+
+def _sections(analysis: Analysis) -> Iterator[Section]:
+    table = analysis.table(TESTS)
+    if len(table):
+        sentences = Sentences(standard_sentences(table, analysis.factors, analysis.unit))
+        floors = grid(analysis.table(FLOORS), analysis.factors)
+        yield Section(TITLE, (Lead(LEAD), sentences, Details("Answers at the lowest levels", (floors,))))
+
+
+def _terminal(analysis: Analysis) -> Iterator[TextTable]:
+    table = analysis.table(TESTS)
+    if len(table):
+        shown = table[["participant", *analysis.factors, "n", "difference"]]
+        shown = shown.drop(columns="participant") if (shown["participant"] == "").all() else shown
+        sentences = standard_sentences(table, analysis.factors, analysis.unit)
+        yield TextTable(shown, "point of subjective equality minus standard", sentences)
+
+
+KIND = ResultKind(_sections, _terminal, rows_of(TESTS, FLOORS))

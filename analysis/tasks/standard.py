@@ -1,0 +1,123 @@
+"""Comparisons against their standard: test of the point of subjective equality, and answers at the lowest level."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.stats import binom, t as student
+
+from ..means import mean_row
+from ..reading.rows import numbers_of
+from ..wording import condition_name, in_unit, interval_text, p_text, percent_text
+from .cell import Cell
+from .kinds import CURVES
+
+TASKS = tuple(name for name, curve in CURVES.items() if curve.has_difference)
+STANDARD = "standard_level"
+TESTS, FLOORS = "standard", "lowest_levels"
+"""The names of both tables."""
+FEWEST = 3
+"""Fewer participants are tested one by one, each by the interval of the posterior."""
+HIGHEST_FLOOR = 0.05
+"""The largest rate of "more" at the lowest level that lapses explain: half of 10 % lapses (unverified default)."""
+FLOOR_P = 0.01
+
+
+def standard_tests(estimates: pd.DataFrame, used: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
+    """Test whether the points of subjective equality differ from the standard.
+
+    A t-test of the mean difference needs `FEWEST` participants with a value in a condition. Of fewer, each one's
+    `differs` says whether the standard lies outside of the 95 % interval of the posterior. Empty without a standard.
+    """
+    compared = estimates[estimates["task"].isin(TASKS)] if len(estimates) else estimates
+    if compared.empty or STANDARD not in used.columns:
+        return pd.DataFrame()
+    keys = ["participant", *factors]
+    rows = used[used["task"].isin(TASKS)]
+    standards = rows.assign(**{STANDARD: numbers_of(rows[STANDARD])}).dropna(subset=[STANDARD])
+    in_cell = standards.groupby(keys, observed=True)[STANDARD].agg(["first", "nunique"])
+    one = in_cell.loc[in_cell["nunique"] == 1, "first"].rename(STANDARD).reset_index()
+    compared = compared.merge(one, on=keys)
+    for name, of in (("difference", "pse"), ("low", "interval_low"), ("high", "interval_high")):
+        compared[name] = compared[of].astype(float) - compared[STANDARD]
+    by = [*factors, STANDARD]
+    tested = [row for key, cells in compared.groupby(by, observed=True) for row in _tests(cells, by, key)]
+    return pd.DataFrame(tested)
+
+
+def _tests(cells: pd.DataFrame, by: Sequence[str], key: tuple[object, ...]) -> Iterator[dict[str, object]]:
+    """Yield the test of all participants of a condition, or that of each one."""
+    condition = dict(zip(by, key, strict=True))
+    known = cells["difference"].dropna()
+    counts = {"n": len(known), "n_without": len(cells) - len(known)}
+    if len(known) >= FEWEST:
+        yield {"participant": "", **condition, **counts, **_t_test(known)}
+        return
+    for row in cells.to_dict("records"):
+        low, high = (np.nan_to_num(row[end], nan=side * np.inf) for end, side in (("low", -1), ("high", 1)))
+        differs = low > 0 or high < 0
+        interval = {"difference": row["difference"], "difference_low": row["low"], "difference_high": row["high"]}
+        yield {"participant": row["participant"], **condition, **counts, **interval, "differs": bool(differs)}
+
+
+def _t_test(differences: "pd.Series[float]") -> dict[str, object]:
+    """The mean difference with its interval, and a two-sided t-test against 0; None where all are alike."""
+    row = mean_row(np.asarray(differences, dtype=np.float64), name="difference")
+    sd, n = row.pop("sd"), len(differences)
+    if not sd:
+        return row
+    statistic = float(differences.mean()) / (float(differences.std(ddof=1)) / np.sqrt(n))
+    p = float(2 * student.sf(abs(statistic), n - 1))
+    return {**row, "t": statistic, "df": n - 1, "p": p, "differs": p < 0.05}
+
+
+def lowest_levels(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame:
+    """Test the rate of "more" at the lowest level of each condition, over all participants.
+
+    The test is the exact binomial one of a rate of at most `HIGHEST_FLOOR`, one-sided.
+    """
+    keys = [*factors, "task"]
+    rows = [
+        (*cell.condition, cell.task, cell.n_yes[0], cell.n_trials[0])
+        for cell in cells
+        if cell.task in TASKS and cell.levels
+    ]
+    counts = pd.DataFrame(rows, columns=[*keys, "n_more", "n_trials"])
+    table = counts.groupby(keys, observed=True).sum().reset_index()
+    p = binom.sf(table["n_more"] - 1, table["n_trials"], HIGHEST_FLOOR)
+    return table.assign(rate=table["n_more"] / table["n_trials"], p=p)
+
+
+def floor_warnings(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]:
+    """Warn of each condition whose lowest level was called "more" too often for lapses."""
+    for row in table.to_dict("records"):
+        if row["p"] <= FLOOR_P:
+            where = condition_name(factors, [row[name] for name in factors])
+            yield (
+                f'at the lowest level {percent_text(row["rate"])} of {row["n_trials"]} answers were "more" ({where}; '
+                f"exact binomial test of at most {percent_text(HIGHEST_FLOOR)}: {p_text(row['p'])}): the standard may "
+                "be near the detection threshold, or the levels begin too high. The model of all participants, whose "
+                "curve begins at 0, is then biased, and a JND below the standard does not exist"
+            )
+
+
+def standard_sentences(table: pd.DataFrame, factors: Sequence[str], unit: str) -> list[str]:
+    """State each test of the standard in words."""
+    return [_sentence(row, factors, f" {unit}" if unit else "") for row in table.to_dict("records")]
+
+
+def _sentence(row: dict[Any, Any], factors: Sequence[str], unit: str) -> str:
+    where = condition_name(factors, [row[name] for name in factors])
+    who = f"{row['participant']}, {where}" if row["participant"] else where
+    ends = row.get("difference_low"), row.get("difference_high")
+    text = f"{who}: no PSE to compare with the standard of {row[STANDARD]:g}{unit}"
+    if pd.notna(row["difference"]):
+        found = in_unit(interval_text(row["difference"], *ends), unit.partition(" re ")[0].strip())
+        text = f"{who}: PSE minus the standard of {row[STANDARD]:g}{unit} = {found}"
+    if pd.notna(row.get("p")):
+        text += f", t({row['df']:.0f}) = {row['t']:.2f}, {p_text(row['p'])}"
+    elif row["participant"]:
+        text += f", the 95 % interval {'excludes' if row['differs'] else 'holds'} 0"
+    lost = f" ({row['n_without']} without a PSE left out)" if row["n_without"] and not row["participant"] else ""
+    return f"{text}{lost}"

@@ -1,0 +1,142 @@
+"""Point of subjective equality and just noticeable difference of a comparison, from the posterior of its curve."""
+
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy.special import ndtri
+
+from ..arrays import Array
+from .fitting import fit_many, log_posterior
+from .likelihood import GUESS, LAPSE, LOG_WIDTH, THRESHOLD
+from .log_posterior import LogPosterior
+from .mode import find_mode
+from .posterior import find_box, log_density_grid, nodes_in
+from .result import ThresholdFit
+from .status import Status
+
+EQUAL, NOTICED = 0.5, 0.75
+"""Rates of "more" at the point of subjective equality, and one just noticeable difference above it."""
+BINS_PER_STEP = 16
+"""Of a histogram, in a step of the posterior's grid."""
+WIDEST_STEPS = 400
+"""Values farther from the median, in steps of the grid, are counted at this distance."""
+
+
+@dataclass(frozen=True)
+class Equality:
+    """Posterior medians with central intervals, in the unit of the levels: lower end, median, upper end."""
+
+    pse: tuple[float, float, float]
+    jnd: tuple[float, float, float]
+
+
+def fit_comparisons(
+    levels: ArrayLike, n_more: ArrayLike, n_trials: ArrayLike, *, interval: float = 0.95, **options: Any
+) -> tuple[ThresholdFit, ...]:
+    """Fit comparisons as `fit_many`, with their points of subjective equality and just noticeable differences.
+
+    Examples
+    --------
+    >>> (found,) = fit_comparisons([36, 38, 40, 42, 44], [1, 3, 10, 17, 19], 20, guess_rate=None, scale_free_width=True)
+    >>> 39.5 < found.threshold < 40.5, 1 < found.jnd < 3
+    (True, True)
+    """
+    posterior = log_posterior(levels, n_more, n_trials, **options)
+    fits = fit_many(levels, n_more, n_trials, interval=interval, **options)
+    counts = posterior.counts
+    lowest, highest = (counts.centre + side * counts.spread / 2 for side in (-1, 1))
+    found = zip(fits, equalities(posterior, interval), lowest.tolist(), highest.tolist(), strict=True)
+    return tuple(_compared(*one) for one in found)
+
+
+def _compared(fit: ThresholdFit, equality: Equality | None, lowest: float, highest: float) -> ThresholdFit:
+    """Put the equality in the place of the middle of the curve; a bound where it lies outside of the levels."""
+    if fit.threshold is None or equality is None:
+        return fit
+    (low, pse, high), (narrow, jnd, wide) = equality.pse, equality.jnd
+    if not lowest <= pse <= highest:
+        return _outside(fit, equality, is_below=pse < lowest)
+    return replace(
+        fit,
+        threshold=pse,
+        interval_low=low,
+        interval_high=high,
+        threshold_mode=None,
+        threshold_median=pse,
+        threshold_mean=None,
+        middle=fit.threshold,
+        jnd=None if fit.width is None else jnd,
+        jnd_low=None if fit.width is None else narrow,
+        jnd_high=None if fit.width_high is None else wide,
+    )
+
+
+UNKNOWN = (
+    *("threshold", "threshold_mode", "threshold_median", "threshold_mean", "width", "width_low", "width_high"),
+    *("guess_rate", "lapse_rate", "deviance", "interval_low", "interval_high"),
+)
+"""What a fit does not state where the equality lies outside of the levels."""
+
+
+def _outside(fit: ThresholdFit, equality: Equality, *, is_below: bool) -> ThresholdFit:
+    end = {"interval_high": equality.pse[2]} if is_below else {"interval_low": equality.pse[0]}
+    status = Status.BELOW if is_below else Status.ABOVE
+    unknown: dict[str, Any] = dict.fromkeys(UNKNOWN) | end
+    return replace(fit, **unknown, status=status, note=status.note)
+
+
+def equalities(posterior: LogPosterior, interval: float = 0.95) -> list[Equality | None]:
+    """Return the equality of each data set; None with fewer than two levels.
+
+    The rate is that of all answers, whatever the asymptotes: a standard compared with itself is called "more" in half
+    of the trials, also where it is often not felt. The shape of the curve is the cumulative normal.
+    """
+    chosen = np.flatnonzero(posterior.counts.n_levels > 1)
+    boxes = find_box(posterior[chosen], find_mode(posterior[chosen])) if len(chosen) else None
+    found: list[Equality | None] = [None] * len(posterior)
+    for place, n in enumerate(chosen.tolist()):
+        assert boxes is not None
+        one = slice(n, n + 1)
+        found[n] = _equality(posterior[one], boxes.low[place], boxes.high[place], interval)
+    return found
+
+
+def _equality(posterior: LogPosterior, low: Array, high: Array, interval: float) -> Equality:
+    axes, weights = nodes_in(posterior.prior, low, high, posterior.counts.n_trials.sum())
+    density = log_density_grid(posterior, axes, 0.0) + axes[LOG_WIDTH][:, None, None]
+    mass = np.exp(density - density.max()) * weights[LAPSE][:, None] * weights[GUESS]
+    lapse, guess = axes[LAPSE][:, None], axes[GUESS]
+    equal, noticed = (_deviate(rate, lapse, guess) for rate in (EQUAL, NOTICED))
+    per_sd = np.exp(axes[LOG_WIDTH])[:, None, None] / posterior.shape.z_width
+    threshold = axes[THRESHOLD][:, None, None, None] + per_sd * equal
+    log_difference = np.log(per_sd * (noticed - equal))
+    quantiles = partial(_quantiles, interval=interval)
+    pse = quantiles(threshold, mass, axes[THRESHOLD][1] - axes[THRESHOLD][0])
+    jnd = quantiles(log_difference, mass.sum(axis=0), axes[LOG_WIDTH][1] - axes[LOG_WIDTH][0])
+    centre, spread = posterior.counts.centre[0], posterior.counts.spread[0]
+    return Equality(tuple((centre + spread * pse).tolist()), tuple((spread * np.exp(jnd)).tolist()))
+
+
+def _deviate(rate: float, lapse: Array, guess: Array) -> Array:
+    """Where the normal curve between these asymptotes has a rate, in standard deviations from its middle."""
+    share = (rate - guess) / (1 - guess - lapse)
+    return np.asarray(ndtri(np.clip(share, 1e-9, 1 - 1e-9)))
+
+
+def _quantiles(values: Array, mass: Array, step: float, *, interval: float) -> Array:
+    """The ends of the central interval and the median between them, of masses that each spread over a grid's step."""
+    flat, weights = np.broadcast_to(values, mass.shape).ravel(), mass.ravel()
+    middle = float((flat * weights).sum() / weights.sum())
+    reach = WIDEST_STEPS * step
+    places = np.clip((flat - middle + reach) / step, 0, 2 * WIDEST_STEPS) * BINS_PER_STEP
+    size = 2 * WIDEST_STEPS * BINS_PER_STEP + 1
+    counts = np.bincount(np.rint(places).astype(np.int64), weights, size)
+    smooth = np.convolve(counts, np.full(BINS_PER_STEP, 1 / BINS_PER_STEP), mode="full")
+    cumulated = np.cumsum(smooth) / smooth.sum()
+    shares = [(1 - interval) / 2, 0.5, (1 + interval) / 2]
+    # A bin's mass is reached at its upper edge, and the box adds a shift of half a step.
+    found = np.interp(shares, cumulated, np.arange(len(cumulated)) + 0.5) - (BINS_PER_STEP - 1) / 2
+    return np.asarray(found * step / BINS_PER_STEP - reach + middle)

@@ -1,0 +1,82 @@
+"""Comparisons with a standard near the detection threshold: PSE, warning of the lowest level, and test of the PSE."""
+
+import json
+
+import numpy as np
+import pandas as pd
+import pytest
+from command_line import output
+from scipy.stats import norm, t as student, ttest_1samp
+
+from tactometry.analysis.tasks.cell import Cell
+from tactometry.analysis.tasks.cells import estimates
+from tactometry.analysis.tasks.comparison import FIT
+from tactometry.analysis.tasks.standard import floor_warnings, lowest_levels, standard_tests
+from tactometry.analysis.threshold.equality import fit_comparisons
+from tactometry.experiments.census.comparisons import N_AT_STANDARD, STANDARD, STANDARD_LEVELS, answers_to_standard
+
+STUDY = "texture-discrimination"
+
+
+@pytest.mark.parametrize("above_db", [0.0, 12.0])
+def test_pse_is_standard_when_standard_is_at_threshold(above_db) -> None:
+    n_more = answers_to_standard(above_db, 120, np.random.default_rng())
+    found = [one.threshold for one in fit_comparisons(STANDARD_LEVELS, n_more, N_AT_STANDARD, **FIT)]
+    errors = np.array([value for value in found if value is not None]) - STANDARD
+    assert len(errors) >= 0.95 * len(found)
+    deviation = float(errors.std(ddof=1))
+    # Allowed is a bias of half a standard deviation: the equal asymptotes were off by two.
+    assert abs(errors.mean()) < deviation * (0.5 + norm.isf(0.5e-4) / np.sqrt(len(errors)))
+
+
+def cell(n_more: int, n_trials: int = 20) -> Cell:
+    counts = (n_more, 4, 10, 16, 19)
+    return Cell("P01", (1.0,), "comparison", (36.0, 38.0, 40.0, 42.0, 44.0), counts, (n_trials,) * 5, 0, 0)
+
+
+@pytest.mark.parametrize(("n_more", "is_warned"), [(0, False), (3, False), (6, True)])
+def test_lowest_level_is_warned_of_when_often_more(n_more, is_warned) -> None:
+    table = lowest_levels([cell(n_more)], ["force_n"])
+    assert [n_more / 20] == table["rate"].tolist()
+    assert bool(list(floor_warnings(table, ["force_n"]))) == is_warned
+
+
+def tables(pses):
+    codes = [f"P{n:02d}" for n in range(len(pses))]
+    found = {"participant": codes, "task": "comparison", "pse": pses}
+    low, high = ([None if pse is None else pse + side for pse in pses] for side in (-1.0, 1.0))
+    used = pd.DataFrame({"participant": codes, "task": "comparison", "standard_level": "40"})
+    return pd.DataFrame({**found, "interval_low": low, "interval_high": high}), used
+
+
+def test_pse_is_tested_against_standard_over_participants() -> None:
+    pses = [40.5, 41.0, 40.2, 41.5, None]
+    (row,) = standard_tests(*tables(pses), []).to_dict("records")
+    expected = ttest_1samp(pses[:4], 40.0)
+    assert (row["t"], row["p"]) == pytest.approx((expected.statistic, expected.pvalue))
+    assert (row["n"], row["n_without"]) == (4, 1)
+    half = student.ppf(0.975, 3) * np.std(pses[:4], ddof=1) / 2
+    assert row["difference_low"] == pytest.approx(0.8 - half)
+
+
+@pytest.mark.parametrize(("pse", "differs"), [(40.5, False), (41.5, True), (38.5, True)])
+def test_one_participant_is_tested_by_posterior_interval(pse, differs) -> None:
+    (row,) = standard_tests(*tables([pse]), []).to_dict("records")
+    assert row["differs"] is differs
+
+
+def test_pse_halves_all_answers_on_fitted_curve() -> None:
+    (found,) = estimates([cell(7)], 2)
+    assert found.fit.function.probability(found.fit.threshold) == pytest.approx(0.5, abs=0.03)
+
+
+def test_analyse_reports_standard_everywhere(tmp_path, capsys) -> None:
+    data, page = tmp_path / "data", tmp_path / "report.html"
+    output(capsys, "simulate", STUDY, "--participants", "3", "--seed", "1", "--out", data)
+    found = json.loads(output(capsys, "analyse", data, "--report", page, "--json"))
+    assert [row["standard_level"] for row in found["standard"]] == [40, 40]
+    assert len(found["lowest_levels"]) == 2
+    assert "PSE minus the standard of 40 dB" in page.read_text("utf-8")
+    assert "PSE minus the standard of 40 dB" in output(capsys, "analyse", data)
+    said = output(capsys, "run", STUDY, "--participant", "P01", "--dry-run")
+    assert "WARNING: the standard (40 dB re 1 V) is " in said
