@@ -23,7 +23,7 @@ def json_value(text: str | bytes) -> Any:
     Raises
     ------
     ValueError
-        If it is no JSON, or nested deeper than `DEEPEST`.
+        If it is no JSON, has half of a character, or is nested deeper than `DEEPEST`.
 
     >>> json_value('{"a": [1]}')
     {'a': [1]}
@@ -32,7 +32,7 @@ def json_value(text: str | bytes) -> Any:
         value = json.loads(text)
     except RecursionError:
         raise _too_deep() from None
-    return _shallow(value)
+    return _checked(value)
 
 
 def json_object(path: Path, what: str) -> dict[str, Any]:
@@ -59,7 +59,7 @@ def json_items(text: str) -> Iterator[Any]:
     Raises
     ------
     ValueError
-        If the text is no list in JSON, or an item is nested deeper than `DEEPEST`.
+        If the text is no list in JSON, or an item has half of a character or is nested deeper than `DEEPEST`.
 
     >>> list(json_items("[1, [0.10]] [null]"))
     ['1', ['0.10'], None]
@@ -86,7 +86,7 @@ def _item(text: str, place: int) -> tuple[Any, int]:
         item, end = _VERBATIM.raw_decode(text, _skip(text, place))
     except RecursionError:
         raise _too_deep() from None
-    return _shallow(item), end
+    return _checked(item), end
 
 
 def _skip(text: str, place: int) -> int:
@@ -95,9 +95,12 @@ def _skip(text: str, place: int) -> int:
     return space.end() if space else place
 
 
-def _shallow(value: Any) -> Any:
+def _checked(value: Any) -> Any:
+    """Return a value that is not too deep. Raises `ValueError`, also for half a character, which no file can hold."""
     level = [value]
     for _ in range(DEEPEST):
+        parts = (part if isinstance(part, dict) else (part,) for part in level)
+        "".join(text for texts in parts for text in texts if isinstance(text, str)).encode()
         level = [
             inner
             for outer in level

@@ -23,11 +23,13 @@ VALUES = st.recursive(
         (b"\xff", "found no JSON \\('utf-8' codec"),
         (b"[" * 10**5, "found no JSON \\(nested deeper than 100 levels\\)"),
         (b"[" * 101 + b"]" * 101, "found no JSON \\(nested deeper than 100 levels\\)"),
+        (b'{"\\ud800": 1}', "found no JSON \\('utf-8' codec can't encode"),
+        (b'{"a": ["\\udfff"]}', "found no JSON \\('utf-8' codec can't encode"),
         (b"1" * 5000, "found no JSON \\(Exceeds the limit"),
         (b"[]", "found no JSON object"),
         (b" " * (LARGEST_OBJECT + 1), f"found {LARGEST_OBJECT + 1} bytes"),
     ],
-    ids=["empty", "bytes", "open lists", "deep lists", "long number", "list", "large"],
+    ids=["empty", "bytes", "open lists", "deep lists", "half a key", "half a text", "long number", "list", "large"],
 )
 def test_json_object_refuses_other_content(tmp_path, content, message):
     (tmp_path / "x.json").write_bytes(content)
