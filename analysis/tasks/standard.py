@@ -83,6 +83,8 @@ def lowest_levels(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame
         for cell in cells
         if cell.task in TASKS and cell.levels
     ]
+    if not rows:
+        return pd.DataFrame()
     counts = pd.DataFrame(rows, columns=[*keys, "n_more", "n_trials"])
     table = counts.groupby(keys, observed=True).sum().reset_index()
     p = binom.sf(table["n_more"] - 1, table["n_trials"], HIGHEST_FLOOR)

@@ -71,12 +71,24 @@ def test_pse_halves_all_answers_on_fitted_curve() -> None:
 
 
 def test_analyse_reports_standard_everywhere(tmp_path, capsys) -> None:
-    data, page = tmp_path / "data", tmp_path / "report.html"
-    output(capsys, "simulate", STUDY, "--participants", "3", "--seed", "1", "--out", data)
+    data, page = tmp_path / "trials.csv", tmp_path / "report.html"
+    n_more = (3, 4, 5, 8, 9)
+    rows = [
+        {"participant": f"P{who}", "trial": 10 * n + k, "procedure": "constant_stimuli", "level": 36 + 2 * n}
+        | {"level_unit": "dB", "task": "comparison", "standard_level": 40, "response": int(k < n_more[n] - (k == who))}
+        for who in (1, 2, 3)
+        for n in range(5)
+        for k in range(10)
+    ]
+    pd.DataFrame(rows).to_csv(data, index=False)
     found = json.loads(output(capsys, "analyse", data, "--report", page, "--json"))
-    assert [row["standard_level"] for row in found["standard"]] == [40, 40]
-    assert len(found["lowest_levels"]) == 2
+    assert [row["standard_level"] for row in found["standard"]] == [40]
+    assert [row["n_trials"] for row in found["lowest_levels"]] == [30]
+    assert any("at the lowest level" in line for line in found["warnings"])
     assert "PSE minus the standard of 40 dB" in page.read_text("utf-8")
     assert "PSE minus the standard of 40 dB" in output(capsys, "analyse", data)
+
+
+def test_dry_run_warns_of_standard_near_threshold(capsys) -> None:
     said = output(capsys, "run", STUDY, "--participant", "P01", "--dry-run")
-    assert "WARNING: the standard (40 dB re 1 V) is " in said
+    assert "WARNING: the standard (40 dB re 1 V) is 6.9 dB above the predicted threshold" in said
