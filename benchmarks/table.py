@@ -151,7 +151,8 @@ def pooled(rows: Iterable[Measured]) -> tuple[Measured, ...]:
 
 def run(program: Path, n_runs: int, before: Outcome) -> Outcome:
     """Run a benchmark some times; one that fails keeps what it measured `before`."""
-    began_s, rows, load, sources = perf_counter(), [], 0.0, digest(program)
+    began_s, load, sources = perf_counter(), 0.0, digest(program)
+    rows: list[Measured] = []
     for _ in range(n_runs):
         found, failed = once(program)
         rows, load = [*rows, *found], max(load, os.getloadavg()[0])

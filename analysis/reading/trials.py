@@ -164,7 +164,7 @@ def trials_in(
     named_by_us: bool = True,
 ) -> Trials:
     """Tables of text by file, as `text_cells` reads them, as the trials of `path`; files that are `named_by_us` say by
-    their name whose trials they hold.
+    their name whose trials they hold. Columns of numbers, counts and flags may also be floats, which are not checked.
 
     Raises
     ------
@@ -263,11 +263,12 @@ def _checked_table(raw: pd.DataFrame, file: Path) -> pd.DataFrame:
     table = raw.assign(source=str(file))
     _expect_texts(table, "participant", lambda code: PARTICIPANT.fullmatch(code) is not None, _CODE)
     _expect_texts(table, "task", lambda task: task in TASKS, f"one of {', '.join(TASKS)}")
-    for name in (name for name in NUMBERS if name in table.columns):
+    texts = {name for name in table.columns if not is_numeric_dtype(table[name])}
+    for name in (name for name in NUMBERS if name in texts):
         table[name] = _numbers(table, name)
-    for name in (name for name in COUNTS if name in table.columns):
+    for name in (name for name in COUNTS if name in texts):
         table[name] = _counts(table, name)
-    for name in (name for name in FLAGS if name in table.columns):
+    for name in (name for name in FLAGS if name in texts):
         _expect_texts(table, name, lambda flag: flag in ("", "0", "1"), "1, 0 or nothing")
         # Floats, as a flag may be missing.
         table[name] = table[name].map({"": np.nan, "0": 0.0, "1": 1.0}).astype(np.float64)

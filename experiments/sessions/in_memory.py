@@ -5,23 +5,27 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
+import numpy as np
 import pandas as pd
 
 from tactometry.analysis.reading.text_table import TEXT
 from tactometry.analysis.reading.trials import Trials, trials_in
-from tactometry.records.data_set import Session, row
+from tactometry.records.data_set import Session, values_of
 from tactometry.records.description import SIMULATED
 from tactometry.session.replay import Replay
 from tactometry.session.request import Record, Request
 from tactometry.session.run import run
+from tactometry.trials.cells import cell
 from tactometry.trials.columns import Column
-from tactometry.trials.trial import Trial
+from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
+from tactometry.trials.trial import Trial, Value
 
 from ..study.experiment import Experiment
 from ..workers import workers
 from .recording import Who
 from .simulation import Simulation
 
+NUMERIC: Final = frozenset((*NUMBERS, *COUNTS, *FLAGS))
 NOWHERE: Final = Path("simulated in memory")
 """In place of the folder of a data set, in what is told of its rows."""
 
@@ -96,7 +100,17 @@ def _table(experiment: Experiment, who: Who) -> tuple[Path, pd.DataFrame]:
 
 
 def _cells(trials: Sequence[Trial], session: Session, columns: Sequence[Column]) -> pd.DataFrame:
-    """As the trials file of a session would be read, row by row below its header."""
-    texts = [row(trial, session, SIMULATED, columns) for trial in trials]
-    table = pd.DataFrame(texts, columns=[column.name for column in columns], dtype=TEXT)
-    return table.assign(row=range(2, len(texts) + 2))
+    """Return a table as the trials file of a session would be read, with floats where the analysis needs numbers."""
+    known = [values_of(trial, session, SIMULATED) for trial in trials]
+    by_name = {column.name: [values.get(column.name) for values in known] for column in columns}
+    table = pd.DataFrame({name: _column(name, values) for name, values in by_name.items()})
+    return table.assign(row=range(2, len(known) + 2))
+
+
+def _column(name: str, values: Sequence[Value]) -> Any:
+    """Return floats for numbers of a column of numbers, else the text of the cells, which the analysis checks."""
+    if name in NUMERIC and all(value is None or isinstance(value, int | float) for value in values):
+        numbers = np.array(values, dtype=np.float64)  # None becomes NaN
+        if np.isfinite(numbers).sum() == len(values) - values.count(None):
+            return numbers + 0.0  # a cell has no negative zero
+    return pd.array([cell(value) for value in values], dtype=TEXT)

@@ -72,15 +72,20 @@ class Session:
 _MEASURED = tuple(field.name for field in fields(Trial) if field.name not in ("factors", "extra"))
 
 
-def row(trial: Trial, session: Session, rig: str, columns: Sequence[Column]) -> list[str]:
-    """The cells of a trial."""
-    known: dict[str, Value] = {
+def values_of(trial: Trial, session: Session, rig: str) -> dict[str, Value]:
+    """Return the values of a trial by the name of their column."""
+    return {
         **vars(session),
         "rig": rig,
         **{name: getattr(trial, name) for name in _MEASURED},
         **trial.factors,
         **trial.extra,
     }
+
+
+def row(trial: Trial, session: Session, rig: str, columns: Sequence[Column]) -> list[str]:
+    """The cells of a trial."""
+    known = values_of(trial, session, rig)
     return [cell(known.get(column.name)) for column in columns]
 
 

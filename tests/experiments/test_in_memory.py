@@ -5,9 +5,11 @@ from pathlib import Path
 import pandas as pd
 import pytest
 from command_line import call
+from pandas.api.types import is_numeric_dtype
 
 from tactometry.analysis.pipeline import analyse_trials
 from tactometry.analysis.reading.trials import read_trials
+from tactometry.experiments.sessions import in_memory
 from tactometry.experiments.sessions.in_memory import NOWHERE, simulated_session, simulated_trials, trials_of
 from tactometry.experiments.sessions.recording import Who
 from tactometry.experiments.sessions.simulation import Simulation
@@ -32,6 +34,30 @@ def test_its_trials_are_those_that_its_data_set_reads_back_as(capsys, tmp_path, 
     in_folder = made.rows.assign(source=[str(tmp_path / Path(file).relative_to(NOWHERE)) for file in made.rows.source])
     pd.testing.assert_frame_equal(in_folder[list(kept.rows.columns)], kept.rows)
     assert call(capsys, "replay", tmp_path)[:2] == (0, "")
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_typed_trials_equal_rendered_text(monkeypatch, name):
+    study = simulation(name)
+    typed = simulated_trials(study.experiment(), study.sessions())
+    monkeypatch.setattr(in_memory, "NUMERIC", frozenset())
+    rendered = simulated_trials(study.experiment(), study.sessions())
+    pd.testing.assert_frame_equal(typed.rows, rendered.rows, check_exact=True)
+    assert (typed.factors, typed.notes) == (rendered.factors, rendered.notes)
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "is_typed"),
+    [
+        ("level", [1.5, None, 2], True),
+        ("valid", [True, False, None], True),
+        ("level", [float("nan"), 1.0], False),
+        ("level", ["1.5"], False),
+        ("response", [1, 0], False),
+    ],
+)
+def test_column_is_typed_when_every_number_is_finite(name, values, is_typed):
+    assert is_numeric_dtype(in_memory._column(name, values)) is is_typed
 
 
 def test_it_is_the_same_on_two_processes():
