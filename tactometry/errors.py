@@ -4,7 +4,9 @@ import difflib
 import re
 from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
-from typing import Final
+from typing import Final, TypeVar, cast
+
+T = TypeVar("T")
 
 LONGEST_WORD: Final = 300
 """What is longer in a sentence was not written to be read, and only its ends are told."""
@@ -79,6 +81,14 @@ class Gathered:
             yield
         except (InvalidParameter, InvalidFile) as error:
             self.add(error)
+
+    def made(self, make: Callable[[], T]) -> T:
+        """Return what is made, or keep the mistakes; the value is then None until `end` raises."""
+        try:
+            return make()
+        except (InvalidParameter, InvalidFile) as error:
+            self.add(error)
+            return cast("T", None)
 
     def add(self, error: TactometryError) -> None:
         """Keep the mistakes of an error, of each place the first."""

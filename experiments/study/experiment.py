@@ -2,7 +2,7 @@
 
 import itertools
 from collections import defaultdict
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import comb
@@ -44,7 +44,7 @@ from .procedure_table import practice_of
 from .prompts import messages_of, texts_of
 from .session_plan import Key, SessionPlan, all_cells, crossing_of, key_of, places_of, stream
 from .study_file import Study
-from .task_table import DECISIONS, TaskTable, asked_form, task_of
+from .task_table import DECISIONS, TaskTable, asked_form, dimensions_of, task_of
 
 if TYPE_CHECKING:
     from tactometry.observers.raters import Rater
@@ -305,16 +305,11 @@ def wire(
 
 def _build(study: Study, where: str, code_from: Path | None, *, simulated: bool, plays: bool) -> Experiment:
     found = Gathered()
-    with found.part():
-        table = task_of(study)
-    with found.part():
-        practice = practice_of(study.practice)
-    with found.part():
-        people = population_of(study.observer, "observer", code_from if simulated else None)
-    wiring = Wiring(study, code_from, plays=plays)
-    with found.part():
-        n_tracks = 1 if found.errors else _tracks_per_cell(study, table)
-        cells = dict(_cells(wiring, n_tracks))
+    table = found.made(lambda: task_of(study))
+    practice = found.made(lambda: practice_of(study.practice))
+    people = found.made(lambda: population_of(study.observer, "observer", code_from if simulated else None))
+    n_tracks = 1 if found.errors else _tracks_per_cell(study, table)
+    cells = found.made(lambda: dict(_cells(Wiring(study, code_from, plays=plays), n_tracks)))
     found.end()
     crossing_of(study, table.over, study.factors)  # refuses an order that the design cannot have
     forms = {name: asked_form(study, name) for name in study.inquiries}
@@ -325,11 +320,6 @@ def _build(study: Study, where: str, code_from: Path | None, *, simulated: bool,
     if people.raters is not None:
         people.raters.check(_levels_of(cells), dimensions_of(experiment.questionnaires), "observer.raters")
     return experiment
-
-
-def dimensions_of(forms: Iterable[Questionnaire]) -> dict[str, dict[str, str]]:
-    """By questionnaire, to which dimension an item belongs."""
-    return {form.name: {item.id: item.dimension for item in form.items} for form in forms}
 
 
 def _meeting_of(cell: WiredCell) -> Meeting:

@@ -1,6 +1,6 @@
 """The task of a study, and how its blocks present it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -124,3 +124,8 @@ def _check(study: Study, table: TaskTable) -> None:
     expect(rate == 0 or table.task.takes_catch_trials, "task.catch_rate", f"{rate:g} with {table.kind}", without)
     if table.over is not None and len(study.factors.get(table.over, ())) < 2:
         raise no_such("task.over", table.over, "a factor of at least two levels", study.factors)
+
+
+def dimensions_of(forms: Iterable[Questionnaire]) -> dict[str, dict[str, str]]:
+    """By questionnaire, to which dimension an item belongs."""
+    return {form.name: {item.id: item.dimension for item in form.items} for form in forms}

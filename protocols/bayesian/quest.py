@@ -34,22 +34,30 @@ class Quest(WeighingRule):
 
     Parameters
     ----------
-    start, start_sd : float
-        Mean and standard deviation of the prior.
-    low, high, step : float
-        Grid of thresholds, and the bounds of the levels.
+    start : float
+        Mean of the prior of the threshold.
+    start_sd : float
+        Standard deviation of the prior of the threshold.
+    low : float
+        Lowest level, and lowest threshold thought possible.
+    high : float
+        Highest level, and highest threshold thought possible.
+    step : float
+        Distance between neighbouring thresholds of the grid.
     decade : float
         A factor of ten in amplitude, in the unit of the levels: 20 for decibels, 1 for log10.
     target : float
         Chance of the answer 1 at the threshold. 0.82 is PsychoPy's.
-    slope, blind_share : float
-        The defaults are Watson and Pelli's.
+    slope : float
+        Exponent of the Weibull function; the default is that of Watson and Pelli.
+    blind_share : float
+        Share of answers given without regard to the stimulus; the default is that of Watson and Pelli.
     guess_rate : float
         Chance of the answer 1 where nothing is felt.
     placing : {"quantile", "mean", "mode"}
         What of the posterior the next level is.
     n_trials : int
-        At most.
+        Largest number of trials of a track.
     sd_stop : float, optional
         It ends when the posterior's standard deviation is so small, in the unit of the levels.
 

@@ -45,29 +45,41 @@ def grid_values(owner: str, spacing: Spacing, **grid: float) -> tuple[float, ...
 
 @dataclass(frozen=True)
 class QuestPlusSettings:
-    """QUEST+: the numbers of a `QuestPlus` over a `ParameterGrid`; `procedure()` makes it.
+    """QUEST+: each trial presents the level that is expected to tell most about the psychometric function.
 
     Parameters
     ----------
-    low, high : float
-        Bounds of the levels.
+    low : float
+        Lowest level that is presented.
+    high : float
+        Highest level that is presented.
     n_levels : int
-        How many there are.
+        Number of levels from `low` to `high`.
     spacing : str
         ``linear`` for levels in decibels, ``log`` for levels above 0 in a linear unit (with the shape ``weibull``).
-    width_low, width_high, n_widths
-        Widths, with equal ratios. In the unit of the levels, or in natural logarithms for ``weibull``.
+    width_low : float
+        Smallest width thought possible, in the unit of the levels, or in natural logarithms for ``weibull``.
+    width_high : float
+        Largest width thought possible, in the same unit.
+    n_widths : int
+        Number of widths from `width_low` to `width_high`, with equal ratios.
     width_prior_factor : float
         If given, the widths' prior is log-normal about the geometric middle of their grid with this factor, above 1,
         for a standard deviation; else it is flat on the grid.
-    threshold_low, threshold_high, n_thresholds
-        Thresholds; as the levels where they are not given.
+    threshold_low : float, optional
+        Lowest threshold thought possible; by default the lowest level.
+    threshold_high : float, optional
+        Highest threshold thought possible; by default the highest level.
+    n_thresholds : int, optional
+        Number of thresholds between them; by default that of the levels.
     shape : str
         Of the psychometric function: ``gumbel``, ``normal``, ``logistic``, ``reversed_gumbel`` or ``weibull``.
-    guess_rates, lapse_rates : tuple of float
-        The rates that are thought possible; one is known.
+    guess_rates : tuple of float
+        Guess rates thought possible; a single one is taken as known.
+    lapse_rates : tuple of float
+        Lapse rates thought possible; a single one is taken as known.
     n_trials : int
-        At most.
+        Largest number of trials of a track.
     sd_stop : float, optional
         It ends when the threshold's standard deviation is so small, in the unit of the levels.
     aim : {"threshold", "parameters"}
@@ -142,16 +154,26 @@ class PsiSettings:
 
     Parameters
     ----------
-    low, high, n_levels
-        Levels and thresholds.
-    sd_low, sd_high, n_sds
-        Standard deviations of the normal, in the unit of the levels.
-    guess_rate, lapse_rate : float
-        0.5 and 0.02 are those of a 4 % share of blind answers in two-interval forced choice (unverified default).
+    low : float
+        Lowest level, and lowest threshold thought possible.
+    high : float
+        Highest level, and highest threshold thought possible.
+    n_levels : int
+        Number of levels, and of thresholds, from `low` to `high`.
+    sd_low : float
+        Smallest standard deviation of the normal thought possible, in the unit of the levels.
+    sd_high : float
+        Largest standard deviation of the normal thought possible, in the unit of the levels.
+    n_sds : int
+        Number of standard deviations from `sd_low` to `sd_high`.
+    guess_rate : float
+        Guess rate, taken as known; 0.5 is that of two-interval forced choice (unverified default).
+    lapse_rate : float
+        Lapse rate, taken as known; 0.02 is that of 4 % blind answers in two intervals (unverified default).
     psi_marginal : bool
         Only the threshold is to be known.
     n_trials : int
-        At most.
+        Largest number of trials of a track.
     sd_stop : float, optional
         It ends when the threshold's standard deviation is so small, in the unit of the levels.
 

@@ -98,8 +98,12 @@ class MethodOfLimits(SteppingRule["MethodOfLimitsRun"]):
 
     Parameters
     ----------
-    low, high, step : float
-        Levels lie whole steps from `low` up to `high`.
+    low : float
+        Lowest level that is presented.
+    high : float
+        Highest level that is presented.
+    step : float
+        Distance between neighbouring levels.
     n_series : int
         How many series there are.
     n_start_steps : int

@@ -53,10 +53,12 @@ class Practice(SteppingRule["PracticeRun"]):
     ----------
     levels : tuple of float
         Easy ones, in turn.
-    n_correct, n_of : int
-        So many of the last so many answers must be right.
+    n_correct : int
+        Number of correct answers among the last `n_of` that ends the practice.
+    n_of : int
+        Number of last answers among which `n_correct` must be correct.
     n_trials : int
-        At most.
+        Largest number of trials; the practice then ends without its criterion.
 
     Raises
     ------

@@ -144,11 +144,13 @@ class Staircase(UpDown):
     Parameters
     ----------
     start : float
-        The first level.
+        Level of the first trial.
     steps : tuple of float
         By how much a level changes: the first step until the first reversal, and so on; the last one stays.
-    low, high : float
-        Bounds of the levels.
+    low : float
+        Lowest level that is presented.
+    high : float
+        Highest level that is presented.
     n_up : int
         So many wrong answers in a row raise the level.
     n_down : int
@@ -156,7 +158,7 @@ class Staircase(UpDown):
     n_reversals : int
         It ends after so many reversals.
     n_trials : int
-        At most.
+        Largest number of trials of a track.
     n_at_bound : int
         So many moves in a row beyond a bound end it as censored.
     initial_rule : bool
@@ -206,8 +208,10 @@ class WeightedStaircase(UpDown):
 
     Parameters
     ----------
-    steps_up, steps_down : tuple of float
-        Of equal length; pair k is used after k reversals, the last one from then on.
+    steps_up : tuple of float
+        Steps upwards, one after each number of reversals; the last one stays.
+    steps_down : tuple of float
+        Steps downwards, as many as `steps_up`.
     start, low, high, n_down, n_reversals, n_trials, n_at_bound
         As in `Staircase`.
 

@@ -22,8 +22,10 @@ class AdjustmentTask(Task):
     ----------
     step : float
         What an arrow key changes.
-    low, high : float
-        Between which the level can be set.
+    low : float
+        Lowest level that can be set.
+    high : float
+        Highest level that can be set.
 
     Raises
     ------

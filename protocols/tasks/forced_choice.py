@@ -19,6 +19,11 @@ class ForcedChoice(Task):
 
     Green and Swets, Signal Detection Theory and Psychophysics (1966), section 2.4.
 
+    Parameters
+    ----------
+    n_intervals : int
+        Number of intervals of a trial; the chance level is 1 divided by it.
+
     Raises
     ------
     InvalidParameter

@@ -17,6 +17,11 @@ class Magnitude(Task):
 
     Stevens, American Journal of Psychology 69, 1 (1956). The procedure is told whether anything was felt (above 0).
 
+    Parameters
+    ----------
+    high : float, optional
+        Highest number that can be given; without it numbers have no upper bound.
+
     Raises
     ------
     InvalidParameter

@@ -131,6 +131,11 @@ class Task(Protocol):
 class AgainstStandard(Task):
     """A task that holds a level against a standard.
 
+    Parameters
+    ----------
+    standard_level : float
+        The level that every other level is compared with.
+
     Raises
     ------
     InvalidParameter
@@ -160,7 +165,13 @@ class AsksForm(Protocol):
 
 @dataclass(frozen=True)
 class Over:
-    """The factor whose levels are the alternatives of a trial, or are paired."""
+    """The factor whose levels are the alternatives of a trial, or are paired.
+
+    Parameters
+    ----------
+    over : str
+        Name of the factor whose levels a trial chooses among.
+    """
 
     over: str
 

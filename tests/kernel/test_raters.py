@@ -7,9 +7,9 @@ from study_texts import refusal, wired
 
 from tactometry.experiments.sessions.in_memory import simulated_trials
 from tactometry.experiments.sessions.recording import Who
-from tactometry.experiments.study.experiment import dimensions_of
 from tactometry.experiments.study.session_plan import stream
 from tactometry.experiments.study.study_file import builtin
+from tactometry.experiments.study.task_table import dimensions_of
 from tactometry.observers.raters import Rater, Raters
 from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load

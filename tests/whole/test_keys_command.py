@@ -102,3 +102,18 @@ def test_only_what_a_name_asks_for_is_imported():
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.splitlines()[-1] == "[]"
+
+
+EXPLAINED = [
+    name
+    for name in tables()
+    if name.partition(".")[0] in ("task", "procedure", "practice", "plate") or name == "observer.people"
+]
+
+
+@pytest.mark.parametrize("name", EXPLAINED)
+def test_keys_explains_each_key_by_a_text_of_its_own(name, capsys):
+    for table in json.loads(output(capsys, "keys", name, "--json")):
+        told = [key["means"] for key in table["keys"]]
+        assert all(len(text.split()) > 3 for text in told)
+        assert len(set(told)) == len(told)

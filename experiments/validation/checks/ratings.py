@@ -15,8 +15,8 @@ from tactometry.protocols.tasks.rating import pages
 from tactometry.questionnaire import load
 from tactometry.rigs.simulated import value_of
 
-from ...study.experiment import dimensions_of
 from ...study.session_plan import stream
+from ...study.task_table import dimensions_of
 from ..check import Check, Simulate
 from ..kinds import ESTIMATES, TESTS
 

@@ -69,7 +69,7 @@ class NamedGlass:
     Parameters
     ----------
     glass : str
-        One of `GLASSES`.
+        Name of the glass, one of `GLASSES`.
 
     >>> NamedGlass("DURAN borosilicate 3.3").material["density_kg_per_m3"]
     2230.0

@@ -33,12 +33,18 @@ class Plate:
 
     Parameters
     ----------
-    length_m, width_m, thickness_m : float
-        Above 0.
-    youngs_modulus_pa, density_kg_per_m3 : float
-        Above 0.
+    length_m : float
+        Length of the plate along x.
+    width_m : float
+        Width of the plate along y.
+    thickness_m : float
+        Thickness of the plate.
+    youngs_modulus_pa : float
+        Young's modulus of its material.
+    density_kg_per_m3 : float
+        Density of its material.
     poisson_ratio : float
-        From 0 to 0.5.
+        Poisson ratio of its material, from 0 to 0.5.
     boundary : str
         Four letters, S (simply supported), C (clamped) or F (free), for x = 0, y = 0, x = length, y = width.
 
