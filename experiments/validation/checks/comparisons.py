@@ -29,7 +29,7 @@ CHECK: Final = Check(
     words="""\
 Answers "more" or "less" at seven levels from -6 to 6, with points of subjective equality anywhere from -1.5 to 1.5;
 a lapse is either answer with the same chance. Rows by the standard deviation of the function, trials at each level
-and the share of trials without attention. Fitted as `analyse` does: one rate for both asymptotes.""",
+and the share of trials without attention. Fitted as `analyse` does: both asymptotes are free.""",
     kind=ESTIMATES,
     keys=("quantity", "sd", "n_trials", "lapse_rate"),
     settings={
