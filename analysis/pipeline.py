@@ -162,8 +162,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
         study=study_text(everything.path, unit),
     )
     tables = {"quality": with_frames(recorded, frames(everything.path)), "excluded": excluded, **direct}
-    tables |= {TESTS: standard_tests(table, used, factors), FLOORS: lowest_levels(every, factors)}
-    tables |= _curve_tables(table, every, judged, factors) | _force_tables(forces, factors)
+    tables |= _curve_tables(table, every, used, judged, factors) | _force_tables(forces, factors)
     tables |= _compared_tables(values) | {"categories": categories(trials)}
     tables |= {"sittings": sittings(heads_of(everything.path)), "happenings": happenings(everything.path)}
     values = replace(values, tables={name: rows for name, rows in tables.items() if len(rows)})
@@ -228,7 +227,7 @@ def _hierarchical(
 
 
 def _curve_tables(
-    table: pd.DataFrame, every: Sequence[Cell], judged: pd.DataFrame, factors: Sequence[str]
+    table: pd.DataFrame, every: Sequence[Cell], used: pd.DataFrame, judged: pd.DataFrame, factors: Sequence[str]
 ) -> dict[str, pd.DataFrame]:
     if not every:
         return {}
@@ -240,6 +239,8 @@ def _curve_tables(
         "mean_rates": cells.mean_rates(counts, factors),
         "counts": counts,
         "tracks": tracks(judged, factors),
+        TESTS: standard_tests(table, used, factors),
+        FLOORS: lowest_levels(every, factors),
     }
 
 

@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-from scipy.stats import binom, t as student
+from scipy.special import bdtrc
 
+from ..distributions import Student
 from ..means import mean_row
 from ..reading.rows import numbers_of
 from ..wording import condition_name, in_unit, interval_text, p_text, percent_text
@@ -68,7 +69,7 @@ def _t_test(differences: "pd.Series[float]") -> dict[str, object]:
     if not sd:
         return row
     statistic = float(differences.mean()) / (float(differences.std(ddof=1)) / np.sqrt(n))
-    p = float(2 * student.sf(abs(statistic), n - 1))
+    p = float(2 * Student.sf(abs(statistic), n - 1))
     return {**row, "t": statistic, "df": n - 1, "p": p, "differs": p < 0.05}
 
 
@@ -87,7 +88,7 @@ def lowest_levels(cells: Sequence[Cell], factors: Sequence[str]) -> pd.DataFrame
         return pd.DataFrame()
     counts = pd.DataFrame(rows, columns=[*keys, "n_more", "n_trials"])
     table = counts.groupby(keys, observed=True).sum().reset_index()
-    p = binom.sf(table["n_more"] - 1, table["n_trials"], HIGHEST_FLOOR)
+    p = bdtrc(table["n_more"] - 1, table["n_trials"], HIGHEST_FLOOR)
     return table.assign(rate=table["n_more"] / table["n_trials"], p=p)
 
 
