@@ -130,14 +130,15 @@ class Guarded:
         try:
             onset_s = self.driver.play(signal)
         except (KeyboardInterrupt, SystemExit):  # it may have begun already
-            self._begin(time.perf_counter(), limits, final.duration_s, charge)
+            self._begin(time.perf_counter(), limits, final.duration_s, charge, largest_c)
             raise
-        self._begin(onset_s, limits, final.duration_s, charge)
+        self._begin(onset_s, limits, final.duration_s, charge, largest_c)
         return onset_s
 
-    def _begin(self, onset_s: float, limits: Limits, duration_s: float, charge: PassedCharge | None) -> None:
+    def _begin(
+        self, onset_s: float, limits: Limits, duration_s: float, charge: PassedCharge | None, largest_c: float
+    ) -> None:
         """Count and report a signal that the driver has begun."""
-        largest_c = 0.0 if charge is None else charge.largest_c
         with self._counting:
             # the clock anew: a driver may let the signal before fall to zero first
             now_s = self.clock()
