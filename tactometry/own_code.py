@@ -15,7 +15,7 @@ from types import ModuleType
 from typing import Any, Final
 
 from .arguments.require import expect
-from .errors import InvalidParameter, TactometryError, Terminated, reason
+from .errors import InvalidParameter, TactometryError, Terminated, reason, shorten
 from .provenance import sha256
 
 WAY: Final = "mend it; what was recorded is safe, --resume goes on from there"
@@ -59,6 +59,8 @@ def class_beside(target: str, folder: Path, where: str) -> type:
     module, _, name = target.partition(":")
     file = folder.joinpath(*module.split(".")).with_suffix(".py")
     parts = [*module.split("."), name]
+    plain = f"{module.removesuffix('.py')}:{name or 'Class'}"
+    expect(not module.endswith(".py"), where, repr(target), f"the module without '.py': {plain!r}")
     expect(all(map(str.isidentifier, parts)), where, repr(target), "module:Class, such as 'mine:Careful'")
     expect(file.is_file(), where, f"{target!r}, but no file {file.name} in {folder}", "it beside the study file")
     kind = getattr(_module(file, where), name, None)
@@ -127,6 +129,15 @@ def guarded(kind: type, expected: Mapping[str, Expected | None]) -> type:
     return made
 
 
+def _briefly(value: object) -> str:
+    """Return a value on one line, the middle of a long one left out.
+
+    >>> _briefly(3.0), len(_briefly("a" * 4000)) < 150
+    ('3.0', True)
+    """
+    return shorten(" ".join(repr(value).split()), 100)
+
+
 def _call(made: type, name: str, expected: Expected | None) -> Callable[..., Any]:
     kind: Any = made.__base__
     folder = Path(sys.modules[kind.__module__].__file__ or "").parent
@@ -139,7 +150,7 @@ def _call(made: type, name: str, expected: Expected | None) -> Callable[..., Any
                 return value
             if expected.fits(value, (*asked, *named.values())):
                 return expected.plain(value)
-            where, found = _line_of(getattr(kind, name)), f"{value!r} as the answer of {name}"
+            where, found = _line_of(getattr(kind, name)), f"{_briefly(value)} as the answer of {name}"
         except TactometryError:
             raise
         except BaseException as error:  # whatever foreign code may raise

@@ -124,8 +124,8 @@ def stimulus_class(
     """
     target, where = table["kind"], "stimulus.kind"
     for name in STATED:
-        found = f"no such key beside {target!r}"
-        expect(name in table or name in factors, f"stimulus.{name}", found, "it: data are read without the code")
+        expected = f"{name} = ... in [stimulus]: data are read without the code of {target!r}"
+        expect(name in table or name in factors, f"stimulus.{name}", "no such key", expected)
     if not plays:
         return _unseen(target, where, [*table, *factors])
     if code_from is None:

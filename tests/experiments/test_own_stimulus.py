@@ -210,7 +210,20 @@ def test_its_length_and_unit_stand_in_the_study(own, tmp_path, capsys):
     """Its data are read without the code, which alone would know them."""
     own.write_text(own.read_text().replace('duration_s = "500 ms"\n', "", 1))
     said = refused(capsys, "simulate", own, *ALL, "--out", tmp_path / "d", "--allow-code")
-    assert "stimulus.duration_s: found no such key beside 'mine:Chirp'" in said
+    assert "stimulus.duration_s: found no such key, expected duration_s = ... in [stimulus]: data are read" in said
+
+
+def test_own_stimulus_error_is_short_when_answer_is_long(own, tmp_path, capsys):
+    own.with_name("mine.py").write_text(CODE.replace(SIGNAL, "        return list(range(4000))"))
+    said = refused(capsys, "simulate", own, *ALL, "--out", tmp_path / "d", "--allow-code")
+    assert "letters) ..." in said
+    assert len(said) < 700
+
+
+def test_own_stimulus_named_by_file_is_corrected(own, tmp_path, capsys):
+    own.write_text(own.read_text().replace('"mine:Chirp"', '"mine.py:Chirp"', 1))
+    said = refused(capsys, "simulate", own, *ALL, "--out", tmp_path / "d", "--allow-code")
+    assert "stimulus.kind: found 'mine.py:Chirp', expected the module without '.py': 'mine:Chirp'" in said
 
 
 def test_a_factor_of_its_own_names_its_stimuli_with_and_without_its_code(own, tmp_path, capsys):
