@@ -101,7 +101,7 @@ def floor_warnings(table: pd.DataFrame, factors: Sequence[str]) -> Iterator[str]
                 f'at the lowest level {percent_text(row["rate"])} of {row["n_trials"]} answers were "more" ({where}; '
                 f"exact binomial test of at most {percent_text(HIGHEST_FLOOR)}: {p_text(row['p'])}): the standard may "
                 "be near the detection threshold, or the levels begin too high. The model of all participants, whose "
-                "curve begins at 0, is then biased, and a JND below the standard does not exist"
+                "curve begins at 0, is then biased. The JND is that above the PSE alone"
             )
 
 

@@ -108,8 +108,8 @@ def standard_census(
 
     Studies of `n_people` compare each condition with the first by a paired t-test; both have their PSE at the standard.
     """
+    first: np.ndarray | None = None
     rows: list[tuple[float, ...]] = []
-    first = None
     for above_db in ABOVE_DB:
         n_more = answers_to_standard(above_db, n_studies * n_people, rng)
         fits = fit(STANDARD_LEVELS, n_more, N_AT_STANDARD, **(options or FIT))
