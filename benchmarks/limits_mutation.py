@@ -22,11 +22,12 @@ FOLDERS = ("tactometry", "stimuli", "protocols", "analysis", "experiments", "tes
 LIMITS, LOAD, EXPOSURE = (f"tests/kernel/test_{name}.py" for name in ("limits", "load", "exposure"))
 FILTERED = "tests/kernel/test_filtered_limits.py"
 LEDGER, GUARD, OUTPUTS = (f"tests/devices/test_{name}.py" for name in ("ledger", "guarded", "outputs"))
+PLAYED = "tests/devices/test_filtered_outputs.py"
 STOP = "tests/experiments/test_stop_delay.py"
 TESTS = {
     "tactometry/safety/limits.py": (LIMITS, FILTERED, EXPOSURE),
     "tactometry/safety/load.py": (LOAD, LIMITS, FILTERED, EXPOSURE),
-    "tactometry/devices/outputs/guarded.py": (GUARD, EXPOSURE, LEDGER, OUTPUTS, STOP),
+    "tactometry/devices/outputs/guarded.py": (GUARD, PLAYED, EXPOSURE, LEDGER, OUTPUTS, STOP),
     "tactometry/devices/outputs/ledger.py": (LEDGER, GUARD),
 }
 """The tests of each module; those that need a display are left out."""
