@@ -12,7 +12,7 @@ from tactometry.protocols.block_state import Track
 from tactometry.protocols.procedures.practice import PracticeRun
 from tactometry.provenance import sha256, versions
 from tactometry.records.data_set import LARGEST_NUMBER, Session
-from tactometry.records.description import StudyDescription
+from tactometry.records.description import SIMULATED, StudyDescription
 from tactometry.records.erasures import refuse_erased
 from tactometry.records.head import Head, differences
 from tactometry.records.open_session import OpenSession
@@ -140,7 +140,7 @@ def record(
         seed, n_resumed = _session_seed(keeper.journal.head, who, kind), keeper.tally.n_trials
         if keeper.repaired:
             tell(keeper.repaired)
-        if keeper.journal.head is None and who.seed is None:
+        if keeper.journal.head is None and who.seed is None and kind.name == SIMULATED:
             tell(f"seed: {seed} (the same --seed repeats this)")
         with closing(_made(kind, seed, keeper, withdrawal)) as rig:
             _begin(keeper, _head(design, who, seed, kind, rig, keeper), tell)
