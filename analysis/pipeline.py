@@ -23,7 +23,7 @@ from .reading.quality import exclude, frames, quality, with_frames
 from .reading.trials import Trials, read_trials, used_rows
 from .report.data_warnings import warnings_of
 from .report.methods import methods
-from .report.page import Spread, check_report, draw_figures, figures_of, sections_of, write_figures, write_report
+from .report.page import DrawEach, check_report, draw_figures, figures_of, sections_of, write_figures, write_report
 from .report.study_text import study_text
 from .result import Analysis
 from .tasks import cells
@@ -49,7 +49,7 @@ def analyse(
     warnings: Sequence[str] = (),
     replay: Replay | None = None,
     touches: Callable[[], pd.DataFrame] | None = None,
-    spread: Spread = map,
+    spread: DrawEach = map,
 ) -> Analysis:
     """Analyse a data set's folder or a trials file; write the report and its tables if `report` names a file.
 

@@ -28,7 +28,7 @@ TESTS = {
     "tactometry/safety/limits.py": (LIMITS, FILTERED, EXPOSURE),
     "tactometry/safety/load.py": (LOAD, LIMITS, FILTERED, EXPOSURE),
     "tactometry/devices/outputs/guarded.py": (GUARD, PLAYED, EXPOSURE, LEDGER, OUTPUTS, STOP),
-    "tactometry/devices/outputs/ledger.py": (LEDGER, GUARD),
+    "tactometry/devices/outputs/emission_ledger.py": (LEDGER, GUARD),
 }
 """The tests of each module; those that need a display are left out."""
 PREPENDED = "signed, absolute = (np.diff(course, axis=1, prepend=0.0) for course in (self.passed_c, self.absolute_c))"

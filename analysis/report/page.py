@@ -10,6 +10,7 @@ from dataclasses import replace
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
+from typing import Protocol
 
 import pandas as pd
 
@@ -30,8 +31,12 @@ WEASYPRINT = "weasyprint"
 PDF_TIMEOUT_S = 120.0
 Drawn = tuple[str, bytes | None]
 """The SVG text of a figure, and its PNG."""
-Spread = Callable[[Callable[[Figure], Drawn], Iterable[Figure]], Iterable[Drawn]]
-"""Call a function with each figure, here (`map`) or in other processes, and return the results in their order."""
+
+
+class DrawEach(Protocol):
+    """Call a function with each figure, here (`map`) or in other processes, and return the results in their order."""
+
+    def __call__(self, draw: Callable[[Figure], Drawn], figures: Iterable[Figure], /) -> Iterable[Drawn]: ...
 
 
 def write_report(
@@ -78,7 +83,7 @@ def check_report(path: Path) -> None:
 
 
 def write_figures(
-    analysis: Analysis, folder: Path, sections: Sequence[Section] | None = None, spread: Spread = map
+    analysis: Analysis, folder: Path, sections: Sequence[Section] | None = None, spread: DrawEach = map
 ) -> dict[str, str]:
     """Write every figure as SVG and PNG (300 dots per inch) and, beside them, the table that holds its numbers.
 
@@ -103,7 +108,7 @@ def write_figures(
     return svgs
 
 
-def draw_figures(figures: Sequence[Figure], spread: Spread = map) -> dict[str, str]:
+def draw_figures(figures: Sequence[Figure], spread: DrawEach = map) -> dict[str, str]:
     """Return the SVG text of each figure by name."""
     drawn = spread(partial(_drawn, with_png=False), figures)
     return {figure.name: svg for figure, (svg, _) in zip(figures, drawn, strict=True)}

@@ -15,8 +15,8 @@ from tactometry.config.strict import as_table, build, build_kind, check_keys, va
 from tactometry.config.toml import errors_in, read_table
 from tactometry.devices.kinds import OUTPUTS, SENSORS
 from tactometry.devices.measured import Measured
+from tactometry.devices.outputs.emission_ledger import Ledger, default_path
 from tactometry.devices.outputs.guarded import Guarded
-from tactometry.devices.outputs.ledger import Ledger, default_path
 from tactometry.devices.sensors.reader import Reader
 from tactometry.devices.sensors.streamed import ForceCalibration, StreamedSensor, streamed_force, streamed_position
 from tactometry.errors import Gathered

@@ -5,8 +5,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from tactometry.devices.outputs.emission_ledger import Ledger
 from tactometry.devices.outputs.guarded import Guarded
-from tactometry.devices.outputs.ledger import Ledger
 from tactometry.devices.outputs.output import NullOutput
 from tactometry.errors import LimitExceeded
 from tactometry.safety.limits import Limits

@@ -15,10 +15,10 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from tactometry.devices.outputs import ledger as ledgers
+from tactometry.devices.outputs import emission_ledger as ledgers
+from tactometry.devices.outputs.emission_ledger import Ledger, Moment
 from tactometry.devices.outputs.file import FileOutput, FileSettings
 from tactometry.devices.outputs.guarded import Guarded
-from tactometry.devices.outputs.ledger import Ledger, Moment
 from tactometry.devices.outputs.output import NullOutput
 from tactometry.errors import DeviceFailed, InvalidFile, LimitExceeded
 from tactometry.safety.limits import Limits

@@ -183,7 +183,7 @@ def test_a_real_loopback_is_learnt_as_a_wire(sink, tmp_path, artefacts):
     """Output 0 to the sensor, output 1 to the reference, through PortAudio, PulseAudio's sink and its monitor."""
     (tmp_path / "bench.toml").write_text(LOOPBACK, encoding="utf-8")
     arguments = ["--sensor", "card", "--reference-output", 1, "--units-per-count", 1e-6, "--volts-per-count", 20.0]
-    arguments += ["--quantity", "displacement", "--voltage-v", 10.0, "--band-hz", 200, 20000, "--sequence-order", 14]
+    arguments += ["--quantity", "displacement", "--voltage-v", 5.0, "--band-hz", 200, 20000, "--sequence-order", 14]
     arguments += ["--duration-s", 0.01, "--out", "learnt.npz", "--figure", artefacts / "learnt.png", "--by", "ZG"]
     refused = calibrate_with(sink.env, tmp_path, "responses", "--bench", "bench.toml", *arguments)
     assert (refused.returncode, "hands are off, expected it; nothing was played" in refused.stderr) == (2, True)

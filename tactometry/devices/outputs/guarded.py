@@ -12,7 +12,7 @@ from ...followed import Course, FollowedSignal
 from ...safety.limits import Exposure, Limits
 from ...safety.load import Load, PassedCharge
 from ...signal import Signal
-from .ledger import Emissions, Ledger
+from .emission_ledger import Emissions, Ledger
 from .output import LONGEST_WORD_S, Driver, check_format
 
 OnSignal = Callable[[float, float, float], None]
