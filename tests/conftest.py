@@ -221,7 +221,7 @@ class LoggedDriver:
     """A driver of an output that is connected to a list."""
 
     name, n_channels, rate_hz, full_scale_v = "list", 1, 20_000.0, 50.0
-    connected, one_bit, emits, stop_delay_s = False, False, True, 0.0
+    connected, one_bit, emits, stop_delay_s, reconstructs = False, False, True, 0.0, False
 
     def __init__(self, log):
         self._log = log
