@@ -86,7 +86,7 @@ class Scene:
 
 N_HEARD = 4800
 
-LIMITS = Limits(voltage_peak_v=50.0, current_peak_a=1.0, duty=1.0, session_s=600.0, duration_s=30.0, stop_within_s=0.5)
+LIMITS = Limits(voltage_peak_v=200.0, current_peak_a=1.0, duty=1.0, session_s=600.0, duration_s=30.0, stop_within_s=0.5)
 
 
 @dataclass(frozen=True)
