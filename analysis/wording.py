@@ -225,6 +225,16 @@ def condition_name(factors: Sequence[str], condition: Sequence[object]) -> str:
     return ", ".join(value_of(name, value) for name, value in zip(factors, condition, strict=True)) or "all"
 
 
+def first_named(names: Sequence[str], most: int = NAMED) -> str:
+    """List the first names, and state how many more there are.
+
+    >>> first_named(["P1", "P2"]), first_named(["P1", "P2", "P3"], most=2)
+    ('P1, P2', 'P1, P2 and 1 more')
+    """
+    more = f" and {len(names) - most} more" if len(names) > most else ""
+    return f"{', '.join(names[:most])}{more}"
+
+
 def named_cells(table: pd.DataFrame, factors: Sequence[str]) -> str:
     """Participants with their conditions, the first of them by name."""
     names = [

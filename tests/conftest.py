@@ -217,41 +217,6 @@ class Watched:
         self._log.append("screen.close")
 
 
-class LoggedDriver:
-    """A driver of an output that is connected to a list."""
-
-    name, n_channels, rate_hz, full_scale_v = "list", 1, 20_000.0, 50.0
-    connected, one_bit, emits, stop_delay_s, reconstructs = False, False, True, 0.0, False
-
-    def __init__(self, log):
-        self._log = log
-
-    def facts(self):
-        return {}
-
-    def final(self, signal):
-        return signal
-
-    def n_gaps(self, longest_wait_s=0.0):
-        return None
-
-    def course(self):
-        return None
-
-    def open(self):
-        self._log.append("output.open")
-
-    def play(self, signal):
-        self._log.append(f"play {signal.peak:.3g} V")
-        return time.perf_counter()
-
-    def stop(self):
-        self._log.append("output.stop")
-
-    def close(self):
-        self._log.append("output.close")
-
-
 @pytest.fixture
 def log():
     return []
@@ -266,6 +231,8 @@ def watched(screen, log, monkeypatch):
 
 @pytest.fixture
 def output(log):
+    from logged_driver import LoggedDriver
+
     from tactometry.devices.outputs.guarded import Guarded
     from tactometry.safety.limits import Limits
 

@@ -10,7 +10,7 @@ NAMED_VALUES = ("response", "correct", "catch", "valid", "practice")
 
 
 def meaning(name: str, text: str) -> str:
-    """How to say in a column map what a word means.
+    """Return how a column map states what a word means.
 
     >>> meaning("response", "y")
     "; say what it means in a column map (--columns), below [values.response]: 'y' = 1"

@@ -13,7 +13,7 @@ from tactometry.records.description import SIMULATED
 from tactometry.records.head import Head, changes, heads
 
 from ..arrays import Bools
-from ..wording import NAMED
+from ..wording import first_named
 from .level_scale import SETTINGS
 from .rows import holds
 from .trials import Trials
@@ -116,8 +116,7 @@ def _silence_warnings(rows: pd.DataFrame) -> Iterator[str]:
 
 def _codes(rows: pd.DataFrame) -> str:
     codes = list(dict.fromkeys(rows["participant"]))
-    more = f" and {len(codes) - NAMED} more" if len(codes) > NAMED else ""
-    return f"{', '.join(codes[:NAMED])}{more}: {count_of(len(rows), 'row')}"
+    return f"{first_named(codes)}: {count_of(len(rows), 'row')}"
 
 
 def _changes(known: Mapping[SessionKey, Sequence[Head]]) -> Iterator[str]:

@@ -9,7 +9,7 @@ import pandas as pd
 from tactometry.errors import InvalidFile
 from tactometry.trials.cell_rules import PARTICIPANT
 
-from ..wording import NAMED
+from ..wording import first_named
 
 _SEPARATORS = re.compile(r"[_-]+")
 _ZEROS = re.compile(r"(?<![0-9])0+(?=[0-9])")
@@ -48,7 +48,7 @@ def with_codes(tables: Mapping[Path, pd.DataFrame], path: Path, notes: list[str]
     short = without_separators(codes, path)
     if not short:
         return dict(tables)
-    written = _named(f"{code} as {text}" for code, text in short.items())
+    written = first_named([f"{code} as {text}" for code, text in short.items()])
     notes.append(
         f"participant codes are written without separators: {written}; [values.participant] of the map names others"
     )
@@ -68,11 +68,6 @@ def alike_notes(codes: Iterable[str]) -> Iterator[str]:
     if alike:
         yield (
             "participants that may be the same, as their codes differ only by case, separators or leading zeros: "
-            f"{_named(alike)}; each was analysed separately; where they are one, write one code or map it in "
+            f"{first_named(alike)}; each was analysed separately; where they are one, write one code or map it in "
             "[values.participant] of a column map"
         )
-
-
-def _named(texts: Iterable[str]) -> str:
-    texts = list(texts)
-    return f"{', '.join(texts[:NAMED])}{f' and {len(texts) - NAMED} more' if len(texts) > NAMED else ''}"

@@ -31,7 +31,7 @@ def missed_practice(trials: Trials) -> "pd.Series[bool]":
 
 
 def _criterion(table: Mapping[str, Any]) -> tuple[int, int] | None:
-    """How many of how many answers must be right; None without practice."""
+    """Return how many of how many answers must be right; None without one."""
     if not table:
         return None
     stated = dict(zip(("n_correct", "n_of"), PRACTICE_CRITERION, strict=True)) | dict(table)

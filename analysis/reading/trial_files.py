@@ -7,6 +7,7 @@ from pathlib import Path
 from tactometry.errors import InvalidFile
 from tactometry.files.durable import files_in
 
+from ..wording import first_named
 from .file_text import is_json_list
 
 OWN_FILES = ("data/*_data.csv", "sub-*/**/beh/*_events.tsv", "sub-*/**/beh/*_beh.tsv")
@@ -57,7 +58,8 @@ def _refuse_folder(path: Path, *, foreign: bool) -> list[Path]:
     held = [file.name for file in _data_files(path)] if foreign else []
     if held:
         raise InvalidFile(
-            f"{path}: found no table of trials but {_named(held)}, expected CSV, TSV or JSON; save each table as CSV"
+            f"{path}: found no table of trials but {first_named(held, MOST_NAMED)}, expected CSV, TSV or JSON; save "
+            "each table as CSV"
         )
     raise InvalidFile(
         f"{path}: found no {OWN_FILES[0]}, expected a data set's folder, a CSV file of trials, or a column map "
@@ -79,7 +81,7 @@ def unread_notes(path: Path, used: Sequence[Path]) -> Iterator[str]:
         others = [file for file in _data_files(path) if file not in used]
         unread = [file for file in others if file.stem not in names or file.suffix.lower() in TABLES]
     if unread:
-        yield f"not read: {_named([str(file.relative_to(path)) for file in unread])}"
+        yield f"not read: {first_named([str(file.relative_to(path)) for file in unread], MOST_NAMED)}"
 
 
 def _tables_in(folder: Path) -> list[Path]:
@@ -131,11 +133,6 @@ def _in_read_subject(file: Path, path: Path, used: Sequence[Path]) -> bool:
 
 def _run(file: Path) -> Path:
     return file.with_name(re.sub(r"_(events|beh)\.tsv$", "", file.name))
-
-
-def _named(names: Sequence[str]) -> str:
-    more = f" and {len(names) - MOST_NAMED} more" if len(names) > MOST_NAMED else ""
-    return f"{', '.join(names[:MOST_NAMED])}{more}"
 
 
 def _visible_files(files: Iterable[Path]) -> list[Path]:

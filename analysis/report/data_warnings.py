@@ -19,7 +19,7 @@ from ..tasks.kinds import CURVES, RESULTS
 from ..tasks.localisation import OF_PARTICIPANTS, conditions_of_fits
 from ..tasks.standard import FLOORS, floor_warnings
 from ..threshold.status import Status
-from ..wording import NAMED, named_cells, percent_text
+from ..wording import first_named, named_cells, percent_text
 
 MANY_FALSE_ALARMS = 0.25
 MANY_INVALID = 0.2
@@ -114,8 +114,7 @@ def _unused_warnings(trials: Trials) -> Iterator[str]:
     used = used_rows(trials)
     lost = sorted(set(trials.rows["participant"].unique()) - set(used["participant"].unique()))
     if lost:
-        more = f" and {len(lost) - NAMED} more" if len(lost) > NAMED else ""
-        yield f"no valid answer, and so no result, of {', '.join(lost[:NAMED])}{more}"
+        yield f"no valid answer, and so no result, of {first_named(lost)}"
     choices = used[used["task"].isin(CHOICES)]
     unknown = choices[correctness(choices).isna()]
     if len(unknown):
@@ -127,7 +126,7 @@ def _unused_warnings(trials: Trials) -> Iterator[str]:
 
 
 def _alternatives_warnings(analysis: Analysis) -> Iterator[str]:
-    """Where the numbers of alternatives were not stated, and where conditions differ in them."""
+    """Warn of alternatives that were not stated, or differ by condition."""
     found, columns = analysis.n_choices, analysis.trials.rows.columns
     if not found or STATED in columns:
         return

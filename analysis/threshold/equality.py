@@ -121,13 +121,19 @@ def _equality(posterior: LogPosterior, low: Array, high: Array, interval: float)
 
 
 def _deviate(rate: float, lapse: Array, guess: Array) -> Array:
-    """Where the normal curve between these asymptotes has a rate, in standard deviations from its middle."""
+    """Return where the normal curve between asymptotes has a rate.
+
+    In standard deviations from its middle.
+    """
     share = (rate - guess) / (1 - guess - lapse)
     return np.asarray(ndtri(np.clip(share, 1e-9, 1 - 1e-9)))
 
 
 def _quantiles(values: Array, mass: Array, step: float, *, interval: float) -> Array:
-    """The ends of the central interval and the median between them, of masses that each spread over a grid's step."""
+    """Return the ends of the central interval with the median between them.
+
+    Each mass is spread over a step of the grid.
+    """
     flat, weights = np.broadcast_to(values, mass.shape).ravel(), mass.ravel()
     middle = float((flat * weights).sum() / weights.sum())
     reach = WIDEST_STEPS * step

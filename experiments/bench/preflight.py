@@ -152,7 +152,7 @@ def _current_of_a_stop(output: Guarded, limits: Limits, load: Load) -> Finding:
     if output.driver.fall_s == 0:
         return Finding("output", what, "that of one step of the device, as fast as the amplifier follows")
     voltage_v = min(limits.voltage_peak_v, output.driver.full_scale_v)
-    current_a = load.capacitance_f * voltage_v / output.driver.fall_s + voltage_v / load.leak_resistance_ohm
+    current_a = load.current_peak_a(Signal(np.array([[voltage_v]]), 1 / output.driver.fall_s, "V"))
     return Finding("output", what, f"{current_a:.3g} A from {voltage_v:.3g} V in {1e3 * output.driver.fall_s:g} ms")
 
 

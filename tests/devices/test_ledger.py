@@ -132,13 +132,15 @@ def test_another_output_counts_for_itself(tmp_path, clocks):
     assert [n_played(guard(tmp_path, clocks, name), clocks) for name in ("one", "one", "other")] == [3, 0, 3]
 
 
-def test_stopped_signal_counts_as_long_as_it_played(tmp_path, clocks):
+@pytest.mark.parametrize("is_stopped", [True, False], ids=["stopped", "replaced"])
+def test_cut_signal_counts_as_long_as_it_played(tmp_path, clocks, is_stopped):
     output = guard(tmp_path, clocks)
     output.open()
     for _ in range(10):
         output.play(volts())
         clocks.pass_by(0.1)
-        output.stop()
+        if is_stopped:
+            output.stop()
     output.close()
     assert n_played(guard(tmp_path, clocks), clocks) == 2  # 1 s of 3 s has played
 
@@ -150,16 +152,6 @@ def test_stopped_signal_plays_no_longer_until_the_output_closes(tmp_path, clocks
     clocks.pass_by(0.5)
     output.stop()
     clocks.pass_by(5.0)
-    output.close()
-    assert n_played(guard(tmp_path, clocks), clocks) == 2
-
-
-def test_replaced_signal_counts_as_long_as_it_played(tmp_path, clocks):
-    output = guard(tmp_path, clocks)
-    output.open()
-    for _ in range(10):
-        output.play(volts())
-        clocks.pass_by(0.1)
     output.close()
     assert n_played(guard(tmp_path, clocks), clocks) == 2
 
