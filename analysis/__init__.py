@@ -19,7 +19,6 @@ if TYPE_CHECKING:
     from .attrakdiff.scoring import item_scores as item_scores, scores as scores
     from .hierarchical.fitting import fit_hierarchical as fit_hierarchical
     from .means import mean_with_interval as mean_with_interval
-    from .mixed_models.glmm import fit_glmm as fit_glmm
     from .pipeline import analyse as analyse
     from .plan import AnalysisPlan as AnalysisPlan, read_plan as read_plan
     from .reading.column_map import ColumnMap as ColumnMap, read_column_map as read_column_map
