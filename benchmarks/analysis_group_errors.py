@@ -18,7 +18,7 @@ from scipy.special import fdtrc
 from scipy.stats import t as student
 
 from tactometry.analysis.anova.censored import censored_anova
-from tactometry.analysis.anova.contrasts import Effect, contrasts, epsilons, permutation_p
+from tactometry.analysis.anova.contrasts import ContrastEffect, contrasts, epsilons, permutation_p
 from tactometry.analysis.anova.design import UndefinedStatistic
 from tactometry.analysis.anova.group_means import DIFFERENCE, within_variances
 from tactometry.analysis.anova.post_hoc import all_together
@@ -53,7 +53,7 @@ def detected(values: np.ndarray, design: str) -> dict[str, float]:
     """The share of studies with p < 5 % by each test."""
     n_levels, part = DESIGNS[design]
     scores = values @ contrasts(n_levels, part).T
-    effects = [Effect(("x",), each) for each in scores]
+    effects = [ContrastEffect(("x",), each) for each in scores]
     shapes = np.array([(1.0, *epsilons(effect.covariance, N - 1)) for effect in effects])
     df1, df2 = effects[0].df
     fs = np.array([N * np.sum(each.mean(axis=0) ** 2) for each in scores]) * df2 / df1

@@ -21,7 +21,7 @@ RANK_TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True)
-class Effect:
+class ContrastEffect:
     """An effect of its factors with the scores of all participants, shape (participant, contrast)."""
 
     factors: tuple[str, ...]
@@ -59,7 +59,7 @@ class Effect:
         return n_contrasts > 1 and (n - 1 < n_contrasts or is_dependent)
 
 
-def effects(design: WithinDesign) -> list[Effect]:
+def effects(design: WithinDesign) -> list[ContrastEffect]:
     """Return the main effects, then the interactions.
 
     >>> values = np.array([[1.0, 2, 4], [2, 2, 5], [1, 3, 3]])
@@ -79,12 +79,12 @@ def effect_places(n_factors: int) -> list[tuple[int, ...]]:
     return [places for r in range(1, n_factors + 1) for places in combinations(range(n_factors), r)]
 
 
-def _effect(design: WithinDesign, places: tuple[int, ...]) -> Effect:
+def _effect(design: WithinDesign, places: tuple[int, ...]) -> ContrastEffect:
     scores = design.cells @ contrasts(design.values.shape[1:], places).T
     mean = scores.mean(axis=0)
     if np.abs(scores - mean).max() <= design.rounding:
         scores = np.broadcast_to(mean, scores.shape)  # an error of rounding alone is 0, and F undefined, not huge
-    return Effect(tuple(design.factors[place] for place in places), scores)
+    return ContrastEffect(tuple(design.factors[place] for place in places), scores)
 
 
 def participant_scores(design: WithinDesign) -> Array:
@@ -126,14 +126,14 @@ def epsilons(covariance: Array, df: float) -> tuple[float, float, float]:
     return greenhouse_geisser, huynh_feldt, chi_muller
 
 
-def permutation_p(effect: Effect, *, rng: np.random.Generator | None = None, n_resamples: int = 9_999) -> float:
+def permutation_p(effect: ContrastEffect, *, rng: np.random.Generator | None = None, n_resamples: int = 9_999) -> float:
     """The chance of an effect as large or larger if each participant's contrasts could as well have the other sign.
 
     Exact for symmetric errors, whatever the sphericity and the rank of the error matrix; the sum of squares of effect
     and error together does not change with the signs, so that the effect's own orders them as F does. Up to
     `MOST_EXACT` participants all signs are tried and `rng` is not used.
 
-    >>> permutation_p(Effect(("force_n",), np.array([[1.0], [2.0], [3.0], [4.0]])))
+    >>> permutation_p(ContrastEffect(("force_n",), np.array([[1.0], [2.0], [3.0], [4.0]])))
     0.125
     """
     n = len(effect.scores)

@@ -16,7 +16,14 @@ from scipy.special import ncfdtr
 from ..arrays import Array, size_of
 from ..distributions import Fisher
 from ..wording import p_text, share_text
-from .contrasts import MOST_EXACT, Effect, effects, epsilons, participant_scores, permutation_p as _permutation_p
+from .contrasts import (
+    MOST_EXACT,
+    ContrastEffect,
+    effects,
+    epsilons,
+    participant_scores,
+    permutation_p as _permutation_p,
+)
 from .design import DesignStatus, WithinDesign, spread, within_design
 
 INTERVAL = 0.90
@@ -148,7 +155,7 @@ def scaled_design(design: WithinDesign, dependent: str) -> tuple[WithinDesign, f
     return replace(design, values=values, rounding=design.rounding / scale), scale
 
 
-def _tested(design: WithinDesign, found: Sequence[Effect]) -> list[EffectTest]:
+def _tested(design: WithinDesign, found: Sequence[ContrastEffect]) -> list[EffectTest]:
     """Return F and Mauchly's test of each effect, from pingouin, or from statsmodels for three factors."""
     factors = [f"factor_{place}" for place in range(len(design.factors))]
     places = product(*(range(n) for n in design.values.shape))
@@ -174,7 +181,7 @@ def _by_pingouin(long: pd.DataFrame, factors: list[str]) -> tuple[list[float], l
 
 
 def _by_statsmodels(
-    long: pd.DataFrame, factors: list[str], found: Sequence[Effect]
+    long: pd.DataFrame, factors: list[str], found: Sequence[ContrastEffect]
 ) -> tuple[list[float], list[tuple[float, float]]]:
     import pingouin  # slow to load
     from scipy.linalg import helmert
@@ -252,7 +259,7 @@ def with_notes(
     return result
 
 
-def singular_note(effect: Effect, n: int) -> str:
+def singular_note(effect: ContrastEffect, n: int) -> str:
     """Why an effect has no test of sphericity, and what is done."""
     p = effect.df[0]
     cause = (

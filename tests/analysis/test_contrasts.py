@@ -12,7 +12,7 @@ from hypothesis import given, strategies as st
 from scipy.stats import f as fisher, ncf
 from soak import SOAK
 
-from tactometry.analysis.anova.contrasts import Effect, effects, epsilons, permutation_p
+from tactometry.analysis.anova.contrasts import ContrastEffect, effects, epsilons, permutation_p
 from tactometry.analysis.anova.design import DesignStatus, UndefinedStatistic, WithinDesign
 from tactometry.analysis.anova.within_subjects import (
     EffectTest,
@@ -193,7 +193,7 @@ def test_the_interval_of_partial_eta_squared_covers_the_truth_of_a_spherical_eff
     scores = rng.normal(size=(n_studies, n, p)) + truth
     covered = 0
     for each in scores:
-        f = n * np.sum(each.mean(axis=0) ** 2) / (Effect(("a",), each).ss_error / (n - 1))
+        f = n * np.sum(each.mean(axis=0) ** 2) / (ContrastEffect(("a",), each).ss_error / (n - 1))
         low, high = noncentrality(f, (p, p * (n - 1)), 0.90)
         covered += low <= noncentral <= high
     assert covered / n_studies == pytest.approx(0.90, abs=3.9 * np.sqrt(0.09 / n_studies))
@@ -206,14 +206,14 @@ def test_all_signs_are_counted_once() -> None:
     scores = drawn((6, 3), np.random.default_rng())
     signs = np.array(list(product((-1, 1), repeat=6)))
     sums = np.array([np.sum((row @ scores) ** 2) for row in signs])
-    assert permutation_p(Effect(("a",), scores)) == np.mean(sums >= sums[-1] * (1 - 1e-12))
+    assert permutation_p(ContrastEffect(("a",), scores)) == np.mean(sums >= sums[-1] * (1 - 1e-12))
 
 
 def test_many_participants_draw_signs_and_agree_with_f() -> None:
     rng = np.random.default_rng()
     scores = rng.normal(size=(40, 2)) + 0.25
-    f = 40 * np.sum(scores.mean(axis=0) ** 2) / (Effect(("a",), scores).ss_error / 39)
-    found = permutation_p(Effect(("a",), scores), rng=rng, n_resamples=4000)
+    f = 40 * np.sum(scores.mean(axis=0) ** 2) / (ContrastEffect(("a",), scores).ss_error / 39)
+    found = permutation_p(ContrastEffect(("a",), scores), rng=rng, n_resamples=4000)
     assert found == pytest.approx(fisher.sf(f, 2, 78), abs=0.03)
 
 
