@@ -313,8 +313,8 @@ def _fit(y: Array, design: ModelDesign) -> InterceptFit:
         return InterceptFit(alone.params, alone.cov_params(), 0.0, float(np.sqrt(alone.scale)), log_likelihood(grid[0]))
     fit = fitted(float(np.exp(summit.x)))
     n = len(fit.fe_params)
-    sds = np.sqrt([fit.cov_re[0, 0], fit.scale])
-    return InterceptFit(fit.fe_params, fit.cov_params()[:n, :n], *map(float, sds), -float(summit.fun))
+    participant_sd, residual_sd = float(np.sqrt(fit.cov_re[0, 0])), float(np.sqrt(fit.scale))
+    return InterceptFit(fit.fe_params, fit.cov_params()[:n, :n], participant_sd, residual_sd, -float(summit.fun))
 
 
 def described_model(
