@@ -21,14 +21,14 @@ $ tactometry cost skin-propagator
 $ tactometry cost all --page docs/explanation/cost.md   # this page
 ```
 
-Each section takes one problem with settings from coarse to fine and compares each setting with the stated reference. The
-price is computing time (median of warm calls on one thread), emission time (`reversal-time-*`) or the time of
-participants (`procedures`, `group-threshold`). `cost.csv` of the command also has first calls, memory and the size of the
-result. Errors are the same in every run; times are those of the machine below. A result that is not finite is marked
-*unstable*. Every reference agrees with an independent one, and no error below its uncertainty is reported.
+Each section takes one problem with settings from coarse to fine and compares each setting with the stated reference.
+The price is computing time (median of warm calls on one thread), emission time (`reversal-time-*`) or the time of
+participants (`procedures`, `group-threshold`). `cost.csv` of the command also has first calls, memory and the size of
+the result. Errors are the same in every run; times are those of the machine below. A result that is not finite is
+marked *unstable*. Every reference agrees with an independent one, and no error below its uncertainty is reported.
 
-Hollow points are other programs on the same problem, recorded by `benchmarks/ladder_peers.py`. Their times are scaled by
-the finest setting of ours, which was measured with them.
+Hollow points are other programs on the same problem, recorded by `benchmarks/ladder_peers.py`. Their times are scaled
+by the finest setting of ours, which was measured with them.
 """
 TAIL = """
 ## Adding a ladder
