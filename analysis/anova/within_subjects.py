@@ -342,11 +342,11 @@ def checks(table: pd.DataFrame, *, dependent: str, within: Sequence[str] | str, 
     InvalidParameter
         As `repeated_measures`.
 
-    >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
+    >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 6]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
     >>> print(*checks(table, dependent="y", within="force_n", subject="who")["text"], sep=chr(10))
-    normality of the residuals: Shapiro-Wilk W = .967, p = .881: not contradicted
-    sphericity of force_n: Mauchly W = .187, p = .187: not contradicted
+    normality of the residuals: Shapiro-Wilk W = .925, p = .327: not contradicted
+    sphericity of force_n: Mauchly W = .816, p = .816: not contradicted
     outliers: no residual beyond 3 standard deviations
     """
     design = within_design(table, dependent=dependent, within=within, subject=subject, where="checks")

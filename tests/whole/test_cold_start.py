@@ -78,7 +78,7 @@ def test_a_report_of_the_core_alone_holds_the_numbers_of_an_environment_with_all
 def test_where_the_core_alone_is_installed_nothing_else_can_be_loaded() -> None:
     needs = needed(core_requirements())
     assert {"numpy", "llvmlite", "python-dateutil"} < needs
-    assert not {"pyarrow", "pingouin", "statsmodels", "scikit-learn", "xarray", "psychopy"} & needs
+    assert not {"pyarrow", "psychopy", "psignifit"} & needs
     missing = Missing(frozenset({"numpy"}))
     assert missing.find_spec("numpy.linalg") is None
     with pytest.raises(ModuleNotFoundError, match="pyarrow"):
