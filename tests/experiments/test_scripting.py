@@ -1,11 +1,11 @@
 """Studies that a script runs and simulates are those that the commands record."""
 
+from command_line import output
+
 import tactometry
 
 
 def test_script_records_what_command_records(tmp_path, capsys):
-    from command_line import output
-
     tactometry.run("tutorial", "P01", out=tmp_path / "script", rig="simulated", seed=1, tell=lambda text: None)
     output(
         capsys, "run", "tutorial", "--participant", "P01", "--rig", "simulated", "--seed", 1, "--out", tmp_path / "c"
