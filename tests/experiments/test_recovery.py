@@ -14,7 +14,7 @@ from tactometry.experiments.sessions.simulation import Simulation, simulate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import builtin, parse
 
-N = 1000 if SOAK else 200
+N = 1000 if SOAK else 60
 AT_1E_4 = 3.72
 """One-sided normal quantile of 1e-4."""
 
