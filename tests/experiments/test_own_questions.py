@@ -13,9 +13,7 @@ from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import builtin, load
 
 SECTION = (
-    (DOCS / "reference" / "studies.md")
-    .read_text("utf-8")
-    .partition("### A questionnaire, and questions, of one's own")[2]
+    (DOCS / "reference" / "studies.md").read_text("utf-8").partition("### Custom questionnaires and questions")[2]
 ).partition("\n## ")[0]
 TABLES, FORM = re.findall(r"```toml\n(.*?)```", SECTION, re.S)
 TUTORIAL = builtin()["tutorial"].read_text("utf-8")

@@ -22,7 +22,7 @@ from tactometry.stimuli.electrovibration.waveforms.wav_file import WavFile
 SECTION = (
     (DOCS / "reference" / "studies.md")
     .read_text("utf-8")
-    .partition("## A file, and code of one's own")[2]
+    .partition("## Files and custom code")[2]
     .partition("\n## ")[0]
 )
 FILE_TABLE, OWN_TABLES = re.findall(r"```toml\n(.*?)```", SECTION, re.S)
