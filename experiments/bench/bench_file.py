@@ -46,9 +46,9 @@ class BenchFile:
     Parameters
     ----------
     screen : DisplayTable
-        The participant's screen.
+        Screen on which the participant reads and answers.
     output : OutputPart
-        What plays.
+        Device that plays the stimuli.
     limits : Limits, optional
         What no signal may exceed; needed where an output is connected.
     sensors : mapping of str to SensorPart

@@ -31,8 +31,10 @@ class DisplayTable:
     ----------
     fullscreen : bool
         All of the screen, or a window.
-    width_px, height_px : int
-        Of the window.
+    width_px : int
+        Width of the window.
+    height_px : int
+        Height of the window.
     height_m : float, optional
         Of the screen, as `tactometry calibrate display` measures it.
     language : str
@@ -199,8 +201,10 @@ class TracesTable:
 
     Parameters
     ----------
-    force, position : bool
-        Whether samples of these sensors are kept.
+    force : bool
+        Whether samples of the force sensor are stored.
+    position : bool
+        Whether samples of the position sensor are stored.
     emitted : bool
         Whether what an output emitted that followed the finger is kept.
     """

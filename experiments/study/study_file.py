@@ -143,7 +143,7 @@ class Study:
     consent : bool
         Ask whether a participant agrees to take part; without a yes nothing is asked.
     plan : PlanTable
-        Sessions, groups, orders.
+        Table of the sessions, groups and orders of participants.
     nested : mapping
         Levels of a factor within a level of another.
     variants : mapping

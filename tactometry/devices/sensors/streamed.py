@@ -89,12 +89,20 @@ class ForceCalibration(Measured):
         What the sensor counts without a force.
     polynomial : tuple of float, optional
         Coefficients of rising power, N, N per count and so on; it rises or falls from `count_low` to `count_high`.
-    table_counts, table_forces_n : tuple of float, optional
-        Rising counts and the force of each, which rises or falls with them; straight lines between them.
-    count_low, count_high : float, optional
-        Where the sensor saturates.
-    measured_on, measured_by, max_age_days
-        When and by whom, and how old it may be.
+    table_counts : tuple of float, optional
+        Rising counts of a calibration curve of straight lines.
+    table_forces_n : tuple of float, optional
+        Force at each of the `table_counts`, rising or falling with them.
+    count_low : float, optional
+        Count at which the sensor saturates at the low end.
+    count_high : float, optional
+        Count at which the sensor saturates at the high end.
+    measured_on
+        Date of the calibration.
+    measured_by
+        Who made the calibration.
+    max_age_days
+        Age from which the calibration is refused.
 
     Examples
     --------
