@@ -1,5 +1,6 @@
 """The parts of a bench file: what each of its tables holds."""
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -167,12 +168,18 @@ class PositionPart:
         Not 0; below 0 where counts fall along the path.
     zero_counts : tuple of float
         What each channel counts at position 0, the beginning of a slide's path.
+    count_low : float, optional
+        Lowest count that is a position; a sample with a lower one is lost.
+    count_high : float, optional
+        Highest count that is a position, such as 254 where 255 means overload; a sample with a higher one is lost.
     """
 
     sensor: str
     channels: tuple[int, ...]
     metres_per_count: float
     zero_counts: tuple[float, ...] = ()
+    count_low: float = -math.inf
+    count_high: float = math.inf
 
     def __post_init__(self) -> None:
         some("PositionPart.channels", self.channels)
@@ -180,6 +187,8 @@ class PositionPart:
         expect(n_zeros in (0, len(self.channels)), "PositionPart.zero_counts", n_zeros, "one for each channel, or none")
         not_zero("PositionPart", metres_per_count=self.metres_per_count)
         finite("PositionPart", **{f"zero_counts[{n}]": zero for n, zero in enumerate(self.zero_counts)})
+        rises = self.count_low < self.count_high
+        expect(rises, "PositionPart.count_low", self.count_low, f"below count_high, {self.count_high}")
 
 
 @dataclass(frozen=True)

@@ -185,13 +185,24 @@ def streamed_force(reader: Reader, channel: int, calibration: ForceCalibration) 
 
 
 def streamed_position(
-    reader: Reader, channels: tuple[int, ...], metres_per_count: float, zero_counts: tuple[float, ...] = ()
+    reader: Reader,
+    channels: tuple[int, ...],
+    metres_per_count: float,
+    zero_counts: tuple[float, ...] = (),
+    known: tuple[float, float] = (-math.inf, math.inf),
 ) -> StreamedSensor:
-    """A position sensor on one channel per axis; `zero_counts` (default 0) is where a position is 0."""
+    """Return a position sensor with one channel per axis, whose position is 0 at `zero_counts` (default 0).
+
+    Counts outside of `known`, as those of an overload, become NaN, a lost sample.
+    """
     columns, zero = np.array(channels), np.array(zero_counts or (0.0,) * len(channels))
-    return StreamedSensor(
-        reader, lambda counts: _within((counts.take(columns, axis=1) - zero) * metres_per_count, LARGEST_PLACE_M)
-    )
+
+    def place_m(counts: FloatArray) -> FloatArray:
+        taken = counts.take(columns, axis=1)
+        is_known = (taken >= known[0]) & (taken <= known[1])
+        return _within(np.where(is_known, (taken - zero) * metres_per_count, np.nan), LARGEST_PLACE_M)
+
+    return StreamedSensor(reader, place_m)
 
 
 def _within(values: FloatArray, largest: float) -> FloatArray:
