@@ -73,6 +73,7 @@ class Gathered:
 
     def __init__(self) -> None:
         self.errors: list[TactometryError] = []
+        self._places: set[str] = set()
 
     @contextmanager
     def part(self) -> Iterator[None]:
@@ -93,7 +94,8 @@ class Gathered:
     def add(self, error: TactometryError) -> None:
         """Keep the mistakes of an error, of each place the first."""
         for part in each_of(error):
-            if _place_of(part) not in map(_place_of, self.errors):
+            if (place := _place_of(part)) not in self._places:
+                self._places.add(place)
                 self.errors.append(part)
 
     def end(self) -> None:
