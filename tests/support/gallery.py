@@ -23,7 +23,7 @@ WIDTH_PIXELS = 900
 SECTION = re.compile(r"^## (.+)\n\n!\[(.+)\]\(pictures/(.+)\.png\)$", re.MULTILINE)
 HEAD = """# Gallery
 
-What Tactometry draws, each with the command or the lines of Python that draw it. `make gallery` runs them all.
+On these pages you find figures with the commands or Python code that draw them. `make gallery` draws all of them.
 """
 
 
