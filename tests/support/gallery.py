@@ -38,10 +38,10 @@ class Picture:
 
     @property
     def card(self) -> str:
-        """The picture with its heading, which lead to what draws it."""
+        """The picture with its heading, linked to its section; the heading is its text alternative."""
         heading = re.sub(r"[^\w -]", "", self.title.lower()).replace(" ", "-")
         link = f"{self.page.name}#{heading}"
-        return f":::{{grid-item}}\n[![{self.shows}](pictures/{self.name}.png)]({link})\n\n[{self.title}]({link})\n:::\n"
+        return f":::{{grid-item}}\n[![](pictures/{self.name}.png)]({link})\n\n[{self.title}]({link})\n:::\n"
 
 
 def pictures_of(page: Path) -> list[Picture]:
