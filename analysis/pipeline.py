@@ -18,7 +18,7 @@ from .outcomes.ratings import ratings
 from .plan import AnalysisPlan, plan_of
 from .reading.column_map import ColumnMap
 from .reading.course import happenings, sittings
-from .reading.origin import heads_of, of_one_kind
+from .reading.origin import of_one_kind
 from .reading.quality import exclude, frames, quality, with_frames
 from .reading.trials import Trials, read_trials, used_rows
 from .report.data_warnings import warnings_of
@@ -164,7 +164,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
     tables = {"quality": with_frames(recorded, frames(everything.path)), "excluded": excluded, **direct}
     tables |= _curve_tables(table, every, used, judged, factors) | _force_tables(forces, factors)
     tables |= _compared_tables(values) | {"categories": categories(trials)}
-    tables |= {"sittings": sittings(heads_of(everything.path)), "happenings": happenings(everything.path)}
+    tables |= {"sittings": sittings(origin.heads), "happenings": happenings(everything.path)}
     values = replace(values, tables={name: rows for name, rows in tables.items() if len(rows)})
     return replace(values, warnings=warnings_of(values), methods=methods(values))  # last: they tell of all tables
 

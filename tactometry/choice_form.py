@@ -58,8 +58,10 @@ class ChoiceItem:
         The question, by language.
     options : tuple of Option
         Two to nine, in their order.
-    low, high : float, optional
-        Bounds of a number, in place of options.
+    low : float, optional
+        Lowest number of an answer, in place of options.
+    high : float, optional
+        Highest number of an answer, in place of options.
     """
 
     id: str

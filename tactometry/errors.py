@@ -57,10 +57,6 @@ def each_of(error: TactometryError) -> tuple[TactometryError, ...]:
     return error.parts if isinstance(error, Mistakes) else (error,)
 
 
-MOST_MISTAKES = 20
-"""Mistakes of one file that are reported in one run."""
-
-
 class Gathered:
     """Mistakes of the parts of a file, raised together.
 
@@ -76,7 +72,8 @@ class Gathered:
     """
 
     def __init__(self) -> None:
-        self.errors: dict[str, TactometryError] = {}
+        self.errors: list[TactometryError] = []
+        self._places: set[str] = set()
 
     @contextmanager
     def part(self) -> Iterator[None]:
@@ -95,17 +92,11 @@ class Gathered:
             return cast("T", None)
 
     def add(self, error: TactometryError) -> None:
-        """Keep the first mistake of each place.
-
-        Raises
-        ------
-        TactometryError
-            As `end`, once `MOST_MISTAKES` are kept: a file of other content has thousands.
-        """
+        """Keep the mistakes of an error, of each place the first."""
         for part in each_of(error):
-            self.errors.setdefault(_place_of(part), part)
-            if len(self.errors) >= MOST_MISTAKES:
-                self.end()
+            if (place := _place_of(part)) not in self._places:
+                self._places.add(place)
+                self.errors.append(part)
 
     def end(self) -> None:
         """Raise what was kept.
@@ -116,8 +107,7 @@ class Gathered:
             The one mistake, or `Mistakes`.
         """
         if self.errors:
-            errors = list(self.errors.values())
-            raise errors[0] if len(errors) == 1 else Mistakes(errors)
+            raise self.errors[0] if len(self.errors) == 1 else Mistakes(self.errors)
 
 
 def _place_of(error: TactometryError) -> str:

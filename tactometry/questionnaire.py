@@ -27,8 +27,10 @@ class Item:
 
     Parameters
     ----------
-    id, dimension : str
-        What the tables call it, and the dimension whose score it belongs to.
+    id : str
+        Name of the item in tables.
+    dimension : str
+        Dimension whose score the item belongs to.
     reversed : bool
         Whether the positive pole is presented on the left.
     order : int
@@ -75,12 +77,16 @@ class Questionnaire:
 
     Parameters
     ----------
-    low, high : float
-        The raw answers at the left and at the right end.
+    low : float
+        Raw answer at the left end.
+    high : float
+        Raw answer at the right end.
     steps : int or None
         How many raw answers there are, evenly spaced; None for a continuous line.
-    score_low, score_high : float
-        The score of the worst and of the best answer; an item that is not reversed has `score_low` at `low`.
+    score_low : float
+        Score of the worst answer, which an item that is not reversed has at `low`.
+    score_high : float
+        Score of the best answer, which an item that is not reversed has at `high`.
     ends : mapping of str to (left, right)
         The words at the ends of every item, as presented, by language; empty where each item has its own poles.
     reference : str

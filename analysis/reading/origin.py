@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -24,13 +24,16 @@ SessionKey = tuple[str, float]
 
 @dataclass(frozen=True)
 class Origin:
-    """Whether the participants of an analysis are simulated, with their seeds and the effects that they felt through,
-    and what must be said of it."""
+    """Whether the participants are simulated, and what the report states of it.
+
+    `heads` are those of all sittings, by session.
+    """
 
     is_simulated: bool = False
     seeds: tuple[int, ...] = ()
     warnings: tuple[str, ...] = ()
     felt: tuple[str, ...] = ()
+    heads: Mapping[SessionKey, tuple[Head, ...]] = field(default_factory=dict, repr=False)
 
     @property
     def line(self) -> str:
@@ -64,23 +67,23 @@ def of_one_kind(trials: Trials) -> tuple[Trials, Origin]:
 
     A row says by its `rig` who answered, else the journal of its session; where neither does, it was people.
     """
-    known = heads_of(trials.path)
+    known = _heads_of(trials.path)
     mask = _is_simulated(trials.rows, known)
     first_heads = [sittings[0] for sittings in known.values()]  # a session goes on with the rig and seed it began with
     seeds = tuple(sorted({head.seed for head in first_heads if head.rig == SIMULATED}))
     warnings = (*_silence_warnings(trials.rows), *_changes(known))
     if mask.all() and len(mask):
         felt = {str(head.facts["felt"]): None for head in first_heads if head.facts.get("felt")}
-        origin = Origin(is_simulated=True, seeds=seeds, warnings=warnings, felt=tuple(felt))
+        origin = Origin(is_simulated=True, seeds=seeds, warnings=warnings, felt=tuple(felt), heads=known)
         return trials, replace(origin, warnings=(origin.line.removesuffix("."), *warnings))
     if not mask.any():
-        return trials, Origin(warnings=warnings)
+        return trials, Origin(warnings=warnings, heads=known)
     left_out = f"simulated participants share this table with people and are left out ({_codes(trials.rows[mask])})"
     kept = replace(trials, rows=trials.rows[~mask].reset_index(drop=True))
-    return kept, Origin(warnings=(f"{left_out}; analyse them apart", *warnings))
+    return kept, Origin(warnings=(f"{left_out}; analyse them apart", *warnings), heads=known)
 
 
-def heads_of(path: Path) -> dict[SessionKey, tuple[Head, ...]]:
+def _heads_of(path: Path) -> dict[SessionKey, tuple[Head, ...]]:
     """The heads of all sittings, by session; a journal that is damaged is none."""
     by_session: dict[SessionKey, tuple[Head, ...]] = {}
     for journal in sorted((path / "journals").glob("participant-*.jsonl")) if path.is_dir() else ():

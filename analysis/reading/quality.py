@@ -112,8 +112,10 @@ class Exclusion:
         A trial with a smaller share of its stimulus in the target band is left out.
     force_deviation_ratio_max : float, optional
         A trial whose mean force deviates from the target (the factor `force_n`) by more than this part of it.
-    latency_min_s, latency_max_s : float, optional
-        A trial that was answered faster or slower.
+    latency_min_s : float, optional
+        Trials answered faster than this are left out.
+    latency_max_s : float, optional
+        Trials answered slower than this are left out.
     false_alarm_share_max : float, optional
         A participant with a larger rate of "yes" in catch trials.
     invalid_share_max : float, optional

@@ -19,7 +19,8 @@ from ..wording import PROCEDURES
 
 PACKAGES = ("numpy", "scipy", "pandas", "matplotlib")
 STATISTICS = {
-    "pingouin": "analyses of variance within participants, tests of sphericity and normality, Holm's correction",
+    "pingouin": "analyses of variance within participants, tests of sphericity and normality, Holm's correction, "
+    "Cronbach's alpha",
     "statsmodels": "analyses of variance of three factors or with groups of participants, linear mixed models",
 }
 """What other packages compute where conditions are compared."""

@@ -23,7 +23,7 @@ from tactometry.errors import Gathered
 from tactometry.safety.limits import Limits
 from tactometry.session.request import Fact, Facts
 
-from ..study.study_file import no_such
+from ..study.study import no_such
 from .bench_parts import DisplayTable, ForcePart, Learnt, OutputPart, PositionPart, SensorPart, TracesTable
 
 T = TypeVar("T")
@@ -46,9 +46,9 @@ class BenchFile:
     Parameters
     ----------
     screen : DisplayTable
-        The participant's screen.
+        Screen on which the participant reads and answers.
     output : OutputPart
-        What plays.
+        Device that plays the stimuli.
     limits : Limits, optional
         What no signal may exceed; needed where an output is connected.
     sensors : mapping of str to SensorPart
@@ -183,7 +183,8 @@ class BenchFile:
             return None
         table, reader = self.position, readers[self.position.sensor]
         reader.check_channels("position.channels", *table.channels)
-        return streamed_position(reader, table.channels, table.metres_per_count, table.zero_counts)
+        known = (table.count_low, table.count_high)
+        return streamed_position(reader, table.channels, table.metres_per_count, table.zero_counts, known)
 
 
 def device_facts(bench: BenchFile, devices: Devices) -> Facts:

@@ -1,5 +1,6 @@
 """The parts of a bench file: what each of its tables holds."""
 
+import math
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
@@ -31,8 +32,10 @@ class DisplayTable:
     ----------
     fullscreen : bool
         All of the screen, or a window.
-    width_px, height_px : int
-        Of the window.
+    width_px : int
+        Width of the window.
+    height_px : int
+        Height of the window.
     height_m : float, optional
         Of the screen, as `tactometry calibrate display` measures it.
     language : str
@@ -165,12 +168,18 @@ class PositionPart:
         Not 0; below 0 where counts fall along the path.
     zero_counts : tuple of float
         What each channel counts at position 0, the beginning of a slide's path.
+    count_low : float, optional
+        Lowest count that is a position; a sample with a lower one is lost.
+    count_high : float, optional
+        Highest count that is a position, such as 254 where 255 means overload; a sample with a higher one is lost.
     """
 
     sensor: str
     channels: tuple[int, ...]
     metres_per_count: float
     zero_counts: tuple[float, ...] = ()
+    count_low: float = -math.inf
+    count_high: float = math.inf
 
     def __post_init__(self) -> None:
         some("PositionPart.channels", self.channels)
@@ -178,6 +187,8 @@ class PositionPart:
         expect(n_zeros in (0, len(self.channels)), "PositionPart.zero_counts", n_zeros, "one for each channel, or none")
         not_zero("PositionPart", metres_per_count=self.metres_per_count)
         finite("PositionPart", **{f"zero_counts[{n}]": zero for n, zero in enumerate(self.zero_counts)})
+        rises = self.count_low < self.count_high
+        expect(rises, "PositionPart.count_low", self.count_low, f"below count_high, {self.count_high}")
 
 
 @dataclass(frozen=True)
@@ -199,8 +210,10 @@ class TracesTable:
 
     Parameters
     ----------
-    force, position : bool
-        Whether samples of these sensors are kept.
+    force : bool
+        Whether samples of the force sensor are stored.
+    position : bool
+        Whether samples of the position sensor are stored.
     emitted : bool
         Whether what an output emitted that followed the finger is kept.
     """

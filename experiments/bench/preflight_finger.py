@@ -13,11 +13,14 @@ from tactometry.signal import FloatArray
 
 from ..study.experiment import Experiment
 from .bench_file import BenchFile, Devices
+from .bench_parts import PositionPart
 from .finding import Finding
 from .stimuli import check_followed
 
 HEARD_S = 1.0
 FIRST_WITHIN_S = 3.0
+FEW_BITS = (8, 10, 12, 14, 16)
+"""Resolutions of position sensors."""
 
 
 def force(sensor: StreamedSensor) -> Iterator[Finding]:
@@ -32,24 +35,36 @@ def force(sensor: StreamedSensor) -> Iterator[Finding]:
 
 def position(connected: Devices, bench: BenchFile, experiment: Experiment | None) -> Iterator[Finding]:
     """What a position sensor says at rest, and whether a study can rely on it."""
-    if connected.position is not None:
-        yield from _at_rest(connected.position, _slides(experiment))
+    if connected.position is not None and bench.position is not None:
+        yield from _at_rest(connected.position, bench.position, _slides(experiment))
     elif _slides(experiment):
         yield Finding("position", "speed", "not measured: the bench file has no [position]")
     if experiment is not None:
         check_followed(experiment, bench, connected)
 
 
-def _at_rest(sensor: StreamedSensor, slides: list[Sliding]) -> Iterator[Finding]:
+def _at_rest(sensor: StreamedSensor, part: PositionPart, slides: list[Sliding]) -> Iterator[Finding]:
     times_s, places_m = _heard(sensor)
     yield from _known("position", places_m, "samples that tell a place")
     is_known = np.isfinite(places_m).all(axis=1)
     if not is_known.any():
         return
     known_m = places_m[is_known]
+    yield from _at_full_scale(known_m / part.metres_per_count + (part.zero_counts or 0.0))
     yield Finding("position", "mean, at rest", f"{_in_mm(known_m.mean(axis=0))} mm")
     yield Finding("position", "noise, sd", f"{_in_mm(known_m.std(axis=0))} mm")
     yield _speed(fastest_m_per_s(times_s, places_m[:, 0]), slides)
+
+
+def _at_full_scale(counts: FloatArray) -> Iterator[Finding]:
+    """Find samples at the largest count of a sensor of few bits, which it sends at overload or without a finger."""
+    for axis in np.rint(counts).T:
+        bits = int(axis.max()).bit_length() if axis.max() > 0 else 0
+        if bits in FEW_BITS and axis.max() == 2**bits - 1:
+            n_full = int((axis == axis.max()).sum())
+            found = f"{n_full} of {len(axis)} at {axis.max():g}, the largest of {bits} bits"
+            expected = f"none; if this count means overload, write count_high = {axis.max() - 1:g}"
+            yield Finding("position", "counts at full scale", found, expected, fine=False, device=True)
 
 
 def _speed(found_m_per_s: float | None, slides: list[Sliding]) -> Finding:

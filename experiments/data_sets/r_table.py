@@ -7,12 +7,13 @@ from collections.abc import Iterator, Sequence
 
 import pandas as pd
 
-from tactometry.analysis.reading.rows import numbers_of
+from tactometry.analysis.tasks.cells import alternatives
 from tactometry.analysis.tasks.kinds import ANALYSES
 from tactometry.analysis.tasks.task_analysis import R_OF_FORM
 from tactometry.files.rows import spreadsheet_text
 from tactometry.files.safe_text import cell_text
 from tactometry.questionnaire import Questionnaire
+from tactometry.trials.cells import cell
 from tactometry.trials.columns import ALWAYS, FIRST, OPTIONAL
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
 
@@ -105,23 +106,37 @@ def _models(source: ExportedDataSet) -> Iterator[str]:
         rows = source.used[(source.used["task"] == task) & ~scored]
         if len(rows):
             is_alone = source.tasks() == [task] and not scored.any()
-            data = "used" if is_alone else f"subset(used, task == {r_string(task)})"
-            yield _fill_model(ANALYSES[task].r_model, rows, source, data)
+            of_task = () if is_alone else (f"task == {r_string(task)}",)
+            yield from _models_of(ANALYSES[task].r_model, rows, source, of_task)
     for form in source.forms.values():
         rows = source.used[scored & (source.used["procedure"] == form.name)]
         is_continuous = form.steps is None or form.steps > MOST_CATEGORIES
         yield _fill_model(CONTINUOUS if is_continuous else R_OF_FORM, rows, source, name(form.name))
 
 
-def _fill_model(model: str, rows: pd.DataFrame, source: ExportedDataSet, data: str) -> str:
-    varied = [name(cell_text(factor)) for factor in source.factors if rows[factor].nunique() > 1]
-    answers = numbers_of(rows["response"]).max() if "{n_choices}" in model else 2
-    return model.format(
-        times="".join(f" * {factor}" for factor in varied),
-        plus=" * ".join(varied) or "1",
-        data=data,
-        n_choices=max(2, int(answers)),
+def _models_of(model: str, rows: pd.DataFrame, source: ExportedDataSet, kept: tuple[str, ...]) -> Iterator[str]:
+    """Fill the model of a task; one for each number of alternatives, whose guess rate it states."""
+    numbers = alternatives(rows, source.factors)
+    for number, alike in rows.groupby(numbers):
+        of_number = kept if numbers.nunique() == 1 else (*kept, _conditions(alike, source.factors))
+        data = f"subset(used, {' & '.join(of_number)})" if of_number else "used"
+        yield _fill_model(model, alike, source, data, int(number))
+
+
+def _conditions(rows: pd.DataFrame, factors: Sequence[str]) -> str:
+    """Select the conditions of the rows in R."""
+    values = rows[list(factors)].drop_duplicates().itertuples(index=False, name=None)
+    each = (
+        " & ".join(f"{name(cell_text(key))} == {r_string(cell(at))}" for key, at in zip(factors, of, strict=True))
+        for of in values
     )
+    return f"({' | '.join(each)})"
+
+
+def _fill_model(model: str, rows: pd.DataFrame, source: ExportedDataSet, data: str, n_choices: int = 2) -> str:
+    varied = [name(cell_text(factor)) for factor in source.factors if rows[factor].nunique() > 1]
+    times, plus = "".join(f" * {factor}" for factor in varied), " * ".join(varied) or "1"
+    return model.format(times=times, plus=plus, data=data, n_choices=n_choices)
 
 
 def _is_number(source: ExportedDataSet, name: str) -> bool:

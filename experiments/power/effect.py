@@ -12,7 +12,7 @@ from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter, nearest
 from tactometry.trials.cells import cell as cell_text
 
-from ..study.study_file import Levels
+from ..study.study import Levels
 
 OF_SENSATION: Final = "dB SL"
 """The unit of an effect on what is felt: decibels of sensation level."""

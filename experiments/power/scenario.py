@@ -22,7 +22,8 @@ from ..study.cells import WiredCell, merge
 from ..study.experiment import Experiment, wire
 from ..study.felt_levels import contact_of, felt_db
 from ..study.session_plan import places_of
-from ..study.study_file import Study, parse
+from ..study.study import Study
+from ..study.study_file import parse
 from .design import Case, PowerDesign
 from .effect import OF_SCORE, OF_SENSATION, StatedEffect, check_effect
 from .scores import applied_effect, factors_of, form_of_task, has_patterns, with_attitudes

@@ -18,7 +18,7 @@ from tactometry.trials.cells import cell as cell_text
 from tactometry.trials.tasks import FORM_TASK
 
 from ..study.experiment import Experiment
-from ..study.study_file import Levels, Study
+from ..study.study import Levels, Study
 from .effect import StatedEffect
 from .tested import p_of
 

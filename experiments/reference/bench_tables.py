@@ -81,7 +81,7 @@ def _measurements(parts: str) -> Iterator[KeyTable]:
         instead={"polynomial": {"polynomial": [-0.5, 0.01]}, **dict.fromkeys(_BY_TABLE, _BY_TABLE)},
     )
     place = {"sensor": "hand", "channels": [0, 1], "metres_per_count": 1e-6}
-    zeros = {"zero_counts": [0.0, 0.0]}
+    zeros = {"zero_counts": [0.0, 0.0], "count_low": 0.0, "count_high": 254.0}
     yield KeyTable("bench.position", "[position]", f"{parts}:PositionPart", example=place, samples=zeros)
 
 

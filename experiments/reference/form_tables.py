@@ -35,7 +35,7 @@ _NUMBER: Final[Values] = {**_QUESTION, "low": 18.0, "high": 99.0}
 
 def form_tables() -> Iterator[KeyTable]:
     """The tables of inquiries and of what they ask."""
-    inquiry, prompt = "tactometry.experiments.study.study_file:InquiryTable", {"prompt": "The sheet was ..."}
+    inquiry, prompt = "tactometry.experiments.study.study:InquiryTable", {"prompt": "The sheet was ..."}
     yield KeyTable("inquiries", "[inquiries.NAME]", inquiry, example={"form": "sus"}, samples=prompt)
     read, named, forms = "tactometry.questionnaire", _named("own"), "forms.NAME"
     stem, ends = {"stem": {"en": "The sheet was ..."}}, {"ends": _WITH_ENDS}

@@ -94,7 +94,7 @@ _PLACED: Final = "tactometry.stimuli.time_reversal.stimulus"
 def study_tables() -> Iterator[KeyTable]:
     """The tables of a study file but those of questionnaires and simulated participants."""
     read = "tactometry.experiments.study"
-    study = f"{read}.study_file:Study"
+    study = f"{read}.study:Study"
     yield KeyTable("study", "", study, example=STUDY, samples=_OF_STUDY, instead={"nested": _NESTED})
     yield from (_stimulus(kind, known) for kind, known in STIMULI.items())
     yield KeyTable("stimulus.setup", "[stimulus.setup]", f"{_PLACED}.setup:Setup", samples={"shear_factor": 0.8333})
@@ -109,7 +109,7 @@ def study_tables() -> Iterator[KeyTable]:
     yield from map(_task, TASKS)
     practice = "tactometry.protocols.procedures.practice:Practice"
     yield KeyTable("practice", "[practice]", practice, example={"levels": [40.0]}, in_levels=IN_LEVELS)
-    yield KeyTable("plan", "[plan]", f"{read}.study_file:PlanTable", samples=_OF_PLAN)
+    yield KeyTable("plan", "[plan]", f"{read}.study:PlanTable", samples=_OF_PLAN)
     image, of_image = "tactometry.rigs.images:ImageTable", {"path": "setup.png"}
     yield KeyTable("images", "[images.MESSAGE]", image, example=of_image, samples={"sha256": DIGEST})
     yield limits("limits", "[limits]")

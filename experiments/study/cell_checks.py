@@ -10,7 +10,7 @@ from tactometry.protocols.tasks.task import Place
 from .cells import WiredCell, tables
 from .procedure_table import check_guess_rates
 from .session_plan import Key, places_of
-from .study_file import Study
+from .study import Study
 
 
 def check_rules(study: Study, cells: Iterable[WiredCell]) -> None:

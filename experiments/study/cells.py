@@ -20,7 +20,7 @@ from .felt_scene import felt
 from .own_parts import OwnStimulus, sensation_class, stimulus_class as own_stimulus_class
 from .procedure_table import ReadyProcedure, rule_of, without
 from .stimulus_kinds import DEFAULTS, OWN, STIMULI, TOUCHES, StimulusKind
-from .study_file import VARIED, Study
+from .study import VARIED, Study
 
 Factors = Mapping[str, float | str]
 

@@ -43,7 +43,7 @@ from .own_parts import Unseen
 from .procedure_table import practice_of
 from .prompts import messages_of, texts_of
 from .session_plan import Key, SessionPlan, all_cells, crossing_of, key_of, places_of, stream
-from .study_file import Study
+from .study import Study
 from .task_table import DECISIONS, TaskTable, asked_form, dimensions_of, task_of
 
 if TYPE_CHECKING:

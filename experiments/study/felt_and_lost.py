@@ -47,7 +47,7 @@ def felt_and_lost(experiment: Experiment) -> FeltAndLost:
     >>> from .experiment import wire
     >>> from .study_file import load
     >>> felt_and_lost(wire(load("tutorial")[0], "tutorial")).lines[0][:15]
-    'felt of amplitu'
+    'predicted for a'
     """
     from .felt_effects import felt_effects
     from .unfelt import unfelt

@@ -83,19 +83,20 @@ class FeltEffects:
     def lines(self) -> list[str]:
         """In words, no line longer than 100 columns."""
         paragraphs = (
-            f"felt of {self.stimulus} at {self.level}: {self._sensation_words} through "
+            f"predicted for {self.stimulus} at {self.level}: {self._sensation_words}, computed with the effects "
             f"{', '.join(self.felt)} (predicted error {self.predicted_error})",
-            f"left out, and what it would change: {'; '.join(effect.words for effect in self.left_out) or 'nothing'}",
-            f"taken for granted: {'; '.join(self.assumed) or 'nothing'}",
-            f"the level rests on {'; '.join(self.rests_on) or 'no number of the scene'}",
+            f"effects left out, with their changes: {'; '.join(each.words for each in self.left_out) or 'none'}",
+            f"assumptions: {'; '.join(self.assumed) or 'none'}",
+            f"the prediction depends on {'; '.join(self.rests_on) or 'no number of the scene'}",
         )
         return [line for text in paragraphs for line in textwrap.wrap(text, WIDTH, subsequent_indent="    ")]
 
     @property
     def _sensation_words(self) -> str:
         if self.sensation_db == -inf:
-            return f"not felt{': the finger rests' if self.finger_rests else ''};"
-        return f"{round(self.sensation_db, 1) + 0.0:.1f} dB above threshold,"  # no -0.0
+            return f"not felt{' by a finger that rests' if self.finger_rests else ''}"
+        rounded_db = round(self.sensation_db, 1)
+        return f"{abs(rounded_db):.1f} dB {'below' if rounded_db < 0 else 'above'} threshold"
 
 
 def felt_effects(experiment: Experiment) -> list[FeltEffects]:

@@ -21,7 +21,7 @@ from tactometry.signal import Stimulus
 from tactometry.trials.cells import cell as cell_text
 
 from .cells import WiredCell
-from .study_file import Levels, Study
+from .study import Levels, Study
 from .task_table import TaskTable
 
 Factors = Mapping[str, float | str]

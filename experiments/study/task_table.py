@@ -15,7 +15,7 @@ from tactometry.questionnaire import Questionnaire, load, questionnaires_of, shi
 from tactometry.trials.tasks import TASKS as TASK_ROWS
 
 from .prompts import Prompt, PromptTable, prompted
-from .study_file import Study, no_such
+from .study import Study, no_such
 
 TASKS: Mapping[str, TaskKind] = {name: resolve(f"tactometry.protocols.tasks.{name}:TASK") for name in TASK_ROWS}
 """Every task by its name, which is that of its file."""

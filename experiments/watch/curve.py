@@ -5,9 +5,10 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
+import pandas as pd
 
 from tactometry.analysis.tasks.cell import Cell
-from tactometry.analysis.tasks.cells import estimates
+from tactometry.analysis.tasks.cells import alternatives, estimates
 from tactometry.analysis.tasks.kinds import CURVES
 from tactometry.analysis.threshold.band import CurveBand, curve_band
 from tactometry.analysis.threshold.result import ThresholdFit
@@ -45,7 +46,7 @@ def answers_of(progress: Progress) -> Answers | None:
     last = last_presented(progress)
     if last is None or last.task not in CURVES:
         return None
-    rows = list(_rows(progress, last))
+    rows = [row for row in _rows(progress, last.task) if row.factors == last.factors]
     asked = [(_level(row), row) for row in rows if row.level is not None and success(row) is not None]
     if len(asked) < FEWEST_ANSWERS:
         return None
@@ -57,7 +58,7 @@ def answers_of(progress: Progress) -> Answers | None:
         condition_words(last.factors),
         last.task,
         last.level_unit,
-        _n_choices(rows),
+        _n_choices(progress, last),
         levels,
         tuple(n_yes[level] for level in levels),
         tuple(n_trials[level] for level in levels),
@@ -67,10 +68,10 @@ def answers_of(progress: Progress) -> Answers | None:
     )
 
 
-def _rows(progress: Progress, last: Trial) -> Iterator[Trial]:
+def _rows(progress: Progress, task: str) -> Iterator[Trial]:
     for track in progress.tracks.values():
         for row in track.presented:
-            if row.valid and not row.practice and row.task == last.task and row.factors == last.factors:
+            if row.valid and not row.practice and row.task == task:
                 yield row
 
 
@@ -78,10 +79,16 @@ def _level(row: Trial) -> float:
     return float((row.level if row.level_delivered is None else row.level_delivered) or 0.0)
 
 
-def _n_choices(rows: list[Trial]) -> int:
-    """Intervals of a forced choice: the largest that was ever a target or an answer."""
-    largest = [int(value) for row in rows for value in (row.target, row.response) if isinstance(value, int | float)]
-    return max([2, *largest])
+def _n_choices(progress: Progress, last: Trial) -> int:
+    """Return the number of alternatives in the present condition, as `analyse` finds it among all conditions."""
+    rows = list(_rows(progress, last.task))
+    table = pd.DataFrame([{"task": row.task, "response": row.response, "target": row.target} for row in rows])
+    condition = pd.Series([condition_words(row.factors) for row in rows])
+    return int(
+        alternatives(table.assign(condition=condition), ["condition"])[condition == condition_words(last.factors)].iloc[
+            0
+        ]
+    )
 
 
 def fit_of(answers: Answers) -> ThresholdFit:

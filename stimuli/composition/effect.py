@@ -106,8 +106,10 @@ class FingerContact:
         Normal force, above 0.
     speed_m_per_s : float
         Of sliding, at least 0; 0 is a finger at rest.
-    x_m, y_m : float or None
-        Where it rests; None is at the focus.
+    x_m : float or None
+        Place of the finger along the length. Default: at the focus.
+    y_m : float or None
+        Place of the finger along the width. Default: at the focus.
 
     >>> FingerContact(1.0, speed_m_per_s=0.05).slides
     True

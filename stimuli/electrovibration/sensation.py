@@ -30,9 +30,14 @@ class ElectrovibrationSensation:
 
     Parameters
     ----------
-    skin, law, area, friction
-        The electrical model, the force law by name, contact area and friction against normal force. The law is an
-        unverified default: the four in print differ by a factor near 1000.
+    skin
+        Electrical model of electrode and skin.
+    law
+        Name of the force law, an unverified default: the four in print differ by a factor near 1000.
+    friction
+        Friction of the finger against normal force.
+    area
+        Contact area of the finger against normal force.
     lag : FrictionLag or None
         First-order lag of friction, on by default; None leaves it out.
     mobility : SkinMobility

@@ -102,7 +102,7 @@ def _off(scene: Scene) -> list[Row]:
 
 
 def _assumed(scene: Scene) -> list[str]:
-    return [*_wrapped(f"taken for granted: {'; '.join(scene.assumed())}"), *_wrapped(rests_on_in_words(scene))]
+    return [*_wrapped(f"assumptions: {'; '.join(scene.assumed())}"), *_wrapped(rests_on_in_words(scene))]
 
 
 def _wrapped(text: str) -> list[str]:

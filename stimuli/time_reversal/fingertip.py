@@ -20,8 +20,12 @@ class Fingertip:
 
     Parameters
     ----------
-    resistance_n_s_per_m, mass_kg, stiffness_n_per_m : float
-        At 2 N, at least 0.
+    resistance_n_s_per_m : float
+        Mechanical resistance (damper) at 2 N, at least 0.
+    mass_kg : float
+        Moving mass at 2 N, at least 0.
+    stiffness_n_per_m : float
+        Stiffness (spring) at 2 N, at least 0.
     exponent : float
         From 1/3 (radius of a Hertz contact) to 2/3 (its area); unverified default 1/2.
     """

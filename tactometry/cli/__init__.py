@@ -92,6 +92,8 @@ _ENDING = [signal.SIGTERM, *([signal.SIGHUP] if hasattr(signal, "SIGHUP") else [
 
 
 _IS_SAFE = "what was recorded is safe"
+MOST_MISTAKES = 20
+"""Mistakes of one file that are printed."""
 _WAYS_ON = {
     **dict.fromkeys(("run", "simulate", "power", "validate-method"), f"{_IS_SAFE}: go on with --resume"),
     "erase": "say it again: what was begun is finished",
@@ -118,8 +120,11 @@ def main(arguments: list[str] | None = None) -> None:
         status = _complain(f"{_where(error)}{error.format_message()}", 2)
     except TactometryError as error:
         more = resolve("tactometry.cli.keys:where_keys_are_told")
-        for part in each_of(error):
+        parts = each_of(error)
+        for part in parts[:MOST_MISTAKES]:
             status = _complain(f"{part}{more(part)}", error.exit_status)
+        if len(parts) > MOST_MISTAKES:
+            status = _complain(f"found {len(parts) - MOST_MISTAKES} more mistakes", error.exit_status)
     except BrokenPipeError:
         sys.stderr.close()
         status = 0

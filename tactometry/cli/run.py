@@ -125,7 +125,7 @@ def _print_plan(experiment: Experiment, who: Who) -> None:
     ]
     drawn = "random" in experiment.study.plan.orders and who.seed is None
     notes = ["the order is drawn: this is that of --seed 0"] if drawn else []
-    longest = f"at most {count_of(math.ceil(minutes), 'minute')}, trials that are asked again not counted"
+    longest = f"at most {count_of(math.ceil(minutes), 'minute')}, without repeated trials"
     told = felt_and_lost(experiment)
     plan_record = {"blocks": [asdict(block) for block in blocks], "minutes_at_most": minutes}
     say("\n".join(["block", *rows, *notes, longest, *told.lines]), plan_record | told.record)

@@ -62,8 +62,10 @@ class SimulatedFinger:
         Of the speed within a trial.
     rate_hz : float
         Samples of force and place per second.
-    force_factor, speed_factor : float
-        How many times the force and the speed that are asked for the finger presses and slides.
+    force_factor : float
+        Ratio of the force that the finger presses with to the requested force.
+    speed_factor : float
+        Ratio of the speed of the finger to the requested speed.
     """
 
     force_cv: float = 0.15

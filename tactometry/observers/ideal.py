@@ -23,7 +23,7 @@ class IdealObserver(ObserverWithTraits):
     between_sd_db : float
         Standard deviation of it between people.
     latency_s : float
-        Time to answer.
+        Time from the stimulus to the answer.
 
     Raises
     ------

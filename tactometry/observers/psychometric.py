@@ -32,14 +32,18 @@ class PsychometricObserver(ObserverWithTraits):
 
     Parameters
     ----------
-    threshold, width : float
-        Where the unscaled function is 0.5, and between its 0.05 and 0.95, where `conditions` says nothing else.
+    threshold : float
+        Level at which the unscaled function is 0.5, where `conditions` sets no other.
+    width : float
+        Distance of levels between 0.05 and 0.95 of the unscaled function, where `conditions` sets no other.
     conditions : tuple of tables
         Each with levels of factors, and the ``threshold`` and ``width`` that hold there; the last that fits counts.
     shape : str
         One of the shapes of `tactometry.psychometric` on linear levels.
-    false_alarm_rate, lapse_rate : float
-        The lower asymptote of yes/no, and how far the upper one is below 1.
+    false_alarm_rate : float
+        Rate of yes without a stimulus: the lower asymptote of yes/no.
+    lapse_rate : float
+        Distance of the upper asymptote from 1.
     sensitivity_db : float
         By how much the thresholds of this person are lower.
     between_sd_db : float

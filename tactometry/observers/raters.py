@@ -28,18 +28,23 @@ class Raters:
     Parameters
     ----------
     loading : float
-        Of every item that `loadings` does not name.
+        Loading of every item that `loadings` does not name.
     loadings : mapping of str to float
-        By item.
+        Loading of single items, by the item's id.
     noise : float
         Standard deviation of an item's own noise.
     liking : float
         Weight of how good the strength of the stimulus feels, which the observer says.
-    attitude_sd, dimension_sd, stimulus_sd : float
-        Between people: of their attitude to everything, to a dimension, and to a dimension of a stimulus.
-    extremity_cv, acquiescence_sd : float
-        Between people: of the factor by which they use the scale, on a logarithmic scale, and of what they answer
-        further to the right, whatever is asked.
+    attitude_sd : float
+        Standard deviation between people of their attitude to everything.
+    dimension_sd : float
+        Standard deviation between people of their attitude to a dimension.
+    stimulus_sd : float
+        Standard deviation between people of their attitude to a dimension of one stimulus.
+    extremity_cv : float
+        Spread between people of the factor by which they use the scale, on a logarithmic scale.
+    acquiescence_sd : float
+        Standard deviation between people of the shift of all their answers to the right.
     effects : mapping of str to mapping of str to mapping of str to float
         What a level of a factor adds to everybody's attitude, by factor, level and dimension.
 

@@ -48,8 +48,10 @@ class Limits:
         Peak voltage on any channel, above 0.
     duration_s : float, optional
         Longest single signal, above 0; without it `LONGEST_SIGNAL_S`, and a load gets nothing.
-    current_peak_a, charge_peak_c : float, optional
-        Into the load of any channel, above 0.
+    current_peak_a : float, optional
+        Highest current into the load of any channel, above 0.
+    charge_peak_c : float, optional
+        Highest charge into the load of any channel, above 0.
     displacement_peak_m : float, optional
         Of the surface, above 0.
     duty : float, optional

@@ -10,11 +10,11 @@ from attrakdiff_answers import FORM, ITEMS, PATTERNS, raw_of, study
 from command_line import call
 from hypothesis import given, settings, strategies as st
 from own_form import OWN_FORM
+from study_texts import TUTORIAL
 
 from tactometry.analysis.attrakdiff.patterns import THESIS, against_reference, frequency_by_envelope
 from tactometry.analysis.attrakdiff.scoring import (
     consistency,
-    cronbach_alpha,
     item_scores,
     portfolio,
     region,
@@ -27,7 +27,6 @@ from tactometry.analysis.outcomes.ratings import ratings
 from tactometry.analysis.reading.study_file import forms_of
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.errors import InvalidFile, InvalidParameter
-from tactometry.experiments.study.study_file import load as load_study
 from tactometry.questionnaire import load
 
 DIMENSIONS = ["PQ", "HQI", "HQS", "ATT", "HQ"]
@@ -195,12 +194,6 @@ def test_alpha_equals_pingouin(answers) -> None:
     assert (row["alpha_low"], row["alpha_high"]) == pytest.approx((low, high), abs=6e-4)
 
 
-def test_alpha_of_parallel_items_is_that_of_spearman_and_brown() -> None:
-    rng = np.random.default_rng()
-    values = rng.normal(size=(20_000, 1)) + rng.normal(size=(20_000, 7))
-    assert cronbach_alpha(values) == pytest.approx(7 * 0.5 / (1 + 6 * 0.5), abs=0.01)
-
-
 def test_three_participants_have_an_alpha() -> None:
     three = consistency(item_scores(study(np.random.default_rng(), n=3).query("pattern == 'P1'")))
     assert three["alpha"].notna().any()
@@ -282,7 +275,7 @@ def test_refuses_patterns_that_are_not_there(scored) -> None:
 
 def test_a_form_of_the_studys_own_is_scored(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     study, data = tmp_path / "study.toml", tmp_path / "d"
-    study.write_text(load_study("tutorial")[1].decode() + OWN_FORM)
+    study.write_text(TUTORIAL + OWN_FORM)
     assert call(capsys, "simulate", study, "--participants", 2, "--seed", 1, "--out", data)[0] == 0
     trials = read_trials(data)
     answers = trials.rows[trials.rows["procedure"] == "mine"].pivot(
@@ -311,7 +304,7 @@ stimulus = { frequency_hz = 240 }
 def test_a_form_that_is_asked_before_the_conditions_and_in_them_is_compared_in_them(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], factor: str
 ) -> None:
-    text = load_study("tutorial")[1].decode() + OWN_FORM.replace('"mine"', '"mine"\nafter = "block"', 1)
+    text = TUTORIAL + OWN_FORM.replace('"mine"', '"mine"\nafter = "block"', 1)
     if factor:
         text = text.replace("frequency_hz = [60, 240]", 'word = ["a", "b"]') + WORDS
     (tmp_path / "study.toml").write_text(text + '\n[inquiries.before]\nform = "mine"\nafter = "start"\n')
@@ -329,7 +322,7 @@ def test_a_form_that_is_asked_before_the_conditions_and_in_them_is_compared_in_t
 def test_a_form_before_and_after_the_blocks_is_told_to_be_averaged(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    text = load_study("tutorial")[1].decode() + OWN_FORM.replace('"mine"', '"mine"\nafter = "session"', 1)
+    text = TUTORIAL + OWN_FORM.replace('"mine"', '"mine"\nafter = "session"', 1)
     (tmp_path / "study.toml").write_text(text + '\n[inquiries.before]\nform = "mine"\nafter = "start"\n')
     call(capsys, "simulate", tmp_path / "study.toml", "--participants", 3, "--seed", 1, "--out", tmp_path / "d")
     _, _, said = call(capsys, "analyse", tmp_path / "d")

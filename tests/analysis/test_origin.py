@@ -12,8 +12,10 @@ from places import RECORDED
 from sound_sitting import SOUND, sit
 
 from tactometry.analysis.pipeline import analyse_trials
+from tactometry.analysis.reading import origin
 from tactometry.analysis.reading.trials import read_trials
 from tactometry.analysis.report.page import render
+from tactometry.records.head import heads
 
 LINE = "Simulated participants, no people (seed 1)."
 TITLE = "Tutorial: is there a vibration under the finger?"
@@ -39,6 +41,13 @@ def test_so_does_the_terminal_first_of_all(whole, capsys):
     assert out.startswith(f"! {LINE.removesuffix('.')}")
     said = json.loads(call(capsys, "analyse", whole, "--json")[2])
     assert (said["simulated"], said["seeds"]) == (True, [1])
+
+
+def test_analyse_decodes_each_journal_once(whole, capsys, monkeypatch):
+    decoded = []
+    monkeypatch.setattr(origin, "heads", lambda path: decoded.append(path) or heads(path))
+    assert call(capsys, "analyse", whole)[0] == 0
+    assert sorted(decoded) == sorted((whole / "journals").glob("*.jsonl"))
 
 
 def test_a_trials_file_alone_says_so_without_its_seed(whole):

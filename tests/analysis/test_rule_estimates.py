@@ -9,12 +9,13 @@ import pytest
 from command_line import call
 from hypothesis import given, strategies as st
 from places import RECORDED
+from study_texts import TUTORIAL
 
 from tactometry.analysis.pipeline import analyse
 from tactometry.analysis.tasks.rule_estimate import reversals
 from tactometry.experiments.sessions.simulation import Simulation, simulate
 from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.study_file import load, parse
+from tactometry.experiments.study.study_file import parse
 from tactometry.protocols.bayesian.quest_plus import SharedTrack
 from tactometry.protocols.bayesian.weighing import WeighingRun
 from tactometry.protocols.procedures.staircase import Staircase
@@ -22,7 +23,6 @@ from tactometry.records.data_set import sessions
 from tactometry.records.journal import read
 from tactometry.session.run import replay
 
-TUTORIAL = load("tutorial")[1].decode()
 RULES = {
     "staircase": 'start = 34\nsteps = [8, 4, 2]\nlow = -10\nhigh = 40\nn_down = 1\nn_reversals = 8\nn_trials = 40',
     "weighted_staircase": "start = 34\nsteps_up = [6, 3]\nsteps_down = [2, 1]\nlow = -10\nhigh = 40\nn_trials = 40",

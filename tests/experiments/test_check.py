@@ -16,8 +16,10 @@ from datetime import date
 import numpy as np
 import pytest
 from benches import gain_table, gain_toml
+from command_line import call
 from emulated import Emulator, available
 from patience import LONGEST_PROGRAM_S, LONGEST_WAIT_S
+from study_texts import TUTORIAL
 
 from tactometry.cli.check import _table
 from tactometry.cli.output import hands_are_off
@@ -26,7 +28,7 @@ from tactometry.experiments.bench.finding import Finding, exit_status
 from tactometry.experiments.bench.preflight import devices, tone_of
 from tactometry.experiments.bench.preflight_computer import _try_keys, key_to_record_s
 from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.study_file import load as load_numbers
+from tactometry.experiments.study.study_file import load as load_numbers, parse
 from tactometry.rigs.pages.page import Page
 from tactometry.safety.limits import Limits
 
@@ -64,14 +66,15 @@ def test_a_bench_with_a_sensor_and_a_card_is_tried_as_a_whole(tmp_path, display,
         limits = LIMITS.replace("80.0", "100.0")  # what the study asks for
         bench = SCREEN + AUDIO + GAIN + LOAD + limits + SERIAL.format(port=device.port) + FORCE
         env = {**alsa, "DISPLAY": os.environ["DISPLAY"]}
-        status, findings = checked(tmp_path, bench, "tutorial", env=env)
+        (tmp_path / "tutorial.toml").write_text(TUTORIAL, "utf-8")
+        status, findings = checked(tmp_path, bench, "tutorial.toml", env=env)
     finally:
         ended.set()
         device.close()
     assert status == 3, findings
     assert ("sensor hand", "failed") not in findings, findings
     expected = {
-        ("study", "tutorial"),
+        ("study", "tutorial.toml"),
         ("computer", "blas threads"),
         ("disk", "free"),
         ("disk", "a record, to disk"),
@@ -154,7 +157,7 @@ def test_a_bench_that_nothing_gates_is_not_fine(tmp_path):
 
 
 def test_each_stimulus_that_passes_a_limit_is_named(tmp_path):
-    study = wire(load_numbers("tutorial")[0], "tutorial")
+    study = wire(parse(TUTORIAL.encode(), "tutorial"), "tutorial")
     bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = 10.0\n')
     found = [each for each in devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
     names = list(study.bank)
@@ -166,7 +169,7 @@ def test_each_stimulus_that_passes_a_limit_is_named(tmp_path):
 
 def test_a_stimulus_that_practice_alone_asks_too_strong_is_named(tmp_path):
     """Only the levels of the procedure were held against the output."""
-    numbers = load_numbers("tutorial")[0]
+    numbers = parse(TUTORIAL.encode(), "tutorial")
     study = wire(replace(numbers, practice={"levels": [40.0]}), "tutorial")
     bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n[limits]\nvoltage_peak_v = 60.0\n')
     found = [each for each in devices(bench, study.study.limits, study, hands_off=False) if "strongest" in each.what]
@@ -239,7 +242,7 @@ def slid(monkeypatch, tmp_path, metres_per_count, change):
     monkeypatch.setattr("tactometry.experiments.bench.preflight.LISTEN_S", 0.5)
     monkeypatch.setattr("tactometry.experiments.bench.preflight_finger.HEARD_S", 0.3)
     monkeypatch.setattr("tactometry.experiments.bench.preflight_finger.FIRST_WITHIN_S", LONGEST_WAIT_S)
-    numbers = load_numbers("tutorial")[0]
+    numbers = parse(TUTORIAL.encode(), "tutorial")
     study = wire(replace(numbers, touch={**numbers.touch, **change.get("touch", {})}), "tutorial")
     device = Emulator("serial", tmp_path)
     try:
@@ -268,7 +271,7 @@ def test_place_and_speed_are_said_as_the_gate_of_a_slide_hears_them(
 
 
 def test_a_slide_without_a_position_is_told(tmp_path):
-    study = wire(load_numbers("tutorial")[0], "tutorial")
+    study = wire(parse(TUTORIAL.encode(), "tutorial"), "tutorial")
     bench = load(tmp_path, f'[output]\nkind = "file"\nfolder = "{tmp_path}"\n')
     said = [each for each in devices(bench, study.study.limits, study, hands_off=False) if each.part == "position"]
     assert [(each.found, each.fine) for each in said] == [("not measured: the bench file has no [position]", None)]
@@ -300,3 +303,20 @@ def test_the_test_tone_keeps_the_limits(output):
         assert np.abs(tone.samples[:, [0, -1]]).max() < 1e-3
     else:
         assert np.all(np.abs(tone.samples) == 30.0)
+
+
+@pytest.mark.parametrize("is_stated", [False, True])
+def test_check_finds_overload_counts_of_positions(tmp_path, monkeypatch, capsys, is_stated):
+    monkeypatch.chdir(tmp_path)
+    rows = [f"{n / 1000},{(120, 255, 121, 122)[n % 4]}" for n in range(4000)]
+    (tmp_path / "place.csv").write_text("\n".join(["time_s,counts", *rows, ""]))
+    stated = "count_high = 254\n" if is_stated else ""
+    (tmp_path / "bench.toml").write_text(
+        '[output]\nkind = "null"\n[sensors.hand]\nkind = "recorded"\npath = "place.csv"\nrate_hz = 1000.0\n'
+        f'[position]\nsensor = "hand"\nchannels = [0]\nmetres_per_count = 0.001\n{stated}'
+    )
+    status, _, said = call(capsys, "check", "--bench", "bench.toml", "--json")
+    found = {each["what"]: each for each in json.loads(said)["findings"] if each["part"] == "position"}
+    assert status == 3
+    assert ("counts at full scale" in found) is not is_stated
+    assert found["samples that tell a place"]["fine"] is not is_stated

@@ -4,15 +4,15 @@ import io
 
 import pytest
 from command_line import call, output
+from study_texts import TUTORIAL as CONSTANT_TUTORIAL
 from tables import trial_rows
 
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.data_sets.validation import validate
-from tactometry.experiments.study.study_file import builtin
 from tactometry.records.journal import read
 from tactometry.session.request import Choose, Fill, Show
 
-TUTORIAL = builtin()["tutorial"].read_text("utf-8").replace("repeats = 4", "repeats = 1")
+TUTORIAL = CONSTANT_TUTORIAL.replace("repeats = 4", "repeats = 1")
 ABOUT = """
 [inquiries.about]
 form = "habits"

@@ -8,6 +8,7 @@ from importlib import import_module
 import pytest
 from command_line import call, output, refused
 from places import DOCS
+from study_texts import TUTORIAL as CONSTANT_TUTORIAL
 from tables import trial_rows
 
 from tactometry.analysis.pipeline import analyse
@@ -16,7 +17,7 @@ from tactometry.analysis.reading.quality import Exclusion
 from tactometry.choice_form import NOT_SAID, load, shipped_choices
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.study_file import builtin, parse
+from tactometry.experiments.study.study_file import parse
 from tactometry.records.journal import read
 from tactometry.rigs.texts import languages, texts_in
 from tactometry.session.request import ABOUT, Choose
@@ -25,7 +26,7 @@ SECTION = (
     (DOCS / "reference" / "studies.md").read_text("utf-8").partition("### Consent, and questions about a person")[2]
 ).partition("\n### ")[0]
 SHIPPED, OWN = re.findall(r"```toml\n(.*?)```", SECTION, re.S)
-TUTORIAL = builtin()["tutorial"].read_text("utf-8").replace("repeats = 4", "repeats = 1")
+TUTORIAL = CONSTANT_TUTORIAL.replace("repeats = 4", "repeats = 1")
 CONSENT, _, INQUIRY = SHIPPED.partition("\n")
 STUDY = f"{CONSENT}\n{TUTORIAL}\n{INQUIRY}\n{OWN}"
 ITEMS = ["age_band", "handedness", "gender", "screens"]

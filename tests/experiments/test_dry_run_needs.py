@@ -3,10 +3,11 @@
 import pytest
 from command_line import call
 from PIL import Image
+from study_texts import TUTORIAL
 
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.rehearsal import page_images
-from tactometry.experiments.study.study_file import builtin, load
+from tactometry.experiments.study.study_file import load
 from tactometry.provenance import sha256
 
 RECORDED_FORCE = """
@@ -38,7 +39,7 @@ NEEDS = {
 @pytest.fixture
 def here(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    tutorial = builtin()["tutorial"].read_text("utf-8")
+    tutorial = TUTORIAL
     (tmp_path / "image.toml").write_text(f'{tutorial}\n[images.welcome]\npath = "missing.png"\nsha256 = "{"0" * 64}"\n')
     before, stimulus, after = tutorial.partition("[stimulus]\n")
     rest = after[after.index("\n[") :].replace("force_n = 1.0", "")
@@ -63,7 +64,7 @@ def test_dry_run_refuses_as_session_does(here, capsys, need):
 
 
 def test_dry_run_checks_own_code_of_simulated_participant(here, capsys):
-    tutorial = builtin()["tutorial"].read_text("utf-8").partition("\n[observer]")[0]
+    tutorial = TUTORIAL.partition("\n[observer]")[0]
     (here / "own.toml").write_text(f'{tutorial}\n[observer]\nkind = "mine:Guesser"\nbias = 0.9\n')
     words = ("run", "own.toml", "--participant", "P01", "--rig", "simulated")
     dry = call(capsys, *words, "--dry-run")

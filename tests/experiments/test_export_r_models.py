@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from command_line import output
 from soak import SOAK
 
 from tactometry.analysis.tasks.kinds import ANALYSES
@@ -88,6 +89,19 @@ def test_a_task_has_the_model_of_its_answers(tmp_path, task):
     (model,) = models((tmp_path / "r/trials.R").read_text())
     assert model.startswith(ANALYSES[task].r_model.split("(")[0])
     assert ("`side`" in model) is (task != "preference")
+
+
+def test_r_export_states_alternatives_of_each_condition(tmp_path, capsys):
+    header, *lines = table(tmp_path, "forced_choice").read_text().splitlines()
+    rows = [f"{line},{4 if ',left,' in line else 2}" for line in lines]
+    (tmp_path / "trials.csv").write_text("\n".join([f"{header},n_alternatives", *rows, ""]))
+    output(capsys, "export", tmp_path / "trials.csv", "--to", "r", "--out", tmp_path / "r")
+    found = models((tmp_path / "r/trials.R").read_text())
+    assert [model.partition("mafc.probit(")[2][0] for model in found] == ["2", "4"]
+    assert [f'`side` == "{side}"' in model for side, model in zip(("right", "left"), found, strict=True)] == [
+        True,
+        True,
+    ]
 
 
 @pytest.mark.parametrize(("form", "package"), [("attrakdiff", "ordinal::clmm("), ("nasa-tlx", "lme4::lmer(")])

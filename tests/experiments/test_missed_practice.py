@@ -4,9 +4,9 @@ import json
 
 import pytest
 from command_line import call, output
-from places import ROOT
+from study_texts import TUTORIAL as CONSTANT_TUTORIAL
 
-TUTORIAL = (ROOT / "experiments" / "tutorial.toml").read_text("utf-8").replace("[60, 240]", "[240]")
+TUTORIAL = CONSTANT_TUTORIAL.replace("[60, 240]", "[240]")
 
 
 @pytest.fixture

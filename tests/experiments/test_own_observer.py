@@ -8,17 +8,17 @@ from dataclasses import dataclass
 import pytest
 from command_line import call, output, refused
 from places import ROOT
+from study_texts import TUTORIAL
 from tables import trial_rows
 
 from tactometry.errors import Terminated
-from tactometry.experiments.study.study_file import builtin
 from tactometry.own_code import guarded
 
 GUESSER = (ROOT / "tests" / "recipes" / "tactometry" / "observers" / "guesser.py").read_text("utf-8")
 CODE = GUESSER.replace("from ..arguments", "from tactometry.arguments").replace(
     "import numpy as np\n", "import numpy as np\nfrom beside import BIAS\n"
 )
-STUDY = builtin()["tutorial"].read_text("utf-8").partition("\n[observer]")[0]
+STUDY = TUTORIAL.partition("\n[observer]")[0]
 OWN = f'{STUDY}\n[observer]\nkind = "mine:Guesser"\nbias = 0.9\n'
 ALL = ("--participants", "3", "--seed", "4")
 

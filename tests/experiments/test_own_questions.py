@@ -7,6 +7,7 @@ import shutil
 import pytest
 from command_line import call, output, refused
 from places import DOCS
+from study_texts import TUTORIAL
 from tables import trial_rows
 
 from tactometry.experiments.study.experiment import wire
@@ -18,7 +19,6 @@ SECTION = (
     .partition("### A questionnaire, and questions, of one's own")[2]
 ).partition("\n## ")[0]
 TABLES, FORM = re.findall(r"```toml\n(.*?)```", SECTION, re.S)
-TUTORIAL = builtin()["tutorial"].read_text("utf-8")
 STUDY = TUTORIAL.replace('[task]\nkind = "yes_no"\n', TABLES.partition("\n[inquiries")[0]).replace(
     "[procedure]", f"[inquiries{TABLES.partition('[inquiries')[2]}\n[procedure]"
 )

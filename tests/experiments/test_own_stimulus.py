@@ -12,11 +12,11 @@ import pytest
 from command_line import call, output, refused
 from places import DOCS
 from scipy.io import wavfile
+from study_texts import TUTORIAL
 from tables import trial_rows
 
 from tactometry.devices.outputs.file import read_signal
 from tactometry.experiments.bench.preflight import _study
-from tactometry.experiments.study.study_file import builtin
 from tactometry.stimuli.electrovibration.waveforms.wav_file import WavFile
 
 SECTION = (
@@ -27,7 +27,7 @@ SECTION = (
 )
 FILE_TABLE, OWN_TABLES = re.findall(r"```toml\n(.*?)```", SECTION, re.S)
 (CODE,) = re.findall(r"```python\n(.*?)```", SECTION, re.S)
-BEFORE, _, REST = builtin()["tutorial"].read_text("utf-8").partition("[factors]\nfrequency_hz = [60, 240]\n")
+BEFORE, _, REST = TUTORIAL.partition("[factors]\nfrequency_hz = [60, 240]\n")
 AFTER = REST[REST.index("[touch]") :]
 SHORT = {"levels = [22, 28, 34, 40]": "levels = [22, 40]", "repeats = 4": "repeats = 1", '"300 ms"': '"10 ms"'}
 """Of a session that is played in real time."""

@@ -12,6 +12,7 @@ import pytest
 from command_line import call, output, status
 from places import ROOT
 from pyarrow import parquet
+from study_texts import TUTORIAL
 
 from tactometry.experiments.power.design import participants_of
 from tactometry.experiments.study.study_file import load
@@ -51,7 +52,6 @@ REFUSALS = {
     "no range": (["--participants", "six"], "expected a range such as 6..24"),
     "nobody": (["--participants", "0..6"], "expected from 3 to 999"),
     "a target of one": (["--target", "1"], "--target: found 1, expected above 0 and below 1"),
-    "trials that are not even": (["--trials", "41"], "expected as many trials at each level"),
     "nowhere to keep data": (["--keep-data"], "--keep-data: found no --out"),
     "nothing to resume": (["--resume"], "--resume: found no --out"),
 }
@@ -63,6 +63,13 @@ def test_what_cannot_be_asked_is_refused_in_one_sentence(capsys, case):
     code, said, _ = call(capsys, *ASKED, *changes)
     assert (code, said.count("\n")) == (2, 0)
     assert expected in said
+
+
+def test_uneven_trials_of_constant_stimuli_are_refused(capsys, tmp_path):
+    (path := tmp_path / "constant.toml").write_text(TUTORIAL, "utf-8")
+    code, said, _ = call(capsys, "power", path, *ASKED[2:], "--trials", "41")
+    assert code == 2
+    assert "expected as many trials at each level" in said
 
 
 def test_a_factor_with_one_level_has_no_effect(capsys, tmp_path):

@@ -8,6 +8,7 @@ import pytest
 from command_line import call
 from scipy import stats
 from soak import SOAK
+from study_texts import TUTORIAL
 
 from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.experiments.census.shares import share_interval
@@ -49,8 +50,9 @@ def test_levels_differ_by_the_effect_and_by_nothing_else(study, unit):
         assert np.allclose(steps, np.linspace(0, span, len(levels)), atol=1e-6)
 
 
-def test_a_smaller_study_is_the_first_participants_of_a_larger_one():
-    both, small = design(), design(participants=(3,))
+def test_a_smaller_study_is_the_first_participants_of_a_larger_one(tmp_path):
+    (path := tmp_path / "constant.toml").write_text(TUTORIAL, "utf-8")
+    both, small = design(str(path)), design(str(path), participants=(3,))
     assert replicate(both, both.cases[0], 2)[0] == replicate(small, small.cases[0], 2)[0]
 
 

@@ -7,6 +7,7 @@ import pytest
 from command_line import call, refused
 from own_form import OWN_FORM
 from short_studies import shortened
+from study_texts import TUTORIAL as CONSTANT_TUTORIAL
 
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.experiment import wire
@@ -14,7 +15,7 @@ from tactometry.experiments.study.rehearsal import rehearse
 from tactometry.experiments.study.study_file import builtin, parse
 from tactometry.rigs.texts import languages
 
-TUTORIAL = builtin()["tutorial"].read_text("utf-8").replace("repeats = 4", "repeats = 1")
+TUTORIAL = CONSTANT_TUTORIAL.replace("repeats = 4", "repeats = 1")
 BLOCK = '[texts]\nblock = "{frequency_hz:.1f} Hz"\n'
 FLAWS = {
     "unknown place": (

@@ -97,7 +97,7 @@ def test_what_a_finger_at_rest_does_not_feel_is_said_in_words():
     at_rest = TUTORIAL.replace('kind = "slide"', 'kind = "press"').replace('speed_m_per_s = "50 mm/s"\n', "")
     (told,) = felt_effects(wired(at_rest))
     text = " ".join(" ".join(told.lines).split())
-    assert "1 N, at rest: not felt: the finger rests; through skin_leakage" in text
+    assert "1 N, at rest: not felt by a finger that rests, computed with the effects skin_leakage" in text
     assert "weber_fraction (not felt with it either)" in text
     assert "inf" not in text
     (sliding,) = felt_effects(wired(TUTORIAL))
@@ -232,11 +232,12 @@ def study(tmp_path):
 def test_a_dry_run_tells_what_is_felt_and_what_was_left_out(study, capsys):
     said = output(capsys, "run", study, "--participant", "P01", "--dry-run")
     words = " ".join(said.split())
-    assert "through force_law, friction, sensitivity, contact_area (predicted error" in words
+    assert "effects force_law, friction, sensitivity, contact_area (predicted error" in words
     assert "receptors (instead of sensitivity) " in words
-    assert "taken for granted: no resistance of body and source" in words
+    assert "assumptions: no resistance of body and source" in words
     assert (
-        "the level rests on the force law (one of four, which differ by a factor near 1000); the displacement" in words
+        "the prediction depends on the force law (one of four, which differ by a factor near 1000); the displacement"
+        in words
     )
     record = json.loads(output(capsys, "run", study, "--participant", "P01", "--dry-run", "--json"))
     (felt,) = record["felt"]
@@ -248,7 +249,7 @@ def test_a_dry_run_tells_what_is_felt_and_what_was_left_out(study, capsys):
 
 def test_a_simulation_explains_and_replays(study, tmp_path, capsys):
     simulated = ("simulate", study, "--participants", 1, "--seed", 1, "--out", tmp_path / "d", "--explain")
-    assert "taken for granted" in output(capsys, *simulated)
+    assert "assumptions: " in output(capsys, *simulated)
     assert "rows agree" in output(capsys, "replay", tmp_path / "d")
     told = "force_law (law = sc_layer), friction, sensitivity, contact_area; accuracy 0.05"
     (journal,) = (tmp_path / "d" / "journals").glob("*.jsonl")
@@ -259,7 +260,7 @@ def test_a_simulation_explains_and_replays(study, tmp_path, capsys):
         capsys, "simulate", "tutorial", "--participants", 1, "--seed", 1, "--out", tmp_path / "e", "--explain"
     )
     assert (
-        "through skin_leakage, contact_area, force_law, friction, friction_lag, skin_mobility, sensitivity"
+        "effects skin_leakage, contact_area, force_law, friction, friction_lag, skin_mobility, sensitivity"
         in " ".join(default.split())
     )
 
@@ -270,7 +271,7 @@ def test_a_check_tells_what_is_felt(study):
     findings, _ = _study(str(study), allow_code=False)
     assert [finding.part for finding in findings] == ["study", "study", "scene"]
     assert findings[1].what == "not felt"
-    assert "felt of amplitude_modulated" in findings[2].found
+    assert "predicted for amplitude_modulated" in findings[2].found
 
 
 def test_the_table_of_the_page_is_felt():

@@ -10,7 +10,7 @@ from examples import examples
 from hypothesis import given, strategies as st
 from memory import Memory
 from own_form import OWN_FORM
-from study_texts import changed
+from study_texts import TUTORIAL, changed
 
 from tactometry.errors import InvalidParameter, TactometryError
 from tactometry.experiments.data_sets.replaying import replay_data_set
@@ -20,13 +20,12 @@ from tactometry.experiments.sessions.simulation import Simulation, simulate
 from tactometry.experiments.study.dry_run import duration_s, plan
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.session_plan import session_cells
-from tactometry.experiments.study.study_file import builtin, load, parse
+from tactometry.experiments.study.study_file import load, parse
 from tactometry.protocols.order import ORDERS, Crossing, n_orders, nth_permutation
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.session.request import Show
 from tactometry.session.run import run
 
-TUTORIAL = builtin()["tutorial"].read_text("utf-8")
 LEVELS = "levels = [22, 28, 34, 40]                       # dB re 1 V peak\nrepeats = 4"
 
 

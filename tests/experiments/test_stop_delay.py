@@ -10,7 +10,7 @@ from types import SimpleNamespace
 import pytest
 from benches import file_bench, gain_table
 from command_line import call
-from study_texts import changed
+from study_texts import TUTORIAL, changed
 
 from tactometry.arguments.unlimited import HIGHEST, UNLIMITED, Unlimited
 from tactometry.devices.outputs.audio import AudioSettings
@@ -21,7 +21,7 @@ from tactometry.errors import InvalidFile, InvalidParameter, LimitExceeded
 from tactometry.experiments.bench.bench_file import device_facts, parse_bench
 from tactometry.experiments.bench.bench_table import table_toml
 from tactometry.experiments.bench.preflight import _study, devices
-from tactometry.experiments.study.study_file import builtin, parse
+from tactometry.experiments.study.study_file import parse
 from tactometry.safety.limits import Limits
 
 TODAY = date.today()
@@ -33,7 +33,6 @@ OUTPUTS = {
     "ni": {"channels": ["Dev1/ao0"], "rate_hz": 1e5},
 }
 LIMITS = {"voltage_peak_v": 80.0, "duration_s": 10.0, "current_peak_a": 1e-3, "duty": 0.5, "session_s": 3600.0}
-TUTORIAL = builtin()["tutorial"].read_text("utf-8")
 FORCE_OFF = 'limits.force_peak_n = "unlimited": this limit is switched off'
 
 

@@ -33,6 +33,17 @@ def test_the_curve_is_of_the_present_condition_without_practice():
     assert ((band.low <= band.median) & (band.median <= band.high)).all()
 
 
+def test_curve_has_alternatives_of_other_conditions():
+    """The third interval is missing from six answers by chance."""
+
+    def row(n, f, target):
+        return Trial(1, n, {"f": f}, "staircase", 5.0 * n, "dB", "forced_choice", target, correct=True, target=target)
+
+    others = [row(n, 1.0, 1 + n % 3) for n in range(1, 7)]
+    answers = answers_of(reduce(with_row, [*others, *(row(n, 2.0, 1 + n % 2) for n in range(7, 13))], Progress()))
+    assert (answers.n_choices, sum(answers.n_trials)) == (3, 6)
+
+
 def test_a_rating_of_one_is_no_yes():
     progress = with_row(Progress(), Trial(1, 1, {}, "attrakdiff", 24.0, "dB", "rating", 1.0, item="PQ1"))
     assert [mark.kind for mark in view.level_plots(progress)[0].marks] == ["neutral"]

@@ -3,13 +3,12 @@
 from dataclasses import replace
 
 import pytest
-from study_texts import changed
+from study_texts import TUTORIAL, changed
 
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.study_file import builtin, parse
+from tactometry.experiments.study.study_file import parse
 
-TUTORIAL = builtin()["tutorial"].read_text("utf-8")
 LEVELS = "levels = [22, 28, 34, 40]                       # dB re 1 V peak\nrepeats = 4"
 TASK = 'kind = "yes_no"\ncatch_rate = 0.2'
 

@@ -14,6 +14,7 @@ from tactometry.experiments.bench.bench_file import parse_bench
 from tactometry.experiments.reference.block import block
 from tactometry.experiments.reference.key_table import KeyTable
 from tactometry.experiments.reference.keys import Key, keys_of
+from tactometry.experiments.reference.meanings import summary
 from tactometry.experiments.reference.pages import path_of, text_of
 from tactometry.experiments.reference.study_tables import GREY
 from tactometry.experiments.reference.tables import PAGES, tables
@@ -98,6 +99,14 @@ def test_every_key_says_what_it_means_and_has_an_example_or_a_table_of_its_own(n
         assert not key.means.startswith("As in"), key.name
         assert key.example or key.see, key.name
         assert not key.see or any(f"{each}.".startswith(f"{key.see}.") for each in TABLES), key.see
+
+
+@per_table
+def test_keys_have_meanings_of_their_own(name):
+    told = {key.name: key.means for key in keys(name) if key.name != "kind"}
+    generic = [each for each, means in told.items() if means == summary(TABLES[name].reader) or len(means.split()) < 3]
+    assert not generic
+    assert len(set(told.values())) == len(told), sorted(told.values())
 
 
 @per_table

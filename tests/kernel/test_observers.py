@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 from scipy.stats import binom, norm
-from study_texts import refusal, wired
+from study_texts import TUTORIAL as CONSTANT_TUTORIAL, refusal, wired
 
 from tactometry.experiments.sessions.in_memory import simulated_trials
 from tactometry.experiments.sessions.recording import Who
-from tactometry.experiments.study.study_file import builtin
 from tactometry.observers.ideal import IdealObserver
 from tactometry.observers.psychometric import PsychometricObserver
 from tactometry.observers.signal_detection import SignalDetectionObserver
@@ -16,7 +15,7 @@ from tactometry.psychometric import PsychometricFunction
 
 N, ALPHA = 100_000, 1e-4
 NOTHING = -np.inf
-TUTORIAL = builtin()["tutorial"].read_text("utf-8").partition("\n[observer]")[0]
+TUTORIAL = CONSTANT_TUTORIAL.partition("\n[observer]")[0]
 DETECTS = SignalDetectionObserver(lapse_rate=0.04, bias=0.2, exponent=1.5)
 KNOWN = PsychometricObserver(20.0, 8.0, false_alarm_rate=0.1, lapse_rate=0.03, sensitivity_db=2.0)
 

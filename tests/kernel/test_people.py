@@ -5,11 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from scipy.stats import chi2, norm
-from study_texts import refusal, wired
+from study_texts import TUTORIAL as CONSTANT_TUTORIAL, refusal, wired
 
 from tactometry.errors import InvalidParameter
 from tactometry.experiments.study.session_plan import stream
-from tactometry.experiments.study.study_file import builtin
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.observers.kinds import population_of
 from tactometry.observers.people import TRAITS, People, Traits, correlation_matrix
@@ -24,7 +23,7 @@ SPREADS = {
 }  # fmt: skip
 PAIRS = {"sensitivity": {"criterion": -0.5, "exponent": 0.3}, "force": {"speed": 0.6}}
 CELLS = [{"force_n": force_n, "frequency_hz": f} for force_n in (0.5, 3.0) for f in (30.0, 60.0, 240.0)]
-TUTORIAL = builtin()["tutorial"].read_text("utf-8").partition("\n[observer]")[0]
+TUTORIAL = CONSTANT_TUTORIAL.partition("\n[observer]")[0]
 
 
 def draws_of(person, seed=1):

@@ -9,6 +9,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 from page_blocks import texts_of
 from places import ROOT
+from study_texts import TUTORIAL
 
 from tactometry.analysis.plan import read_plan
 from tactometry.analysis.reading.column_map import read_column_map
@@ -77,7 +78,7 @@ SOUND = {
     "a plate": 'glass = "Borofloat 33"\nlength_m = 0.3\nwidth_m = "210 mm"\nthickness_m = 1e-3\nboundary = "FFFF"\n',
     "a questionnaire": (ROOT / "tactometry" / "questionnaires" / "sus.toml").read_text("utf-8"),
     "a scene file": (ROOT / "experiments" / "scenes" / "a4-screen.toml").read_text("utf-8"),
-    "a study file": (ROOT / "experiments" / "tutorial.toml").read_text("utf-8"),
+    "a study file": TUTORIAL,
 }
 ODD = ["-1", "1e300", "nan", "-inf", "true", '""', "[]", "{}", "[[1]]", "1979-05-27", '"9 parsecs"', "9" * 20, "[1, 1]"]
 

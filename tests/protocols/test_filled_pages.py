@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from study_texts import TUTORIAL
 
 from tactometry.errors import Diverged
 from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.study_file import builtin, parse
+from tactometry.experiments.study.study_file import parse
 from tactometry.protocols.session import pages
 from tactometry.protocols.tasks.rating import fill_in
 from tactometry.questionnaire import load, shipped_names
@@ -14,7 +15,6 @@ from tactometry.session.replay import Replay
 from tactometry.session.request import Fill, Show, Wait
 from tactometry.session.run import replay
 
-TUTORIAL = builtin()["tutorial"].read_text("utf-8")
 MINI = load("attrakdiff-mini")
 
 

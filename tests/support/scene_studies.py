@@ -1,8 +1,9 @@
 """Studies with a scene of their own: the tutorial felt through effects, and a study of foci."""
 
+from study_texts import TUTORIAL
+
 from tactometry.experiments.study.study_file import load
 
-TUTORIAL = load("tutorial")[1].decode()
 FOCI = load("time-reversal-threshold")[1].decode()
 EFFECT_LINES = {
     "force_law": '{ kind = "force_law", law = "sc_layer" }',

@@ -3,7 +3,7 @@
 import re
 
 from places import ROOT
-from study_texts import changed
+from study_texts import TUTORIAL, changed
 
 
 def text_of(name):
@@ -65,7 +65,7 @@ SHORT = {
 
 def shortened(name):
     """The text of a built-in study with few trials and short holds."""
-    text = changed(text_of(name), dict(SHORT[name]))
+    text = changed(TUTORIAL if name == "tutorial" else text_of(name), dict(SHORT[name]))
     for old, new in FAST:
         text = text.replace(old, new)
     return text

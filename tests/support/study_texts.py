@@ -6,6 +6,10 @@ from tactometry.errors import InvalidFile, InvalidParameter
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import load, parse
 
+CONSTANT = (
+    'kind = "constant_stimuli"\nlevels = [22, 28, 34, 40]                       # dB re 1 V peak\nrepeats = 4\n\n'
+)
+
 
 def changed(text, changes):
     """The text with all changes, none of which may miss what it replaces."""
@@ -15,10 +19,20 @@ def changed(text, changes):
     return text
 
 
+def with_constant_stimuli(text):
+    """Return the tutorial with four levels of up to 100 V instead of its staircase."""
+    before, kind, rest = text.partition('kind = "staircase"')
+    assert kind
+    return f"{before}{CONSTANT}{rest[rest.index('[limits]') :].replace('200.0', '100.0')}"
+
+
+TUTORIAL = with_constant_stimuli(load("tutorial")[1].decode())
+
+
 def tutorial_in(folder, changes):
-    """A file with the tutorial, changed."""
+    """A file with the tutorial of constant stimuli, changed."""
     path = folder / "short.toml"
-    path.write_text(changed(load("tutorial")[1].decode(), changes), encoding="utf-8")
+    path.write_text(changed(TUTORIAL, changes), encoding="utf-8")
     return path
 
 

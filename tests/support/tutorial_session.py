@@ -1,10 +1,13 @@
-"""Sessions of the tutorial with a simulated participant, which many tests record and then spoil."""
+"""Sessions of the tutorial of constant stimuli with a simulated participant, which many tests record and then spoil."""
+
+from study_texts import TUTORIAL
 
 from tactometry.experiments.sessions.recording import Who, record, simulated
 from tactometry.experiments.study.experiment import wire
-from tactometry.experiments.study.study_file import load
+from tactometry.experiments.study.study_file import parse
 
-STUDY, TOML = load("tutorial")
+TOML = TUTORIAL.encode()
+STUDY = parse(TOML, "tutorial")
 EXPERIMENT = wire(STUDY, "tutorial")
 WHO = Who("P01", seed=1)
 

@@ -4,9 +4,9 @@ from pathlib import Path
 
 import pytest
 from command_line import call
-from places import ROOT
+from study_texts import TUTORIAL
 
-STUDY = (ROOT / "experiments" / "tutorial.toml").read_text(encoding="utf-8")
+STUDY = TUTORIAL
 BENCH = """
 speed = 3
 [screen]

@@ -6,12 +6,12 @@ import pytest
 from command_line import assert_one_sentence, call
 from examples import examples
 from hypothesis import given, strategies as st
+from study_texts import TUTORIAL
 
 from tactometry.errors import TactometryError
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import builtin, parse
 
-TUTORIAL = builtin()["tutorial"].read_text("utf-8")
 THRESHOLD = builtin()["electrovibration-threshold"].read_text("utf-8")
 FOCUS = builtin()["time-reversal-threshold"].read_text("utf-8")
 FOCI = builtin()["time-reversal-localisation"].read_text("utf-8")

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from places import ROOT
 from source_tree import copy_tree
+from study_texts import TUTORIAL
 from tables import rows_of, trial_rows
 
 NEW_FILES = ROOT / "tests" / "recipes"
@@ -110,7 +111,7 @@ def tree(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return place
 
 
-STUDY = (ROOT / "experiments" / "tutorial.toml").read_text(encoding="utf-8").partition("\n[observer]")[0]
+STUDY = TUTORIAL.partition("\n[observer]")[0]
 ODD_TASK = STUDY.replace('kind = "yes_no"\ncatch_rate = 0.2', 'kind = "oddity"\nstandard_level = 12.0')
 ODD_LEVELS = ODD_TASK.replace("[60, 240]", "[240]").replace("[22, 28, 34, 40]", "[12.5, 14, 18, 26]")
 ODD_STUDY = f"""{ODD_LEVELS.replace("repeats = 4", "repeats = 10")}

@@ -41,7 +41,7 @@ SMALLER = {
     },
     "time-reversal-patterns": {},
     "time-reversal-threshold": {"repeats = 20": "repeats = 6"},
-    "tutorial": {"repeats = 4": "repeats = 3"},
+    "tutorial": {"n_trials = 28 ": "n_trials = 16 "},
 }
 """What makes a study small; the way stays the same."""
 FINGER = "\n[finger]\nwaver_cv = 0.12\n"

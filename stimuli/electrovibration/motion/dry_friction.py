@@ -21,8 +21,10 @@ class DryFriction(Quantity):
 
     Parameters
     ----------
-    static, kinetic : float
-        Coefficients, static at least kinetic.
+    static : float
+        Coefficient of friction of a finger that sticks, at least `kinetic`.
+    kinetic : float
+        Coefficient of friction of a finger that slides.
     gated : bool
         The voltage adds to the friction in full slip alone, as Sirin et al. (2019) found: a stuck finger bears its
         normal force's static friction (or the slipping one, if that is more). Without, it holds a stuck finger too.

@@ -28,10 +28,14 @@ class SkinMobility(Effect):
 
     Parameters
     ----------
-    stiffness_n_per_m, damping_n_s_per_m, mass_kg : float
-        Under a normal force of 1 N: above 0; the mass at least 0.
+    stiffness_n_per_m : float
+        Stiffness of the skin under a normal force of 1 N, above 0.
+    damping_n_s_per_m : float
+        Damping of the skin under a normal force of 1 N, above 0.
+    mass_kg : float
+        Moving mass of the skin under a normal force of 1 N, at least 0.
     stiffness_exponent : float
-        At least 0.
+        Exponent by which the stiffness grows with the normal force, at least 0.
 
     Examples
     --------

@@ -28,10 +28,16 @@ class Skin:
 
     Parameters
     ----------
-    insulator_thickness_m, insulator_permittivity : float
-        Coating of the electrode; relative permittivity.
-    corneum_thickness_m, corneum_permittivity, corneum_resistivity_ohm_m : float
-        Stratum corneum; a resistivity of ``inf`` is a lossless skin, 0 a conductor.
+    insulator_thickness_m : float
+        Thickness of the electrode's coating.
+    insulator_permittivity : float
+        Relative permittivity of the electrode's coating.
+    corneum_thickness_m : float
+        Thickness of the stratum corneum.
+    corneum_permittivity : float
+        Relative permittivity of the stratum corneum.
+    corneum_resistivity_ohm_m : float
+        Resistivity of the stratum corneum: ``inf`` is a lossless skin, 0 a conductor.
     gap_m : float
         Air between insulator and skin.
     body_resistance_ohm : float

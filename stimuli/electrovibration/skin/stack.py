@@ -36,7 +36,7 @@ class Layer:
     Parameters
     ----------
     thickness_m : float
-        Above 0.
+        Thickness of the layer, above 0.
     permittivity : float
         Relative: 1 is air.
     resistivity_ohm_m : float

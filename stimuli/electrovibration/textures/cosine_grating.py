@@ -23,6 +23,11 @@ if TYPE_CHECKING:
 class CosineGrating(Effect):
     """A grating of `period_m`: the force goes with ``(1 + cos(2 pi x/period))/2``, the voltage with its root.
 
+    Parameters
+    ----------
+    period_m : float
+        Spatial period of the grating.
+
     >>> CosineGrating(period_m=1e-3).force_share([0.0, 0.25e-3, 0.5e-3]).round(9).tolist()
     [1.0, 0.5, 0.0]
     """

@@ -37,7 +37,7 @@ class FollowedTexture(Ramped):
     Parameters
     ----------
     texture : Texture or Velvet
-        What friction follows.
+        Texture that the friction follows as the finger slides.
     carrier_hz : float
         Carrier, below half of `rate_hz`; 2 kHz is an unverified default.
     duration_s, ramp_s, rate_hz, level_unit

@@ -79,8 +79,10 @@ class Region:
 
     Parameters
     ----------
-    left_m, right_m : float
-        The edges, along the path of the finger.
+    left_m : float
+        Left edge, along the path of the finger.
+    right_m : float
+        Right edge, along the path of the finger.
     edge_m : float
         Length of the line that an edge is; 0 is a step.
 
@@ -291,8 +293,10 @@ class Velvet:
 
     Parameters
     ----------
-    with_pile, against_pile : float
-        Share when the finger slides with the pile (positive speed) and against it.
+    with_pile : float
+        Share when the finger slides with the pile (positive speed).
+    against_pile : float
+        Share when the finger slides against the pile (negative speed).
     reversal_m : float
         After a change of direction the pile lies down over this length: an exponential transient from the share
         before the reversal to the one after it.

@@ -54,7 +54,7 @@ class AmplitudeModulated(Ramped):
     duration_s, ramp_s, rate_hz, level_unit
         As in `Sine`.
     modulation : {"square_root", "full", "suppressed_carrier"}
-        The envelope.
+        Shape of the envelope that modulates the carrier.
 
     Raises
     ------

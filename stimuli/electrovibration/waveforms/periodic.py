@@ -160,8 +160,14 @@ class Trapezoid(Periodic):
 
     Parameters
     ----------
-    rise_s, high_s, fall_s, low_s : float
-        Lengths of the four lines; one of 0 is left out (a jump, or no hold).
+    rise_s : float
+        Duration of the rising line; 0 is a jump.
+    high_s : float
+        Duration of the hold at the top; 0 leaves it out.
+    fall_s : float
+        Duration of the falling line; 0 is a jump.
+    low_s : float
+        Duration of the hold at the bottom; 0 leaves it out.
     low_ratio : float
         Low value over ``V0``, -1 to 1; 0 (unipolar) is an unverified default.
     duration_s, ramp_s, rate_hz, level_unit

@@ -17,9 +17,12 @@ class Step(Ramped):
 
     Parameters
     ----------
-    onset_s, rise_s, fall_s : float
-        Start of the rise, length of the rise and of the fall; 0 is a jump. A jump of the samples is a
-        line over one sample.
+    onset_s : float
+        Start of the rise.
+    rise_s : float
+        Duration of the rise; 0 is a jump, which the samples draw as a line over one sample.
+    fall_s : float
+        Duration of the fall; 0 is a jump, which the samples draw as a line over one sample.
     duration_s, rate_hz, level_unit
         As in `Sine`.
 

@@ -36,8 +36,10 @@ class WavFile:
     sha256 : str
         Its digest, which says that it is still the same. Without it the file is refused, in a sentence that
         tells it: write it then.
-    rate_hz, duration_s : float
-        Those of the file, which a reader of the data need not have.
+    rate_hz : float
+        Sampling rate of the file, stated so that data can be read without it.
+    duration_s : float
+        Duration of the file, stated so that data can be read without it.
     level_unit : {"dB re 1 V", "V", "dB re file"}
         What `at` takes: the peak of the largest sample, decibel re 1 V or volt, or decibel re what is in the file.
     volts_per_unit : float, optional

@@ -10,6 +10,11 @@ from ...composition.effect import Alteration, Surroundings
 class AirGap(Alteration):
     """A gap of `gap_m`, above 0.
 
+    Parameters
+    ----------
+    gap_m : float
+        Thickness of the air between insulator and skin, above 0.
+
     >>> AirGap(gap_m=1e-6).slot
     'gap'
     """

@@ -19,6 +19,11 @@ FEWEST_MORE = 1.1
 class AirborneSound(Effect):
     """The A-weighted level at `distance_m`, an unverified default; a model for ranking, not a measured level.
 
+    Parameters
+    ----------
+    distance_m : float
+        Distance of the ear from the plate, at which the level is computed.
+
     >>> AirborneSound().slot
     'sound'
     """

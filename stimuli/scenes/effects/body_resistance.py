@@ -13,6 +13,11 @@ from ..stages.circuit import circuit_stage, of_true_area
 class BodyResistance(Alteration):
     """A resistance above 0. With it the waveform of the force depends on the contact area.
 
+    Parameters
+    ----------
+    resistance_ohm : float
+        Series resistance of the body and the source, above 0.
+
     >>> BodyResistance(resistance_ohm=1e4).slot
     'body'
     """

@@ -25,9 +25,9 @@ class CrossMasking(Effect):
     Parameters
     ----------
     target : {"foci", "friction"}
-        What is felt.
+        Stimulus that is felt: foci or friction. The other one masks it.
     slope : float
-        Above 0.
+        Rise of the threshold per dB of the masker above its own threshold, above 0.
 
     Raises
     ------

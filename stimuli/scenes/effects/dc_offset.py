@@ -21,6 +21,11 @@ LARGEST: Final = 1e6
 class DcOffset(Effect):
     """A constant of `ratio` times the peak of the waveform, of either sign but not 0.
 
+    Parameters
+    ----------
+    ratio : float
+        Constant voltage divided by the peak of the waveform, of either sign but not 0.
+
     >>> DcOffset(0.5).slot
     'offset'
     """

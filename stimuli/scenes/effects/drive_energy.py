@@ -26,9 +26,9 @@ class DriveEnergy(Effect):
     Parameters
     ----------
     capacitance_f : float
-        Of a transducer.
+        Capacitance of one transducer.
     loss_tangent : float
-        Of its dielectric.
+        Loss tangent of the transducer's dielectric.
 
     >>> DriveEnergy().slot
     'energy'

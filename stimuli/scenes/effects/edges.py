@@ -27,6 +27,11 @@ SEEN = 0.05
 class Edges(Alteration):
     """Four letters of S, C, F for the edges x = 0, y = 0, x = length, y = width, other than ``SSSS``.
 
+    Parameters
+    ----------
+    boundary : str
+        Four letters of S (supported), C (clamped) and F (free), for the edges x = 0, y = 0, x = length, y = width.
+
     >>> Edges("FFFF").slot
     'edges'
     """

@@ -26,7 +26,7 @@ class FingerDynamics(Effect):
     Parameters
     ----------
     damping_n_s_per_m : float
-        Of the skin.
+        Damping of the finger pulp.
 
     >>> FingerDynamics().slot
     'dynamics'

@@ -24,8 +24,12 @@ class FingerLoad(Effect):
 
     Parameters
     ----------
-    resistance_n_s_per_m, mass_kg, stiffness_n_per_m : float
-        Damper, mass and spring of a finger at 2 N.
+    resistance_n_s_per_m : float
+        Mechanical resistance (damper) of a finger at 2 N.
+    mass_kg : float
+        Mass of a finger at 2 N.
+    stiffness_n_per_m : float
+        Stiffness (spring) of a finger at 2 N.
     exponent : float
         How they grow with the force.
 

@@ -18,8 +18,10 @@ class Foci(Effect):
 
     Parameters
     ----------
-    x_m, y_m : tuple of float
-        Where they are, one number each.
+    x_m : tuple of float
+        Place of each focus along the length, in a list.
+    y_m : tuple of float
+        Place of each focus along the width, in a list.
 
     >>> Foci(x_m=(0.2,), y_m=(0.1,)).n
     2

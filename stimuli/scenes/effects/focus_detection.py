@@ -18,6 +18,11 @@ class FocusDetection(Effect):
     It is what the first finger at rest feels where it rests, at the focus without a place of its own or without a
     finger; it loads the plate with `finger_load` alone. 10 um is an unverified default.
 
+    Parameters
+    ----------
+    reference_m : float
+        Peak displacement of a single focus at the detection threshold.
+
     >>> FocusDetection().reference_m
     1e-05
     """

@@ -21,6 +21,11 @@ BARRED = ("gap", "leakage", "body")
 class ForceLaw(Effect):
     """A law by its name, as in `tactometry.stimuli.electrovibration.electrostatic_force_n`.
 
+    Parameters
+    ----------
+    law : str
+        Name of the force law, as in `tactometry.stimuli.electrovibration.electrostatic_force_n`.
+
     >>> ForceLaw("sc_layer").law
     'sc_layer'
     """

@@ -18,7 +18,7 @@ class Patches(Effect):
     Parameters
     ----------
     side_m : float
-        Of a patch.
+        Side of a square patch.
     moment_n_per_v : float
         Bending moment per length of its outline and volt.
 

@@ -22,6 +22,11 @@ class Receptors(Effect):
 
     0.1 um and the thresholds of the channels are unverified defaults.
 
+    Parameters
+    ----------
+    reference_m : float
+        Displacement of the skin at the threshold at 250 Hz, which scales the channels.
+
     >>> Receptors().slot
     'receptors'
     """

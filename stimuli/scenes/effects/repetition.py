@@ -24,7 +24,7 @@ class Repetition(Effect):
     Parameters
     ----------
     repetition_hz : float
-        Foci per second.
+        Number of foci per second.
     duration_s : float
         How long they go on.
     envelope : str

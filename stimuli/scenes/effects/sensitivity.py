@@ -20,6 +20,11 @@ class Sensitivity(Effect):
 
     0.1 um is an unverified default, as are the thresholds of the channels, of which the lowest counts.
 
+    Parameters
+    ----------
+    reference_m : float
+        Displacement of the skin at the threshold at 250 Hz, which scales the other frequencies.
+
     >>> Sensitivity().slot
     'sensitivity'
     """

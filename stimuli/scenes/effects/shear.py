@@ -13,6 +13,11 @@ if TYPE_CHECKING:
 class Shear(Alteration):
     """Mindlin's plate with a shear factor; exact for simply supported edges.
 
+    Parameters
+    ----------
+    shear_factor : float
+        Shear correction factor of the plate's cross-section.
+
     >>> Shear().shear_factor
     0.8333333333333334
     """

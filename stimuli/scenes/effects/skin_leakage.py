@@ -11,6 +11,11 @@ from ..stages.circuit import circuit_stage
 class SkinLeakage(Alteration):
     """Resistivity of the stratum corneum, above 0; 20 kohm m is an unverified default.
 
+    Parameters
+    ----------
+    corneum_resistivity_ohm_m : float
+        Resistivity through which the charge leaks, above 0; 20 kohm m is an unverified default.
+
     >>> SkinLeakage().corneum_resistivity_ohm_m
     20000.0
     """

@@ -13,6 +13,11 @@ if TYPE_CHECKING:
 class Summation(Effect):
     """3 dB per doubling of the area over `reference_m2`, that of the contactor of the thresholds.
 
+    Parameters
+    ----------
+    reference_m2 : float
+        Area from which the threshold falls: that of the contactor of the published thresholds.
+
     >>> Summation().reference_m2
     0.00029
     """

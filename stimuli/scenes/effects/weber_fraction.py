@@ -17,6 +17,11 @@ class WeberFraction(Effect):
 
     Without it the threshold is the same at any force. 1 N is an unverified default.
 
+    Parameters
+    ----------
+    reference_n : float
+        Normal force at which the threshold was measured.
+
     >>> WeberFraction().reference_n
     1.0
     """

@@ -33,8 +33,12 @@ class Electrovibration(Surface):
 
     Parameters
     ----------
-    frequency_hz, duration_s, ramp_s : float
-        Of the tone: above 0; the ramps at least 0.
+    frequency_hz : float
+        Frequency of the tone, above 0.
+    duration_s : float
+        Duration of the tone, above 0.
+    ramp_s : float
+        Duration of the tone's rise and of its fall, at least 0.
     area_m2 : float
         Contact area, as long as no effect makes it depend on force; 1 cm^2 is an unverified default.
     insulator_thickness_m, insulator_permittivity, corneum_thickness_m, corneum_permittivity : float

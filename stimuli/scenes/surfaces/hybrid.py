@@ -31,9 +31,9 @@ class HybridScreen(Surface):
     Parameters
     ----------
     electrovibration : Electrovibration
-        The electrode.
+        Table of the electrode and its effects.
     time_reversal : TimeReversal
-        The plate.
+        Table of the plate and its effects.
 
     >>> from tactometry.stimuli.scenes.surfaces.electrovibration import Electrovibration
     >>> HybridScreen(Electrovibration(frequency_hz=240.0)).given

@@ -66,8 +66,10 @@ class PlayedTimeReversal(PlayedPlate):
     Parameters
     ----------
     setup : Setup
-    finger_x_m, finger_y_m : float, optional
-        Where the finger is; by default at the focus.
+    finger_x_m : float, optional
+        Place of the finger along the length. Default: at the focus.
+    finger_y_m : float, optional
+        Place of the finger along the width. Default: at the focus.
     finger : Fingertip
         Whose contact force is told where no effect says that it loads the plate.
 

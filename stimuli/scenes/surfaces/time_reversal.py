@@ -44,20 +44,30 @@ class TimeReversal(GlassPanel, Surface):
     ----------
     glass : str
         A name of `tactometry.stimuli.time_reversal.plate.glass.GLASSES`.
-    length_m, width_m, thickness_m : float
-        Of the plate.
+    length_m : float
+        Length of the plate (x).
+    width_m : float
+        Width of the plate (y).
+    thickness_m : float
+        Thickness of the plate.
     n_transducers : int
         Their centres `inset_m` from the edges.
     force_n_per_v : float
         Of each, as long as no effect makes it a patch.
-    focus_x_m, focus_y_m : float
-        Where the waves are focused.
-    f_max_hz, flank_hz : float
-        Responses are learnt below the first, with a flank as wide as the second.
+    focus_x_m : float
+        Place of the focus along the length.
+    focus_y_m : float
+        Place of the focus along the width.
+    f_max_hz : float
+        Frequency below which responses are learnt.
+    flank_hz : float
+        Width of the band over which the responses fall to nothing above `f_max_hz`.
     rate_hz : float
         Clock of learning and emission.
-    reversal_s, after_s : float
-        Length of the emission, and for how long the plate is watched behind the focus.
+    reversal_s : float
+        Duration of the emission.
+    after_s : float
+        Time for which the plate is observed after the focus.
     inset_m : float
         Of the transducers' centres, from the edges.
 

@@ -19,7 +19,7 @@ class SigmaDelta(Quantity):
     Parameters
     ----------
     order : int
-        1 or 2.
+        Order of the modulator's loop filter: 1 or 2.
     scale : float
         Peak of the modulator's input, above 0; 0.7 keeps the second order stable up to a 20th of
         the rate, and up to 1 the first.

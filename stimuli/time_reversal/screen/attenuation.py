@@ -36,7 +36,7 @@ class Attenuation(Effect):
     exponent : float
         At least 0; 0 is a constant tau. The power law is an unverified option.
     reference_hz : float
-        Above 0.
+        Frequency at which the attenuation is stated, above 0.
 
     Examples
     --------

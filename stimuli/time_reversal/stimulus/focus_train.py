@@ -80,8 +80,6 @@ class TimeReversalStimulus:
         Above 0: an amplifier that switches between this voltage, its negative and off. The level and the weights of the
         pattern are made by the length of the bursts, each focus to 2 %; `voltage_max_v` and `modulation` have no part.
 
-    Examples
-    --------
     >>> h = Responses(1e-9 * np.array([[[3.0, -2.0, 1.0]]]), 1e3)
     >>> stimulus = TimeReversalStimulus(h, level_unit="dB re 1 um")
     >>> stimulus.voltage_v(-20.0)
@@ -216,8 +214,10 @@ class FocusTrain:
         P0, one focus, to P6.
     drive : {"one_bit", "analogue", "sigma_delta_1", "sigma_delta_2"}
         How the reversed responses are quantised; sigma-delta wants a `setup.rate_hz` of about 1 MHz.
-    f_min_hz, f_max_hz : float
-        Band of the learnt responses: 20 to 60 kHz is filtered, 0.2 to 60 kHz unfiltered (unverified defaults).
+    f_min_hz : float
+        Low end of the band of the learnt responses: 20 kHz is filtered, 0.2 kHz unfiltered (unverified defaults).
+    f_max_hz : float
+        High end of the band of the learnt responses: 60 kHz (unverified default).
     reversal_s : float, optional
         T, at most `setup.learnt_s`; by default that, or the repetition time, so that no drives overlap.
     voltage_max_v : float
@@ -229,15 +229,16 @@ class FocusTrain:
     modulation : {"voltage", "burst"}
         Whether the voltage or the length of the burst makes a focus weaker.
     supply_v : float, optional
-        Above 0: the level too is made by the lengths of bursts, at this voltage and off, for amplifiers that switch (a
-        bench with a `packed` output sets it), whatever `voltage_max_v` and `modulation`; by default by the voltage.
-    repetition_hz, train_s : float, optional
-        Foci per second, and how long a train lasts, in place of the pattern's.
-    envelope, envelope_table : optional
-        Weights of the foci, by name or at equal steps over the train, in place of the pattern's.
+        Voltage of an amplifier that switches, above 0: the lengths of bursts set the level (a `packed` output sets it).
+    repetition_hz : float, optional
+        Number of foci per second, in place of the pattern's.
+    train_s : float, optional
+        Duration of a train, in place of the pattern's.
+    envelope : optional
+        Name of the weights of the foci, in place of the pattern's.
+    envelope_table : optional
+        Weights of the foci at equal steps over the train, in place of the pattern's.
 
-    Examples
-    --------
     >>> stimulus = FocusTrain(Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3), f_max_hz=20e3)
     >>> signal = stimulus.at(0.0)
     >>> signal.samples.shape, round(signal.duration_s * 1e3, 3)
@@ -333,8 +334,6 @@ def measured(train: FocusTrain, heard: Responses) -> TimeReversalStimulus:
     InvalidParameter
         If the responses are of more points, no displacements, too short, or sampled too slowly for the band.
 
-    Examples
-    --------
     >>> setup = Setup(n_transducers=8, modes_to_hz=22e3, rate_hz=50e3)
     >>> train = FocusTrain(setup, f_max_hz=20e3)
     >>> found = measured(train, setup.responses_at(*setup.focus_m))

@@ -30,8 +30,10 @@ class Place:
 
     Parameters
     ----------
-    x_m, y_m : float, optional
-        Where it is; by default as the setup's focus.
+    x_m : float, optional
+        Place along the length. Default: the setup's focus.
+    y_m : float, optional
+        Place along the width. Default: the setup's focus.
     """
 
     x_m: float | None = None

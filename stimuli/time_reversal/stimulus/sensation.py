@@ -67,11 +67,18 @@ class TimeReversalSensation:
         as the thesis found, or that under the finger's load, exact for a linear contact. That a finger can be thrown
         off does not decide between them: `one_sided_contact` loses as much at the focus. Of vibrations of some hundred
         hertz others find an effect of force, so that either may be asked for.
-    resistance_n_s_per_m, mass_kg, stiffness_n_per_m, exponent
-        The finger of ``loaded`` at 2 N and its growth with force, as in `Fingertip`; unverified defaults, which lose
-        31 % at 2 N.
-    finger_x_m, finger_y_m : float, optional
-        Where the finger is; by default at the focus.
+    resistance_n_s_per_m
+        As in `Fingertip`, of the finger of ``loaded``; unverified default.
+    mass_kg
+        As in `Fingertip`, of the finger of ``loaded``; unverified default.
+    stiffness_n_per_m
+        As in `Fingertip`, of the finger of ``loaded``; unverified default.
+    exponent
+        Growth of these three with force; the defaults lose 31 % at 2 N.
+    finger_x_m : float, optional
+        Place of the finger along the length. Default: at the focus.
+    finger_y_m : float, optional
+        Place of the finger along the width. Default: at the focus.
 
     Examples
     --------
@@ -115,8 +122,10 @@ class FocusReading:
         What presses: a finger, a soft tip or a rigid one, as `Contactor` has them; unverified defaults.
     diameter_m : float
         Of a soft or rigid contactor, above 0.
-    x_m, y_m : float, optional
-        Where it presses; by default at the focus.
+    x_m : float, optional
+        Place of the finger along the length. Default: at the focus.
+    y_m : float, optional
+        Place of the finger along the width. Default: at the focus.
 
     Examples
     --------

@@ -26,16 +26,22 @@ class Setup(GlassPanel):
     ----------
     glass : str
         A name of `tactometry.stimuli.time_reversal.plate.glass.GLASSES`.
-    length_m, width_m, thickness_m : float
-        Above 0.
+    length_m : float
+        Length of the plate (x), above 0.
+    width_m : float
+        Width of the plate (y), above 0.
+    thickness_m : float
+        Thickness of the plate, above 0.
     boundary : str
         Four letters, as in `Plate`.
     n_transducers : int
         Square patches of `side_m`, their centres `inset_m` from the edges, with `moment_n_per_v`.
     tau_s : float
         Time constant of the amplitude of every mode, above 0.
-    focus_x_m, focus_y_m : float
-        A point of the plate.
+    focus_x_m : float
+        Place of the focus along the length of the plate.
+    focus_y_m : float
+        Place of the focus along the width of the plate.
     rate_hz : float
         Samples per second of drives and responses.
     modes_to_hz : float
@@ -44,8 +50,10 @@ class Setup(GlassPanel):
         Length of the learnt responses: the longest reversal time.
     shear_factor : float, optional
         Mindlin's (5/6); by default a thin plate.
-    inset_m, side_m : float
-        Of the patches: their centres from the edges, their sides.
+    inset_m : float
+        Distance of the patches' centres from the edges.
+    side_m : float
+        Side of a square patch.
     moment_n_per_v : float
         Bending moment of a patch per length of its outline and volt.
 

@@ -40,8 +40,10 @@ class Gain(Measured):
         Peak voltage at the connector for a sample of 1.0, V, above 0.
     amplifier_gain : float
         Voltage at the load over voltage at the connector, above 0.
-    measured_on, measured_by : date, str, optional
-        When, and by whom.
+    measured_on : date, str, optional
+        Date of the measurement.
+    measured_by : date, str, optional
+        Who made the measurement.
     max_age_days : int or Unlimited
         How old the measurement may be.
     measured_with : str, optional

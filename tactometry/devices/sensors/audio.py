@@ -19,7 +19,7 @@ class AudioInputSettings(SensorSettings):
     Parameters
     ----------
     rate_hz : float
-        Of the card.
+        Sampling rate of the sound card's input.
     device : str
         The card, as the system calls it.
     n_channels : int

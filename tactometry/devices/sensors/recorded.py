@@ -28,7 +28,7 @@ class RecordedSettings(SensorSettings):
     path : str
         A CSV file, from where the program runs.
     rate_hz : float
-        Of its samples.
+        Sampling rate of the recording.
     n_channels : int
         How many columns follow ``time_s``.
     """

@@ -27,7 +27,7 @@ class SerialSettings(SensorSettings):
     n_channels : int
         How many values a sample has.
     baud : int
-        Of the line.
+        Symbol rate of the serial line.
     """
 
     port: str

@@ -89,12 +89,20 @@ class ForceCalibration(Measured):
         What the sensor counts without a force.
     polynomial : tuple of float, optional
         Coefficients of rising power, N, N per count and so on; it rises or falls from `count_low` to `count_high`.
-    table_counts, table_forces_n : tuple of float, optional
-        Rising counts and the force of each, which rises or falls with them; straight lines between them.
-    count_low, count_high : float, optional
-        Where the sensor saturates.
-    measured_on, measured_by, max_age_days
-        When and by whom, and how old it may be.
+    table_counts : tuple of float, optional
+        Rising counts of a calibration curve of straight lines.
+    table_forces_n : tuple of float, optional
+        Force at each of the `table_counts`, rising or falling with them.
+    count_low : float, optional
+        Count at which the sensor saturates at the low end.
+    count_high : float, optional
+        Count at which the sensor saturates at the high end.
+    measured_on
+        Date of the calibration.
+    measured_by
+        Who made the calibration.
+    max_age_days
+        Age from which the calibration is refused.
 
     Examples
     --------
@@ -177,13 +185,24 @@ def streamed_force(reader: Reader, channel: int, calibration: ForceCalibration) 
 
 
 def streamed_position(
-    reader: Reader, channels: tuple[int, ...], metres_per_count: float, zero_counts: tuple[float, ...] = ()
+    reader: Reader,
+    channels: tuple[int, ...],
+    metres_per_count: float,
+    zero_counts: tuple[float, ...] = (),
+    known: tuple[float, float] = (-math.inf, math.inf),
 ) -> StreamedSensor:
-    """A position sensor on one channel per axis; `zero_counts` (default 0) is where a position is 0."""
+    """Return a position sensor with one channel per axis, whose position is 0 at `zero_counts` (default 0).
+
+    Counts outside of `known`, as those of an overload, become NaN, a lost sample.
+    """
     columns, zero = np.array(channels), np.array(zero_counts or (0.0,) * len(channels))
-    return StreamedSensor(
-        reader, lambda counts: _within((counts.take(columns, axis=1) - zero) * metres_per_count, LARGEST_PLACE_M)
-    )
+
+    def place_m(counts: FloatArray) -> FloatArray:
+        taken = counts.take(columns, axis=1)
+        is_known = (taken >= known[0]) & (taken <= known[1])
+        return _within(np.where(is_known, (taken - zero) * metres_per_count, np.nan), LARGEST_PLACE_M)
+
+    return StreamedSensor(reader, place_m)
 
 
 def _within(values: FloatArray, largest: float) -> FloatArray:

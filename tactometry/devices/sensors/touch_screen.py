@@ -40,7 +40,7 @@ class TouchSettings(SensorSettings):
     Parameters
     ----------
     path : str
-        Such as ``/dev/input/event5``.
+        Device file of the touch screen, such as ``/dev/input/event5``.
     rate_hz : float
         How often it reports a finger that moves.
     """

@@ -34,13 +34,13 @@ class UdpSettings(SensorSettings):
     Parameters
     ----------
     address : str
-        Of the sensor.
+        Network address of the sensor.
     rate_hz : float
         Of the samples that it sends.
     sensor_rate_hz : float
         Of its own samples, of which it may send each n-th.
     port : int
-        Of the sensor.
+        UDP port of the sensor.
     """
 
     address: str

@@ -4,11 +4,10 @@ import queue
 
 import pytest
 from patience import LONGEST_WAIT_S
-from study_texts import changed
+from study_texts import TUTORIAL, changed
 
 from tactometry.errors import InvalidParameter, Stopped
 from tactometry.experiments.guest.guest import Guest
-from tactometry.experiments.study.study_file import load
 from tactometry.rigs.pages.page import Text
 from tactometry.rigs.window import Window
 
@@ -89,9 +88,6 @@ def experiment(screen):
     from psychopy import data
 
     return data.ExperimentHandler("mine", savePickle=False, saveWideText=False)
-
-
-TUTORIAL = load("tutorial")[1].decode()
 
 
 def rows_of(experiment, form):

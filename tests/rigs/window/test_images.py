@@ -5,9 +5,9 @@ from dataclasses import replace
 import pytest
 from command_line import call
 from PIL import Image as Pillow
+from study_texts import TUTORIAL
 
 from tactometry.errors import TactometryError
-from tactometry.experiments.study.study_file import builtin
 from tactometry.provenance import sha256
 from tactometry.rigs.bench import Bench
 from tactometry.rigs.device_rig import Equipment
@@ -16,7 +16,6 @@ from tactometry.rigs.pages.page import Picture
 from tactometry.rigs.texts import texts_in
 from tactometry.session.request import Show
 
-TUTORIAL = builtin()["tutorial"].read_text("utf-8")
 RED, BLUE = (255, 0, 0), (0, 0, 255)
 
 

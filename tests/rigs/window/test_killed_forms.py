@@ -4,13 +4,12 @@ import time
 from contextlib import contextmanager
 
 from patience import LONGEST_WAIT_S
-from study_texts import changed
+from study_texts import TUTORIAL, changed
 from tables import trial_rows
 from window_sitting import tactometry
 
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.data_sets.validation import validate
-from tactometry.experiments.study.study_file import load
 
 RATED = {
     'duration_s = "500 ms"': 'duration_s = "100 ms"',
@@ -43,7 +42,7 @@ def sitting(*arguments):
 
 
 def test_a_kill_on_page_two_goes_on_there_with_what_was_marked(display, tmp_path):
-    (tmp_path / "s.toml").write_text(changed(load("tutorial")[1].decode(), RATED), "utf-8")
+    (tmp_path / "s.toml").write_text(changed(TUTORIAL, RATED), "utf-8")
     run = ("run", tmp_path / "s.toml", "--participant", "P01", "--rig", "bench", "--seed", "7", "--out", tmp_path / "d")
 
     def kept(what):

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 from hard_cases import exact_case
+from study_texts import TUTORIAL
 from tables import trial_rows
 from window_sitting import any_keys, sit, tactometry
 
 from tactometry.experiments.data_sets.replaying import replay_data_set
 from tactometry.experiments.data_sets.validation import validate
-from tactometry.experiments.study.study_file import load
 
 SHORT = {
     'duration_s = "500 ms"': 'duration_s = "100 ms"',
@@ -43,7 +43,7 @@ class Sitting:
 @pytest.fixture(scope="module")
 def sitting(display, tmp_path_factory):
     folder = tmp_path_factory.mktemp("session")
-    text = load("tutorial")[1].decode()
+    text = TUTORIAL
     for old, new in SHORT.items():
         assert old in text
         text = text.replace(old, new)

@@ -6,8 +6,7 @@ import threading
 import numpy as np
 import pytest
 from chromium import PROGRAM, chromium
-from short_studies import text_of
-from study_texts import changed
+from study_texts import TUTORIAL, changed
 from tables import trial_rows
 from whole_sitting import asked_to_end, sitting
 
@@ -21,7 +20,7 @@ SHORT = {"frequency_hz = [60, 240]": "frequency_hz = [60]", "repeats = 4": "repe
 @pytest.mark.skipif(PROGRAM is None, reason="no Chromium is installed")
 def test_the_page_follows_a_finger_at_the_window(display, tmp_path):
     (tmp_path / "browser").mkdir()
-    study = changed(text_of("tutorial"), SHORT)
+    study = changed(TUTORIAL, SHORT)
     with sitting(tmp_path, study, "en", display) as seat, chromium(tmp_path / "browser") as tab:
         process = seat.run("--watch")
         url = re.search(r"http://127\.0\.0\.1:\d+/\S+/", process.stderr.readline())[0]

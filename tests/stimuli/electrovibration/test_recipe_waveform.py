@@ -7,8 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
-
-from tactometry.experiments.study.study_file import load
+from study_texts import TUTORIAL
 
 FILE = '''
 """A sawtooth, as it would stand in stimuli/electrovibration/waveforms/sawtooth.py."""
@@ -59,7 +58,7 @@ def added(tmp_path_factory):
     """What a fresh program does that finds the file and the line."""
     folder = tmp_path_factory.mktemp("sawtooth")
     (folder / "sawtooth.py").write_text(FILE)
-    study = load("tutorial")[1].decode().replace('kind = "amplitude_modulated"', 'kind = "sawtooth"')
+    study = TUTORIAL.replace('kind = "amplitude_modulated"', 'kind = "sawtooth"')
     (folder / "good.toml").write_text(study)
     (folder / "mistyped.toml").write_text(study.replace('"sawtooth"', '"sawtoth"'))
     data = str(folder / "d")

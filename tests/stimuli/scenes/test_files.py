@@ -198,7 +198,7 @@ def test_the_plan_in_words_opens_with_what_is_taken_for_granted():
     found = load_scene(path_of("a4-screen"))
     given = replace(found.scene, outputs=("peak_m",))
     said = " ".join(explanation(given, found.given).partition("\nStage")[0].split())
-    assert said.startswith("taken for granted: edges simply supported all around; a thin plate, without shear")
+    assert said.startswith("assumptions: edges simply supported all around; a thin plate, without shear")
     assert "patches have neither mass nor stiffness" in said
     assert "it pulls as well as it presses" in said
     assert "transducers that push at points" not in said  # 'patches' takes its place

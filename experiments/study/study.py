@@ -1,0 +1,299 @@
+"""The tables of a study: the numbers of one experiment."""
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from math import inf, isfinite, prod
+from pathlib import Path
+from typing import Any
+
+from tactometry.arguments.require import expect, first_repeat, one_of, positive, without_none
+from tactometry.arguments.unlimited import warning_of
+from tactometry.config.strict import build
+from tactometry.errors import InvalidParameter, nearest, rewording
+from tactometry.observers.finger import SimulatedFinger
+from tactometry.rigs.images import ImageTable
+from tactometry.safety.limits import Limits
+from tactometry.trials.cell_rules import STUDY
+from tactometry.trials.cells import cell
+from tactometry.trials.columns import RESERVED
+
+from .prompts import Prompt, check_prompt
+
+Levels = tuple[float | str, ...]
+
+
+@dataclass(frozen=True)
+class PlanTable:
+    """How the cells of the design become sessions and blocks, beside `counterbalance`.
+
+    Parameters
+    ----------
+    between : tuple of str
+        Factors of which a participant meets one level only, by the number.
+    sessions : tuple of str
+        Factors of which each session holds one level.
+    interleave : tuple of str
+        Factors whose levels are interleaved in one block, as tracks.
+    orders : mapping of str to tuple of str
+        Factors by the rule of their order: ``williams`` (as those in `counterbalance`), ``complete``, ``random``;
+        others are fixed.
+    longest_s : float or None
+        No block begins later in a session.
+    """
+
+    between: tuple[str, ...] = ()
+    sessions: tuple[str, ...] = ()
+    interleave: tuple[str, ...] = ()
+    orders: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    longest_s: float | None = None
+
+    def __post_init__(self) -> None:
+        positive("PlanTable", **without_none({"longest_s": self.longest_s}))
+
+    @property
+    def rules(self) -> dict[str, str]:
+        """The rule of each factor that has one here."""
+        return {name: rule for rule, names in self.orders.items() for name in names}
+
+    @property
+    def named(self) -> tuple[tuple[str, str], ...]:
+        """Each factor that is named, with where."""
+        lists = {"between": self.between, "sessions": self.sessions, "interleave": self.interleave}
+        orders = {f"orders.{rule}": names for rule, names in self.orders.items()}
+        return tuple((key, name) for key, names in (lists | orders).items() for name in names)
+
+
+@dataclass(frozen=True)
+class InquiryTable:
+    """A questionnaire on its own, after the start, each block or the session, under its stem or another `prompt`; with
+    `identifies` questions about a person may be answered by a number, which could tell who that is.
+
+    Parameters
+    ----------
+    form : str
+        The questionnaire: a shipped one, or one of `[forms]`.
+    after : str
+        When it comes: after the ``start``, each ``block`` or the ``session``.
+    shuffled : bool
+        Whether its items come in an order drawn for each participant.
+    prompt : str or mapping of str to str
+        What opens its pages in place of its stem: a text, or one for each language.
+    identifies : bool
+        Allow numbers about a person, which could tell who that is.
+    """
+
+    form: str
+    after: str = "session"
+    shuffled: bool = False
+    prompt: Prompt = ""
+    identifies: bool = False
+
+    def __post_init__(self) -> None:
+        check_prompt(self.prompt, "InquiryTable.prompt")
+        one_of("InquiryTable.after", self.after, ("start", "block", "session"))
+
+
+@dataclass(frozen=True)
+class Study:
+    """One experiment.
+
+    Tables whose keys depend on their `kind` are kept as they stand and built in `cells`.
+
+    `scene` is the physics between stimulus and skin, in place of the default formula that `sensation` states. `nested`
+    gives the levels of a factor within a level of another; `variants` what a factor's level changes in the tables of
+    stimulus, touch, procedure, sensation and scene; `forms` are questionnaires of the study's own; `texts` are what
+    participants read in place of the shipped words, and `translations` the same by language, above them, `images`
+    stand beside those words; with `consent` nothing is asked of a participant who does not agree to take part;
+    `analysis` is a plan of analysis (`tactometry.analysis.plan.AnalysisPlan`), stated before the data.
+
+    Parameters
+    ----------
+    name : str
+        Small letters and digits joined by hyphens: it stands in names of files and in the column `study`.
+    title : str
+        What reports and lists call it.
+    description : str
+        A sentence or two for whoever meets the data.
+    task : mapping
+        ``kind`` of task, and its keys: what a participant is asked.
+    factors : mapping of str to list
+        The conditions by name, each with its levels: all combinations are run.
+    stimulus : mapping
+        ``kind`` of stimulus, and its keys: what is played.
+    touch : mapping
+        ``kind`` of touch, and its keys: how it is felt.
+    procedure : mapping
+        ``kind`` of procedure, and its keys: which level comes next.
+    limits : Limits
+        What no signal may exceed.
+    counterbalance : tuple of str
+        Factors whose order changes with the participant's number, the outer one first.
+    trial_s : float
+        How long a trial is thought to last, for the estimate of `run --dry-run`.
+    consent : bool
+        Ask whether a participant agrees to take part; without a yes nothing is asked.
+    plan : PlanTable
+        Table of the sessions, groups and orders of participants.
+    nested : mapping
+        Levels of a factor within a level of another.
+    variants : mapping
+        What a level of a factor changes in the tables of stimulus, touch, procedure, sensation and scene.
+    practice : mapping
+        Easy trials before the first block.
+    inquiries : mapping of str to InquiryTable
+        Questionnaires on their own, by name.
+    forms : mapping
+        Questionnaires of the study's own, by name, or the `path` of the file of each.
+    scene : mapping
+        What lies between stimulus and skin of simulated participants, in place of `sensation`.
+    sensation : mapping
+        What simulated participants feel of the stimulus.
+    observer : mapping
+        How simulated participants decide.
+    finger : SimulatedFinger
+        How simulated participants touch.
+    texts : mapping of str to str
+        What participants read in place of the shipped words, by message.
+    translations : mapping
+        The same by language, above `texts`.
+    images : mapping of str to ImageTable
+        Pictures on pages, by message.
+    analysis : mapping
+        A plan of analysis, stated before the data.
+    """
+
+    name: str
+    title: str
+    description: str
+    task: dict[str, Any]
+    factors: dict[str, Levels]
+    stimulus: dict[str, Any]
+    touch: dict[str, Any]
+    procedure: dict[str, Any]
+    limits: Limits
+    counterbalance: tuple[str, ...] = ()
+    trial_s: float = 5.0
+    consent: bool = False
+    plan: PlanTable = field(default_factory=PlanTable)
+    nested: dict[str, dict[str, dict[str, Levels]]] = field(default_factory=dict)
+    variants: dict[str, dict[str, dict[str, dict[str, Any]]]] = field(default_factory=dict)
+    practice: dict[str, Any] = field(default_factory=dict)
+    inquiries: dict[str, InquiryTable] = field(default_factory=dict)
+    forms: dict[str, dict[str, Any]] = field(default_factory=dict)
+    scene: dict[str, Any] = field(default_factory=dict)
+    sensation: dict[str, Any] = field(default_factory=dict)
+    observer: dict[str, Any] = field(default_factory=dict)
+    finger: SimulatedFinger = field(default_factory=SimulatedFinger)
+    texts: dict[str, str] = field(default_factory=dict)
+    translations: dict[str, dict[str, str]] = field(default_factory=dict)
+    images: dict[str, ImageTable] = field(default_factory=dict)
+    analysis: dict[str, Any] = field(default_factory=dict)
+    _folder: Path = field(default=Path(), repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        is_name = STUDY.fullmatch(self.name) is not None
+        expect(is_name, "name", repr(self.name), "words of small letters and digits joined by hyphens")
+        expect(len(self.name) <= LONGEST_NAME, "name", f"{len(self.name)} letters", f"at most {LONGEST_NAME}")
+        expect(0 < self.trial_s < inf, "trial_s", f"{self.trial_s:g}", "above 0")
+        _check_factors(self.factors)
+        for n, name in enumerate(self.counterbalance):
+            if name not in self.factors or name in self.counterbalance[:n]:
+                raise no_such(f"counterbalance[{n}]", name, "each factor at most once", self.factors)
+        _check_plan(self)
+        if self.analysis:
+            _check_analysis(self)
+
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """What the study allows and a session should be told."""
+        return tuple(f"study, {warning_of(f'limits.{name}')}" for name in self.limits.switched_off)
+
+    def beside(self, path: str) -> str:
+        """Return the path of a file that the study names, relative to the study file.
+
+        A data set contains a copy of the study without its files: these are then found from the current folder.
+        """
+        located = self._folder / path
+        return path if Path(path).exists() and not located.exists() else str(located)
+
+    def words_in(self, language: str) -> dict[str, str]:
+        """The texts of the study in a language of two letters: its translations above the rest."""
+        return self.texts | self.translations.get(language, {})
+
+
+def _check_analysis(study: Study) -> None:
+    from tactometry.analysis.plan import AnalysisPlan
+
+    with rewording(lambda words: words if words.startswith("analysis") else f"analysis.{words}"):
+        build(AnalysisPlan, study.analysis, "analysis").check(list(study.factors))
+
+
+def _check_factors(factors: Mapping[str, tuple[float | str, ...]]) -> None:
+    for name, levels in factors.items():
+        path = f"factors.{name}"
+        expect(name not in RESERVED, path, "a name that is a column of every trials table", "another")
+        expect(len(levels) > 0, path, "an empty list", "at least one level")
+        _check_levels(path, levels)
+    n_cells = prod(map(len, factors.values()))
+    expect(n_cells <= MOST_CELLS, "factors", f"{n_cells} combinations of levels", f"at most {MOST_CELLS}")
+
+
+def _check_levels(path: str, levels: Levels) -> None:
+    for n, level in enumerate(levels):
+        if isinstance(level, str):
+            is_line = bool(level.strip()) and level.isprintable()
+            expect(is_line, f"{path}[{n}]", repr(level), "a text of one line that says something")
+        else:
+            expect(isfinite(level), f"{path}[{n}]", level, "a finite number or a text")
+    n_again = first_repeat(_texts(levels))  # a number and its text name the same level of a nested or varied table
+    if n_again is not None:
+        raise InvalidParameter(f"{path}[{n_again}]: found {levels[n_again]!r} twice, expected each level once")
+
+
+def _check_plan(study: Study) -> None:
+    """Whether plan, nested levels and variants speak of factors and levels that are there."""
+    for key, name in study.plan.named:
+        _check_name(name, study.factors, f"plan.{key}", "a factor")
+    _check_places(study.plan)
+    for outer, by_level in study.nested.items():
+        _check_name(outer, study.factors, "nested", "a factor")
+        for level, inner in by_level.items():
+            _check_name(level, _texts(study.factors[outer]), f"nested.{outer}", "one of its levels")
+            for name in inner:
+                _check_name(name, study.factors, f"nested.{outer}.{level}", "a factor")
+            _check_factors(inner)
+    for name, changes in study.variants.items():
+        _check_name(name, study.factors, "variants", "a factor")
+        for level, tables in changes.items():
+            _check_name(level, _texts(study.factors[name]), f"variants.{name}", "one of its levels")
+            for table in tables:
+                _check_name(table, VARIED, f"variants.{name}.{level}", "a table")
+
+
+def _check_places(plan: PlanTable) -> None:
+    """Whether each factor has one place at most: between participants, between sessions or within a block."""
+    placed: dict[str, str] = {}
+    for key in ("between", "sessions", "interleave"):
+        for name in getattr(plan, key):
+            twice = f"{name!r}, which stands in plan.{placed.get(name)} too"
+            expect(name not in placed, f"plan.{key}", twice, "each factor once")
+            placed[name] = key
+
+
+LONGEST_NAME, MOST_CELLS = 100, 2000
+"""A study's name stands in names of files; each combination of levels is wired and asked."""
+VARIED = ("stimulus", "touch", "procedure", "sensation", "scene")
+
+
+def _texts(levels: Levels) -> list[str]:
+    return [cell(level) for level in levels]
+
+
+def _check_name(name: str, known: Collection[str], where: str, what: str) -> None:
+    if name not in known:
+        raise no_such(where, name, what, known)
+
+
+def no_such(where: str, name: str, what: str, known: Collection[str]) -> InvalidParameter:
+    """What is said of a name that is not `what` was expected, with those that are known and the nearest of them."""
+    return InvalidParameter(f"{where}: found {name!r}, expected {what} ({', '.join(known)}){nearest(name, known)}")
