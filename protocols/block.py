@@ -12,6 +12,7 @@ from tactometry.session.answer import Touched
 from tactometry.session.intervention import Intervention
 from tactometry.session.request import Intervene, Record, Show
 from tactometry.session.run import Course
+from tactometry.trials.tasks import EASY
 from tactometry.trials.trial import Trial
 
 from .block_state import BlockOptions, BlockState, PartCourse, Slot, Track, catch_schedule, turns
@@ -200,11 +201,12 @@ def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: Tria
     # Where no touch is the one whose level counts, the first stands for the trial.
     touch = outcome.stimulus or next(iter(outcome.touches), UNTOUCHED)
     is_catch, answer = slot.level is None, reply.answer
+    rule = EASY if track.procedure.is_easy and not is_catch else track.procedure.name
     return Trial(
         block=number,
         trial=slot.trial,
         factors={**track.condition.factors, **outcome.factors},
-        procedure=outcome.rule or track.procedure.name,
+        procedure=outcome.rule or rule,
         level=slot.level,
         level_unit=track.condition.level_unit,
         task=block.task.name,

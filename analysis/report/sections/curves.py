@@ -83,7 +83,7 @@ def _tracks(analysis: Analysis, code: str) -> Iterator[tuple[str, Figure]]:
     draw = partial(psychophysics.track_figure, rows, analysis.factors, unit=analysis.unit)
     kinds = ", ".join(procedure_name(name) for name in sorted(set(rows["procedure"])))
     filled = " or ".join(CURVES[task].success for task in sorted(set(rows["task"])))
-    text = f"{code}: tracks ({kinds}); filled: {filled}, open: not; catch trials are left out."
+    text = f"{code}: tracks ({kinds}); filled: {filled}, open: not; catch trials and easy trials are left out."
     yield f"{code}: tracks", Figure(f"{code}_tracks", draw, text, "tracks", ("participant", code))
 
 
