@@ -11,6 +11,7 @@ from ...figures.curves import curve_figure
 from ...result import Analysis
 from ...tasks.cells import MAX_LEVELS
 from ...tasks.kinds import CURVES
+from ...tasks.lapses import LAPSES
 from ...wording import procedure_name
 from ..section import Details, Figure, ResultKind, Section, grid, rows_of
 
@@ -94,4 +95,4 @@ def _estimates_shown(analysis: Analysis) -> pd.DataFrame:
     return table[[name for name in wanted if name in table.columns]]
 
 
-KIND = ResultKind(_sections, values=rows_of("thresholds"))
+KIND = ResultKind(_sections, values=rows_of("thresholds", LAPSES))
