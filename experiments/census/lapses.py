@@ -9,9 +9,8 @@ import numpy as np
 from scipy.stats import ttest_rel
 
 from tactometry.analysis.tasks.cell import Cell, Estimate
-from tactometry.analysis.tasks.kinds import CURVES
+from tactometry.analysis.tasks.cells import estimates
 from tactometry.analysis.tasks.lapses import lapse_table
-from tactometry.analysis.threshold.fitting import fit_many
 from tactometry.protocols import with_easy_trials
 from tactometry.protocols.procedures.procedure import Rule
 from tactometry.psychometric import PsychometricFunction
@@ -55,8 +54,7 @@ def study(rule: Rule[Any], share: float, lapse_rates: Sequence[float], rng: np.r
             yes, trials = np.bincount(places, answers).astype(int), np.bincount(places)
             counts = tuple(known.tolist()), tuple(yes.tolist()), tuple(trials.tolist())
             cells.append(Cell(f"P{n}", (condition,), TASK, *counts, n_catch=0, n_false_alarms=0))
-    fits = [fit_many(one.levels, [one.n_yes], one.n_trials, **CURVES[TASK].options(2, UNIT))[0] for one in cells]
-    return [Estimate(cell, fit) for cell, fit in zip(cells, fits, strict=True)]
+    return estimates(cells, UNIT)
 
 
 def lapse_census(n_studies: int, rng: np.random.Generator) -> Iterator[dict[str, float | str]]:
@@ -73,10 +71,10 @@ def lapse_census(n_studies: int, rng: np.random.Generator) -> Iterator[dict[str,
                 yield {"rule": name, "first": lapse_rates[0], "second": lapse_rates[1], "share": share, **means}
 
 
-def _judged(estimates: Sequence[Estimate]) -> dict[str, float]:
-    thresholds = np.array([one.fit.threshold for one in estimates], dtype=float).reshape(-1, N_PEOPLE)
+def _judged(found: Sequence[Estimate]) -> dict[str, float]:
+    thresholds = np.array([one.fit.threshold for one in found], dtype=float).reshape(-1, N_PEOPLE)
     first, second = thresholds[:, ~np.isnan(thresholds).any(axis=0)]
-    p = lapse_table(estimates, ["condition"])["p"].iloc[0]
+    p = lapse_table(found, ["condition"])["p"].iloc[0]
     return {
         "error": float((second - first).mean()),
         "false_effects": float(ttest_rel(first, second).pvalue < 0.05),
