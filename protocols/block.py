@@ -17,6 +17,7 @@ from tactometry.trials.trial import Trial
 
 from .block_state import BlockOptions, BlockState, PartCourse, Slot, Track, catch_schedule, turns
 from .interventions import BETWEEN, heard, not_asked_again
+from .procedures.procedure import Procedure
 from .tasks.task import Presentation, Reply, Task, TrialOutcome
 
 FEEDBACK_S = 0.7
@@ -201,12 +202,11 @@ def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: Tria
     # Where no touch is the one whose level counts, the first stands for the trial.
     touch = outcome.stimulus or next(iter(outcome.touches), UNTOUCHED)
     is_catch, answer = slot.level is None, reply.answer
-    rule = EASY if track.procedure.is_easy and not is_catch else track.procedure.name
     return Trial(
         block=number,
         trial=slot.trial,
         factors={**track.condition.factors, **outcome.factors},
-        procedure=outcome.rule or rule,
+        procedure=outcome.rule or _rule_name(track.procedure, is_catch=is_catch),
         level=slot.level,
         level_unit=track.condition.level_unit,
         task=block.task.name,
@@ -239,3 +239,8 @@ def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: Tria
         separation_m=outcome.separation_m,
         error_m=outcome.error_m,
     )
+
+
+def _rule_name(procedure: Procedure, *, is_catch: bool) -> str:
+    """What chose the level of a presentation, as the column `procedure` has it."""
+    return EASY if procedure.is_easy and not is_catch else procedure.name

@@ -18,8 +18,8 @@ TASKS = tuple(name for name, curve in CURVES.items() if not curve.has_difference
 LAPSES = "lapse_rates"
 """The name of the table."""
 ALPHA = 0.05
-RATES = np.linspace(0.0, 0.3, 61)
-N_THRESHOLDS, N_WIDTHS, NARROWEST, WIDEST = 41, 10, 20.0, 3.0
+RATES = np.linspace(0.0, 0.3, 31)
+N_THRESHOLDS, N_WIDTHS, NARROWEST, WIDEST = 61, 15, 20.0, 3.0
 """Grid over which the likelihood is maximised; widths are a part of the range of the levels to a multiple of it."""
 LEAST = 1e-9
 
@@ -59,14 +59,15 @@ def _tested(conditions: pd.DataFrame) -> pd.DataFrame:
 def profile(estimate: Estimate) -> Array:
     """Return the log likelihood of each of `RATES`, the largest over thresholds and widths.
 
-    Thresholds are evenly spaced from half a range below the levels to half a range above them, widths in their
-    logarithm. The guess rate is the fitted one.
+    Thresholds are evenly spaced over a range of the levels about the fitted one, widths in their logarithm. The guess
+    rate is the fitted one.
     """
     cell, fit = estimate.cell, estimate.fit
     shape = shape_named(fit.shape)
-    x = np.log(cell.levels) if shape.on_log_levels else np.array(cell.levels)
+    levels, threshold = np.array(cell.levels), float(fit.threshold or 0.0)
+    x, middle = (np.log(levels), np.log(threshold)) if shape.on_log_levels else (levels, threshold)
     span = np.ptp(x)
-    thresholds = np.linspace(x.min() - span / 2, x.max() + span / 2, N_THRESHOLDS)
+    thresholds = np.linspace(middle - span / 2, middle + span / 2, N_THRESHOLDS)
     widths = np.geomspace(span / NARROWEST, WIDEST * span, N_WIDTHS)
     z = shape.z50 + (x[:, None, None] - thresholds[:, None]) / widths * shape.z_width
     felt = np.exp(shape.log_cdf(z)).reshape(len(x), -1)

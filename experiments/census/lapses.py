@@ -3,6 +3,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -57,18 +58,18 @@ def study(rule: Rule[Any], share: float, lapse_rates: Sequence[float], rng: np.r
     return estimates(cells, UNIT)
 
 
-def lapse_census(n_studies: int, rng: np.random.Generator) -> Iterator[dict[str, float | str]]:
+def lapse_census(
+    n_studies: int, rng: np.random.Generator, rules: Sequence[str] = tuple(RULES)
+) -> Iterator[dict[str, float | str]]:
     """Yield a row for each rule, pair of lapse rates and share of easy trials.
 
     `error` is the mean difference of thresholds (dB), `false_effects` the share of studies whose paired t-test has
     p < 0.05, `warned` that in which `analyse` warns of different lapse rates.
     """
-    for name, rule in RULES.items():
-        for lapse_rates in LAPSE_RATES:
-            for share in SHARES:
-                found = [_judged(study(rule, share, lapse_rates, rng)) for _ in range(n_studies)]
-                means = {key: float(np.mean([one[key] for one in found])) for key in found[0]}
-                yield {"rule": name, "first": lapse_rates[0], "second": lapse_rates[1], "share": share, **means}
+    for name, (first, second), share in product(rules, LAPSE_RATES, SHARES):
+        found = [_judged(study(RULES[name], share, (first, second), rng)) for _ in range(n_studies)]
+        means = {key: float(np.mean([one[key] for one in found])) for key in found[0]}
+        yield {"rule": name, "first": first, "second": second, "share": share, **means}
 
 
 def _judged(found: Sequence[Estimate]) -> dict[str, float]:

@@ -36,12 +36,12 @@ class PredictedJnd:
         """State it in words.
 
         >>> PredictedJnd("force_n 1", "40 dB re 1 V", 1.234).line
-        'predicted JND at the standard of 40 dB re 1 V: 1.23 dB at force_n 1 (steady touch; touches that vary add to it)'
+        'predicted JND at the standard of 40 dB re 1 V: 1.23 dB at force_n 1 (steady touch; varying ones add to it)'
         """
         where = f" at {self.condition}" if self.condition else ""
         unit = self.standard.partition(" ")[2].partition(" re ")[0]
         size = "above the highest level" if self.jnd is None else f"{self.jnd:.2f} {unit}".rstrip()
-        steady = " (steady touch; touches that vary add to it)" if self.feels_touch else ""
+        steady = " (steady touch; varying ones add to it)" if self.feels_touch else ""
         return f"predicted JND at the standard of {self.standard}: {size}{where}{steady}"
 
 
