@@ -6,7 +6,7 @@ import numpy as np
 
 from tactometry.experiments.census.lapses import RULES, lapse_census
 
-HEADS = ("rule", "lapses / %", "easy trials / %", "difference / dB", "false effects / %", "warned / %")
+HEADS = ("rule", "lapses / %", "easy trials / %", "difference / dB", "false effects / %", "lapses detected / %")
 
 
 def main() -> None:
@@ -19,7 +19,7 @@ def main() -> None:
     print("| " + " | ".join(HEADS) + " |\n|" + "---|" * len(HEADS))
     for row in lapse_census(said.studies, np.random.default_rng(said.seed), rules):
         lapses = f"{100 * row['first']:g} and {100 * row['second']:g}"
-        shares = f"{100 * row['false_effects']:.1f} | {100 * row['warned']:.1f}"
+        shares = f"{100 * row['false_effects']:.1f} | {100 * row['detected']:.1f}"
         cells = [row["rule"], lapses, f"{100 * row['share']:g}", f"{row['error']:+.2f}", shares]
         print("| " + " | ".join(cells) + " |", flush=True)
 

@@ -11,7 +11,7 @@ from scipy.stats import ttest_rel
 
 from tactometry.analysis.tasks.cell import Cell, Estimate
 from tactometry.analysis.tasks.cells import estimates
-from tactometry.analysis.tasks.lapses import lapse_table
+from tactometry.analysis.tasks.lapses import ALPHA, lapse_table
 from tactometry.protocols import with_easy_trials
 from tactometry.protocols.procedures.procedure import Rule
 from tactometry.psychometric import PsychometricFunction
@@ -64,7 +64,7 @@ def lapse_census(
     """Yield a row for each rule, pair of lapse rates and share of easy trials.
 
     `error` is the mean difference of thresholds (dB), `false_effects` the share of studies whose paired t-test has
-    p < 0.05, `warned` that in which `analyse` warns of different lapse rates.
+    p < 0.05, `detected` that in which the test of equal lapse rates has.
     """
     for name, (first, second), share in product(rules, LAPSE_RATES, SHARES):
         found = [_judged(study(RULES[name], share, (first, second), rng)) for _ in range(n_studies)]
@@ -79,5 +79,5 @@ def _judged(found: Sequence[Estimate]) -> dict[str, float]:
     return {
         "error": float((second - first).mean()),
         "false_effects": float(ttest_rel(first, second).pvalue < 0.05),
-        "warned": float(p < 0.05),
+        "detected": float(p < ALPHA),
     }
