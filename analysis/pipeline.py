@@ -28,9 +28,10 @@ from .report.study_text import study_text
 from .result import Analysis
 from .tasks import cells
 from .tasks.applied_force import force_of_participants, force_table, has_force
-from .tasks.cell import Cell, Estimate
+from .tasks.cell import Estimate
 from .tasks.goodness import SEED, goodness_columns, goodness_table
 from .tasks.kinds import ANALYSES, CURVES, RESULTS
+from .tasks.lapses import LAPSES, lapse_table
 from .tasks.rule_estimate import Replay, rule_columns, tracks
 from .tasks.standard import FLOORS, TESTS, lowest_levels, standard_tests
 from .tasks.task_analysis import Results
@@ -162,7 +163,7 @@ def analyse_trials(everything: Trials, plan: AnalysisPlan | None = None, replay:
         study=study_text(everything.path, unit),
     )
     tables = {"quality": with_frames(recorded, frames(everything.path)), "excluded": excluded, **direct}
-    tables |= _curve_tables(table, every, used, judged, factors) | _force_tables(forces, factors)
+    tables |= _curve_tables(table, estimates, used, judged, factors) | _force_tables(forces, factors)
     tables |= _compared_tables(values) | {"categories": categories(trials)}
     tables |= {"sittings": sittings(origin.heads), "happenings": happenings(everything.path)}
     values = replace(values, tables={name: rows for name, rows in tables.items() if len(rows)})
@@ -227,10 +228,15 @@ def _hierarchical(
 
 
 def _curve_tables(
-    table: pd.DataFrame, every: Sequence[Cell], used: pd.DataFrame, judged: pd.DataFrame, factors: Sequence[str]
+    table: pd.DataFrame,
+    estimates: Sequence[Estimate],
+    used: pd.DataFrame,
+    judged: pd.DataFrame,
+    factors: Sequence[str],
 ) -> dict[str, pd.DataFrame]:
-    if not every:
+    if not estimates:
         return {}
+    every = [estimate.cell for estimate in estimates]
     counts = cells.count_table(every, factors)
     return {
         "thresholds": table,
@@ -241,6 +247,7 @@ def _curve_tables(
         "tracks": tracks(judged, factors),
         TESTS: standard_tests(table, used, factors),
         FLOORS: lowest_levels(every, factors),
+        LAPSES: lapse_table(estimates, factors),
     }
 
 

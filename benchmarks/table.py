@@ -30,6 +30,7 @@ LONGEST_S = 3600.0
 ELSEWHERE = {
     "census": "docs/reference/analysis.md, statuses",
     "census_comparisons": "docs/reference/analysis.md, comparisons",
+    "census_lapses": "docs/explanation/statistics.md, lapses",
     "install_size": "docs/how_to/install.md",
     "ladder_peers": "docs/explanation/cost.md",
 }

@@ -12,10 +12,12 @@ from tactometry.session.answer import Touched
 from tactometry.session.intervention import Intervention
 from tactometry.session.request import Intervene, Record, Show
 from tactometry.session.run import Course
+from tactometry.trials.tasks import EASY
 from tactometry.trials.trial import Trial
 
 from .block_state import BlockOptions, BlockState, PartCourse, Slot, Track, catch_schedule, turns
 from .interventions import BETWEEN, heard, not_asked_again
+from .procedures.procedure import Procedure
 from .tasks.task import Presentation, Reply, Task, TrialOutcome
 
 FEEDBACK_S = 0.7
@@ -204,7 +206,7 @@ def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: Tria
         block=number,
         trial=slot.trial,
         factors={**track.condition.factors, **outcome.factors},
-        procedure=outcome.rule or track.procedure.name,
+        procedure=outcome.rule or _rule_name(track.procedure, is_catch=is_catch),
         level=slot.level,
         level_unit=track.condition.level_unit,
         task=block.task.name,
@@ -237,3 +239,8 @@ def trial_row(block: Block, number: int, slot: Slot, track: Track, outcome: Tria
         separation_m=outcome.separation_m,
         error_m=outcome.error_m,
     )
+
+
+def _rule_name(procedure: Procedure, *, is_catch: bool) -> str:
+    """What chose the level of a presentation, as the column `procedure` has it."""
+    return EASY if procedure.is_easy and not is_catch else procedure.name

@@ -16,6 +16,7 @@ from ..result import Analysis
 from ..tasks.cells import CHOICES, STATED
 from ..tasks.goodness import goodness_warnings
 from ..tasks.kinds import CURVES, RESULTS
+from ..tasks.lapses import LAPSES, lapse_warnings
 from ..tasks.localisation import OF_PARTICIPANTS, conditions_of_fits
 from ..tasks.standard import FLOORS, floor_warnings
 from ..threshold.status import Status
@@ -84,6 +85,7 @@ def _curve_warnings(analysis: Analysis, estimates: pd.DataFrame) -> Iterator[str
             cells = estimates[concerned]
             yield f"{len(cells)} of {len(estimates)} cells {text} ({named_cells(cells, factors)})"
     yield from floor_warnings(analysis.table(FLOORS), factors)
+    yield from lapse_warnings(analysis.table(LAPSES), factors)
     yield from _answer_warnings(analysis.trials, estimates)
     yield from _alternatives_warnings(analysis)
 

@@ -37,6 +37,8 @@ INQUIRED = {"start": "before the first block", "block": "after each block", "ses
 TOUCHES = {"slide": "slides over the surface", "press": "presses at rest"}
 WORDS = {
     "catch_rate": "share of catch trials",
+    "easy_level": "their level",
+    "easy_share": "share of easy trials",
     "form": "questionnaire",
     "high": "highest level",
     "hold_s": "force held before each stimulus",
@@ -63,8 +65,8 @@ WORDS = {
     "voltage_peak_v": "peak voltage at most",
 }
 """What a key is called where its own words would not do."""
-SHARES = ("catch_rate", "tolerance", "speed_tolerance")
-LEVELS = ("levels", "start", "low", "high", "standard_level")
+SHARES = ("catch_rate", "easy_share", "tolerance", "speed_tolerance")
+LEVELS = ("levels", "start", "easy_level", "low", "high", "standard_level")
 PLAN = {
     "between": "Each participant met one level of {}.",
     "sessions": "Each session held one level of {}.",

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from tactometry.trials.tasks import EASY
+
 from ..reading.unfolded import COUNTED
 from .cell import Estimate
 
@@ -17,7 +19,7 @@ RUN = ("session", "study", "block")
 """What, of one participant, tells one block from another."""
 DISCARDED = 2
 """Reversals that do not count, as on the way to the threshold (Levitt 1971)."""
-FIXED = ("constant", "constant_stimuli", COUNTED)
+FIXED = ("constant", "constant_stimuli", COUNTED, EASY)
 """Procedures whose levels do not depend on the answers."""
 
 
@@ -82,6 +84,7 @@ def _mean_estimate(runs: Sequence[RuleEstimate]) -> RuleEstimate:
 
 def from_rows(run: pd.DataFrame) -> RuleEstimate:
     """The estimate of a run of which only the levels are known: the mean of a staircase's reversals."""
+    run = run[run["procedure"] != EASY] if "procedure" in run.columns else run
     names = set(run["procedure"]) if "procedure" in run.columns else set()
     name = str(next(iter(names))) if len(names) == 1 else ""
     if not name:

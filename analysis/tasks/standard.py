@@ -8,16 +8,18 @@ import pandas as pd
 from scipy.special import bdtrc
 
 from ..distributions import Student
-from ..means import mean_row
+from ..means import POSITIVE, mean_row
+from ..reading.level_scale import is_logarithm
 from ..reading.rows import numbers_of
 from ..wording import condition_name, in_unit, interval_text, p_text, percent_text
 from .cell import Cell
 from .kinds import CURVES
 
 TASKS = tuple(name for name, curve in CURVES.items() if curve.has_difference)
-STANDARD = "standard_level"
+STANDARD, UNIT = "standard_level", "level_unit"
 TESTS, FLOORS = "standard", "lowest_levels"
 """The names of both tables."""
+JND = ("jnd", "jnd_low", "jnd_high")
 FEWEST = 3
 """Fewer participants are tested one by one, each by the interval of the posterior."""
 HIGHEST_FLOOR = 0.05
@@ -26,10 +28,11 @@ FLOOR_P = 0.01
 
 
 def standard_tests(estimates: pd.DataFrame, used: pd.DataFrame, factors: Sequence[str]) -> pd.DataFrame:
-    """Test whether the points of subjective equality differ from the standard.
+    """Test whether the points of subjective equality differ from the standard, with JND and Weber fraction.
 
     A t-test of the mean difference needs `FEWEST` participants with a value in a condition. Of fewer, each one's
     `differs` says whether the standard lies outside of the 95 % interval of the posterior. Empty without a standard.
+    `weber_fraction` is the JND as a share of the standard, in amplitude where levels are logarithms.
     """
     compared = estimates[estimates["task"].isin(TASKS)] if len(estimates) else estimates
     if compared.empty or STANDARD not in used.columns:
@@ -44,7 +47,21 @@ def standard_tests(estimates: pd.DataFrame, used: pd.DataFrame, factors: Sequenc
         compared[name] = compared[of].astype(float) - compared[STANDARD]
     by = [*factors, STANDARD]
     tested = [row for key, cells in compared.groupby(by, observed=True) for row in _tests(cells, by, key)]
-    return pd.DataFrame(tested)
+    return pd.DataFrame([{**row, "weber_fraction": _weber_fraction(row, compared[UNIT].iloc[0])} for row in tested])
+
+
+def _weber_fraction(row: dict[str, Any], unit: str) -> float | None:
+    """Return the just noticeable difference as a share of the standard; None without one.
+
+    >>> round(_weber_fraction({"jnd": 1.5836, "standard_level": 40.0}, "dB re 1 V"), 4)
+    0.2
+    """
+    jnd, standard = row["jnd"], row[STANDARD]
+    if pd.isna(jnd):
+        return None
+    if is_logarithm(unit):
+        return float(10 ** (jnd / (20 if unit.startswith("dB") else 1)) - 1)
+    return float(jnd / standard) if standard > 0 else None
 
 
 def _tests(cells: pd.DataFrame, by: Sequence[str], key: tuple[object, ...]) -> Iterator[dict[str, object]]:
@@ -53,13 +70,15 @@ def _tests(cells: pd.DataFrame, by: Sequence[str], key: tuple[object, ...]) -> I
     known = cells["difference"].dropna()
     counts = {"n": len(known), "n_without": len(cells) - len(known)}
     if len(known) >= FEWEST:
-        yield {"participant": "", **condition, **counts, **_t_test(known)}
+        jnd = mean_row(cells["jnd"].dropna().to_numpy(dtype=float), name="jnd", possible=POSITIVE)
+        yield {"participant": "", **condition, **counts, **_t_test(known), **{name: jnd[name] for name in JND}}
         return
     for row in cells.to_dict("records"):
         low, high = (np.nan_to_num(row[end], nan=side * np.inf) for end, side in (("low", -1), ("high", 1)))
         differs = low > 0 or high < 0
         interval = {"difference": row["difference"], "difference_low": row["low"], "difference_high": row["high"]}
-        yield {"participant": row["participant"], **condition, **counts, **interval, "differs": bool(differs)}
+        jnd = {name: row[name] for name in JND}
+        yield {"participant": row["participant"], **condition, **counts, **interval, "differs": bool(differs), **jnd}
 
 
 def _t_test(differences: "pd.Series[float]") -> dict[str, object]:
@@ -122,5 +141,10 @@ def _sentence(row: dict[Any, Any], factors: Sequence[str], unit: str) -> str:
         text += f", t({row['df']:.0f}) = {row['t']:.2f}, {p_text(row['p'])}"
     elif row["participant"]:
         text += f", the 95 % interval {'excludes' if row['differs'] else 'holds'} 0"
+    if pd.notna(row["jnd"]):
+        jnd = in_unit(interval_text(*(row[name] for name in JND)), unit.partition(" re ")[0].strip())
+        text += f"; JND = {jnd}"
+    if pd.notna(row["weber_fraction"]):
+        text += f", Weber fraction {percent_text(row['weber_fraction'])}"
     lost = f" ({row['n_without']} without a PSE left out)" if row["n_without"] and not row["participant"] else ""
     return f"{text}{lost}"

@@ -1,7 +1,7 @@
 """The estimates of a study's own rule: its procedure is told the answers of a block again, as the table has them."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -11,8 +11,10 @@ import pandas as pd
 from tactometry.analysis.tasks.rule_estimate import Replay, RuleEstimate
 from tactometry.errors import InvalidParameter, TactometryError
 from tactometry.files.durable import read_file
+from tactometry.protocols.procedures.easy import EasyTrials
 from tactometry.protocols.procedures.procedure import Procedure, after_answer
 from tactometry.trials.cells import cell
+from tactometry.trials.tasks import EASY
 
 from ..study.cells import Wiring, tables
 from ..study.procedure_table import ReadyProcedure
@@ -60,7 +62,7 @@ class _Replay:
                 return None
             factors[name] = known[0]
         ready = self.wiring.procedure(tables(study, factors)["procedure"])
-        return ready if set(block["procedure"]) == {ready.rule.name} else None
+        return ready if set(block["procedure"]) - {EASY} == {ready.rule.name} else None
 
 
 def _text(value: Any) -> str:
@@ -70,7 +72,17 @@ def _text(value: Any) -> str:
 
 def _procedures_after(ready: ReadyProcedure, block: pd.DataFrame, names: list[str]) -> Sequence[Procedure]:
     """The tracks' procedures after all answers of the block."""
-    procedures = ready.for_tracks(names, np.random.default_rng(0))  # rules that draw an order are not replayed
+    alone = replace(ready, tracks=replace(ready.tracks, easy_share=0.0, easy_level=None))
+    procedures = alone.for_tracks(names, np.random.default_rng(0))  # rules that draw an order are not replayed
+    procedures = tuple(
+        _with_easy(each, block[block["track"] == name]) for each, name in zip(procedures, names, strict=True)
+    )
     for track, yes, level in zip(block["track"], block["yes"], block["x"], strict=True):
         procedures = after_answer(procedures, names.index(str(track)), int(yes), float(level))
     return procedures
+
+
+def _with_easy(procedure: Procedure, rows: pd.DataFrame) -> Procedure:
+    """The procedure of a track with its easy trials where the table has them."""
+    places = np.flatnonzero(rows["procedure"] == EASY)
+    return EasyTrials(procedure, np.nan, frozenset(places.tolist())) if len(places) else procedure

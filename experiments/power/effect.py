@@ -18,9 +18,14 @@ OF_SENSATION: Final = "dB SL"
 """The unit of an effect on what is felt: decibels of sensation level."""
 OF_SCORE: Final = "points"
 """The unit of an effect on the score of a questionnaire's dimension: that of the score."""
+OF_PSE: Final = " PSE"
+"""Ends the unit of an effect on the point of subjective equality, in the unit of the levels."""
+OF_JND, OF_EXPONENT = "% JND", "% exponent"
+"""Units of effects on the just noticeable difference and on the exponent of magnitudes."""
 WHERE: Final = "--effect"
 EXAMPLES: Final = (
-    "an effect such as 'force_n: 2 dB', 'force_n: 3 dB SL', 'pattern: P1 = 3 dB, P4 = 1 dB' or 'feedback: 0.5 points'"
+    "an effect such as 'force_n: 2 dB', 'force_n: 3 dB SL', 'force_n: 20 % JND', 'pattern: P1 = 3 dB, P4 = 1 dB' or "
+    "'feedback: 0.5 points'"
 )
 _QUANTITY = re.compile(r"([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*)?")
 
@@ -33,8 +38,9 @@ class StatedEffect:
     ----------
     factor : str
     unit : str
-        ``"dB SL"``: so much more is felt; ``"points"``: so much higher is a score; any other is that of the levels: so
-        much higher is the threshold.
+        ``"dB SL"``: so much more is felt; ``"points"``: so much higher is a score; ``"% JND"`` and ``"% exponent"``:
+        so much larger is one of these; that of the levels: so much higher is the threshold, or with `` PSE`` the point
+        of subjective equality.
     change : float or None
         From the first level to the last, in equal steps, half of it below zero.
     by_level : tuple of (str, float)
@@ -55,6 +61,22 @@ class StatedEffect:
     def is_of_score(self) -> bool:
         """Whether it is one of a questionnaire's score."""
         return self.unit == OF_SCORE
+
+    @property
+    def moves_levels(self) -> bool:
+        """Whether it is one on how answers follow the levels (`level_map`)."""
+        return self.unit in (OF_JND, OF_EXPONENT) or self.unit.endswith(OF_PSE)
+
+    def ratios(self, levels: Sequence[float | str]) -> dict[str, float]:
+        """The factor of each level, of an effect in per cent: equal ratios from the first level to the last.
+
+        >>> StatedEffect("force_n", "% JND", 21.0).ratios((0.5, 1.5, 3.0))["3"] ** 2
+        1.21
+        """
+        changes = self.of_levels(levels)
+        if self.change is None:
+            return {name: 1 + change / 100 for name, change in changes.items()}
+        return {name: (1 + self.change / 100) ** (change / self.change) for name, change in changes.items()}
 
     def of_levels(self, levels: Sequence[float | str]) -> dict[str, float]:
         """What changes at each level of the factor, in its unit.
@@ -144,4 +166,7 @@ def check_effect(effect: StatedEffect, factors: Mapping[str, Levels]) -> None:
             expected = f"a level of {effect.factor} ({', '.join(levels)})"
             raise InvalidParameter(f"{WHERE}: found {name!r}, expected {expected}{nearest(name, levels)}")
     changes = effect.of_levels(factors[effect.factor]).values()
+    stated = [value for _, value in effect.by_level] if effect.change is None else [effect.change]
+    is_share = effect.unit not in (OF_JND, OF_EXPONENT) or min(stated) > -100
+    expect(is_share, WHERE, repr(effect.words()), "a change above -100 %")
     expect(len(set(changes)) > 1, WHERE, f"{effect.words()!r}, where no level differs", "an effect other than 0")

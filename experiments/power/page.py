@@ -13,7 +13,7 @@ from .analysis import Power
 from .design import PowerDesign
 from .figures import power_curves
 from .files import asked
-from .scenario import experiment_of, felt_more
+from .scenario import experiment_of, felt_more, maps_of
 from .scores import applied_effect, attitudes_of
 from .summary import HEAD, cells_of
 
@@ -74,15 +74,27 @@ def applied(design: PowerDesign) -> Applied:
     stated = effect.of_levels(studies[0].factors[effect.factor])
     if effect.is_of_score:
         made, columns = [attitudes_of(study, effect.factor) for study in studies], ATTITUDES
+    elif effect.moves_levels:
+        maps = maps_of(design, design.cases[0])
+        made = [{level: getattr(one, part) for level, one in maps.items()} for part in ("shift", "factor")]
+        columns = MOVED
     else:
         made, columns = [felt_more(study, effect.factor) for study in studies], FELT
     rows = [(name, *(f"{value:.2f}" for value in (stated[name], *(of[name] for of in made)))) for name in stated]
-    words = (WORDS_OF_SCORES if effect.is_of_score else WORDS_OF_LEVELS).format(factor=effect.factor)
+    of_levels = WORDS_OF_MOVED if effect.moves_levels else WORDS_OF_LEVELS
+    words = (WORDS_OF_SCORES if effect.is_of_score else of_levels).format(factor=effect.factor)
     return Applied(words, (effect.factor, f"stated ({effect.unit})", *columns), rows)
 
 
 FELT: Final = ("felt more with the effect (dB)", "without (dB)")
 ATTITUDES: Final = ("attitude with the effect (-1 to 1)", "without")
+MOVED: Final = ("levels moved up by", "and stretched by")
+WORDS_OF_MOVED: Final = (
+    "All levels of {factor} are felt alike at the standard (magnitudes: in the middle of the levels). Answers follow "
+    "the level as those of the simulated people do, moved and stretched about it: a stretch of 1.2 makes a just "
+    "noticeable difference 1.2 times as large, and an exponent 1.2 times as small. How people differ alongside is what "
+    "the study says in [observer] and [observer.people]."
+)
 WORDS_OF_LEVELS: Final = (
     "Every participant feels so many decibels more at a level of {factor} than the skin model says. Without the effect "
     "its levels are felt alike in the middle of the levels that are played, averaged over other factors; with it they "

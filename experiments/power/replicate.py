@@ -22,7 +22,8 @@ from ..study.dry_run import ITEM_S
 from ..study.experiment import Experiment
 from ..study.session_plan import all_sessions, stream
 from .design import Case, PowerDesign
-from .scenario import experiment_of, plan_of_study
+from .level_map import with_stated_levels
+from .scenario import experiment_of, maps_of, plan_of_study
 from .scores import applied_effect, form_of_task, p_of_scores, task_scores
 from .tested import p_of
 from .truth import TRUTH, true_thresholds
@@ -69,7 +70,9 @@ def studied(design: PowerDesign, case: Case, number: int) -> tuple[tuple[Row, ..
     plan = plan_of_study(experiment.study)
     seed = seed_of(design.seed, number)
     truth = true_thresholds(experiment, codes(design.n_participants), seed)
-    trials = simulated(design, experiment, seed)
+    trials, maps = simulated(design, experiment, seed), maps_of(design, case)
+    if maps:
+        trials = replace(trials, rows=with_stated_levels(trials.rows, design.effect.factor, maps))
     every = _Compared(design, experiment, plan, trials, truth)
     return tuple(every.row(case, number, n) for n in design.participants), trials
 

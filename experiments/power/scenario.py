@@ -24,15 +24,15 @@ from ..study.felt_levels import contact_of, felt_db
 from ..study.session_plan import places_of
 from ..study.study import Study
 from ..study.study_file import parse
+from . import level_map
 from .design import Case, PowerDesign
-from .effect import OF_SCORE, OF_SENSATION, StatedEffect, check_effect
+from .effect import OF_EXPONENT, OF_JND, OF_PSE, OF_SCORE, OF_SENSATION, StatedEffect, check_effect
+from .level_map import LevelMap
 from .scores import applied_effect, factors_of, form_of_task, has_patterns, with_attitudes
 
-SUPPORTED: Final = ("yes_no", "forced_choice", "adjustment", "localisation", "rating")
+SUPPORTED: Final = ("yes_no", "forced_choice", "adjustment", "localisation", "rating", *level_map.TASKS)
 REFUSED: Final = {
-    "comparison": "both of what is compared are felt in one condition, whose effect shifts them alike",
-    "same_different": "both of what is compared are felt in one condition, whose effect shifts them alike",
-    "magnitude": "an effect in decibels moves all numbers alike and leaves their exponent",
+    "same_different": "its d' is told at each level, and no value of a participant in a condition is tested",
     "preference": "its answers are compared within a trial, and no value of a participant in a condition is tested",
     "measurement": "a sensor is read, and nobody feels an effect",
 }
@@ -40,17 +40,31 @@ STEP_SHARE: Final = 0.05
 """Of the range of the levels: the step over which the growth of sensation is read."""
 
 
-@lru_cache(maxsize=8)
 def experiment_of(design: PowerDesign, case: Case) -> Experiment:
     """The wired study of a case; once in a process."""
+    return _wired(design, case)[0]
+
+
+def maps_of(design: PowerDesign, case: Case) -> dict[str, LevelMap]:
+    """From the levels that a case plays to those that it states, by the levels of the effect's factor; or empty."""
+    return _wired(design, case)[1]
+
+
+@lru_cache(maxsize=8)
+def _wired(design: PowerDesign, case: Case) -> tuple[Experiment, dict[str, LevelMap]]:
     study = with_trials(parse(design.study_toml, design.where), case.n_trials)
     base = wire(study, design.where, design.code_from)
     effect = applied_effect(design.effect, study)
-    shifts_db = shifts(base, effect, has_effect=case.has_effect and not effect.is_of_score)
+    is_felt = case.has_effect and not (effect.is_of_score or effect.moves_levels)
+    shifts_db, maps = shifts(base, effect, has_effect=is_felt), {}
+    if effect.moves_levels:
+        slopes = level_map.slopes_of(base, effect.factor, growths(base, effect.factor)[1])
+        maps = level_map.level_maps(base, effect, slopes, has_effect=case.has_effect)
+        study = level_map.with_levels(study, effect.factor, maps)
     study = with_shifts(study, effect.factor, shifts_db)
     if effect.is_of_score:
         study = with_attitudes(study, effect, base, design.dependent, float(case.has_effect))
-    return wire(study, design.where, design.code_from)
+    return wire(study, design.where, design.code_from), maps
 
 
 def plan_of_study(study: Study) -> AnalysisPlan:
@@ -87,17 +101,32 @@ def _dependent(design: PowerDesign, study: Study) -> str:
     known = _check_scores(design, experiment) if task == FORM_TASK else _check_levels(design, experiment)
     if design.dependent:
         one_of("--dependent", design.dependent, known)
-    return design.dependent or known[0]
+    first = "jnd" if design.effect.unit == OF_JND else known[0]
+    return design.dependent or first
 
 
 def _check_levels(design: PowerDesign, experiment: Experiment) -> tuple[str, ...]:
     """What a task of levels compares; an effect is one in the unit of the levels, or of what is felt."""
     units = {cell.condition.level_unit.partition(" re ")[0] for cell in experiment.cells.values()}
+    if experiment.table.kind in level_map.TASKS:
+        return _check_moved_levels(design, experiment, units)
     felt = () if isinstance(experiment.people.middle, Stated) else (OF_SENSATION,)  # stated thresholds: no sensation
     allowed = sorted({*felt, *(units if len(units) == 1 else ())})
     one = f"one of {', '.join(allowed)}: that of the levels, or of what is felt ({OF_SENSATION})"
     expect(design.effect.unit in allowed, "--effect", f"the unit {design.effect.unit!r}", one)
     return tuple(ANALYSES[experiment.table.kind].dependents)
+
+
+def _check_moved_levels(design: PowerDesign, experiment: Experiment, units: set[str]) -> tuple[str, ...]:
+    """What a comparison or a magnitude compares."""
+    kind, (unit, *others) = experiment.table.kind, sorted(units)
+    of_pse = () if others else (f"{unit}{OF_PSE}",)
+    allowed = (*of_pse, OF_JND) if kind == "comparison" else (OF_EXPONENT,)
+    example = f"as '{design.effect.factor}: 20 {allowed[-1]}'"
+    one = f"one of {', '.join(allowed)}, {example}"
+    expect(design.effect.unit in allowed, "--effect", f"the unit {design.effect.unit!r} of a {kind}", one)
+    level_map.check_maps(experiment.study, design.effect.factor)
+    return tuple(ANALYSES[kind].dependents)
 
 
 def _check_scores(design: PowerDesign, experiment: Experiment) -> tuple[str, ...]:
@@ -175,29 +204,33 @@ def _trials_keys(procedure: Mapping[str, Any], n_trials: int) -> dict[str, int]:
 
 def shifts(experiment: Experiment, effect: StatedEffect, *, has_effect: bool) -> dict[str, float]:
     """What everybody feels more (dB) at each level of the factor than the skin model says: so much that all its levels
-    are felt alike in the middle of the levels that are played, and the effect on top."""
-    factor = effect.factor
-    levels = [cell_text(level) for level in experiment.study.factors[factor]]
-    felt: dict[str, list[tuple[float, float]]] = {level: [] for level in levels}
-    for cell in experiment.cells.values():
-        felt[cell_text(cell.condition.factors[factor])].append(growth(experiment, cell))
-    middle_db = {level: float(np.mean([db for db, _ in of_level])) for level, of_level in felt.items()}
-    slopes = {level: float(np.mean([slope for _, slope in of_level])) for level, of_level in felt.items()}
+    are felt alike in the middle of the levels that are played, or at the standard, and the effect on top."""
+    middle_db, slopes = growths(experiment, effect.factor)
     for level, db in middle_db.items():
-        found = f"no sensation at {factor} {level} in the middle of the levels"
+        found = f"no sensation at {effect.factor} {level} in the middle of the levels"
         expect(
             np.isfinite(db) and slopes[level] > 0, "--effect", found, "levels that are felt more the higher they are"
         )
     common_db = float(np.mean(list(middle_db.values())))
-    changes = effect.of_levels(experiment.study.factors[factor])
-    effects_db = {level: changes[level] if effect.is_felt else -slopes[level] * changes[level] for level in levels}
-    return {level: common_db - middle_db[level] + (effects_db[level] if has_effect else 0.0) for level in levels}
+    changes = effect.of_levels(experiment.study.factors[effect.factor])
+    effects_db = {level: changes[level] if effect.is_felt else -slopes[level] * changes[level] for level in middle_db}
+    return {level: common_db - middle_db[level] + (effects_db[level] if has_effect else 0.0) for level in middle_db}
+
+
+def growths(experiment: Experiment, factor: str) -> tuple[dict[str, float], dict[str, float]]:
+    """The means of `growth` over the cells of each level of a factor."""
+    felt: dict[str, list[tuple[float, float]]] = {cell_text(level): [] for level in experiment.study.factors[factor]}
+    for cell in experiment.cells.values():
+        felt[cell_text(cell.condition.factors[factor])].append(growth(experiment, cell))
+    middle_db = {level: float(np.mean([db for db, _ in of_level])) for level, of_level in felt.items()}
+    return middle_db, {level: float(np.mean([slope for _, slope in of_level])) for level, of_level in felt.items()}
 
 
 def growth(experiment: Experiment, cell: WiredCell) -> tuple[float, float]:
-    """What is felt of a cell (dB) in the middle of its levels, touched as it is asked, and by how much more per unit of
-    the level; of people whose thresholds are stated how far the middle lies above them, in the unit of the level."""
-    middle, people = middle_of(cell), experiment.people.middle
+    """What is felt of a cell (dB) in the middle of its levels, or at the standard, touched as it is asked, and by how
+    much more per unit of the level; of people whose thresholds are stated how far that lies above them, in the unit of
+    the level."""
+    middle, people = float(getattr(experiment.task, "standard_level", middle_of(cell))), experiment.people.middle
     if isinstance(people, Stated):
         return middle - (people.stated(cell.condition.factors).threshold or 0.0), 1.0
     low, high = cell.procedure.rule.bounds

@@ -10,6 +10,7 @@ import numpy as np
 from ..census.shares import share_interval
 from ..study.study_file import parse
 from .design import PowerDesign
+from .effect import OF_EXPONENT, OF_JND
 from .replicate import Row
 from .scores import factors_of
 
@@ -127,7 +128,9 @@ class Summary:
 def stated_effect(design: PowerDesign) -> float | None:
     """What the means of the levels differ by at most, where the dependent value is in the unit of the effect."""
     effect = design.effect
-    if not effect.is_of_score and (effect.is_felt or design.dependent not in IN_LEVELS):
+    in_levels = design.dependent == "pse" if effect.moves_levels else design.dependent in IN_LEVELS
+    is_percentage = effect.unit in (OF_JND, OF_EXPONENT)
+    if not effect.is_of_score and (effect.is_felt or is_percentage or not in_levels):
         return None
     levels = factors_of(parse(design.study_toml, design.where))[effect.factor]
     return float(np.ptp(list(effect.of_levels(levels).values())))

@@ -75,7 +75,8 @@ def _places() -> Mapping[str, tuple[str, str]]:
 
 def _link(name: str, page: str) -> str:
     """From a page to a table, or to the first below a name."""
-    other, anchor = next(place for each, place in _places().items() if f"{each}.".startswith(f"{name}."))
+    places = _places()
+    other, anchor = places.get(name) or next(places[each] for each in places if each.startswith(f"{name}."))
     return f"[`{name}`]({'' if other == page else f'{other}.md'}#{anchor})"
 
 

@@ -121,7 +121,7 @@ def study_tables() -> Iterator[KeyTable]:
 def procedure_tables() -> Iterator[KeyTable]:
     """The table `[procedure]` of each kind."""
     yield from (_procedure(kind, known) for kind, known in PROCEDURES.items())
-    shared = "tactometry.experiments.study.procedure_table:SharingTable"
+    shared = "tactometry.experiments.study.procedure_table:TracksTable"
     yield KeyTable("procedure", "[procedure]", shared)
 
 
@@ -219,7 +219,7 @@ def _procedure(kind: str, known: ProcedureKind) -> KeyTable:
         kind,
         example=known.example,
         samples=_OF_PROCEDURE,
-        also=("procedure",) if known.can_be_shared else (),
+        also=("procedure",) if known.takes_easy_trials else (),
         made=made,
         in_levels=IN_LEVELS,
     )

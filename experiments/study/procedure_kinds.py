@@ -11,12 +11,14 @@ if TYPE_CHECKING:
 @dataclass(frozen=True)
 class ProcedureKind:
     """Target string of the class of a table, a table that it takes (levels from 0 to 40), its method that makes the
-    rule, where it is none itself, and whether tracks can learn from each other's answers."""
+    rule, where it is none itself, whether tracks can learn from each other's answers, and whether levels follow the
+    answers, so that easy trials can be among them."""
 
     table: str
     example: Mapping[str, object]
     rule: str = ""
     can_be_shared: bool = False
+    takes_easy_trials: bool = True
 
     def rule_of(self, table: Any) -> "Rule[Any]":
         """The rule of a table that is built: some make one that refuses more than they do themselves."""
@@ -32,9 +34,13 @@ PROCEDURES: Mapping[str, ProcedureKind] = {
         f"{_RULES}.staircase:WeightedStaircase", {"start": 20.0, "steps_up": [4.0], "steps_down": [2.0], **_LEVELS}
     ),
     "constant_stimuli": ProcedureKind(
-        f"{_RULES}.constant_stimuli:ConstantStimuli", {"levels": [10.0, 20.0, 30.0], "repeats": 10}
+        f"{_RULES}.constant_stimuli:ConstantStimuli",
+        {"levels": [10.0, 20.0, 30.0], "repeats": 10},
+        takes_easy_trials=False,
     ),
-    "method_of_limits": ProcedureKind(f"{_RULES}.method_of_limits:MethodOfLimits", {"step": 2.0, **_LEVELS}),
+    "method_of_limits": ProcedureKind(
+        f"{_RULES}.method_of_limits:MethodOfLimits", {"step": 2.0, **_LEVELS}, takes_easy_trials=False
+    ),
     "quest": ProcedureKind(f"{_BAYESIAN}.quest:Quest", {"start": 20.0, "start_sd": 5.0, "step": 1.0, **_LEVELS}),
     "quest_plus": ProcedureKind(
         f"{_BAYESIAN}.settings:QuestPlusSettings",

@@ -1,15 +1,16 @@
 """The procedure of a study: which ones there are, what their tables hold, what they make."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from tactometry.arguments.require import expect
-from tactometry.config.strict import build, kind_of
+from tactometry.config.strict import build, fields_of, kind_of
 from tactometry.errors import rewording
 from tactometry.loading import resolve
+from tactometry.protocols.procedures.easy import with_easy_trials
 from tactometry.protocols.procedures.practice import Practice
 from tactometry.protocols.procedures.procedure import Procedure, Rule
 
@@ -28,30 +29,40 @@ def without(table: Mapping[str, Any], *keys: str) -> dict[str, Any]:
 
 
 @dataclass(frozen=True)
-class SharingTable:
-    """What a study says of a procedure beside its own keys.
+class TracksTable:
+    """What a study says of the tracks of a procedure, alongside its own keys.
 
     Parameters
     ----------
     shared : bool
-        Whether interleaved tracks share all that they learn but the threshold.
+        Whether interleaved tracks share all that they learn but the threshold (QUEST+ and psi).
+    easy_share : float
+        Share of trials far above threshold, which show the lapse rate (adaptive procedures). Each group of
+        round(1 / `easy_share`) trials has one; they are part of the trials of the track.
+    easy_level : float, optional
+        Level of these trials; by default the highest level.
     """
 
     shared: bool = False
+    easy_share: float = 0.0
+    easy_level: float | None = None
 
 
 @dataclass(frozen=True)
 class ReadyProcedure:
-    """A rule as a study states it, and whether the tracks of a block learn from each other's answers."""
+    """A rule as a study states it, and how the tracks of a block use it."""
 
     rule: Rule[Any]
-    shared: bool = False
+    tracks: TracksTable = field(default_factory=TracksTable)
 
     def for_tracks(self, names: Sequence[str], rng: np.random.Generator) -> tuple[Procedure, ...]:
         """One procedure for each track of a block, with an order of its own where it has one."""
-        if self.shared:
-            return self.rule.begin_together(names)
-        return tuple(self.rule.begin(rng) for _ in names)
+        begun = self.rule.begin_together(names) if self.tracks.shared else tuple(self.rule.begin(rng) for _ in names)
+        share, level = self.tracks.easy_share, self.tracks.easy_level
+        if not share:
+            return begun
+        highest = self.rule.bounds[1]
+        return tuple(with_easy_trials(each, share, highest if level is None else level, rng) for each in begun)
 
 
 def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
@@ -63,14 +74,27 @@ def rule_of(table: Mapping[str, Any]) -> ReadyProcedure:
         If it holds what its kind does not know.
     """
     kind: ProcedureKind = kind_of(table, "procedure", PROCEDURES)
-    built: Any = build(resolve(kind.table), without(table, "kind", "shared"), "procedure")
+    of_tracks = fields_of(TracksTable)
+    built: Any = build(resolve(kind.table), without(table, "kind", *of_tracks), "procedure")
     with rewording(lambda words: f"procedure: {words}"):
         rule = kind.rule_of(built)
-    shared = build(SharingTable, {"shared": table.get("shared", False)}, "procedure").shared
-    able = " or ".join(name for name, other in PROCEDURES.items() if other.can_be_shared)
-    told = f"true with {table['kind']}"
-    expect(kind.can_be_shared or not shared, "procedure.shared", told, f"it with {able} only")
-    return ReadyProcedure(rule, shared)
+    tracks = build(TracksTable, {key: table[key] for key in of_tracks if key in table}, "procedure")
+    _check_tracks(tracks, table["kind"], rule)
+    return ReadyProcedure(rule, tracks)
+
+
+def _check_tracks(tracks: TracksTable, name: str, rule: Rule[Any]) -> None:
+    able = " or ".join(other for other, kind in PROCEDURES.items() if kind.can_be_shared)
+    may_share = PROCEDURES[name].can_be_shared or not tracks.shared
+    expect(may_share, "procedure.shared", f"true with {name}", f"it with {able} only")
+    share, level = tracks.easy_share, tracks.easy_level
+    expect(0 <= share <= 0.5, "procedure.easy_share", f"{share:g}", "a share from 0 to 0.5")
+    adaptive = "0: its levels do not follow the answers, so add an easy one to them; remove the key"
+    expect(PROCEDURES[name].takes_easy_trials or not share, "procedure.easy_share", f"{share:g} with {name}", adaptive)
+    expect(level is None or share > 0, "procedure.easy_level", f"{level} without easy_share", "a share of easy trials")
+    low, high = rule.bounds
+    within = f"a level from {low:g} to {high:g}, those of the procedure"
+    expect(level is None or low <= level <= high, "procedure.easy_level", f"{level}", within)
 
 
 def check_guess_rates(procedure: Mapping[str, Any], task: Mapping[str, Any]) -> None:

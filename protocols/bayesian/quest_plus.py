@@ -305,6 +305,7 @@ class SharedTrack(DelegatingProcedure):
     track: str
 
     name = "quest_plus"
+    learns_from_easy = True
 
     @property
     def view(self) -> QuestPlusRun:

@@ -125,6 +125,7 @@ class WeighingRule(Rule[Any]):
     most `sd_stop`."""
 
     sd_stop: float | None
+    learns_from_easy = True
 
     @property
     @abstractmethod
@@ -170,6 +171,8 @@ class WeighingRun(Run[RuleT]):
 
     state: Posterior = field(kw_only=True, repr=False)
     contradicted: bool = False
+
+    learns_from_easy = True
 
     @property
     def marginal_of_threshold(self) -> Array:

@@ -35,6 +35,9 @@ class Procedure(ABC):
     *delivered*, which counts whether or not it is the one that was asked for.
     """
 
+    learns_from_easy: ClassVar[bool] = False
+    """Whether it is told the answers to easy trials (`easy.EasyTrials`)."""
+
     @property
     @abstractmethod
     def name(self) -> str:
@@ -78,6 +81,11 @@ class Procedure(ABC):
     @property
     def finished(self) -> bool:
         return self.ending is not None
+
+    @property
+    def is_easy(self) -> bool:
+        """Whether the next trial is an easy one, whose level the rule does not choose."""
+        return False
 
     @property
     def threshold(self) -> float | None:

@@ -26,7 +26,7 @@ from .output import STUDY, allow_code_option, drawn_seed, path_option, say, subc
 @click.option(
     "--effect",
     required=True,
-    help="As 'force_n: 2 dB', '... 2 dB SL', 'pattern: P1 = 3 dB, P4 = 1 dB', 'feedback: 1 points'.",
+    help="As 'force_n: 2 dB', '... 2 dB SL', '... 1 dB PSE', '... 20 % JND', 'pattern: P1 = 3 dB', 'button: 1 points'.",
 )
 @click.option("--participants", required=True, help="As 6..24, 6..24:2 or 8,12,16.")
 @click.option("--trials", help="In each track, as 40,60; by default as the study says.")

@@ -87,10 +87,10 @@ class TrackProgress:
         """Where the levels of a staircase turned; the last turn shows when the level after it is presented."""
         found: list[Trial] = []
         last, direction = None, 0.0
-        for trial in self.answered:
+        for trial in (trial for trial in self.answered if trial.procedure in TURNING):
             if last is not None and last.level is not None and trial.level is not None:
                 step = trial.level - last.level
-                if last.procedure in TURNING and step * direction < 0:
+                if step * direction < 0:
                     found.append(last)
                 direction = step or direction
             last = trial

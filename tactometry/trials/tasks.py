@@ -28,6 +28,8 @@ SET_LEVEL: Final = CellRule(f"the level that was set, {ANSWER_WITHIN}", number_f
 RAW_VALUE: Final = CellRule(
     f"the raw value of the answer, {ANSWER_WITHIN}", number_from(-LARGEST_ANSWER, LARGEST_ANSWER)
 )
+EASY: Final = "easy"
+"""In the column `procedure`: an easy trial, whose level the rule did not choose."""
 ANYTHING: Final = CellRule("anything", lambda text: True)
 
 

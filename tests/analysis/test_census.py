@@ -16,6 +16,7 @@ from scipy.stats import binom
 from soak import SOAK
 
 from tactometry.analysis.threshold.fitting import Status, fit_many
+from tactometry.experiments.census.lapses import RULES, track
 from tactometry.experiments.census.thresholds import (
     INSIDE,
     N_TRIALS,
@@ -124,3 +125,11 @@ def test_the_shares_of_statuses_sum_to_one_and_rows_keep_their_order(outcomes) -
     assert found[["ok", "separated", "out", "flat", "other"]].sum(axis=1).to_numpy() == pytest.approx(1.0)
     assert found["n"].sum() == len(outcomes)
     assert found["procedure"].tolist()[0] == outcomes["procedure"].iloc[0]
+
+
+def test_easy_trials_of_a_simulated_track_are_at_the_highest_level():
+    function = PsychometricFunction("gumbel", 10.0, 6.0, 0.5, 0.0)
+    for share, n_easy in ((0.0, 0), (0.2, 8)):
+        levels, answers = track(RULES["1 up 3 down"], share, function, np.random.default_rng(1))
+        assert len(levels) == len(answers) == 40
+        assert levels.count(40.0) == n_easy

@@ -16,6 +16,7 @@ from tactometry.analysis.tasks.rule_estimate import reversals
 from tactometry.experiments.sessions.simulation import Simulation, simulate
 from tactometry.experiments.study.experiment import wire
 from tactometry.experiments.study.study_file import parse
+from tactometry.protocols import EasyTrials
 from tactometry.protocols.bayesian.quest_plus import SharedTrack
 from tactometry.protocols.bayesian.weighing import WeighingRun
 from tactometry.protocols.procedures.staircase import Staircase
@@ -45,6 +46,7 @@ def tracks_at_the_end(root):
 
 
 def spread_and_number(procedure):
+    procedure = procedure.view if isinstance(procedure, EasyTrials) else procedure
     if isinstance(procedure, WeighingRun):
         return procedure.threshold_sd, len(procedure.responses)
     kept = procedure.reversals[2 + len(procedure.reversals) % 2 :]
@@ -57,10 +59,15 @@ def in_json(capsys, root):
     return pd.DataFrame(json.loads(out)["thresholds"])
 
 
-@pytest.mark.parametrize("kind", RULES)
-def test_it_is_that_of_the_recorded_session(tmp_path, capsys, kind):
+def study_with(procedure):
     before, rest = TUTORIAL.partition("[procedure]")[0], TUTORIAL.partition("[limits]")[2]
-    content = f'{before}[procedure]\nkind = "{kind}"\n{RULES[kind]}\n\n[limits]{rest}'.encode()
+    return f"{before}[procedure]\n{procedure}\n\n[limits]{rest}".encode()
+
+
+@pytest.mark.parametrize("easy", ["", "easy_share = 0.2"])
+@pytest.mark.parametrize("kind", RULES)
+def test_it_is_that_of_the_recorded_session(tmp_path, capsys, kind, easy):
+    content = study_with(f'kind = "{kind}"\n{RULES[kind]}\n{easy}')
     list(simulate(Simulation(content, "study", tmp_path / "d", 2, seed=3)))
     found = in_json(capsys, tmp_path / "d").set_index(["participant", "frequency_hz"])
     ended = list(tracks_at_the_end(tmp_path / "d"))
@@ -88,6 +95,26 @@ def test_tracks_that_share_a_posterior_and_runs_of_several_sessions(capsys):
         expected = pytest.approx(fmean(known), rel=1e-9) if known else None
         assert (None if pd.isna(row["rule_estimate"]) else row["rule_estimate"]) == expected
     assert set(found.loc[found["rule_estimate"].isna(), "rule_note"]) <= {"the rule ended as censored_below"}
+
+
+def test_easy_trials_are_marked_fitted_and_no_reversals(tmp_path):
+    content = study_with(f'kind = "staircase"\n{RULES["staircase"]}\neasy_share = 0.25\neasy_level = 39.5')
+    list(simulate(Simulation(content, "study", tmp_path / "d", 1, seed=3)))
+    found = analyse(tmp_path / "d")
+    rows, counts = found.trials.rows, found.tables["counts"]
+    easy = rows[rows["procedure"] == "easy"]
+    assert set(easy["level"]) == {39.5}
+    assert counts.loc[counts["level"] == 39.5, "n_trials"].sum() == len(easy) >= 5
+    assert set(found.tables["tracks"]["procedure"]) == {"staircase"}
+
+
+def test_easy_trials_are_no_reversals_of_a_plain_table(tmp_path):
+    lines = plain(tmp_path / "t.csv", "staircase,").read_text().splitlines()
+    easy = [f"P1,1,{n}5,red,easy,40,dB,yes_no,1" for n in (3, 8)]
+    (tmp_path / "easy.csv").write_text("\n".join([*lines[:4], easy[0], *lines[4:9], easy[1], *lines[9:]]) + "\n")
+    found = [analyse(tmp_path / name).tables["thresholds"].iloc[0] for name in ("t.csv", "easy.csv")]
+    assert found[0]["rule_estimate"] == found[1]["rule_estimate"]
+    assert found[1]["n_trials"] == found[0]["n_trials"] + 2
 
 
 def test_trials_of_another_study_have_none(tmp_path, capsys):

@@ -41,9 +41,10 @@ def test_lowest_level_is_warned_of_when_often_more(n_more, is_warned) -> None:
     assert bool(list(floor_warnings(table, ["force_n"]))) == is_warned
 
 
-def tables(pses):
+def tables(pses, unit="dB re 1 V"):
     codes = [f"P{n:02d}" for n in range(len(pses))]
-    found = {"participant": codes, "task": "comparison", "pse": pses}
+    jnds = {"jnd": [None if pse is None else pse - 38 for pse in pses], "jnd_low": 1.0, "jnd_high": 4.0}
+    found = {"participant": codes, "task": "comparison", "pse": pses, "level_unit": unit, **jnds}
     low, high = ([None if pse is None else pse + side for pse in pses] for side in (-1.0, 1.0))
     used = pd.DataFrame({"participant": codes, "task": "comparison", "standard_level": "40"})
     return pd.DataFrame({**found, "interval_low": low, "interval_high": high}), used
@@ -63,6 +64,13 @@ def test_pse_is_tested_against_standard_over_participants() -> None:
 def test_one_participant_is_tested_by_posterior_interval(pse, differs) -> None:
     (row,) = standard_tests(*tables([pse]), []).to_dict("records")
     assert row["differs"] is differs
+
+
+@pytest.mark.parametrize(("unit", "fraction"), [("dB re 1 V", 10 ** (2.8 / 20) - 1), ("V", 2.8 / 40)])
+def test_weber_fraction_is_mean_jnd_over_standard(unit, fraction) -> None:
+    (row,) = standard_tests(*tables([40.5, 41.0, 40.2, 41.5, None], unit), []).to_dict("records")
+    assert (row["jnd"], row["weber_fraction"]) == pytest.approx((2.8, fraction))
+    assert row["jnd_low"] < 2.8 < row["jnd_high"]
 
 
 def test_pse_halves_all_answers_on_fitted_curve() -> None:
@@ -86,7 +94,9 @@ def test_analyse_reports_standard_everywhere(tmp_path, capsys) -> None:
     assert [row["n_trials"] for row in found["lowest_levels"]] == [30]
     assert any("at the lowest level" in line for line in found["warnings"])
     assert "PSE minus the standard of 40 dB" in page.read_text("utf-8")
-    assert "PSE minus the standard of 40 dB" in output(capsys, "analyse", data)
+    text = output(capsys, "analyse", data)
+    assert "PSE minus the standard of 40 dB" in text
+    assert "Weber fraction" in text
 
 
 def test_dry_run_warns_of_standard_near_threshold(capsys) -> None:

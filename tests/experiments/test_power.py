@@ -84,7 +84,9 @@ def test_a_factor_with_one_level_has_no_effect(capsys, tmp_path):
 @pytest.mark.parametrize(
     ("study", "effect", "why"),
     [
-        ("grating-roughness", "period_m: 2 dB", "leaves their exponent"),
+        ("grating-roughness", "period_m: 2 dB", "expected one of % exponent, as 'period_m: 20 % exponent'"),
+        ("texture-discrimination", "period_m: 2 dB", "expected one of dB PSE, % JND, as 'period_m: 20 % JND'"),
+        ("texture-discrimination", "period_m: -100 % JND", "expected a change above -100 %"),
         ("time-reversal-localisation", "place: 2 dB", "whose levels are the alternatives of a trial"),
         ("time-reversal-localisation", "distance_m: 6 dB SL", "whose levels are other places"),
         ("force-loss", "force_n: 2 dB", "nobody feels an effect"),

@@ -23,7 +23,7 @@ WIDTH_PIXELS = 900
 SECTION = re.compile(r"^## (.+)\n\n!\[(.+)\]\(pictures/(.+)\.png\)$", re.MULTILINE)
 HEAD = """# Gallery
 
-What Tactometry draws, each with the command or the lines of Python that draw it. `make gallery` runs them all.
+On these pages you find figures with the commands or Python code that draw them. `make gallery` draws all of them.
 """
 
 
@@ -38,10 +38,10 @@ class Picture:
 
     @property
     def card(self) -> str:
-        """The picture with its heading, which lead to what draws it."""
+        """The picture with its heading, linked to its section; the heading is its text alternative."""
         heading = re.sub(r"[^\w -]", "", self.title.lower()).replace(" ", "-")
         link = f"{self.page.name}#{heading}"
-        return f":::{{grid-item}}\n[![{self.shows}](pictures/{self.name}.png)]({link})\n\n[{self.title}]({link})\n:::\n"
+        return f":::{{grid-item}}\n[![](pictures/{self.name}.png)]({link})\n\n[{self.title}]({link})\n:::\n"
 
 
 def pictures_of(page: Path) -> list[Picture]:

@@ -11,6 +11,7 @@ from ...figures.curves import curve_figure
 from ...result import Analysis
 from ...tasks.cells import MAX_LEVELS
 from ...tasks.kinds import CURVES
+from ...tasks.lapses import LAPSES
 from ...wording import procedure_name
 from ..section import Details, Figure, ResultKind, Section, grid, rows_of
 
@@ -83,7 +84,7 @@ def _tracks(analysis: Analysis, code: str) -> Iterator[tuple[str, Figure]]:
     draw = partial(psychophysics.track_figure, rows, analysis.factors, unit=analysis.unit)
     kinds = ", ".join(procedure_name(name) for name in sorted(set(rows["procedure"])))
     filled = " or ".join(CURVES[task].success for task in sorted(set(rows["task"])))
-    text = f"{code}: tracks ({kinds}); filled: {filled}, open: not; catch trials are left out."
+    text = f"{code}: tracks ({kinds}); filled: {filled}, open: not; catch trials and easy trials are left out."
     yield f"{code}: tracks", Figure(f"{code}_tracks", draw, text, "tracks", ("participant", code))
 
 
@@ -94,4 +95,4 @@ def _estimates_shown(analysis: Analysis) -> pd.DataFrame:
     return table[[name for name in wanted if name in table.columns]]
 
 
-KIND = ResultKind(_sections, values=rows_of("thresholds"))
+KIND = ResultKind(_sections, values=rows_of("thresholds", LAPSES))

@@ -6,10 +6,11 @@ from ...result import Analysis
 from ...tasks.standard import FLOORS, TESTS, standard_sentences
 from ..section import Details, Lead, ResultKind, Section, Sentences, TextTable, grid, rows_of
 
-TITLE = "Points of subjective equality against the standard"
+TITLE = "Point of subjective equality and just noticeable difference"
 LEAD = (
     "Mean difference from the standard, with a t-test over participants (p is not corrected for the number of "
-    "conditions); below three participants, each one's posterior interval."
+    "conditions); below three participants, each one's posterior interval. The Weber fraction is the "
+    "mean just noticeable difference as a share of the standard, of its amplitude where levels are logarithms."
 )
 
 
@@ -24,10 +25,12 @@ def _sections(analysis: Analysis) -> Iterator[Section]:
 def _terminal(analysis: Analysis) -> Iterator[TextTable]:
     table = analysis.table(TESTS)
     if len(table):
-        shown = table[["participant", *analysis.factors, "n", "difference"]]
+        shown = table[["participant", *analysis.factors, "n", "difference", "jnd", "weber_fraction"]]
         shown = shown.drop(columns="participant") if (shown["participant"] == "").all() else shown
         sentences = standard_sentences(table, analysis.factors, analysis.unit)
-        yield TextTable(shown, "point of subjective equality minus standard", sentences)
+        yield TextTable(
+            shown, "point of subjective equality minus standard, just noticeable difference, Weber fraction", sentences
+        )
 
 
 KIND = ResultKind(_sections, _terminal, rows_of(TESTS, FLOORS))

@@ -1,0 +1,143 @@
+"""Effects on points of equality, just noticeable differences and exponents: another scale of the levels.
+
+A condition is simulated at the levels `played`, and its trials are read at the levels `stated`. Whatever the simulated
+people feel, the answers follow the stated level as they follow the played one, moved by `shift` and stretched by
+`factor` about `pivot`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, Final
+
+import numpy as np
+import pandas as pd
+
+from tactometry.arguments.require import expect
+from tactometry.observers.people import Stated
+from tactometry.trials.cells import cell as cell_text
+
+from ..study.cells import merge
+from ..study.experiment import Experiment
+from ..study.study import Study
+from .effect import OF_EXPONENT, OF_JND, WHERE, StatedEffect
+
+TASKS: Final = ("comparison", "magnitude")
+LEVELS: Final = ("levels", "start", "low", "high", "threshold_low", "threshold_high", "easy_level")
+DISTANCES: Final = (
+    *("steps", "steps_up", "steps_down", "step", "start_sd", "sd_stop"),
+    *("width_low", "width_high", "sd_low", "sd_high", "decade"),
+)
+"""Keys of `[procedure]` in the unit of the levels."""
+DECADE: Final = 20.0
+"""Default of QUEST's `decade`."""
+DECIMALS: Final = 9
+"""Of levels, so that those that are stated equal are equal."""
+
+
+@dataclass(frozen=True)
+class LevelMap:
+    """From levels that are played to those that are stated.
+
+    >>> LevelMap(40.0, shift=1.0, factor=2.0).stated(39.0), LevelMap(40.0, shift=1.0, factor=2.0).played(39.0)
+    (39.0, 39.0)
+    """
+
+    pivot: float
+    shift: float = 0.0
+    factor: float = 1.0
+
+    def stated(self, level: Any) -> Any:
+        """A level, or an array of them, that was played."""
+        return np.round(self.pivot + self.shift + self.factor * (level - self.pivot), DECIMALS)
+
+    def played(self, level: float) -> float:
+        """The level to play for a stated one."""
+        return self.pivot + (level - self.shift - self.pivot) / self.factor
+
+
+def level_maps(
+    experiment: Experiment, effect: StatedEffect, slopes: Mapping[str, float], *, has_effect: bool
+) -> dict[str, LevelMap]:
+    """The map of each level of the effect's factor; `slopes` say how fast sensation grows there.
+
+    The shifts are from 0 and the factors from 1 on: no level is played that is higher than the stated ones.
+    """
+    levels = experiment.study.factors[effect.factor]
+    changes = effect.of_levels(levels)
+    ratios, shifts = dict.fromkeys(changes, 1.0), dict.fromkeys(changes, 0.0)
+    if has_effect and effect.unit in (OF_JND, OF_EXPONENT):
+        ratios = effect.ratios(levels)
+    elif has_effect:
+        shifts = {level: change - min(changes.values()) for level, change in changes.items()}
+    factors = {n: slopes[n] / ratio if effect.unit == OF_EXPONENT else slopes[n] * ratio for n, ratio in ratios.items()}
+    least, pivot = min(factors.values()), pivot_of(experiment)
+    return {level: LevelMap(pivot, shifts[level], factor / least) for level, factor in factors.items()}
+
+
+def pivot_of(experiment: Experiment) -> float:
+    """The standard of a comparison, else the middle of the levels."""
+    bounds = [end for cell in experiment.cells.values() for end in cell.procedure.rule.bounds]
+    return float(getattr(experiment.task, "standard_level", (min(bounds) + max(bounds)) / 2))
+
+
+def slopes_of(experiment: Experiment, factor: str, growths: Mapping[str, float]) -> dict[str, float]:
+    """How fast sensation grows at each level of a factor: `growths`, or of people with stated widths their inverse."""
+    people = experiment.people.middle
+    if not isinstance(people, Stated):
+        return dict(growths)
+    found: dict[str, list[float]] = {level: [] for level in growths}
+    for cell in experiment.cells.values():
+        factors = cell.condition.factors
+        found[cell_text(factors[factor])].append(people.stated(factors).stretch)
+    return {level: float(np.mean(stretches)) for level, stretches in found.items()}
+
+
+def check_maps(study: Study, factor: str) -> None:
+    """Refuse a study whose levels cannot be mapped by the levels of the factor.
+
+    Raises
+    ------
+    InvalidParameter
+        If the factor is interleaved, another one changes the procedure, or the levels are spaced by ratios.
+    """
+    apart = "one that is not interleaved: its levels need levels of the procedure of their own"
+    expect(factor not in study.plan.interleave, WHERE, f"the factor {factor!r}, which is interleaved", apart)
+    others = (name for name in study.variants if name != factor)
+    for name in others:
+        changes = any("procedure" in tables for tables in study.variants[name].values())
+        expect(not changes, WHERE, f"{name!r}, which changes the procedure", "the same procedure at all its levels")
+    is_linear = study.procedure.get("spacing", "linear") == "linear" and study.procedure.get("shape") != "weibull"
+    expect(is_linear, WHERE, "a procedure on ratios of levels", "levels in decibels, or another linear unit")
+
+
+def with_levels(study: Study, factor: str, maps: Mapping[str, LevelMap]) -> Study:
+    """The study that plays other levels at the levels of a factor."""
+    of_factor = study.variants.get(factor, {})
+    changed = {}
+    for level, level_map in maps.items():
+        tables = of_factor.get(level, {})
+        own = tables.get("procedure", {})
+        changed[level] = {**tables, "procedure": {**own, **_played(merge(study.procedure, own), level_map)}}
+    return replace(study, variants={**study.variants, factor: changed})
+
+
+def _played(table: Mapping[str, Any], level_map: LevelMap) -> dict[str, Any]:
+    stated = {"decade": DECADE, **table} if table.get("kind") == "quest" else table
+    found: dict[str, Any] = {}
+    for key, value in stated.items():
+        if key in LEVELS or key in DISTANCES:
+            numbers = value if isinstance(value, list | tuple) else [value]
+            mapped = [level_map.played(n) if key in LEVELS else n / level_map.factor for n in numbers]
+            found[key] = mapped if isinstance(value, list | tuple) else mapped[0]
+    return found
+
+
+def with_stated_levels(rows: pd.DataFrame, factor: str, maps: Mapping[str, LevelMap]) -> pd.DataFrame:
+    """Trials with the stated levels in place of those that were played, and no mark of what was correct."""
+    found = rows.assign(correct=None)
+    texts = rows[factor].map(lambda level: level if isinstance(level, str) else cell_text(level))
+    for level, level_map in maps.items():
+        at = texts == level
+        for column in ("level", "level_delivered"):
+            found.loc[at, column] = level_map.stated(rows.loc[at, column].to_numpy(dtype=float))
+    return found

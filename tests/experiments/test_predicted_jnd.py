@@ -1,0 +1,52 @@
+"""Just noticeable differences that a dry run predicts for comparisons."""
+
+import json
+
+import numpy as np
+import pytest
+from command_line import output
+from scipy.special import ndtri
+from study_texts import changed, wired
+
+from tactometry.experiments.study.felt_levels import contact_of, felt_db
+from tactometry.experiments.study.predicted_jnd import predicted_jnds
+from tactometry.experiments.study.study_file import load
+
+TEXTURE = load("texture-discrimination")[1].decode()
+STATED = {"[observer]": '[observer]\nkind = "psychometric"\nthreshold = 20.0\nwidth = 6.0\n'}
+HALVED = {"[observer]": STATED["[observer]"] + "conditions = [{ period_m = 0.001, width = 3.0 }]\n"}
+
+
+def test_dry_run_prints_predicted_jnds(capsys):
+    dry_run = ["run", "texture-discrimination", "--participant", "P01", "--rig", "simulated", "--dry-run"]
+    text = output(capsys, *dry_run)
+    found = json.loads(output(capsys, *dry_run, "--json"))["jnd"]
+    assert [row["condition"] for row in found] == ["period_m 0.0005", "period_m 0.001"]
+    assert f"predicted JND at the standard of 40 dB re 1 V: {found[0]['jnd']:.2f} dB at period_m 0.0005" in text
+
+
+def test_observer_calls_the_predicted_level_stronger_in_three_quarters():
+    experiment = wired(TEXTURE)
+    observer, rng, n = experiment.people.middle, np.random.default_rng(1), 20000
+    for cell, predicted in zip(experiment.cells.values(), predicted_jnds(experiment), strict=True):
+        felt = [felt_db(cell, level, contact_of(cell)) for level in (40.0, 40.0 + predicted.jnd)]
+        share = np.mean([observer.compare(felt, rng) for _ in range(n)])
+        expected = observer.lapse_rate / 2 + (1 - observer.lapse_rate) * 0.75
+        assert share == pytest.approx(expected, abs=4.5 * np.sqrt(0.19 / n))
+
+
+def test_stated_widths_give_the_jnd():
+    first, second = predicted_jnds(wired(changed(TEXTURE, HALVED)))
+    assert first.jnd == pytest.approx(ndtri(0.75) * 6.0 / (2 * ndtri(0.95)))
+    assert second.jnd == pytest.approx(first.jnd / 2)
+    assert "steady touch" not in first.line
+
+
+@pytest.mark.parametrize("levels", ["[39, 39.5, 40]", "[39, 40, 40.1]"])
+def test_jnd_beyond_the_levels_is_named(levels):
+    narrow = changed(TEXTURE, {"levels = [31, 34, 37, 39, 41, 43, 46]": f"levels = {levels}"})
+    assert all("above the highest level" in one.line for one in predicted_jnds(wired(narrow)))
+
+
+def test_other_tasks_have_no_jnd():
+    assert not list(predicted_jnds(wired(load("tutorial")[1].decode())))
