@@ -7,7 +7,9 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .arguments.require import expect, not_negative, positive
+from .arguments.annotations import NotNegative, Positive
+from .arguments.constraints import constrained
+from .arguments.require import expect, positive
 from .errors import InvalidParameter
 
 VALID_PART = 0.8
@@ -26,6 +28,7 @@ def _then(gate: G, **state: Any) -> G:
 
 
 @dataclass(frozen=True)
+@constrained
 class ForceGate:
     """Opens once `target_n` was held within `tolerance` for `hold_s`, with no gap between the samples.
 
@@ -57,16 +60,12 @@ class ForceGate:
     (True, False)
     """
 
-    target_n: float
-    tolerance: float
-    hold_s: float
-    max_gap_s: float = 0.02
+    target_n: Positive
+    tolerance: Positive
+    hold_s: NotNegative
+    max_gap_s: Positive = 0.02
     since_s: float | None = None
     last_s: float | None = None
-
-    def __post_init__(self) -> None:
-        positive("ForceGate", target_n=self.target_n, tolerance=self.tolerance, max_gap_s=self.max_gap_s)
-        not_negative("ForceGate", hold_s=self.hold_s)
 
     @property
     def open(self) -> bool:
@@ -189,6 +188,7 @@ def stamped_samples(
 
 
 @dataclass(frozen=True)
+@constrained
 class SpeedGate:
     """Open while the finger has moved at `target_m_per_s` within `tolerance` for `hold_s`, without a gap.
 
@@ -221,18 +221,13 @@ class SpeedGate:
     (True, False)
     """
 
-    target_m_per_s: float
-    tolerance: float
-    hold_s: float = 0.0
-    window_s: float = WINDOW_S
-    max_gap_s: float = 0.02
+    target_m_per_s: Positive
+    tolerance: Positive
+    hold_s: NotNegative = 0.0
+    window_s: Positive = WINDOW_S
+    max_gap_s: Positive = 0.02
     samples: tuple[tuple[float, float], ...] = ()
     since_s: float | None = None
-
-    def __post_init__(self) -> None:
-        positive("SpeedGate", target_m_per_s=self.target_m_per_s, tolerance=self.tolerance)
-        positive("SpeedGate", window_s=self.window_s, max_gap_s=self.max_gap_s)
-        not_negative("SpeedGate", hold_s=self.hold_s)
 
     @property
     def speed_m_per_s(self) -> float | None:

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arguments.require import below_1, positive
+from ..arguments.annotations import Positive, Rate
+from ..arguments.constraints import constrained
 from ..gates import triangle
 from ..session.request import Press, Slide
 
@@ -40,6 +41,7 @@ class Grips:
 
 
 @dataclass(frozen=True)
+@constrained
 class SimulatedFinger:
     """A finger whose mean force and speed differ from trial to trial, and whose force wavers within a trial.
 
@@ -66,20 +68,14 @@ class SimulatedFinger:
         How many times the force and the speed that are asked for the finger presses and slides.
     """
 
-    force_cv: float = 0.15
-    waver_cv: float = 0.04
-    waver_s: float = 0.2
-    speed_cv: float = 0.10
-    speed_waver_cv: float = 0.05
-    rate_hz: float = 100.0
-    force_factor: float = 1.0
-    speed_factor: float = 1.0
-
-    def __post_init__(self) -> None:
-        below_1("SimulatedFinger", force_cv=self.force_cv, waver_cv=self.waver_cv)
-        below_1("SimulatedFinger", speed_cv=self.speed_cv, speed_waver_cv=self.speed_waver_cv)
-        positive("SimulatedFinger", waver_s=self.waver_s, rate_hz=self.rate_hz)
-        positive("SimulatedFinger", force_factor=self.force_factor, speed_factor=self.speed_factor)
+    force_cv: Rate = 0.15
+    waver_cv: Rate = 0.04
+    waver_s: Positive = 0.2
+    speed_cv: Rate = 0.10
+    speed_waver_cv: Rate = 0.05
+    rate_hz: Positive = 100.0
+    force_factor: Positive = 1.0
+    speed_factor: Positive = 1.0
 
     def hold(self, request: Press | Slide, rng: np.random.Generator) -> Grip:
         """One touch as `request` asks for it, at `rate_hz` for its duration."""

@@ -6,13 +6,15 @@ from typing import Self
 
 import numpy as np
 
-from ..arguments.require import finite, not_negative, positive
+from ..arguments.annotations import Finite, NotNegative, Positive
+from ..arguments.constraints import constrained
 from ..session.request import Facts
 from . import responses
 from .people import ObserverWithTraits, Traits
 
 
 @dataclass(frozen=True)
+@constrained
 class IdealObserver(ObserverWithTraits):
     """Feels whatever is above its threshold, and tells apart whatever differs; guesses only between what is felt alike.
 
@@ -31,14 +33,9 @@ class IdealObserver(ObserverWithTraits):
         If a value is outside of its range.
     """
 
-    sensitivity_db: float = 0.0
-    between_sd_db: float = 0.0
-    latency_s: float = 0.8
-
-    def __post_init__(self) -> None:
-        finite("IdealObserver", sensitivity_db=self.sensitivity_db)
-        not_negative("IdealObserver", between_sd_db=self.between_sd_db)
-        positive("IdealObserver", latency_s=self.latency_s)
+    sensitivity_db: Finite = 0.0
+    between_sd_db: NotNegative = 0.0
+    latency_s: Positive = 0.8
 
     def person(self, traits: Traits) -> Self:
         """The participant with these traits; an ideal one has no other than its sensitivity and its time."""

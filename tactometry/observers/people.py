@@ -10,7 +10,9 @@ from typing import Final, Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arguments.require import expect, finite, not_negative, one_of
+from ..arguments.annotations import Finite, NotNegative
+from ..arguments.constraints import constrained
+from ..arguments.require import expect, one_of
 from ..config.strict import LOST_LEVEL, check_keys
 from ..session.request import Facts
 from ..trials.cells import cell as cell_text
@@ -119,6 +121,7 @@ Draws = Callable[..., np.random.Generator]
 
 
 @dataclass(frozen=True)
+@constrained
 class People:
     """How the people of a population differ: the keys of `[observer.people]`; 0 where they do not.
 
@@ -161,28 +164,20 @@ class People:
         If a spread is negative, a trait unknown, or the correlations belong to no covariance.
     """
 
-    modality_sd_db: float = 0.0
-    condition_sd_db: float = 0.0
-    factor_sd_db: dict[str, float] = field(default_factory=dict)
-    effects_db: dict[str, dict[str, float]] = field(default_factory=dict)
-    criterion_sd: float = 0.0
-    exponent_cv: float = 0.0
-    lapse_cv: float = 0.0
-    latency_cv: float = 0.0
-    number_cv: float = 0.0
-    force_bias_cv: float = 0.0
-    speed_bias_cv: float = 0.0
+    modality_sd_db: NotNegative = 0.0
+    condition_sd_db: NotNegative = 0.0
+    factor_sd_db: dict[str, NotNegative] = field(default_factory=dict)
+    effects_db: dict[str, dict[str, Finite]] = field(default_factory=dict)
+    criterion_sd: NotNegative = 0.0
+    exponent_cv: NotNegative = 0.0
+    lapse_cv: NotNegative = 0.0
+    latency_cv: NotNegative = 0.0
+    number_cv: NotNegative = 0.0
+    force_bias_cv: NotNegative = 0.0
+    speed_bias_cv: NotNegative = 0.0
     correlations: dict[str, dict[str, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        owner = "People"
-        not_negative(owner, modality_sd_db=self.modality_sd_db, condition_sd_db=self.condition_sd_db)
-        not_negative(owner, criterion_sd=self.criterion_sd, exponent_cv=self.exponent_cv, lapse_cv=self.lapse_cv)
-        not_negative(owner, latency_cv=self.latency_cv, number_cv=self.number_cv)
-        not_negative(owner, force_bias_cv=self.force_bias_cv, speed_bias_cv=self.speed_bias_cv)
-        not_negative(f"{owner}.factor_sd_db", **self.factor_sd_db)
-        for factor, of_level in self.effects_db.items():
-            finite(f"{owner}.effects_db.{factor}", **of_level)
         _check_correlations(self.correlations)
 
     @property

@@ -8,7 +8,9 @@ from typing import Any, Self
 
 import numpy as np
 
-from ..arguments.require import below, finite, not_negative, one_of, positive, within
+from ..arguments.annotations import Finite, NotNegative, Positive
+from ..arguments.constraints import constrained
+from ..arguments.require import below, finite, one_of, positive, within
 from ..config.strict import check_keys, convert
 from ..psychometric import SHAPES, PsychometricFunction
 from ..session.request import Facts
@@ -23,6 +25,7 @@ OF_WIDTH = 2 * 1.6448536269514722
 
 
 @dataclass(frozen=True)
+@constrained
 class PsychometricObserver(ObserverWithTraits):
     """Says yes with the chance ``psi(level)``, whose threshold and width are stated in the unit of the level.
 
@@ -53,25 +56,22 @@ class PsychometricObserver(ObserverWithTraits):
         If a value is outside of its range, or a condition holds what is none.
     """
 
-    threshold: float
-    width: float = 6.0
+    threshold: Finite
+    width: Positive = 6.0
     conditions: tuple[dict[str, Any], ...] = ()
     shape: str = "normal"
     false_alarm_rate: float = 0.05
     lapse_rate: float = 0.02
-    sensitivity_db: float = 0.0
-    between_sd_db: float = 2.5
-    latency_s: float = 0.8
+    sensitivity_db: Finite = 0.0
+    between_sd_db: NotNegative = 2.5
+    latency_s: Positive = 0.8
 
     def __post_init__(self) -> None:
         owner = "PsychometricObserver"
-        finite(owner, threshold=self.threshold, sensitivity_db=self.sensitivity_db)
-        positive(owner, width=self.width, latency_s=self.latency_s)
         one_of(f"{owner}.shape", self.shape, [name for name, shape in SHAPES.items() if not shape.on_log_levels])
         within(owner, 0, MOST_LAPSES, false_alarm_rate=self.false_alarm_rate)
         within(owner, 0, ALMOST_ALL, lapse_rate=self.lapse_rate)
         below(owner, false_alarm_rate=self.false_alarm_rate, one_less_lapses=1 - self.lapse_rate)
-        not_negative(owner, between_sd_db=self.between_sd_db)
         for n, of in enumerate(self.conditions):
             where = f"{owner}.conditions[{n}]"
             finite(where, threshold=convert(float, of.get("threshold", self.threshold), f"{where}.threshold"))

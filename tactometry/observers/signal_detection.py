@@ -7,7 +7,8 @@ from typing import Self
 
 import numpy as np
 
-from ..arguments.require import below_1, finite, not_negative, positive
+from ..arguments.annotations import Finite, NotNegative, Positive, Rate
+from ..arguments.constraints import constrained
 from ..session.request import Facts
 from . import responses
 from .changes.change import Shift
@@ -17,6 +18,7 @@ LIKING_NOISE = 0.3
 
 
 @dataclass(frozen=True)
+@constrained
 class SignalDetectionObserver(ObserverWithTraits):
     """Equal-variance signal detection on a sensation level in decibels.
 
@@ -49,22 +51,14 @@ class SignalDetectionObserver(ObserverWithTraits):
         If a value is outside of its range.
     """
 
-    criterion: float = 1.645
-    exponent: float = 1.0
-    lapse_rate: float = 0.02
-    sensitivity_db: float = 0.0
-    between_sd_db: float = 5.0
-    latency_s: float = 0.8
-    bias: float = 0.0
-    number_factor: float = 1.0
-
-    def __post_init__(self) -> None:
-        owner = "SignalDetectionObserver"
-        positive(owner, criterion=self.criterion, exponent=self.exponent, latency_s=self.latency_s)
-        positive(owner, number_factor=self.number_factor)
-        finite(owner, sensitivity_db=self.sensitivity_db, bias=self.bias)
-        not_negative(owner, between_sd_db=self.between_sd_db)
-        below_1(owner, lapse_rate=self.lapse_rate)
+    criterion: Positive = 1.645
+    exponent: Positive = 1.0
+    lapse_rate: Rate = 0.02
+    sensitivity_db: Finite = 0.0
+    between_sd_db: NotNegative = 5.0
+    latency_s: Positive = 0.8
+    bias: Finite = 0.0
+    number_factor: Positive = 1.0
 
     def person(self, traits: Traits) -> Self:
         """The participant with these traits."""

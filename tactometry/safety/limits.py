@@ -5,7 +5,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
-from ..arguments.require import at_most, expect, positive, without_none
+from ..arguments.annotations import Positive
+from ..arguments.constraints import constrained
+from ..arguments.require import at_most, expect
 from ..arguments.unlimited import Unlimited
 from ..errors import LimitExceeded
 from ..signal import Signal
@@ -37,6 +39,7 @@ NEEDED = {
 
 
 @dataclass(frozen=True)
+@constrained
 class Limits:
     """The largest values that an output may emit. None means that nobody stated it.
 
@@ -74,22 +77,19 @@ class Limits:
         If a value is not as stated.
     """
 
-    voltage_peak_v: float | Unlimited
-    duration_s: float | Unlimited | None = None
-    current_peak_a: float | Unlimited | None = None
-    charge_peak_c: float | Unlimited | None = None
-    displacement_peak_m: float | Unlimited | None = None
-    duty: float | None = None
-    duty_window_s: float = 60.0
-    session_s: float | Unlimited | None = None
-    force_peak_n: float | Unlimited = FORCE_PEAK_N
-    charge_session_c: float | Unlimited | None = None
-    stop_within_s: float | Unlimited | None = None
+    voltage_peak_v: Positive | Unlimited
+    duration_s: Positive | Unlimited | None = None
+    current_peak_a: Positive | Unlimited | None = None
+    charge_peak_c: Positive | Unlimited | None = None
+    displacement_peak_m: Positive | Unlimited | None = None
+    duty: Positive | None = None
+    duty_window_s: Positive = 60.0
+    session_s: Positive | Unlimited | None = None
+    force_peak_n: Positive | Unlimited = FORCE_PEAK_N
+    charge_session_c: Positive | Unlimited | None = None
+    stop_within_s: Positive | Unlimited | None = None
 
     def __post_init__(self) -> None:
-        always = {name: getattr(self, name) for name in ("voltage_peak_v", "duty_window_s", "force_peak_n")}
-        stated = without_none(vars(self)) | always
-        positive("Limits", **{name: value for name, value in stated.items() if not isinstance(value, Unlimited)})
         expect(self.duty is None or self.duty <= 1, "Limits.duty", self.duty, "at most 1")
         at_most("Limits.duty_window_s", self.duty_window_s, LONGEST_WINDOW_S)
 

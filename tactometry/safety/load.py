@@ -11,7 +11,9 @@ from typing import Literal
 
 import numpy as np
 
-from ..arguments.require import expect, positive
+from ..arguments.annotations import Positive
+from ..arguments.constraints import constrained
+from ..arguments.require import expect
 from ..signal import FloatArray, Signal
 from .reconstruction import course_peak
 
@@ -84,6 +86,7 @@ def _largest(values: FloatArray) -> float:
 
 
 @dataclass(frozen=True)
+@constrained
 class Load:
     """A capacitance with a leak in parallel, the same on every channel.
 
@@ -108,12 +111,11 @@ class Load:
     """
 
     kind: Literal["electrode", "piezo"]
-    capacitance_f: float
+    capacitance_f: Positive
     leak_resistance_ohm: float = math.inf
     displacement_m_per_v: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        positive("Load", capacitance_f=self.capacitance_f)
         leak_ohm, gains = self.leak_resistance_ohm, self.displacement_m_per_v
         expect(leak_ohm > 0, "Load.leak_resistance_ohm", leak_ohm, "above 0")
         sound = gains is None or all(0 < gain < math.inf for gain in gains)

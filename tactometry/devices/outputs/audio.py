@@ -11,7 +11,9 @@ from typing import Any, ClassVar, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arguments.require import at_most, expect, not_negative, positive, without_none
+from ...arguments.annotations import Positive
+from ...arguments.constraints import constrained
+from ...arguments.require import at_most, expect, not_negative, without_none
 from ...errors import DeviceFailed
 from ...followed import Course, FollowedSignal
 from ...signal import Signal
@@ -39,6 +41,7 @@ ASKED_WITHIN_S: Final = 2.0
 
 
 @dataclass(frozen=True)
+@constrained
 class AudioSettings:
     """The sound card by name; `channels` are its outlets, from 0, in the order of the signal's.
 
@@ -68,18 +71,17 @@ class AudioSettings:
     """
 
     connected: ClassVar[bool] = True
-    rate_hz: float
+    rate_hz: Positive
     device: str
     channels: tuple[int, ...] = (0,)
     sample_format: Literal["int16", "int32", "float32"] = "int32"
-    block_s: float = 0.005
+    block_s: Positive = 0.005
     latency_s: float = 0.05
     shared: bool = False
     position_latency_s: float | None = None
 
     def __post_init__(self) -> None:
         refuse_default("AudioSettings", self.device)
-        positive("AudioSettings", rate_hz=self.rate_hz, block_s=self.block_s)
         stated_s = without_none({name: getattr(self, name) for name in LONGEST_S})
         not_negative("AudioSettings", **stated_s)
         for name, value_s in stated_s.items():

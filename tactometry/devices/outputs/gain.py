@@ -6,11 +6,10 @@ from typing import Final
 
 import numpy as np
 
-from ...arguments.require import positive
-from ...arguments.unlimited import Unlimited
+from ...arguments.annotations import Positive
 from ...errors import DeviceFailed, InvalidParameter
 from ...signal import FloatArray, Signal
-from ..measured import Measured
+from ..measured import MaxAge, Measured
 
 MAX_AGE_DAYS: Final = 365
 """Of a gain for which nobody stated another age (unverified default)."""
@@ -56,17 +55,13 @@ class Gain(Measured):
     array([[-0.5 ,  0.25]])
     """
 
-    volts_per_unit: float
-    amplifier_gain: float
+    volts_per_unit: Positive
+    amplifier_gain: Positive
     measured_on: date | None = None
     measured_by: str | None = None
-    max_age_days: int | Unlimited = MAX_AGE_DAYS
+    max_age_days: MaxAge = MAX_AGE_DAYS
     measured_with: str | None = None
     system_volume: float | None = None
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        positive("Gain", volts_per_unit=self.volts_per_unit, amplifier_gain=self.amplifier_gain)
 
     @property
     def load_volts_per_unit(self) -> float:

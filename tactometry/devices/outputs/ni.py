@@ -14,7 +14,9 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...arguments.require import expect, positive
+from ...arguments.annotations import Positive
+from ...arguments.constraints import constrained
+from ...arguments.require import expect
 from ...errors import DeviceFailed, library_needed
 from ...safety.limits import STOP_WITHIN_S
 from ...signal import FloatArray, Signal
@@ -24,6 +26,7 @@ from .output import AmplifiedDriver
 
 
 @dataclass(frozen=True)
+@constrained
 class NiSettings:
     """Cards of National Instruments: `channels` by their physical names, such as ``Dev1/ao0``; `range_v` is the
     device's, V, of either sign.
@@ -46,14 +49,13 @@ class NiSettings:
 
     connected: ClassVar[bool] = True
     channels: tuple[str, ...]
-    rate_hz: float
-    range_v: float = 10.0
+    rate_hz: Positive
+    range_v: Positive = 10.0
     idle_at_zero: bool = False
     onboard_memory: bool = False
     reconstruction_filter: bool = True
 
     def __post_init__(self) -> None:
-        positive("NiSettings", rate_hz=self.rate_hz, range_v=self.range_v)
         once = len(set(self.channels)) == len(self.channels) > 0
         expect(once, "NiSettings.channels", list(self.channels), "at least one, each named once")
 

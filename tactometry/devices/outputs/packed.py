@@ -18,7 +18,9 @@ from typing import ClassVar, Final
 
 import numpy as np
 
-from ...arguments.require import expect, positive, whole
+from ...arguments.annotations import Positive
+from ...arguments.constraints import constrained
+from ...arguments.require import expect, whole
 from ...errors import DeviceFailed, InvalidParameter
 from ...safety.limits import STOP_WITHIN_S
 from ...signal import Signal
@@ -196,6 +198,7 @@ def _n_unread(pipe: int) -> int:
 
 
 @dataclass(frozen=True)
+@constrained
 class PackedSettings:
     """A one-bit board: `path` is opened for appending; `rate_hz` and `n_channels` are the board's.
 
@@ -221,15 +224,12 @@ class PackedSettings:
     connected: ClassVar[bool] = True
     path: str
     n_channels: int
-    rate_hz: float
+    rate_hz: Positive
     electrode: int | None = None
-    lowest_supply_v: float | None = None
+    lowest_supply_v: Positive | None = None
 
     def __post_init__(self) -> None:
         whole("PackedSettings", lowest=1, highest=MOST_CHANNELS, n_channels=self.n_channels)
-        positive("PackedSettings", rate_hz=self.rate_hz)
-        if self.lowest_supply_v is not None:
-            positive("PackedSettings", lowest_supply_v=self.lowest_supply_v)
         if self.electrode is not None:
             whole("PackedSettings", lowest=0, highest=self.n_channels - 1, electrode=self.electrode)
 

@@ -9,7 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from ...arguments.require import positive
+from ...arguments.annotations import Positive, PositiveWhole
+from ...arguments.constraints import constrained
 from ...errors import DeviceFailed, attempt, library_needed
 from ..clock_map import clock_offset_s
 from .reader import POLL_S, SampleBlock, SensorSettings, Source
@@ -25,6 +26,7 @@ SETTINGS_FILES = ("lsl_api.cfg", "~/lsl_api/lsl_api.cfg", "/etc/lsl_api/lsl_api.
 
 
 @dataclass(frozen=True)
+@constrained
 class LslSettings(SensorSettings):
     """A stream of Lab Streaming Layer: the outlet by its name; `rate_hz` is what its head must state.
 
@@ -43,12 +45,9 @@ class LslSettings(SensorSettings):
     """
 
     stream: str
-    rate_hz: float
-    n_channels: int = 1
+    rate_hz: Positive
+    n_channels: PositiveWhole = 1
     source_id: str | None = None
-
-    def __post_init__(self) -> None:
-        positive("LslSettings", rate_hz=self.rate_hz, n_channels=self.n_channels)
 
     def source(self) -> "LslSource":
         return LslSource(self)

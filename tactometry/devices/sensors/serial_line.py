@@ -5,7 +5,8 @@ import select
 from dataclasses import dataclass
 from typing import Any
 
-from ...arguments.require import positive
+from ...arguments.annotations import Positive, PositiveWhole
+from ...arguments.constraints import constrained
 from ...errors import DeviceFailed, library_needed
 from .counted_samples import CountedSamples
 from .framing import Framing
@@ -15,6 +16,7 @@ LARGEST_READ = 65_536
 
 
 @dataclass(frozen=True)
+@constrained
 class SerialSettings(SensorSettings):
     """A serial line: `port` such as ``/dev/ttyACM0`` or ``COM3``; `rate_hz` is what the device states.
 
@@ -31,12 +33,9 @@ class SerialSettings(SensorSettings):
     """
 
     port: str
-    rate_hz: float
-    n_channels: int = 1
-    baud: int = 921_600
-
-    def __post_init__(self) -> None:
-        positive("SerialSettings", rate_hz=self.rate_hz, n_channels=self.n_channels, baud=self.baud)
+    rate_hz: Positive
+    n_channels: PositiveWhole = 1
+    baud: PositiveWhole = 921_600
 
     def source(self) -> "SerialSource":
         return SerialSource(self)

@@ -7,11 +7,11 @@ from datetime import date
 
 import numpy as np
 
+from ...arguments.constraints import constrained
 from ...arguments.require import expect, finite, not_zero, without_none
-from ...arguments.unlimited import Unlimited
 from ...errors import InvalidParameter
 from ...signal import FloatArray
-from ..measured import Measured
+from ..measured import MaxAge, Measured
 from .reader import Reader, SampleBlock
 
 OnSamples = Callable[[FloatArray, FloatArray], None]
@@ -77,6 +77,7 @@ LARGEST_PLACE_M = 1e6
 
 
 @dataclass(frozen=True)
+@constrained
 class ForceCalibration(Measured):
     """One of three forms; what lies outside of a range that is known becomes NaN, a lost sample. So does a force above
     `LARGEST_FORCE_N`, as the value that an instrument sends at overload.
@@ -113,10 +114,9 @@ class ForceCalibration(Measured):
     count_high: float = math.inf
     measured_on: date | None = None
     measured_by: str | None = None
-    max_age_days: int | Unlimited | None = None
+    max_age_days: MaxAge | None = None
 
     def __post_init__(self) -> None:
-        super().__post_init__()
         forms = without_none(
             {name: getattr(self, name) for name in ("newtons_per_count", "polynomial", "table_counts")}
         )

@@ -6,11 +6,13 @@ from math import exp, sqrt
 
 import numpy as np
 
-from ...arguments.require import not_negative, positive
+from ...arguments.annotations import NotNegative, Positive
+from ...arguments.constraints import constrained
 from .change import Answer, Shift
 
 
 @dataclass(frozen=True)
+@constrained
 class CriterionDrift:
     """A stationary first-order process of standard deviation `sd`, in units of the internal noise, whose correlation
     falls to 1/e over `n_trials` trials (unverified defaults).
@@ -23,12 +25,8 @@ class CriterionDrift:
         After so many trials its correlation has fallen to 1/e.
     """
 
-    sd: float = 0.3
-    n_trials: float = 50.0
-
-    def __post_init__(self) -> None:
-        not_negative("CriterionDrift", sd=self.sd)
-        positive("CriterionDrift", n_trials=self.n_trials)
+    sd: NotNegative = 0.3
+    n_trials: Positive = 50.0
 
     def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift:
         del answers

@@ -5,11 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arguments.require import finite, positive
+from ...arguments.annotations import Finite, Positive
+from ...arguments.constraints import constrained
 from .change import Answer, Shift
 
 
 @dataclass(frozen=True)
+@constrained
 class Fatigue:
     """Less sensitive by `loss_db` after `n_trials` trials, in proportion to them (unverified defaults).
 
@@ -21,12 +23,8 @@ class Fatigue:
         The trials after which that is so.
     """
 
-    loss_db: float = 2.0
-    n_trials: float = 500.0
-
-    def __post_init__(self) -> None:
-        finite("Fatigue", loss_db=self.loss_db)
-        positive("Fatigue", n_trials=self.n_trials)
+    loss_db: Finite = 2.0
+    n_trials: Positive = 500.0
 
     def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift:
         del answers, rng

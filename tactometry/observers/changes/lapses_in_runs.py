@@ -5,11 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arguments.require import within
+from ...arguments.annotations import Share
+from ...arguments.constraints import constrained
 from .change import Answer, Shift
 
 
 @dataclass(frozen=True)
+@constrained
 class LapsesInRuns:
     """A chain of two states: attention is lost with the chance `loss_rate` a trial and comes back with `return_rate`;
     meanwhile `lapse_rate` of the answers are at random (unverified defaults). In the long run it is lost in
@@ -25,13 +27,9 @@ class LapsesInRuns:
         Share of answers at random meanwhile.
     """
 
-    loss_rate: float = 0.01
-    return_rate: float = 0.2
-    lapse_rate: float = 0.9
-
-    def __post_init__(self) -> None:
-        rates = {"loss_rate": self.loss_rate, "return_rate": self.return_rate, "lapse_rate": self.lapse_rate}
-        within("LapsesInRuns", 0, 1, **rates)
+    loss_rate: Share = 0.01
+    return_rate: Share = 0.2
+    lapse_rate: Share = 0.9
 
     def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift:
         del answers

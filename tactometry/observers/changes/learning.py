@@ -6,11 +6,13 @@ from math import exp
 
 import numpy as np
 
-from ...arguments.require import finite, positive
+from ...arguments.annotations import Finite, Positive
+from ...arguments.constraints import constrained
 from .change import Answer, Shift
 
 
 @dataclass(frozen=True)
+@constrained
 class SlowLearning:
     """At the first trial less sensitive by `gain_db`, after `n_trials` trials by 1/e of it (unverified defaults).
 
@@ -22,12 +24,8 @@ class SlowLearning:
         After so many trials 1/e of it is left.
     """
 
-    gain_db: float = 3.0
-    n_trials: float = 100.0
-
-    def __post_init__(self) -> None:
-        finite("SlowLearning", gain_db=self.gain_db)
-        positive("SlowLearning", n_trials=self.n_trials)
+    gain_db: Finite = 3.0
+    n_trials: Positive = 100.0
 
     def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift:
         del answers, rng

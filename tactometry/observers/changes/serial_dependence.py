@@ -5,11 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arguments.require import finite
+from ...arguments.annotations import Finite
+from ...arguments.constraints import constrained
 from .change import Answer, Shift
 
 
 @dataclass(frozen=True)
+@constrained
 class SerialDependence:
     """After a yes the criterion is lower by `pull`, in units of the internal noise, after a no higher (unverified
     default); below 0, answers alternate. It acts on questions with a criterion: yes/no, same or different.
@@ -20,10 +22,7 @@ class SerialDependence:
         By how much the criterion is lower after a yes, in units of the internal noise.
     """
 
-    pull: float = 0.2
-
-    def __post_init__(self) -> None:
-        finite("SerialDependence", pull=self.pull)
+    pull: Finite = 0.2
 
     def shift(self, n_trials: int, answers: Sequence[Answer], rng: np.random.Generator) -> Shift:
         del n_trials, rng
