@@ -80,11 +80,9 @@ class ForceGate:
         """The gate after a sample of `force_n` (N) stamped `sample_time_s` (s)."""
         if not (math.isfinite(sample_time_s) and self.holds(force_n)):
             return _then(self, since_s=None, last_s=None)
-        since_s = self.since_s if self._follows(sample_time_s) else sample_time_s
+        follows = self.last_s is not None and 0 <= sample_time_s - self.last_s <= self.max_gap_s
+        since_s = self.since_s if follows else sample_time_s
         return _then(self, since_s=since_s, last_s=sample_time_s)
-
-    def _follows(self, sample_time_s: float) -> bool:
-        return self.last_s is not None and 0 <= sample_time_s - self.last_s <= self.max_gap_s
 
 
 class Compliance(NamedTuple):
@@ -142,12 +140,6 @@ def compliances(
     window_s: float = 0.25,
 ) -> list[Compliance]:
     """`compliance` of each of several touches with the same stamps: (n_touches, n_samples) forces, unchecked."""
-    off_target_n = np.abs(_running_means(times_s, forces_n, window_s) - target_n)
-    in_band = (off_target_n <= tolerance * target_n).mean(axis=1)
-    return list(map(Compliance, forces_n.mean(axis=1).tolist(), forces_n.std(axis=1).tolist(), in_band.tolist()))
-
-
-def _running_means(times_s: NDArray[np.float64], forces_n: NDArray[np.float64], window_s: float) -> NDArray[np.float64]:
     first = np.searchsorted(times_s, times_s - window_s, side="right")
     behind = np.arange(1, times_s.size + 1)
     first = np.minimum(first, behind - 1)  # a window that rounding makes shorter than any step holds its own sample
@@ -155,7 +147,10 @@ def _running_means(times_s: NDArray[np.float64], forces_n: NDArray[np.float64], 
     edges = np.column_stack([first, behind]).ravel()
     ended = np.pad(forces_n, ((0, 0), (0, 1)))
     sums = np.add.reduceat(ended, edges, axis=1)[:, ::2]
-    return np.asarray(sums / (behind - first), dtype=np.float64)
+    running_means = np.asarray(sums / (behind - first), dtype=np.float64)
+    off_target_n = np.abs(running_means - target_n)
+    in_band = (off_target_n <= tolerance * target_n).mean(axis=1)
+    return list(map(Compliance, forces_n.mean(axis=1).tolist(), forces_n.std(axis=1).tolist(), in_band.tolist()))
 
 
 def stamped_samples(

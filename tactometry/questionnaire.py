@@ -122,11 +122,25 @@ class Questionnaire:
     def __post_init__(self) -> None:
         _check_scale(self)
         for index, item in enumerate(self.items):
-            _check_item(self, item, f"items[{index}]")
+            path = f"items[{index}]"
+            one_of(f"{path}.dimension", item.dimension, self.dimensions)
+            for language, poles in item.poles.items():
+                _check_pair(poles, f"{path}.poles.{language}", "the negative and the positive pole")
+            expect(
+                bool(item.poles or self.ends),
+                f"{path}.poles",
+                f"none for {item.id!r}",
+                "two poles, or ends for all items",
+            )
         _check_order(self)
         expect(len(self.languages) > 0, "items", "no language that has words for all of them", "at least one")
         for name, dimension in self.dimensions.items():
-            _check_dimension(self, name, dimension)
+            for part in dimension.parts:
+                is_other = part in self.dimensions and part != name
+                expect(is_other, f"dimensions.{name}.parts", repr(part), "the name of another dimension")
+            n_items, least = len(self.items_of(name)), dimension.min_answered
+            to_all = f"from 1 to the number of its items ({n_items})"
+            expect(1 <= least <= n_items, f"dimensions.{name}.min_answered", least, to_all)
         object.__setattr__(self, "items", tuple(sorted(self.items, key=lambda item: item.order)))
 
     def __deepcopy__(self, memo: dict[int, object]) -> Self:
@@ -225,13 +239,6 @@ def _check_scale(form: Questionnaire) -> None:
         _check_pair(ends, f"ends.{language}", "the left and the right end")
 
 
-def _check_item(form: Questionnaire, item: Item, path: str) -> None:
-    one_of(f"{path}.dimension", item.dimension, form.dimensions)
-    for language, poles in item.poles.items():
-        _check_pair(poles, f"{path}.poles.{language}", "the negative and the positive pole")
-    expect(bool(item.poles or form.ends), f"{path}.poles", f"none for {item.id!r}", "two poles, or ends for all items")
-
-
 def _check_pair(words: Sequence[str], path: str, what: str) -> None:
     are_two = len(words) == 2 and all(word.strip() for word in words)
     expect(are_two, path, list(words), f"two words, {what}")
@@ -243,15 +250,6 @@ def _check_order(form: Questionnaire) -> None:
         index = first_repeat(values)
         if index is not None:
             raise InvalidParameter(f"items[{index}].{key}: found {values[index]!r} twice, expected each {key} once")
-
-
-def _check_dimension(form: Questionnaire, name: str, dimension: Dimension) -> None:
-    for part in dimension.parts:
-        is_other = part in form.dimensions and part != name
-        expect(is_other, f"dimensions.{name}.parts", repr(part), "the name of another dimension")
-    n_items, least = len(form.items_of(name)), dimension.min_answered
-    to_all = f"from 1 to the number of its items ({n_items})"
-    expect(1 <= least <= n_items, f"dimensions.{name}.min_answered", least, to_all)
 
 
 def questionnaire_of(table: Mapping[str, Any], path: str) -> Questionnaire:

@@ -104,7 +104,9 @@ def _of_numbers(hint: Any, high: float, unbounded: bool) -> AnnotationRule:
         return AnnotationRule(number, f"a {numbers.removesuffix('s')}", good=good)
     if hint is complex:
         return AnnotationRule(
-            lambda value: number(value) or (_is_complex(value) and bool(good(value))), "a number", good=good
+            lambda value: number(value) or (isinstance(value, complex | np.complexfloating) and bool(good(value))),
+            "a number",
+            good=good,
         )
     if hint == ArrayLike:
         array = _array("iuf", high, good)
@@ -225,10 +227,6 @@ def _is_listed(value: Any) -> bool:
     if isinstance(value, np.ndarray | np.generic):
         return True
     return isinstance(value, Sequence) and not isinstance(value, str)
-
-
-def _is_complex(value: Any) -> bool:
-    return isinstance(value, complex | np.complexfloating)
 
 
 def _is_whole(value: Any) -> bool:

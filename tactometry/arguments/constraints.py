@@ -114,7 +114,12 @@ def check_of(hint: Any) -> Check | None:
     """
     origin, inner = get_origin(hint), get_args(hint)
     if origin is Annotated:
-        return _check_number(hint)
+        limits = limits_of(hint)
+        if limits is None:
+            return None
+        whole = hint.__origin__ is int and limits.gt is None
+
+        return lambda where, value: number_range(limits, where, whole).check(where, value)
     if origin in (Union, UnionType):
         check = next(filter(None, map(check_of, inner)), None)
         return check and _check_unless(tuple(part for part in inner if isinstance(part, type)), check)
@@ -150,25 +155,12 @@ def _field_checks(kind: type) -> Mapping[str, Check]:
     return {name: check for name, hint in hints.items() if (check := check_of(hint)) is not None}
 
 
-def _check_number(hint: Any) -> Check | None:
-    limits = limits_of(hint)
-    if limits is None:
-        return None
-    whole = _is_count(hint, limits)
-
-    return lambda where, value: number_range(limits, where, whole).check(where, value)
-
-
 def _check_unless(classes: tuple[type, ...], check: Check) -> Check:
     def check_others(where: str, value: Any) -> None:
         if not isinstance(value, classes):
             check(where, value)
 
     return check_others
-
-
-def _is_count(hint: Any, limits: Interval) -> bool:
-    return hint.__origin__ is int and limits.gt is None
 
 
 def _check_items(check: Check) -> Check:

@@ -311,7 +311,7 @@ def class_names(kinds: Iterable[type]) -> str:
 def _each(owner: str, values: Mapping[str, object], fits: Callable[[Any], bool], expected: str) -> None:
     for name, value in values.items():
         if not fits(value):
-            raise _refusal(owner, name, value, expected)
+            raise InvalidParameter(f"{owner}.{name}: found {excerpt(value)}, expected {expected}")
 
 
 def _within(limits: Interval, owner: str, values: Mapping[str, object], whole: bool = False) -> None:
@@ -335,7 +335,3 @@ def _no_choice(where: str, found: object, choices: Iterable[object]) -> InvalidP
     names = [str(choice) for choice in choices]
     hint = nearest(str(found), names)
     return InvalidParameter(f"{where}: found {excerpt(found)}, expected one of {', '.join(names)}{hint}")
-
-
-def _refusal(owner: str, name: str, value: object, expected: str) -> InvalidParameter:
-    return InvalidParameter(f"{owner}.{name}: found {excerpt(value)}, expected {expected}")

@@ -42,7 +42,11 @@ def build(kind: type[T], table: object, path: str, **given: object) -> T:
     try:
         return kind(**values, **given)
     except InvalidParameter as error:
-        raise InvalidParameter(_relocate(str(error), kind.__name__, path)) from None
+        message = str(error)
+        relocate = (
+            path + message.removeprefix(kind.__name__) if message.startswith(kind.__name__) else f"{path}: {message}"
+        )
+        raise InvalidParameter(relocate) from None
 
 
 def values_of(kind: type, table: object, path: str, given: Collection[str] = ()) -> dict[str, Any]:
@@ -269,8 +273,3 @@ def words_of(kind: Any) -> str:
     if origin is tuple:
         return f"a list of {' or '.join(word.removeprefix('a ') + 's' for word in words_of(inner[0]).split(' or '))}"
     return "a table"
-
-
-def _relocate(message: str, name: str, path: str) -> str:
-    """A refusal of a class, said in terms of the file."""
-    return path + message.removeprefix(name) if message.startswith(name) else f"{path}: {message}"

@@ -81,7 +81,16 @@ def _check_wav(content: bytes) -> None:
         if name == b"fmt ":
             frame_bytes = _frame_bytes(content[at : at + size])
         if name == b"data":
-            _check_data(len(content) - at, long_bytes or size if size == _ENDLESS else size, frame_bytes)
+            n_there = len(content) - at
+            n_said = long_bytes or size if size == _ENDLESS else size
+            if not frame_bytes:
+                raise ValueError("found samples before their form, expected a chunk 'fmt ' first")
+            if n_said == 0:
+                raise ValueError("found no samples, expected at least one")
+            if n_said > n_there:
+                raise ValueError(f"found {n_there} of {n_said} bytes of samples, expected all: the file is torn")
+            if n_said % frame_bytes:
+                raise ValueError(f"found {n_said} bytes of samples, expected whole frames of {frame_bytes} bytes")
             return
         at += size + size % 2
     raise ValueError("found no samples, expected a chunk 'data': the file is torn")
@@ -97,17 +106,6 @@ def _frame_bytes(form: bytes) -> int:
             "numbers that fit"
         )
     return int(frame_bytes)
-
-
-def _check_data(n_there: int, n_said: int, frame_bytes: int) -> None:
-    if not frame_bytes:
-        raise ValueError("found samples before their form, expected a chunk 'fmt ' first")
-    if n_said == 0:
-        raise ValueError("found no samples, expected at least one")
-    if n_said > n_there:
-        raise ValueError(f"found {n_there} of {n_said} bytes of samples, expected all: the file is torn")
-    if n_said % frame_bytes:
-        raise ValueError(f"found {n_said} bytes of samples, expected whole frames of {frame_bytes} bytes")
 
 
 def table_of_numbers(lines: TextIO, n_columns: int | None = None) -> NDArray[np.float64]:

@@ -81,18 +81,14 @@ class Touches:
         self._per_trial = max(self._per_trial, self._n_touches + 1)
         place = self._n, self._n_touches
         if place not in self._computed:
-            self._compute(asked)
+            size, numbers = self._per_trial * self._finger.n_draws(asked), range(self._n, self._n + N_AHEAD)
+            self._ahead = {n: self._drawn(n, size) for n in numbers}
+            drawn = np.stack([ahead.drawn for ahead in self._ahead.values()])
+            touches = iter(kept_touches(self._finger, asked, drawn.reshape(N_AHEAD * self._per_trial, -1)))
+            self._computed = {(n, i): next(touches) for n in numbers for i in range(self._per_trial)}
         self._n_touches += 1
         self._n_drawn += self._finger.n_draws(asked)
         return self._computed.pop(place)
-
-    def _compute(self, asked: Press | Slide) -> None:
-        """The touches of this trial and of those that follow."""
-        size, numbers = self._per_trial * self._finger.n_draws(asked), range(self._n, self._n + N_AHEAD)
-        self._ahead = {n: self._drawn(n, size) for n in numbers}
-        drawn = np.stack([ahead.drawn for ahead in self._ahead.values()])
-        touches = iter(kept_touches(self._finger, asked, drawn.reshape(N_AHEAD * self._per_trial, -1)))
-        self._computed = {(n, i): next(touches) for n in numbers for i in range(self._per_trial)}
 
     def _drawn(self, n: int, size: int) -> "_Ahead":
         known = self._ahead.get(n)

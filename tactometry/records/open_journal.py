@@ -48,7 +48,11 @@ class Journal:
         self.path, self._syncs_trials = path, syncs_trials
         self._file, self._unsynced = _open_locked(path), False
         try:
-            _refuse_recorded(path, resume=resume)
+            if not resume and path.stat().st_size > 0:
+                raise InvalidFile(
+                    f"{path}: this session has been recorded already, expected a new one; go on with --resume, or give "
+                    "another --session number"
+                )
             self.recording, self.cut = self._repair()
         except BaseException:
             os.close(self._file)
@@ -226,14 +230,6 @@ def _open_locked(path: Path, in_use: str = _IN_USE) -> int:
             os.close(file)
             raise
         os.close(file)  # the name leads to another file by now: that one
-
-
-def _refuse_recorded(path: Path, *, resume: bool) -> None:
-    if not resume and path.stat().st_size > 0:
-        raise InvalidFile(
-            f"{path}: this session has been recorded already, expected a new one; go on with --resume, or give "
-            "another --session number"
-        )
 
 
 def _lock(file: int, path: Path, in_use: str = _IN_USE) -> None:

@@ -22,7 +22,7 @@ from ..session.intervention import Intervention
 from ..session.replay import Replay
 from ..session.request import Intervene, Record, Request
 from ..signal import FloatArray
-from ..trials.trial import Trial, tally
+from ..trials.trial import tally
 from .agreement import is_beginning
 from .data_set import Session, participants, prepare, row, sessions, trials_csv
 from .description import NAME, SIMULATED, StudyDescription, describe, describe_columns, read_description, says_simulated
@@ -199,26 +199,20 @@ class OpenSession:
         with self._writing:
             self.journal.append(request, answer)  # the truth first: a crash from here on leaves a table to rebuild
             if isinstance(request, Record):
-                self._append_row(request.trial)
+                self.recorded_s = time.perf_counter()
+                line = delimited_text([row(request.trial, self._session, self._rig, self._columns)])
+                write_whole(self._file, line, self.trials, durable=False)
+                self.tally = self.tally.after(request.trial)
             elif isinstance(request, Intervene) and request.retracted:
-                self._write_rows(read(self.journal.path).trials)
+                trials = read(self.journal.path).trials
+                before, content = self._file, trials_csv(trials, self._session, self._rig, self._columns)
+                self._file = replace_file(self.trials, content)
+                os.close(before)
+                self.tally = tally(trials)
             if (event := consequence(Entry(request, answer))) is not None:
                 self._tell(event)
             for hear, _ in self._followers:
                 hear(request, answer)
-
-    def _write_rows(self, trials: Sequence[Trial]) -> None:
-        """The trials file anew, where rows that stand in it count no more."""
-        before, content = self._file, trials_csv(trials, self._session, self._rig, self._columns)
-        self._file = replace_file(self.trials, content)
-        os.close(before)
-        self.tally = tally(trials)
-
-    def _append_row(self, trial: Trial) -> None:
-        self.recorded_s = time.perf_counter()
-        line = delimited_text([row(trial, self._session, self._rig, self._columns)])
-        write_whole(self._file, line, self.trials, durable=False)
-        self.tally = self.tally.after(trial)
 
     def finish(self) -> None:
         self.journal.finish()

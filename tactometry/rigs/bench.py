@@ -174,7 +174,14 @@ class Bench(DeviceRig):
         return *self._times(onset_s, end_s), not self._supervisor.repeat
 
     def _rate(self, request: Rate) -> Rated:
-        scale = self._scale(request)
+        scale = layout.Scale(
+            words=self._texts.messages.get(request.item, self._texts.message("rate")),
+            low=self._texts.label(request.low_label),
+            high=self._texts.label(request.high_label),
+            hint=self._texts.message("hint_rate_continuous" if request.steps is None else "hint_rate"),
+            n_positions=layout.N_POSITIONS_CONTINUOUS if request.steps is None else request.steps,
+            rings=request.steps is not None,
+        )
         unmarked: int | None = None
         mark, timing = self._ask(
             unmarked, lambda mark: layout.scale_page(scale, mark, self._screen.aspect), scale.after
@@ -202,16 +209,6 @@ class Bench(DeviceRig):
             filling.Keeping(request, self._keep_marks, self._session_s),
         )
         return Filled(filling.values_of(marks, request), *self._timing(onset_s, end_s), back=marks.back)
-
-    def _scale(self, request: Rate) -> layout.Scale:
-        return layout.Scale(
-            words=self._texts.messages.get(request.item, self._texts.message("rate")),
-            low=self._texts.label(request.low_label),
-            high=self._texts.label(request.high_label),
-            hint=self._texts.message("hint_rate_continuous" if request.steps is None else "hint_rate"),
-            n_positions=layout.N_POSITIONS_CONTINUOUS if request.steps is None else request.steps,
-            rings=request.steps is not None,
-        )
 
     def _adjust(self, request: Adjust) -> Adjusted:
         page = layout.adjust_page(

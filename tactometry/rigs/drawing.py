@@ -43,7 +43,9 @@ class Canvas:
 
     def __init__(self, psychopy: SimpleNamespace, window: Any) -> None:
         self._visual, self._gl, self._window = psychopy.visual, psychopy.pyglet.gl, window
-        _add_font(psychopy)
+        assets = Path(psychopy.visual.__file__).parents[1] / "assets" / "fonts"
+        with (assets / "NotoSans-Regular.ttf").open("rb") as face:
+            psychopy.pyglet.font.add_file(face)
         self._list, self._picture = functools.cache(self._recorded), functools.cache(self._new_picture)
         self._stimuli: list[Any] = []
         """What was recorded: the letters of a text whose font nobody holds any more are forgotten by OpenGL."""
@@ -111,9 +113,3 @@ class Canvas:
             alignText=item.align,
             autoLog=False,
         )
-
-
-def _add_font(psychopy: SimpleNamespace) -> None:
-    assets = Path(psychopy.visual.__file__).parents[1] / "assets" / "fonts"
-    with (assets / "NotoSans-Regular.ttf").open("rb") as face:
-        psychopy.pyglet.font.add_file(face)

@@ -22,23 +22,20 @@ def n_positions(request: Fill) -> int:
 
 def form_of(request: Fill, texts: Texts) -> form.Form:
     """The page in the participant's language."""
-    return form.Form(
-        rows=tuple(texts.question(question) for question in request.questions),
-        n_positions=n_positions(request),
-        rings=request.steps is not None,
-        words=_words(request, texts),
-    )
-
-
-def _words(request: Fill, texts: Texts) -> form.FormWords:
     first, several = request.page == 1, request.n_pages > 1
-    return form.FormWords(
+    words = form.FormWords(
         hint=texts.message(form.hint_for(request.steps)),
         gaps=texts.message("hint_gaps"),
         stem=texts.in_language(request.stem),
         count=texts.message("page_count", {"page": request.page, "n_pages": request.n_pages}) if several else "",
         back="" if first else texts.message("page_back"),
         leave_open=texts.message("leave_open"),
+    )
+    return form.Form(
+        rows=tuple(texts.question(question) for question in request.questions),
+        n_positions=n_positions(request),
+        rings=request.steps is not None,
+        words=words,
     )
 
 

@@ -41,20 +41,15 @@ def _psychopy() -> SimpleNamespace:
         logging.console.setLevel(logging.ERROR)
         import pyglet
 
-        _refuse_documented()
+        if getattr(sys, "is_pyglet_doc_run", False):
+            raise DeviceFailed(
+                "window: found sphinx in this process, beside which pyglet draws nothing, expected a process without it"
+                "; start the session in another, or import tactometry.rigs.window and call load_psychopy first"
+            )
         from psychopy import event, monitors, visual
         from psychopy.hardware import keyboard
     parts = {"pyglet": pyglet, "event": event, "monitors": monitors, "visual": visual, "keyboard": keyboard}
     return SimpleNamespace(logging=logging, **parts)
-
-
-def _refuse_documented() -> None:
-    """Where sphinx came first, pyglet makes no context of OpenGL, without which PsychoPy's import ends the process."""
-    if getattr(sys, "is_pyglet_doc_run", False):
-        raise DeviceFailed(
-            "window: found sphinx in this process, beside which pyglet draws nothing, expected a process without it; "
-            "start the session in another, or import tactometry.rigs.window and call load_psychopy first"
-        )
 
 
 def load_psychopy() -> SimpleNamespace:
@@ -155,7 +150,13 @@ class Window(Display):
             }
             self._loan = Loan(self._psychopy, window, self._keyboard, heard)
             self._opened.callback(self._loan.give_back if adopted else self._keyboard.stop)
-            self._prepare_drawing()
+            self._canvas = Canvas(self._psychopy, self._window)
+            self._fresh, self._held = FreshPresses(), HeldKeys(self._keyboard.getState)
+            self._pressed: list[Input] = []
+            self._begun_y = 0.0
+            self._intervals_s: list[float] = []
+            self._offered_s = self._flipped_s = time.perf_counter()
+            self._pacer = Pacer(self._rhythm())
         except BaseException:
             self.close()
             raise
@@ -163,15 +164,6 @@ class Window(Display):
     def give_back(self) -> None:
         if self._adopted:
             self._loan.give_back()
-
-    def _prepare_drawing(self) -> None:
-        self._canvas = Canvas(self._psychopy, self._window)
-        self._fresh, self._held = FreshPresses(), HeldKeys(self._keyboard.getState)
-        self._pressed: list[Input] = []
-        self._begun_y = 0.0
-        self._intervals_s: list[float] = []
-        self._offered_s = self._flipped_s = time.perf_counter()
-        self._pacer = Pacer(self._rhythm())
 
     def _rhythm(self) -> Rhythm:
         """By the first frames that are believed, of `N_MEASUREMENTS` at most: opening a window is work."""
@@ -240,16 +232,14 @@ class Window(Display):
     def events(self) -> tuple[Input, ...]:
         self._window.winHandle.dispatch_events()
         clicks, self._pressed = self._pressed, []
-        return tuple(sorted([*clicks, *self._keys()], key=lambda event: event.at_s))
-
-    def _keys(self) -> list[KeyDown]:
         ask: Callable[..., list[Any]] = self._keyboard.getKeys
         reported = [(key.name, key.tDown) for released in (False, True) for key in ask(waitRelease=released)]
         now_s = time.perf_counter()
         ahead_s = self.clock_offset_s()
         fresh = [(name, min(down_s + ahead_s, now_s)) for name, down_s in self._fresh.of(reported)]
         again = self._held.repeats(fresh, now_s)
-        return [*(KeyDown(*press) for press in fresh), *(KeyDown(name, now_s, repeated=True) for name in again)]
+        keys = [*(KeyDown(*press) for press in fresh), *(KeyDown(name, now_s, repeated=True) for name in again)]
+        return tuple(sorted([*clicks, *keys], key=lambda event: event.at_s))
 
     def facts(self) -> Facts:
         width, height = (int(pixels) for pixels in self._window.size)

@@ -339,10 +339,8 @@ class Progress:
         if not part.n_trials:
             return part.lasts_s
         n_left = max(part.n_trials - self.n_valid(number), 0) if number == self.part else part.n_trials
-        return n_left * self._trial_lasts_s(part.lasts_s / part.n_trials)
-
-    def _trial_lasts_s(self, planned_s: float) -> float:
-        """How long a trial takes: the median of the last ones, in which pauses do not count; what is planned before."""
+        planned_s = part.lasts_s / part.n_trials
         pairs = zip(self.trial_times_s, self.trial_times_s[1:], strict=False)
         intervals_s = [after - before for before, after in pairs if after - before < LONGEST_INTERVALS * planned_s]
-        return median(intervals_s) if len(intervals_s) >= LONGEST_INTERVALS else planned_s
+        trial_lasts_s = median(intervals_s) if len(intervals_s) >= LONGEST_INTERVALS else planned_s
+        return n_left * trial_lasts_s

@@ -196,7 +196,10 @@ class AudioOutput(AmplifiedDriver):
             course: FrameFeed = FollowingFeed(frames, n_fade, signal, self._position_latency_s())
         else:
             course = FrameFeed(frames, n_fade)
-        self._let_end()
+        if self._course is not None and not self._course.finished:
+            self._course.stop()
+            if not self._course.ended.wait(LONGEST_START_S):
+                raise self._silent()
         self._course = course
         if signal.samples.size and not course.begun.wait(LONGEST_START_S):
             course.stop()
@@ -218,13 +221,6 @@ class AudioOutput(AmplifiedDriver):
         full_scale = FULL_SCALE[self._settings.sample_format]
         volts = self._gain.to_volts(numbers.astype(np.float64) / full_scale, self.rate_hz)
         return Course(volts, feed.latency_s, feed.late, feed.unknown)
-
-    def _let_end(self) -> None:
-        """What plays falls to zero before another signal begins."""
-        if self._course is not None and not self._course.finished:
-            self._course.stop()
-            if not self._course.ended.wait(LONGEST_START_S):
-                raise self._silent()
 
     def _silent(self) -> DeviceFailed:
         return DeviceFailed(f"output {self.name!r}: the device asked for no samples in {LONGEST_START_S:g} s")

@@ -76,8 +76,14 @@ def encode(signal: Signal) -> bytes:
     one_bit = "+V, -V and 0 (off) alone (one bit, in volt, no ramps; a bench makes foci and amplitude_modulated so)"
     expect(signal.unit == "V" and one_size and some, _STREAM, "samples of more than one size, or of none", one_bit)
     words = [signal.samples > 0] if is_on.all() else [signal.samples > 0, is_on]
-    payload = np.concatenate([_words(bits) for bits in words], axis=1).tobytes()
-    return _header(signal, voltage_v, len(words), zlib.crc32(payload)) + payload
+    payload = np.concatenate([np.packbits(bits.T, axis=1, bitorder="little") for bits in words], axis=1).tobytes()
+    n_channels, n_samples = signal.samples.shape
+    _check_channels(n_channels)
+    fields = _FIELDS.pack(
+        MAGIC, len(words), HEADER_BYTES, n_channels, signal.rate_hz, voltage_v, n_samples, zlib.crc32(payload)
+    )
+    header = fields + _CHECKSUM.pack(zlib.crc32(fields))
+    return header + payload
 
 
 def decode(stream: bytes) -> Signal:
@@ -102,18 +108,6 @@ def decode(stream: bytes) -> Signal:
 def stop_stream(n_channels: int, rate_hz: float) -> bytes:
     """A stream of no samples: outputs off."""
     return encode(Signal(np.zeros((n_channels, 0)), rate_hz, "V"))
-
-
-def _words(bits: NDArray[np.bool_]) -> NDArray[np.uint8]:
-    """(n_samples, bytes of a word)."""
-    return np.packbits(bits.T, axis=1, bitorder="little")
-
-
-def _header(signal: Signal, voltage_v: float, version: int, checksum: int) -> bytes:
-    n_channels, n_samples = signal.samples.shape
-    _check_channels(n_channels)
-    fields = _FIELDS.pack(MAGIC, version, HEADER_BYTES, n_channels, signal.rate_hz, voltage_v, n_samples, checksum)
-    return fields + _CHECKSUM.pack(zlib.crc32(fields))
 
 
 def _check_channels(n_channels: int) -> None:

@@ -119,19 +119,16 @@ class FrameFeed:
         begin, piece = self._at, self._frames[self._at : self._at + n_taken]
         self._at += n_taken
         if stopping:
-            piece = self._faded(piece)
+            envelope = 1 - (self._n_faded + np.arange(len(piece))) / self._n_fade
+            self._n_faded += len(piece)
+            falling: NDArray[Any] = piece * envelope[:, None]
+            piece = falling.astype(piece.dtype)  # whole numbers are cut towards zero
             if self._n_faded >= self._n_fade:
                 self._at = len(self._frames)
         emitted = self._emitted(piece, begin)
         if self.finished:
             self.ended.set()
         return emitted
-
-    def _faded(self, piece: NDArray[Any]) -> NDArray[Any]:
-        envelope = 1 - (self._n_faded + np.arange(len(piece))) / self._n_fade
-        self._n_faded += len(piece)
-        falling: NDArray[Any] = piece * envelope[:, None]
-        return falling.astype(piece.dtype)  # whole numbers are cut towards zero
 
     def _emitted(self, piece: NDArray[Any], begin: int) -> NDArray[Any]:
         """What becomes of a piece, whose first frame has the number `begin`."""

@@ -92,10 +92,7 @@ class Gain(Measured):
                 f"{what}.measured_with: found {self.measured_with!r}, expected {chain.output!r}, which is to play; "
                 f"{MEASURE}"
             )
-        self._check_volume(what, chain.system_volume)
-        self.check_age(what, today)
-
-    def _check_volume(self, what: str, system_volume: float | None) -> None:
+        system_volume = chain.system_volume
         known = [volume for volume in (self.system_volume, system_volume) if volume is not None]
         apart = max(known, default=0.0) - min(known, default=0.0)
         # one volume alone tells nothing of the other: a server came or went since the gain was measured
@@ -104,6 +101,7 @@ class Gain(Measured):
                 f"{what}.system_volume: found a gain of {_volume(self.system_volume)}, expected one of "
                 f"{_volume(system_volume)}, as it is now; set it back, or {MEASURE}"
             )
+        self.check_age(what, today)
 
     def to_units(self, signal: Signal) -> FloatArray:
         """The samples as numbers for the device, (n_channels, n_samples).

@@ -65,7 +65,10 @@ class BoardLine:
             if n_taken == 0:
                 if time.monotonic() > end_s:
                     break
-                self._wait()
+                if os.name == "posix":
+                    select.select([], [self._file], [], LOOK_S)
+                else:
+                    time.sleep(LOOK_S)
         return sent
 
     def _write_some(self, rest: memoryview) -> int:
@@ -75,12 +78,6 @@ class BoardLine:
             return 0
         except OSError as error:
             raise DeviceFailed(f"{self.path}: the board took no more ({error.strerror}); the output stopped") from None
-
-    def _wait(self) -> None:
-        if os.name == "posix":
-            select.select([], [self._file], [], LOOK_S)
-        else:
-            time.sleep(LOOK_S)
 
     def was_read(self, within_s: float) -> bool:
         """Whether a pipe is empty within a time: its reader has all that was written."""
@@ -164,7 +161,12 @@ def open_line(path: Path, within_s: float) -> BoardLine:
     end_s = time.monotonic() + within_s
     while True:
         try:
-            return BoardLine(path, _raw(os.open(path, flags, 0o666)))
+            file = os.open(path, flags, 0o666)
+            if os.name == "posix" and os.isatty(file):
+                import tty
+
+                tty.setraw(file)
+            return BoardLine(path, file)
         except OSError as error:
             nobody_reads = error.errno == errno.ENXIO and path.is_fifo()
             if not nobody_reads:
@@ -178,15 +180,6 @@ def open_line(path: Path, within_s: float) -> BoardLine:
                 "first; nothing was played"
             )
         time.sleep(LOOK_S)
-
-
-def _raw(file: int) -> int:
-    """The same file; a serial line passes on each byte as it is: a terminal adds a carriage return to a line feed."""
-    if os.name == "posix" and os.isatty(file):
-        import tty
-
-        tty.setraw(file)
-    return file
 
 
 def _n_unread(pipe: int) -> int:

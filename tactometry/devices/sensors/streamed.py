@@ -130,7 +130,17 @@ class ForceCalibration(Measured):
             expect(enough, "ForceCalibration.polynomial", self.polynomial, "at least two finite numbers")
             _check_turns(self.polynomial, self.count_low, self.count_high)
         if self.table_counts is not None:
-            _check_table(self.table_counts, self.table_forces_n or ())
+            counts = self.table_counts
+            forces_n = self.table_forces_n or ()
+            where = "ForceCalibration.table_counts"
+            paired = len(counts) == len(forces_n) >= 2 and np.isfinite([counts, forces_n]).all()
+            sizes = f"{len(counts)} counts and {len(forces_n)} table_forces_n"
+            expect(paired, where, sizes, "as many of both, at least two, all finite")
+            expect(np.all(np.diff(counts) > 0), where, "counts that do not rise", "rising ones")
+            steps_n = np.diff(forces_n)
+            follows = np.all(steps_n > 0) or np.all(steps_n < 0)
+            turns = "forces that neither rise nor fall with the counts"
+            expect(follows, "ForceCalibration.table_forces_n", turns, "that; measure them again")
         rises = self.count_low < self.count_high
         expect(rises, "ForceCalibration.count_low", self.count_low, f"below count_high, {self.count_high}")
 
@@ -145,18 +155,6 @@ class ForceCalibration(Measured):
         if self.polynomial is not None:
             return np.asarray(np.polynomial.polynomial.polyval(counts, self.polynomial))
         return (counts - self.zero_count) * (self.newtons_per_count or math.nan)
-
-
-def _check_table(counts: tuple[float, ...], forces_n: tuple[float, ...]) -> None:
-    where = "ForceCalibration.table_counts"
-    paired = len(counts) == len(forces_n) >= 2 and np.isfinite([counts, forces_n]).all()
-    sizes = f"{len(counts)} counts and {len(forces_n)} table_forces_n"
-    expect(paired, where, sizes, "as many of both, at least two, all finite")
-    expect(np.all(np.diff(counts) > 0), where, "counts that do not rise", "rising ones")
-    steps_n = np.diff(forces_n)
-    follows = np.all(steps_n > 0) or np.all(steps_n < 0)
-    turns = "forces that neither rise nor fall with the counts"
-    expect(follows, "ForceCalibration.table_forces_n", turns, "that; measure them again")
 
 
 def _check_turns(polynomial: tuple[float, ...], low: float, high: float) -> None:

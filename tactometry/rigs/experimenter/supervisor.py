@@ -145,7 +145,12 @@ class Supervisor:
                 self.terminal.tell(HELP)
                 self.terminal.tell(self.terminal.standing)
             case "invalidate":
-                self._invalidate()
+                if self.last is None:
+                    self.terminal.tell("no trial is recorded yet that could be invalidated")
+                elif not self.last.valid:
+                    self.terminal.tell(f"trial {self.last.trial} does not count already")
+                else:
+                    self._intervene(Intervention("invalidate", self.last.key), f"trial {self.last.trial}: {WHEN}")
             case "skip" | "rest" | "end":
                 self._intervene(Intervention(order.wish), WHEN)
 
@@ -156,14 +161,6 @@ class Supervisor:
         self.repeat = True
         self.note("repeat", text=EXPERIMENTER)
         self.terminal.tell("this trial will be asked again")
-
-    def _invalidate(self) -> None:
-        if self.last is None:
-            self.terminal.tell("no trial is recorded yet that could be invalidated")
-        elif not self.last.valid:
-            self.terminal.tell(f"trial {self.last.trial} does not count already")
-        else:
-            self._intervene(Intervention("invalidate", self.last.key), f"trial {self.last.trial}: {WHEN}")
 
     def _intervene(self, intervention: Intervention, words: str) -> None:
         if intervention in self._interventions:

@@ -207,14 +207,11 @@ class TouchCourse:
         self.setup.release.begin()
         decided_s, onset_s = begun
         touched = replace(self._judgement(signal, held, onset_s, cut_by), gate_s=held.let_through_s)
-        self._say_played(touched.force_mean_n)
-        return touched, held.delay_s(decided_s)
-
-    def _say_played(self, force_n: float | None) -> None:
-        if force_n is None:
+        if touched.force_mean_n is None:
             self.setup.say("played_unmeasured")
         else:
-            self.setup.say("played", force_n=force_n)
+            self.setup.say("played", force_n=touched.force_mean_n)
+        return touched, held.delay_s(decided_s)
 
     def _await_begin(self, held: Held, trigger: Trigger, sensor: StreamedSensor) -> tuple[float, float] | None:
         """Show the force until the stimulus begins: when that was decided, and the onset; None if it came too late.

@@ -57,7 +57,9 @@ class Tracer:
         tables = {kind: self._read(sensor) for kind, sensor in self._sensors.items()}  # all at once
         parts = [self._measured(self._log, kind, table) for kind, table in tables.items() if len(table)]
         if not isinstance(answer, Adjusted):  # a level that is set plays on and on: what was emitted is no one signal
-            parts += self._emitted(self._log, answer.digest)
+            signal = self._emitter.followed(answer.digest) if self._emitter and answer.digest else None
+            emitted = [] if signal is None else [self._log.keep_trace("emitted", signal.samples.T, signal.rate_hz)]
+            parts += emitted
         return replace(answer, trace=tuple(parts))
 
     def _read(self, sensor: StreamedSensor) -> FloatArray:
@@ -67,7 +69,3 @@ class Tracer:
 
     def _measured(self, log: EventLog, kind: TraceKind, table: FloatArray) -> TracePart:
         return log.keep_trace(kind, table, self._sensors[kind].reader.source.rate_hz)
-
-    def _emitted(self, log: EventLog, digest: str | None) -> list[TracePart]:
-        signal = self._emitter.followed(digest) if self._emitter and digest else None
-        return [] if signal is None else [log.keep_trace("emitted", signal.samples.T, signal.rate_hz)]
