@@ -97,6 +97,8 @@ class ChoiceItem:
 class ChoiceForm:
     """Questions that are asked one page each, about a person.
 
+    Raises `InvalidParameter` if a question has no options, an id or a code stands twice, or no language has all words.
+
     Parameters
     ----------
     name : str
@@ -109,11 +111,6 @@ class ChoiceForm:
         ``choices``.
     items : tuple of ChoiceItem
         The questions, in their order.
-
-    Raises
-    ------
-    InvalidParameter
-        If a question has no options, an id or a code stands twice, or no language has all words.
 
     >>> demographics = load("demographics")
     >>> [item.id for item in demographics.items], demographics.languages
@@ -179,10 +176,7 @@ def is_choices(table: object) -> bool:
 def choice_form_of(table: Mapping[str, Any], path: str) -> ChoiceForm:
     """A form from the table of a file; `path` opens each key path.
 
-    Raises
-    ------
-    InvalidParameter
-        If a key is unknown, missing or of another type, or the form is impossible.
+    Raises `InvalidParameter` if a key is unknown, missing or of another type, or the form is impossible.
     """
     return build(ChoiceForm, table, path)
 
@@ -190,10 +184,7 @@ def choice_form_of(table: Mapping[str, Any], path: str) -> ChoiceForm:
 def choice_forms_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, ChoiceForm]:
     """Those of a study's own, by name, from its `[forms.NAME]`.
 
-    Raises
-    ------
-    InvalidParameter
-        As `choice_form_of`.
+    Raises `InvalidParameter` as `choice_form_of`.
     """
     own = {name: table for name, table in tables.items() if is_choices(table)}
     return {name: choice_form_of({"name": name, **table}, f"forms.{name}") for name, table in own.items()}
@@ -213,10 +204,7 @@ def shipped_choices() -> tuple[str, ...]:
 def load(name: str) -> ChoiceForm:
     """A form that is shipped.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is none of that name.
+    Raises `InvalidParameter` if there is none of that name.
     """
     return load_shipped(FOLDER, name, "form", _parse)
 

@@ -40,8 +40,6 @@ class FollowsFinger(Stimulus, Protocol):
 class FingerPath:
     """The last of a finger's path along its first axis: told by a sensor's thread, asked for by that of an output.
 
-    Examples
-    --------
     >>> path = FingerPath()
     >>> path.hear(np.array([0.0, 0.1]), np.array([[0.0, 5.0], [0.01, 5.0]]))
     >>> path.at(np.array([-0.1, 0.05, 0.15, 0.3])).tolist()

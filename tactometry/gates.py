@@ -46,11 +46,6 @@ class ForceGate:
     max_gap_s : float
         The longest interval between samples that is still one hold, s, above 0.
 
-    Raises
-    ------
-    InvalidParameter
-        If a value is not as stated.
-
     Examples
     --------
     >>> gate = ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.015)
@@ -98,6 +93,8 @@ def compliance(
 ) -> Compliance:
     """How well a force was kept.
 
+    Raises `InvalidParameter` if a value or a shape is not as stated.
+
     Parameters
     ----------
     times_s : (n_samples,) array_like
@@ -115,11 +112,6 @@ def compliance(
     Compliance
         `sd_n` is that of the trace (division by n_samples). `in_band` (0..1) is the part of the samples whose
         running mean lies in the band.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value or a shape is not as stated.
 
     Examples
     --------
@@ -158,10 +150,7 @@ def stamped_samples(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Finite values with their stamps (s): at least two that rise, or at least one with none that goes back.
 
-    Raises
-    ------
-    InvalidParameter
-        If they are none; `owner` opens the sentence, which calls the values by their `name`.
+    Raises `InvalidParameter` if they are none; `owner` opens the sentence, which calls the values by their `name`.
     """
     times, samples = np.asarray(times_s, dtype=np.float64), np.asarray(values, dtype=np.float64)
     paired = times.ndim == 1 and times.shape == samples.shape and times.size >= 1 + rising
@@ -201,11 +190,6 @@ class SpeedGate:
         How long the speed must be kept, s, at least 0.
     window_s, max_gap_s : float
         Window of the speed and longest interval between samples, s, above 0.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is not as stated.
 
     Examples
     --------
@@ -279,6 +263,8 @@ def motion(
 ) -> SpeedCompliance:
     """How well a speed was kept.
 
+    Raises `InvalidParameter` if a value or a shape is not as stated.
+
     Parameters
     ----------
     times_s : (n_samples,) array_like
@@ -294,11 +280,6 @@ def motion(
     -------
     SpeedCompliance
         The mean is the length of the path over its duration.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value or a shape is not as stated.
 
     Examples
     --------

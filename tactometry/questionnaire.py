@@ -73,6 +73,9 @@ class Dimension:
 class Questionnaire:
     """Items on one scale, in the published order.
 
+    Raises `InvalidParameter` if an item has no pole, an id or an order stands twice, or a scale or a dimension is
+    impossible.
+
     Parameters
     ----------
     low, high : float
@@ -95,11 +98,6 @@ class Questionnaire:
         The statements or pairs of poles, in any order.
     dimensions : mapping of str to Dimension
         The scores, by name.
-
-    Raises
-    ------
-    InvalidParameter
-        If an item has no pole, an id or an order stands twice, or a scale or a dimension is impossible.
 
     >>> attrakdiff = load("attrakdiff")
     >>> attrakdiff.items[0].id, attrakdiff.words("PQ1", "en"), attrakdiff.score("PQ1", 1)
@@ -157,20 +155,14 @@ class Questionnaire:
     def item(self, name: str) -> Item:
         """The item of this id.
 
-        Raises
-        ------
-        InvalidParameter
-            If there is none.
+        Raises `InvalidParameter` if there is none.
         """
         return lookup(f"item of {self.name}", name, {item.id: item for item in self.items})
 
     def words(self, name: str, language: str) -> tuple[str, str, str]:
         """The statement (empty if there is none), the left word and the right word of an item, as presented.
 
-        Raises
-        ------
-        InvalidParameter
-            If the item or the language is not there.
+        Raises `InvalidParameter` if the item or the language is not there.
         """
         item = self.item(name)
         one_of(f"language of {self.name}", language, self.languages)
@@ -192,10 +184,7 @@ class Questionnaire:
     def score(self, name: str, raw: float) -> float:
         """The score of a raw answer to an item.
 
-        Raises
-        ------
-        InvalidParameter
-            If the item is unknown, or `raw` is no answer that the scale takes.
+        Raises `InvalidParameter` if the item is unknown, or `raw` is no answer that the scale takes.
         """
         item = self.item(name)
         scale = f"{self.low:g} to {self.high:g}{'' if self.steps is None else f' in {self.steps} steps'}"
@@ -208,10 +197,7 @@ class Questionnaire:
 
         Items that are missing, or None, are not answered.
 
-        Raises
-        ------
-        InvalidParameter
-            If an item is unknown or an answer is not on the scale.
+        Raises `InvalidParameter` if an item is unknown or an answer is not on the scale.
 
         >>> scores = load("attrakdiff").scores({item.id: 7.0 for item in load("attrakdiff").items})
         >>> {name: round(7 * score) for name, score in scores.items()}
@@ -255,10 +241,7 @@ def _check_order(form: Questionnaire) -> None:
 def questionnaire_of(table: Mapping[str, Any], path: str) -> Questionnaire:
     """A questionnaire from the table of a file; `path` opens each key path. Without ``steps`` its scale is a line.
 
-    Raises
-    ------
-    InvalidParameter
-        If a key is unknown, missing or of another type, or the questionnaire is impossible.
+    Raises `InvalidParameter` if a key is unknown, missing or of another type, or the questionnaire is impossible.
     """
     return build(Questionnaire, table, path)
 
@@ -266,10 +249,7 @@ def questionnaire_of(table: Mapping[str, Any], path: str) -> Questionnaire:
 def parse(content: bytes, where: str) -> Questionnaire:
     """A questionnaire from the bytes of its file; `where` opens every sentence.
 
-    Raises
-    ------
-    InvalidFile
-        If the bytes are no TOML, or the questionnaire holds anything unknown, missing or impossible.
+    Raises `InvalidFile` if the bytes are no TOML, or the questionnaire holds anything unknown, missing or impossible.
     """
     table = table_of(content, where, "a questionnaire")
     with errors_in(where):
@@ -279,10 +259,7 @@ def parse(content: bytes, where: str) -> Questionnaire:
 def questionnaires_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Questionnaire]:
     """The questionnaires of a study's own, by name, from its `[forms.NAME]`; forms of choices are none.
 
-    Raises
-    ------
-    InvalidParameter
-        As `questionnaire_of`.
+    Raises `InvalidParameter` as `questionnaire_of`.
     """
     scales = {name: table for name, table in tables.items() if not is_choices(table)}
     return {name: questionnaire_of({"name": name, **table}, f"forms.{name}") for name, table in scales.items()}
@@ -302,9 +279,6 @@ def shipped_names() -> tuple[str, ...]:
 def load(name: str) -> Questionnaire:
     """A questionnaire that is shipped.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is none of that name.
+    Raises `InvalidParameter` if there is none of that name.
     """
     return load_shipped(FOLDER, name, "questionnaire", parse)

@@ -26,8 +26,6 @@ def checked(thing: T) -> T:
     is `Unbounded`, infinity is a number too, and a `Positive` number is above 0. A list where an array belongs is made
     one. An array may have any dimensions, a `Vector` one and at least one number, a `Matrix` two.
 
-    Examples
-    --------
     >>> @checked
     ... def twice(length_m: float) -> float:
     ...     return 2 * length_m

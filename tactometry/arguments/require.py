@@ -28,10 +28,7 @@ def expect(
 ) -> None:
     """What a value must be where no other word says it; `found` stands in the sentence as it is to be read.
 
-    Raises
-    ------
-    InvalidParameter
-        Unless it `holds`; of a file an `InvalidFile`, where `error` says so.
+    Raises `InvalidParameter` unless it `holds`; of a file an `InvalidFile`, where `error` says so.
 
     >>> expect(0 < 0.5 <= 1, "Scene.accuracy", 0.5, "above 0 and at most 1")
     >>> expect(0 < 2.0 <= 1, "Scene.accuracy", 2.0, "above 0 and at most 1")
@@ -172,10 +169,7 @@ def one_of(where: str, found: object, choices: Iterable[object]) -> None:
 def lookup(where: str, name: object, choices: Mapping[str, V]) -> V:
     """What `name` stands for among `choices`.
 
-    Raises
-    ------
-    InvalidParameter
-        As `one_of`, with the nearest name.
+    Raises `InvalidParameter` as `one_of`, with the nearest name.
 
     >>> lookup("sensor", "hand", {"hand": 1}), lookup("sensor", "hnad", {"hand": 1})
     Traceback (most recent call last):

@@ -45,10 +45,7 @@ UNLIMITED: Final = Unlimited()
 def check_highest(path: str, value: float) -> None:
     """Refuse a limit of a file that is above its plausible upper bound.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is; `path` ends with its key. NaN is left to the class that gets it.
+    Raises `InvalidParameter` if it is; `path` ends with its key. NaN is left to the class that gets it.
 
     >>> check_highest("limits.force_peak_n", 1e9)
     Traceback (most recent call last):

@@ -117,10 +117,7 @@ def _finite(value: object) -> object:
 def drawn_seed(seed: int | None, *, resume: bool = False) -> int:
     """Return the seed, or draw one and print it on standard error.
 
-    Raises
-    ------
-    InvalidParameter
-        If what is resumed has another seed than one that is drawn.
+    Raises `InvalidParameter` if what is resumed has another seed than one that is drawn.
     """
     if seed is not None:
         return seed

@@ -77,7 +77,6 @@ def command(
 
 
 def _tell(batch: Batch) -> None:
-    """Where a person waits at a terminal, how far it is."""
     if sys.stderr.isatty():
         click.echo(f"\r{batch.case.name}: {batch.end} studies ", nl=False, err=True)
 

@@ -56,7 +56,6 @@ def command(
 
 
 def _whose(touches: "Sequence[TouchTrace]") -> dict[str, Any]:
-    """By this an erasure finds what was kept of it."""
     return {name: getattr(touch.head, name) for touch in touches[:1] for name in ("participant", "session")}
 
 

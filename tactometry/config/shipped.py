@@ -23,10 +23,7 @@ def shipped_in(package: str) -> tuple[str, ...]:
 def load_shipped(package: str, name: str, what: str, parse: Callable[[bytes, str], T]) -> T:
     """One of them, as `parse` makes it of its bytes and of what opens each sentence.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is none of that name.
+    Raises `InvalidParameter` if there is none of that name.
     """
     one_of(what, name, shipped_in(package))
     return parse((files(package) / f"{name}{SUFFIX}").read_bytes(), f"{what} {name}")

@@ -32,11 +32,8 @@ _AT = re.compile(r"^(.*?)(?: - at `\$(.*)`)?$")
 def build(kind: type[T], table: object, path: str, **given: object) -> T:
     """A `kind` from a table of a file, which must not hold the `given` fields.
 
-    Raises
-    ------
-    InvalidParameter
-        If a key is unknown (with the nearest name), missing or of another type, or `kind` refuses a value; each
-        sentence opens with the key path.
+    Raises `InvalidParameter` if a key is unknown (with the nearest name), missing or of another type, or `kind` refuses
+    a value; each sentence opens with the key path.
     """
     values = values_of(kind, table, path, given)
     try:
@@ -52,10 +49,7 @@ def build(kind: type[T], table: object, path: str, **given: object) -> T:
 def values_of(kind: type, table: object, path: str, given: Collection[str] = ()) -> dict[str, Any]:
     """Convert the keys of a table of a file that set fields of `kind`, without the `given` ones.
 
-    Raises
-    ------
-    InvalidParameter
-        As `build`, but for what `kind` refuses.
+    Raises `InvalidParameter` as `build`, but for what `kind` refuses.
     """
     table = as_table(table, path)
     hints = typing.get_type_hints(kind)
@@ -79,10 +73,7 @@ def values_of(kind: type, table: object, path: str, given: Collection[str] = ())
 def build_kind(table: Mapping[str, Any], path: str, targets: Mapping[str, str]) -> Any:
     """What a table describes whose key ``kind`` names one of `targets`, each the target string of a class.
 
-    Raises
-    ------
-    InvalidParameter
-        As `kind_of` and `build`.
+    Raises `InvalidParameter` as `kind_of` and `build`.
     """
     target = kind_of(table, path, targets)
     return build(resolve(target), {key: value for key, value in table.items() if key != "kind"}, path)
@@ -91,13 +82,8 @@ def build_kind(table: Mapping[str, Any], path: str, targets: Mapping[str, str]) 
 def kind_of(table: Mapping[str, Any], path: str, known: Mapping[str, K]) -> K:
     """What the key ``kind`` of a table names.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is missing, or names nothing that is known.
+    Raises `InvalidParameter` if it is missing, or names nothing that is known.
 
-    Examples
-    --------
     >>> kind_of({"kind": "sine"}, "stimulus", {"sine": 1})
     1
     """
@@ -112,10 +98,7 @@ def kind_of(table: Mapping[str, Any], path: str, known: Mapping[str, K]) -> K:
 def as_table(value: object, path: str) -> Mapping[str, Any]:
     """A value of a file, if it is a table.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is none.
+    Raises `InvalidParameter` if it is none.
     """
     if isinstance(value, Mapping):
         return value
@@ -144,10 +127,7 @@ def check_keys(
     """Refuse a key that is none of `names`, with the nearest of them; `what` says what the names are, `cure` what else
     may be done, `read_by` the class whose keys they are.
 
-    Raises
-    ------
-    InvalidKey
-        For each.
+    Raises `InvalidKey` for each.
     """
     found = Gathered()
     for key in table:
@@ -161,10 +141,7 @@ def check_keys(
 def read_toml(kind: type[T], path: Path, what: str) -> T:
     """A `kind` from a TOML file; `what` says in an error what was expected.
 
-    Raises
-    ------
-    InvalidFile
-        If it cannot be read, is no TOML, or `build` refuses it.
+    Raises `InvalidFile` if it cannot be read, is no TOML, or `build` refuses it.
     """
     table = read_table(path, what)
     with errors_in(path):
@@ -174,10 +151,7 @@ def read_toml(kind: type[T], path: Path, what: str) -> T:
 def convert(kind: Any, value: object, path: str) -> Any:
     """`value` as `kind`, a plain type, a dataclass or a container of such.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is of another type; the sentence opens with the key path.
+    Raises `InvalidParameter` if it is of another type; the sentence opens with the key path.
     """
     of_optional = [choice for choice in typing.get_args(kind) if dataclasses.is_dataclass(choice)]
     table_class = of_optional[0] if typing.get_origin(kind) is types.UnionType and of_optional else kind

@@ -18,10 +18,7 @@ LONGEST_LIST, DEEPEST = 10_000, 30
 def read_table(path: Path, what: str) -> dict[str, Any]:
     """The table of a file; `what` says in an error what was expected.
 
-    Raises
-    ------
-    InvalidFile
-        If the file cannot be read, or as `table_of`.
+    Raises `InvalidFile` if the file cannot be read, or as `table_of`.
     """
     return table_of(read_file(path, what, LARGEST_FILE), str(path), what)
 
@@ -29,13 +26,9 @@ def read_table(path: Path, what: str) -> dict[str, Any]:
 def table_of(content: bytes, where: str, what: str) -> dict[str, Any]:
     """The table of the bytes of a file; `where` opens every sentence.
 
-    Raises
-    ------
-    InvalidFile
-        If the bytes are no UTF-8 or no TOML, or more than `LARGEST_FILE`, `LONGEST_LIST` and `DEEPEST` allow.
+    Raises `InvalidFile` if the bytes are no UTF-8 or no TOML, or more than `LARGEST_FILE`, `LONGEST_LIST` and `DEEPEST`
+    allow.
 
-    Examples
-    --------
     >>> table_of(b"accuracy = 0.01", "s.toml", "a scene file")
     {'accuracy': 0.01}
     """
@@ -87,13 +80,8 @@ def _refuse_vast(table: dict[str, Any], where: str, what: str) -> None:
 def errors_in(where: str | Path) -> Iterator[None]:
     """What is wrong with the content of a file, with its place: `where` before the key path.
 
-    Raises
-    ------
-    InvalidFile
-        If the body raises an error that a person can mend.
+    Raises `InvalidFile` if the body raises an error that a person can mend.
 
-    Examples
-    --------
     >>> with errors_in("s.toml"):
     ...     raise InvalidFile("accuracy: found 2, expected at most 1")
     Traceback (most recent call last):

@@ -53,10 +53,7 @@ class ClockMap:
     def after(self, device_s: float, arrival_s: float) -> "ClockMap":
         """With a sample that was taken at `device_s` and arrived at `arrival_s`.
 
-        Raises
-        ------
-        InvalidParameter
-            If a time is not finite.
+        Raises `InvalidParameter` if a time is not finite.
         """
         if not (math.isfinite(device_s) and math.isfinite(arrival_s)):
             raise InvalidParameter(f"ClockMap: found times {device_s} and {arrival_s}, expected finite numbers")
@@ -76,10 +73,7 @@ class ClockMap:
     def ours_s(self, device_s: float) -> float:
         """A device time on our clock.
 
-        Raises
-        ------
-        InvalidParameter
-            Before the first sample.
+        Raises `InvalidParameter` before the first sample.
         """
         if self.offset_s is None:
             raise InvalidParameter("ClockMap: found no sample yet, expected one to relate the clocks")
@@ -91,13 +85,8 @@ class ClockMap:
         One of the bins may do something else. A difference that rises less is one of samples that are late; one that
         falls back to what it was, of late ones that catch up.
 
-        Raises
-        ------
-        DeviceFailed
-            In one sentence that opens with `name`.
+        Raises `DeviceFailed` in one sentence that opens with `name`.
 
-        Examples
-        --------
         >>> clocks = ClockMap()
         >>> for n in range(50):
         ...     clocks = clocks.after(device_s=0.13 * n, arrival_s=0.1 * n)

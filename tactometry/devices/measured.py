@@ -18,10 +18,7 @@ class Measured:
 
     None and "unlimited" are no limit.
 
-    Raises
-    ------
-    InvalidParameter
-        If the age is a number, but not a whole number of at least 0.
+    Raises `InvalidParameter` if the age is a number, but not a whole number of at least 0.
     """
 
     measured_on: date | None
@@ -31,13 +28,8 @@ class Measured:
     def check_age(self, what: str, today: date) -> None:
         """Refuse a calibration that is older than allowed, or of unknown age where one is asked for.
 
-        Raises
-        ------
-        DeviceFailed
-            In one sentence that opens with `what`.
+        Raises `DeviceFailed` in one sentence that opens with `what`.
 
-        Examples
-        --------
         >>> from .outputs.gain import Gain
         >>> Gain(1.0, 1.0, date(2026, 1, 2), "ZG", max_age_days=90).check_age("output.gain", date(2026, 3, 1))
         >>> Gain(1.0, 1.0, date(2026, 1, 2), "ZG", max_age_days=30).check_age("output.gain", date(2026, 3, 1))

@@ -18,17 +18,14 @@ def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -
 
     The versions stand beside what is asked: they may be others when it goes on.
 
+    Raises `InvalidFile` if it holds this question already and `resume` is not given, or another one.
+
     Parameters
     ----------
     wanted : mapping
         All that the results follow from, as JSON reads it again: numbers, texts, lists.
     work : str
         What is asked, in words: ``power analysis``.
-
-    Raises
-    ------
-    InvalidFile
-        If it holds this question already and `resume` is not given, or another one.
     """
     path = root / ASKED
     if path.exists():

@@ -20,10 +20,7 @@ _VERBATIM: Final = json.JSONDecoder(parse_float=str, parse_int=str, parse_consta
 def json_value(text: str | bytes) -> Any:
     """Parse JSON.
 
-    Raises
-    ------
-    ValueError
-        If it is no JSON, has half of a character, or is nested deeper than `DEEPEST`.
+    Raises `ValueError` if it is no JSON, has half of a character, or is nested deeper than `DEEPEST`.
 
     >>> json_value('{"a": [1]}')
     {'a': [1]}
@@ -38,10 +35,7 @@ def json_value(text: str | bytes) -> Any:
 def json_object(path: Path, what: str) -> dict[str, Any]:
     """Read a file with one JSON object; `what` says in an error what was expected.
 
-    Raises
-    ------
-    InvalidFile
-        If it cannot be read, has more than `LARGEST_OBJECT` bytes, or is no JSON object.
+    Raises `InvalidFile` if it cannot be read, has more than `LARGEST_OBJECT` bytes, or is no JSON object.
     """
     content = read_file(path, what, LARGEST_OBJECT)
     try:
@@ -56,10 +50,8 @@ def json_object(path: Path, what: str) -> dict[str, Any]:
 def json_items(text: str) -> Iterator[Any]:
     """Parse the items of JSON lists, one list after the other, item by item; numbers stay as they were written.
 
-    Raises
-    ------
-    ValueError
-        If the text is no list in JSON, or an item has half of a character or is nested deeper than `DEEPEST`.
+    Raises `ValueError` if the text is no list in JSON, or an item has half of a character or is nested deeper than
+    `DEEPEST`.
 
     >>> list(json_items("[1, [0.10]] [null]"))
     ['1', ['0.10'], None]
@@ -90,7 +82,6 @@ def _item(text: str, place: int) -> tuple[Any, int]:
 
 
 def _skip(text: str, place: int) -> int:
-    """Return the place of the next sign that is no space."""
     space = _SPACE.match(text, place)
     return space.end() if space else place
 

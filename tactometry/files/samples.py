@@ -50,10 +50,7 @@ class Wav(NamedTuple):
 def wav_of(content: bytes) -> Wav:
     """The samples of a WAV file.
 
-    Raises
-    ------
-    ValueError
-        If it is none, is torn, or holds no sample.
+    Raises `ValueError` if it is none, is torn, or holds no sample.
     """
     from scipy.io import wavfile
 
@@ -111,13 +108,8 @@ def _frame_bytes(form: bytes) -> int:
 def table_of_numbers(lines: TextIO, n_columns: int | None = None) -> NDArray[np.float64]:
     """The rows (n_rows, n_columns) of numbers between commas.
 
-    Raises
-    ------
-    ValueError
-        If there is none, or they have not so many columns.
+    Raises `ValueError` if there is none, or they have not so many columns.
 
-    Examples
-    --------
     >>> table_of_numbers(io.StringIO("1,2\\n3,4"), n_columns=2).tolist()
     [[1.0, 2.0], [3.0, 4.0]]
     """
@@ -137,13 +129,8 @@ def table_of_numbers(lines: TextIO, n_columns: int | None = None) -> NDArray[np.
 class Npz:
     """The arrays of an NPZ file by their names, each read when it is asked for.
 
-    Raises
-    ------
-    ValueError
-        If it is none, or damaged.
+    Raises `ValueError` if it is none, or damaged.
 
-    Examples
-    --------
     >>> file = io.BytesIO()
     >>> np.savez(file, samples=np.arange(3.0))
     >>> Npz(file.getvalue())["samples"].tolist(), "rate_hz" in Npz(file.getvalue())
@@ -166,20 +153,14 @@ class Npz:
     def words(self, name: str) -> str:
         """A text.
 
-        Raises
-        ------
-        ValueError
-            As for an array, and if it is not one text.
+        Raises `ValueError` as for an array, and if it is not one text.
         """
         return str(self._single(name, "U", "text"))
 
     def number(self, name: str) -> float:
         """A number.
 
-        Raises
-        ------
-        ValueError
-            As for an array, and if it is not one number.
+        Raises `ValueError` as for an array, and if it is not one number.
         """
         return float(self._single(name, "iuf", "number"))
 

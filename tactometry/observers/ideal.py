@@ -26,11 +26,6 @@ class IdealObserver(ObserverWithTraits):
         Standard deviation of it between people.
     latency_s : float
         Time to answer.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its range.
     """
 
     sensitivity_db: Finite = 0.0

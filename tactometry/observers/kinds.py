@@ -49,10 +49,7 @@ class Population:
     def check_allowed(self) -> None:
         """Refuse people whose code is not allowed to run, before anything is written.
 
-        Raises
-        ------
-        InvalidParameter
-            If it is not.
+        Raises `InvalidParameter` if it is not.
         """
         if isinstance(self.middle, NotAllowed):
             self.middle.participant(np.random.default_rng(0))
@@ -75,10 +72,7 @@ class Population:
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
         """Refuse what names no factor or level of a study.
 
-        Raises
-        ------
-        InvalidParameter
-            At the first; `path` opens the sentence.
+        Raises `InvalidParameter` at the first; `path` opens the sentence.
         """
         self.people.check(factors, f"{path}.people")
         if isinstance(self.middle, Stated):
@@ -94,13 +88,8 @@ def population_of(table: Mapping[str, Any], path: str, code_from: Path | None = 
     """The people that a table describes; the code of an observer of one's own, ``module:Class``, is run only if it is
     allowed to be taken from a folder.
 
-    Raises
-    ------
-    InvalidParameter
-        If the kind is unknown, or does not know what the table holds; `path` opens the sentence.
+    Raises `InvalidParameter` if the kind is unknown, or does not know what the table holds; `path` opens the sentence.
 
-    Examples
-    --------
     >>> population_of({"criterion": 2.0, "people": {"criterion_sd": 0.3}}, "observer").middle.criterion
     2.0
     """

@@ -25,10 +25,7 @@ class NotAllowed:
     def participant(self, rng: np.random.Generator) -> Observer:
         """Nobody.
 
-        Raises
-        ------
-        InvalidParameter
-            Always.
+        Raises `InvalidParameter` Always.
         """
         del rng
         raise not_allowed(f"{self.path}.kind", self.target, "an observer")
@@ -37,11 +34,8 @@ class NotAllowed:
 def own_class(target: str, folder: Path, path: str) -> Any:
     """The class that ``module:Class`` names, from the file of the module in `folder`.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is no such file, its import fails, or it holds no frozen dataclass with the methods of an observer;
-        `path` opens the sentence.
+    Raises `InvalidParameter` if there is no such file, its import fails, or it holds no frozen dataclass with the
+    methods of an observer; `path` opens the sentence.
     """
     where = f"{path}.kind"
     kind = class_beside(target, folder, where)

@@ -130,6 +130,8 @@ class People:
     cell, so that the order and the number of cells change none. The other traits are jointly normal, those whose name
     ends in ``_cv`` on a logarithmic scale.
 
+    Raises `InvalidParameter` if a spread is negative, a trait unknown, or the correlations belong to no covariance.
+
     Parameters
     ----------
     modality_sd_db : float
@@ -157,11 +159,6 @@ class People:
     correlations : mapping of str to mapping of str to float
         Of two of ``sensitivity``, ``criterion``, ``exponent``, ``lapse``, ``latency``, ``number``, ``force`` and
         ``speed``.
-
-    Raises
-    ------
-    InvalidParameter
-        If a spread is negative, a trait unknown, or the correlations belong to no covariance.
     """
 
     modality_sd_db: NotNegative = 0.0
@@ -200,16 +197,12 @@ class People:
         )
 
     def _root(self) -> NDArray[np.float64]:
-        """A square root of the correlations, whose first row is that of the identity."""
         return np.eye(len(TRAITS)) if not self.correlations else _cholesky(correlation_matrix(self.correlations))
 
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
         """Refuse what names no factor or level of a study.
 
-        Raises
-        ------
-        InvalidParameter
-            At the first; `path` opens the sentence.
+        Raises `InvalidParameter` at the first; `path` opens the sentence.
         """
         check_keys(self.factor_sd_db, factors, f"{path}.factor_sd_db", "factor")
         check_keys(self.effects_db, factors, f"{path}.effects_db", "factor")

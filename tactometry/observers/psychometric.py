@@ -33,6 +33,8 @@ class PsychometricObserver(ObserverWithTraits):
     F(level)``; of several that are not empty the one that is highest, each with a normal noise that makes the width.
     Schuett, Harmeling, Macke and Wichmann, Vision Research 122 (2016), 105-123.
 
+    Raises `InvalidParameter` if a value is outside of its range, or a condition holds what is none.
+
     Parameters
     ----------
     threshold, width : float
@@ -49,11 +51,6 @@ class PsychometricObserver(ObserverWithTraits):
         Standard deviation of it between people.
     latency_s : float
         Median time to answer.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its range, or a condition holds what is none.
     """
 
     threshold: Finite
@@ -80,10 +77,7 @@ class PsychometricObserver(ObserverWithTraits):
     def check(self, factors: Mapping[str, Sequence[float | str]], path: str) -> None:
         """Refuse a condition that names no factor or level of a study.
 
-        Raises
-        ------
-        InvalidParameter
-            At the first; `path` opens the sentence.
+        Raises `InvalidParameter` at the first; `path` opens the sentence.
         """
         for n, of in enumerate(self.conditions):
             where = f"{path}.conditions[{n}]"
@@ -181,5 +175,4 @@ def _rate(shape: str, width: float, guess_rate: float, lapse_rate: float, level:
 
 
 def _narrower(of: Mapping[str, Any], factor: float) -> dict[str, Any]:
-    """A condition with its width divided."""
     return {name: value / factor if name == "width" else value for name, value in of.items()}

@@ -30,6 +30,8 @@ class Raters:
     `liking` times how good the strength of the stimulus feels, and of what is this person's own in general, of the
     dimension, and of the dimension of that stimulus. All numbers are unverified defaults.
 
+    Raises `InvalidParameter` if a spread is negative, a loading not from -1 to 1, or a number not finite.
+
     Parameters
     ----------
     loading : float
@@ -47,11 +49,6 @@ class Raters:
         further to the right, whatever is asked.
     effects : mapping of str to mapping of str to mapping of str to float
         What a level of a factor adds to everybody's attitude, by factor, level and dimension.
-
-    Raises
-    ------
-    InvalidParameter
-        If a spread is negative, a loading not from -1 to 1, or a number not finite.
     """
 
     loading: Loading = 0.8
@@ -70,10 +67,7 @@ class Raters:
     ) -> None:
         """Refuse what names no factor, level, item or dimension of a study.
 
-        Raises
-        ------
-        InvalidParameter
-            At the first; `path` opens the sentence.
+        Raises `InvalidParameter` at the first; `path` opens the sentence.
         """
         items = {item: name for of_form in dimension_of.values() for item, name in of_form.items()}
         check_keys(self.loadings, items, f"{path}.loadings", "item")

@@ -44,11 +44,6 @@ class SignalDetectionObserver(ObserverWithTraits):
         By which a number given for a magnitude is larger than d'.
     latency_s : float
         Median time to answer; answer times are log-normal with a coefficient of variation near 0.3.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is outside of its range.
     """
 
     criterion: Positive = 1.645

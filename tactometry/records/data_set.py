@@ -30,10 +30,7 @@ LARGEST_NUMBER = 999_999_999
 class Session:
     """One session of one participant.
 
-    Raises
-    ------
-    InvalidParameter
-        If the code is not 1 to 32 letters and digits, or the session number is below 1.
+    Raises `InvalidParameter` if the code is not 1 to 32 letters and digits, or the session number is below 1.
 
     >>> Session("P01", 1, "electrovibration-threshold").stem
     'participant-P01_session-1_study-electrovibrationthreshold'
@@ -98,10 +95,7 @@ def trials_csv(trials: Sequence[Trial], session: Session, rig: str, columns: Seq
 def refuse_links(root: Path) -> None:
     """Refuse a data set one of whose folders is a link: nothing is written or erased through it.
 
-    Raises
-    ------
-    InvalidFile
-        If there is such a folder.
+    Raises `InvalidFile` if there is such a folder.
     """
     for part in PARTS:
         it = "the folder itself; put what the link leads to in its place"
@@ -111,10 +105,8 @@ def refuse_links(root: Path) -> None:
 def prepare(root: Path, design: StudyDescription) -> None:
     """Make the folders and the files that all sessions share.
 
-    Raises
-    ------
-    InvalidFile
-        If the folder holds another study, or other numbers of this one, or something else, or a folder in it is a link.
+    Raises `InvalidFile` if the folder holds another study, or other numbers of this one, or something else, or a folder
+    in it is a link.
     """
     refuse_links(root)
     for folder in (root, root / "data", root / "journals"):
@@ -148,10 +140,7 @@ def participants(root: Path) -> list[str]:
 def sessions(root: Path) -> list[Path]:
     """The journals of a data set, sorted.
 
-    Raises
-    ------
-    InvalidFile
-        If their folder may not be read.
+    Raises `InvalidFile` if their folder may not be read.
     """
     files = (path for path in files_in(root / "journals", "*.jsonl") if path.is_file())
     return [path for path in files if not path.name.endswith("_interruptions.jsonl")]

@@ -46,10 +46,7 @@ def description(design: StudyDescription) -> dict[str, object]:
 def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> None:
     """Write the description of a data set; one that is there gets what it lacks, and keeps what a person added.
 
-    Raises
-    ------
-    InvalidFile
-        If there is something else in its place.
+    Raises `InvalidFile` if there is something else in its place.
     """
     path = root / NAME
     there = read_description(path) if path.exists() else None
@@ -62,10 +59,7 @@ def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> Non
 def read_description(path: Path) -> dict[str, object]:
     """The description of a data set.
 
-    Raises
-    ------
-    InvalidFile
-        If it is none.
+    Raises `InvalidFile` if it is none.
     """
     anew = "the description of Psych-DS; remove it, and it is made anew"
     described = json_object(path, anew)
@@ -77,10 +71,7 @@ def read_description(path: Path) -> dict[str, object]:
 def variable_names(described: Mapping[str, Any]) -> list[str]:
     """Return the names of the columns that a description explains.
 
-    Raises
-    ------
-    InvalidParameter
-        If an entry is no object with a name.
+    Raises `InvalidParameter` if an entry is no object with a name.
 
     >>> variable_names({"variableMeasured": [{"name": "level"}]})
     ['level']
@@ -133,10 +124,7 @@ def says_simulated(described: Mapping[str, object]) -> bool:
 def describe_columns(path: Path, columns: Sequence[Column]) -> None:
     """Write the description of every column of a table; one of the same columns stays as another version wrote it.
 
-    Raises
-    ------
-    InvalidFile
-        If it can't be read or written.
+    Raises `InvalidFile` if it can't be read or written.
     """
     if not path.exists() or _column_names(read_file(path, "the description of a table")) != [c.name for c in columns]:
         table = {column.name: {"Description": column.description, "Units": column.unit} for column in columns}

@@ -38,10 +38,7 @@ class Erasure:
 def read_erasures(root: Path) -> tuple[Erasure, ...]:
     """The record of a data set; empty where nothing was erased.
 
-    Raises
-    ------
-    InvalidFile
-        If it is damaged.
+    Raises `InvalidFile` if it is damaged.
     """
     path = root / RECORD
     if not os.path.lexists(path):
@@ -77,12 +74,8 @@ def refuse_erased(root: Path, codes: Iterable[str], *, allowed: bool = False) ->
 
     An erasure that is not finished is refused in any case, because it would go on with the files of the new session.
 
-    Raises
-    ------
-    InvalidParameter
-        If one of them was erased from the data set.
-    InvalidFile
-        If the record is damaged, so that nobody can be looked up in it.
+    Raises `InvalidParameter` if one of them was erased from the data set. Raises `InvalidFile` if the record is
+    damaged, so that nobody can be looked up in it.
     """
     lines = sorted(enumerate(read_erasures(root), 1), key=lambda line: line[1].finished_utc is None)
     erased = {erasure.participant.casefold(): (number, erasure) for number, erasure in lines}  # unfinished ones win

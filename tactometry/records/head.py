@@ -67,10 +67,7 @@ class Head:
 def head_of(value: object, first: Head | None = None) -> Head:
     """A head from its line; `first` is that of the first sitting, with which it must agree.
 
-    Raises
-    ------
-    msgspec.ValidationError
-        If it is none, or is of another session or of a later format.
+    Raises `msgspec.ValidationError` if it is none, or is of another session or of a later format.
     """
     head = msgspec.convert(value, Head)
     for name, holds in _conditions(head).items():
@@ -118,10 +115,7 @@ def columns_in(columns: Sequence[Column], journal_format: int) -> tuple[Column, 
 def heads(path: Path) -> tuple[Head, ...]:
     """The heads of all sittings of a journal, by a quick look: damage elsewhere is not found; none without a line.
 
-    Raises
-    ------
-    InvalidFile
-        If one is damaged.
+    Raises `InvalidFile` if one is damaged.
     """
     content = read_file(path, "a journal")
     first = next(whole_lines(content), b"")
@@ -137,8 +131,6 @@ def heads(path: Path) -> tuple[Head, ...]:
 def differences(before: Head, after: Head) -> list[str]:
     """What is not the same in two sittings, a phrase each.
 
-    Examples
-    --------
     >>> first = Head("s", "0", "P01", 1, 1, 1, "bench", {"numpy": "2.1"}, {"output_volts_per_unit": 200.0})
     >>> second = Head("s", "0", "P01", 1, 1, 1, "bench", {"numpy": "2.1"}, {"output_volts_per_unit": 400.0})
     >>> differences(first, second)

@@ -144,10 +144,8 @@ def encode(value: dict[str, object], before: int = 0) -> bytes:
 def encode_entry(request: Request[Any], answer: object, before: int = 0) -> bytes:
     """One line of a request and its answer.
 
-    Raises
-    ------
-    DeviceFailed
-        If it would not read back as it was (a number that is not finite), or is no answer to that request.
+    Raises `DeviceFailed` if it would not read back as it was (a number that is not finite), or is no answer to that
+    request.
     """
     line = encode({"request": type(request).__name__, "asked": request, "answer": answer}, before)
     try:
@@ -202,10 +200,8 @@ def checksum(line: bytes) -> int:
 def read(path: Path) -> Recording:
     """Read a journal without changing it.
 
-    Raises
-    ------
-    InvalidFile
-        If it cannot be read, or a line but an unfinished last one is damaged or out of place, with its number.
+    Raises `InvalidFile` if it cannot be read, or a line but an unfinished last one is damaged or out of place, with its
+    number.
     """
     return decode_journal(read_file(path, "a journal"), path)
 
@@ -231,10 +227,7 @@ class Reached:
 def decode_on(content: bytes, path: Path, place: Reached = Reached()) -> tuple[tuple[Line, ...], Reached]:
     """The whole lines of what stands in a journal behind a place, and the place behind them.
 
-    Raises
-    ------
-    InvalidFile
-        If one of them is damaged or out of place, with its number.
+    Raises `InvalidFile` if one of them is damaged or out of place, with its number.
     """
     lines: list[Line] = []
     for whole in whole_lines(content):
@@ -284,10 +277,7 @@ def _decode_line(table: dict[str, Any], head: Head | None) -> Line | None:
 def decode_entry(value: dict[str, Any]) -> Entry:
     """A request and its answer, from their line.
 
-    Raises
-    ------
-    msgspec.ValidationError
-        If they are none, or the answer is none to that request.
+    Raises `msgspec.ValidationError` if they are none, or the answer is none to that request.
     """
     kind = REQUESTS.get(str(value.get("request")))
     if kind is None:

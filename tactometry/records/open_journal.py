@@ -161,7 +161,6 @@ def _is_kept(kinds: tuple[type[Request[Any]], ...], line: Line) -> bool:
 
 
 def _is_consent(request: Request[Any]) -> bool:
-    """Whether it asks for what nobody is asked twice, though it is no trial."""
     return isinstance(request, Choose) and request.question == CONSENT
 
 
@@ -169,10 +168,7 @@ def _is_consent(request: Request[Any]) -> bool:
 def held(journals: Iterable[Path]) -> Iterator[None]:
     """Journals that no other process writes meanwhile.
 
-    Raises
-    ------
-    SessionInUse
-        If another one does.
+    Raises `SessionInUse` if another one does.
     """
     with ExitStack() as stack:
         for path in journals:
@@ -202,10 +198,7 @@ def is_written(path: Path) -> bool:
 def alone(path: Path, in_use: str) -> Iterator[None]:
     """No other process is in here meanwhile: a file is made for it and locked, and goes at the end.
 
-    Raises
-    ------
-    SessionInUse
-        If another one is: `in_use` says of what.
+    Raises `SessionInUse` if another one is: `in_use` says of what.
     """
     file = _open_locked(path, in_use)
     try:

@@ -40,10 +40,7 @@ _KINDS: Final = (_STIMULUS + b'"', _STIMULUS + b'_end"')
 def refuse_mixing(root: Path, rig: str) -> None:
     """Refuse simulated participants beside people, and people beside simulated participants.
 
-    Raises
-    ------
-    InvalidFile
-        If the folder holds the other kind.
+    Raises `InvalidFile` if the folder holds the other kind.
     """
     path = root / NAME
     if path.exists() and says_simulated(read_description(path)):
@@ -96,12 +93,8 @@ class OpenSession:
     With `resume` an interrupted session goes on; what is lost by that is kept beside the journal, and said in
     `repaired`.
 
-    Raises
-    ------
-    InvalidFile
-        If the folder holds another study, or the journal another session.
-    InvalidParameter
-        If a participant's code differs in capitals alone from one that is there.
+    Raises `InvalidFile` if the folder holds another study, or the journal another session. Raises `InvalidParameter` if
+    a participant's code differs in capitals alone from one that is there.
     """
 
     def __init__(self, root: Path, design: StudyDescription, session: Session, rig: str, *, resume: bool) -> None:

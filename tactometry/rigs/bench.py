@@ -142,7 +142,6 @@ class Bench(DeviceRig):
         return touch_picture.picture_page(self._texts.message(words), meanings, hint, self._screen.aspect)
 
     def _leave(self, page: Page) -> None:
-        """Show a page until it is left."""
         self._presenter.converse(None, lambda state: page, lambda state, answer: (state, True))
 
     def _choose(self, request: Choose) -> Chosen:
@@ -162,7 +161,6 @@ class Bench(DeviceRig):
     def _ask(
         self, state: S, view: Callable[[S], Page], after: Callable[[S, Answer], tuple[S, bool]]
     ) -> tuple[S, tuple[float, float, str, bool]]:
-        """What a page was answered, and when."""
         state, onset_s, end_s = self._presenter.converse(state, view, after)
         return state, self._timing(onset_s, end_s)
 

@@ -84,6 +84,8 @@ class Equipment:
 class DeviceRig(LiveRig):
     """Opens the devices, and closes all of them, its output first, whatever goes wrong.
 
+    Raises `DeviceFailed` if a device does not open; all are closed then.
+
     Parameters
     ----------
     screen : Display
@@ -94,11 +96,6 @@ class DeviceRig(LiveRig):
         The experimenter's.
     log : EventLog, optional
         Where pauses, remarks and stimuli are kept.
-
-    Raises
-    ------
-    DeviceFailed
-        If a device does not open; all are closed then.
     """
 
     def __init__(
@@ -156,10 +153,7 @@ class DeviceRig(LiveRig):
     def _closed_on_failure(self) -> Iterator[None]:
         """Close the rig, output first, when the body ends by any exception.
 
-        Raises
-        ------
-        DeviceFailed
-            If it is closed already, or PsychoPy ends the program.
+        Raises `DeviceFailed` if it is closed already, or PsychoPy ends the program.
         """
         if self.closed:
             raise DeviceFailed("bench: it is closed, nothing can be asked of it; open it again")
@@ -217,10 +211,7 @@ class DeviceRig(LiveRig):
     def begin(self, request: Play) -> Beside:
         """Play while somebody else draws.
 
-        Raises
-        ------
-        DeviceFailed, InvalidParameter, LimitExceeded
-            If it cannot be played; the rig is closed then.
+        Raises `DeviceFailed` or `InvalidParameter` or `LimitExceeded` if it cannot be played; the rig is closed then.
         """
         with self._closed_on_failure():
             return Beside(self._setup, request, self._signal(request), self._screen.give_back)
@@ -236,7 +227,6 @@ class DeviceRig(LiveRig):
         return round(clock_s - self._supervisor.zero_s, 6)
 
     def _times(self, onset_s: float, end_s: float) -> tuple[float, float, str]:
-        """Onset in the session, latency and time of day of an answer."""
         return self._session_s(onset_s), round(end_s - onset_s, 6), utc_text(end_s)
 
     def _done(self) -> Done:
@@ -257,11 +247,9 @@ class DeviceRig(LiveRig):
         return self._emitter.for_interval(request.stimulus, request.level, request.duration_s)
 
     def _in_session(self, felt: Felt) -> Felt:
-        """An answer whose onset was on `time.perf_counter`, with that in the session."""
         return replace(felt, onset_s=self._session_s(felt.onset_s))
 
     def _touched_in_session(self, touched: Touched) -> Touched:
-        """As `_in_session`, and the stamp that opened the gate with it."""
         gate_s = None if touched.gate_s is None else self._session_s(touched.gate_s)
         return replace(self._in_session(touched), gate_s=gate_s)
 

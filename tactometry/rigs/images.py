@@ -40,10 +40,7 @@ class PageImage:
 def image_of(table: ImageTable, where: str) -> PageImage:
     """The image of a table, looked at.
 
-    Raises
-    ------
-    InvalidParameter
-        If the file cannot be read, is another than the study states, or no image.
+    Raises `InvalidParameter` if the file cannot be read, is another than the study states, or no image.
     """
     from PIL import Image as Pillow, UnidentifiedImageError
 

@@ -17,10 +17,7 @@ without Python's lock (found at PsychoPy's own 5 000)."""
 def failing_as(what: str, cure: str) -> Iterator[None]:
     """Whatever PsychoPy raises in the body as one sentence, with its cause between `what` and `cure`.
 
-    Raises
-    ------
-    DeviceFailed
-        If the body fails, or ends the program without a signal.
+    Raises `DeviceFailed` if the body fails, or ends the program without a signal.
     """
     try:
         yield

@@ -242,7 +242,6 @@ class SimulatedRig(LiveRig):
         return Chosen(option, *self._timing(1))
 
     def _timing(self, n_questions: int) -> tuple[float, float]:
-        """Onset and latency of so many questions that are answered one after the other."""
         latency_s = round(sum(self._observer.answer_time_s(self._rng) for _ in range(n_questions)), 6)
         return self._pass(latency_s), latency_s
 

@@ -62,10 +62,7 @@ class Texts:
     def question(self, question: Question) -> tuple[str, str, str]:
         """The statement, the left and the right word of a question in this language.
 
-        Raises
-        ------
-        InvalidParameter
-            If the questionnaire has no words in this language.
+        Raises `InvalidParameter` if the questionnaire has no words in this language.
         """
         cure = "choose that language on the bench, or add the words"
         expected = f"one of {', '.join(question.words)}; {cure}"
@@ -76,10 +73,8 @@ class Texts:
     def message(self, name: str, values: Mapping[str, str | int | float] | None = None) -> str:
         """The text of a message, filled with `values`.
 
-        Raises
-        ------
-        InvalidParameter
-            If there is no such message, or it asks for a value that is not given, and none is shipped either.
+        Raises `InvalidParameter` if there is no such message, or it asks for a value that is not given, and none is
+        shipped either.
         """
         if name not in self.messages:
             raise InvalidParameter(
@@ -97,10 +92,7 @@ class Texts:
         """The text of a page that is shown, with the seconds that are left of it and what stops the session; with
         `x_mm` too of a length `x_m`.
 
-        Raises
-        ------
-        InvalidParameter
-            As `message`.
+        Raises `InvalidParameter` as `message`.
         """
         told = {name: self.label(value) if isinstance(value, str) else value for name, value in request.values.items()}
         people = {"stop": self.label(self.stop), "experimenter": self.label("experimenter")}
@@ -154,10 +146,7 @@ class Phrases:
 def _shipped(language: str) -> dict[str, dict[str, str]]:
     """The tables of a language file.
 
-    Raises
-    ------
-    InvalidParameter
-        If the language is not shipped.
+    Raises `InvalidParameter` if the language is not shipped.
     """
     one_of("language", language, languages())
     tables = tomllib.loads((FOLDER / f"{PREFIX}{language}{SUFFIX}").read_text("utf-8"))
@@ -167,13 +156,8 @@ def _shipped(language: str) -> dict[str, dict[str, str]]:
 def phrases_in(language: str) -> Phrases:
     """The shipped words of a terminal.
 
-    Raises
-    ------
-    InvalidParameter
-        If the language is not shipped.
+    Raises `InvalidParameter` if the language is not shipped.
 
-    Examples
-    --------
     >>> phrases_in("fr").of("press", force_n=1.0, duration_s=0.5)
     'appuyez avec 1 N pendant 0.5 s'
     """
@@ -183,13 +167,8 @@ def phrases_in(language: str) -> Phrases:
 def texts_in(language: str, study: Mapping[str, str]) -> Texts:
     """The shipped texts of a language, below the texts of a study, which may name messages, labels and levels.
 
-    Raises
-    ------
-    InvalidParameter
-        If the language is not shipped.
+    Raises `InvalidParameter` if the language is not shipped.
 
-    Examples
-    --------
     >>> texts_in("fr", {"welcome": "Bonjour {code}"}).message("welcome", {"code": "P01"})
     'Bonjour P01'
     >>> texts_in("fr", {}).label("yes")

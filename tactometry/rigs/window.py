@@ -55,10 +55,8 @@ def _psychopy() -> SimpleNamespace:
 def load_psychopy() -> SimpleNamespace:
     """PsychoPy, or one sentence that says what to install.
 
-    Raises
-    ------
-    DeviceFailed
-        If it is not installed, a library of the system is missing, there is no display, or sphinx is imported.
+    Raises `DeviceFailed` if it is not installed, a library of the system is missing, there is no display, or sphinx is
+    imported.
     """
     no_display = "window: found no display", ", expected a screen; start it from a desktop session, or set DISPLAY"
     with failing_as(*no_display):
@@ -79,6 +77,9 @@ def load_psychopy() -> SimpleNamespace:
 class Window(Display):
     """A screen as `tactometry.rigs.pages.page.Display` says.
 
+    Raises `InvalidParameter` if there is no such display. Raises `DeviceFailed` if there is none at all, or no keyboard
+    that keeps all presses.
+
     Parameters
     ----------
     fullscreen : bool
@@ -87,13 +88,6 @@ class Window(Display):
         Width and height in pixels.
     screen : int
         Which display, from 0, as PsychoPy counts them.
-
-    Raises
-    ------
-    InvalidParameter
-        If there is no such display.
-    DeviceFailed
-        If there is none at all, or no keyboard that keeps all presses.
     """
 
     def __init__(self, *, fullscreen: bool, size: tuple[int, int] | None = None, screen: int = 0) -> None:
@@ -116,16 +110,12 @@ class Window(Display):
         is drawn, and what is pressed is for the pages. Then it is as it was: units, colour, view, viewport, blending,
         stimuli with autoDraw, what waits for the next flip, mouse, keys that wait to be read. It is never closed here.
 
+        Raises `InvalidParameter` if it is no such window, or closed. Raises `DeviceFailed` if the script reads its keys
+        in a way that loses some.
+
         Parameters
         ----------
         window : psychopy.visual.Window
-
-        Raises
-        ------
-        InvalidParameter
-            If it is no such window, or closed.
-        DeviceFailed
-            If the script reads its keys in a way that loses some.
         """
         psychopy = load_psychopy()
         is_window = isinstance(window, psychopy.visual.Window)

@@ -70,11 +70,6 @@ class Limits:
         The time over which `duty` holds, above 0, at most 1 h.
     stop_within_s : float, optional
         Largest worst-case delay of a stop, above 0; without it 0.1 s.
-
-    Raises
-    ------
-    InvalidParameter
-        If a value is not as stated.
     """
 
     voltage_peak_v: Positive | Unlimited
@@ -111,11 +106,8 @@ class Limits:
     def check(self, signal: Signal) -> None:
         """Refuse a signal that passes a limit which holds for any load.
 
-        Raises
-        ------
-        LimitExceeded
-            If the unit is not volt, or the peak or the duration is above its limit. Rounding in the last digits
-            (1e-12 relative) is not an excess.
+        Raises `LimitExceeded` if the unit is not volt, or the peak or the duration is above its limit. Rounding in the
+        last digits (1e-12 relative) is not an excess.
         """
         if signal.unit != "V":
             raise LimitExceeded(f"limits: found a signal in {signal.unit!r}, expected volt ('V'); nothing was played")
@@ -128,10 +120,7 @@ class Limits:
         A finite `rise_s` says that its samples are weakened as it plays, from all to nothing in `rise_s` at the
         fastest.
 
-        Raises
-        ------
-        LimitExceeded
-            If a limit is missing, cannot be computed from what is known of the load, or is passed.
+        Raises `LimitExceeded` if a limit is missing, cannot be computed from what is known of the load, or is passed.
         """
         self.check_stated(load)
         if self.current_peak_a is not None:
@@ -149,10 +138,7 @@ class Limits:
 
         An excess of up to `TOLERANCE` is played.
 
-        Raises
-        ------
-        LimitExceeded
-            If a limit is passed.
+        Raises `LimitExceeded` if a limit is passed.
         """
         peaks: dict[str, tuple[str, Callable[[float], float]]] = {
             "voltage_peak_v": ("V", lambda bound: filtered_peak_v(signal, bound))
@@ -171,10 +157,8 @@ class Limits:
     def check_stated(self, load: Load) -> None:
         """Refuse a load whose limits nobody stated.
 
-        Raises
-        ------
-        LimitExceeded
-            If a limit that this kind of load needs is missing, or one is stated that the load cannot tell.
+        Raises `LimitExceeded` if a limit that this kind of load needs is missing, or one is stated that the load cannot
+        tell.
         """
         missing = [name for name in NEEDED[load.kind] if getattr(self, name) is None]
         if self.current_peak_a is None and self.charge_peak_c is None:
@@ -193,20 +177,14 @@ class Limits:
     def check_force(self, target_n: float, tolerance: float) -> None:
         """Refuse a touch that asks for more than the limit of force.
 
-        Raises
-        ------
-        LimitExceeded
-            If the upper edge of its band is above.
+        Raises `LimitExceeded` if the upper edge of its band is above.
         """
         _check("force_peak_n", "a force of up to", target_n * (1 + tolerance), self.force_peak_n, "N", "ask for less")
 
     def check_stop(self, delay_s: float) -> None:
         """Refuse an output whose stop may take longer than the limit.
 
-        Raises
-        ------
-        LimitExceeded
-            If `delay_s`, the worst case, is above it.
+        Raises `LimitExceeded` if `delay_s`, the worst case, is above it.
         """
         cure = "lower latency_s and block_s of the output, or state another limit in the bench file"
         _check("stop_within_s", "an output that may stop after", delay_s, self.longest_stop_s, "s", cure)
@@ -228,10 +206,7 @@ class Limits:
 
         `charge_c` is the largest charge of any beginning of the signal, because it may be stopped at any time.
 
-        Raises
-        ------
-        LimitExceeded
-            If a limit is passed.
+        Raises `LimitExceeded` if a limit is passed.
         """
         if self.duty is not None:
             duty = exposure.after(begin_s, duration_s, self.duty_window_s).played_s / self.duty_window_s
@@ -250,8 +225,6 @@ class Limits:
         Duties over windows of different lengths do not compare: the shorter playing time in the longer window keeps
         both.
 
-        Examples
-        --------
         >>> both = Limits(200.0, duration_s=1.0).tighter(Limits(100.0, current_peak_a=1e-3))
         >>> both.voltage_peak_v, both.duration_s, both.current_peak_a
         (100.0, 1.0, 0.001)
@@ -273,8 +246,6 @@ class Exposure:
     `opened_s` is when the session would have begun if it had had no breaks; `charge_c` the sum of the charges that
     passed in the signals that have ended, and `playing_c` the largest that the signal that plays may pass.
 
-    Examples
-    --------
     >>> exposure = Exposure(opened_s=0.0).after(1.0, 2.0, window_s=10.0).after(5.0, 2.0, window_s=10.0)
     >>> exposure.played_s, exposure.stopped(5.5).played_s, exposure.after(10.0, 2.0, window_s=10.0).played_s
     (4.0, 2.5, 5.0)

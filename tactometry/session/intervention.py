@@ -18,10 +18,7 @@ class Intervention:
 
     `trial` is that which does not count: its block, its number, its attempt.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is another wish.
+    Raises `InvalidParameter` if it is another wish.
     """
 
     wanted: Wanted

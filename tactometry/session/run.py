@@ -39,10 +39,7 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
 
     Each answer is in the journal before the next request is put. The rig is closed whatever happens.
 
-    Raises
-    ------
-    Diverged
-        If the course does not ask what the journal recorded.
+    Raises `Diverged` if the course does not ask what the journal recorded.
     """
     recorded = journal.replay
     try:
@@ -71,10 +68,8 @@ def run(course: Course[T], rig: Rig, journal: Keeper) -> T:
 def replay(course: Course[T], recording: Replay, *, complete: bool = True) -> T | None:
     """Drive `course` on a recording alone, to its end, or (not `complete`) as far as it goes.
 
-    Raises
-    ------
-    Diverged
-        At the first request that differs from the recording, or where one of the two ends before the other.
+    Raises `Diverged` at the first request that differs from the recording, or where one of the two ends before the
+    other.
     """
     try:
         request = _advance(course, None)

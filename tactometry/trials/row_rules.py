@@ -145,7 +145,6 @@ def _row_defects(row: Mapping[str, str], file: str, number: int) -> Iterator[Def
 
 
 def _response_rule(row: Mapping[str, str]) -> CellRule | None:
-    """That of the row's task; None of a task that is unknown."""
     task = TASKS.get(row.get("task", ""))
     return None if task is None else task.response
 

@@ -138,8 +138,6 @@ class Tally:
     """What was counted of rows: the rows of one presentation are one, those of one trial that was asked again are one
     trial, answers to questionnaires on their own are none.
 
-    Examples
-    --------
     >>> item = Trial(1, 1, {}, "sus", 20.0, "dB", "rating", 3.0, item="SUS1")
     >>> rows = [item, replace(item, item="SUS2"), replace(item, attempt=2, valid=False), replace(item, level=None)]
     >>> str(tally(rows))

@@ -143,11 +143,8 @@ class AudioOutput(AmplifiedDriver):
     def open(self) -> None:
         """Claim the card and play zeros.
 
-        Raises
-        ------
-        DeviceFailed
-            If there is no PortAudio or no such device, it does not take the channels or the rate, or other programs
-            share it and nobody said that they may.
+        Raises `DeviceFailed` if there is no PortAudio or no such device, it does not take the channels or the rate, or
+        other programs share it and nobody said that they may.
         """
         sounddevice, settings = library(), self._settings
         if not settings.shared:

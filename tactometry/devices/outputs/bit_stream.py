@@ -57,13 +57,8 @@ def word_bytes(n_channels: int) -> int:
 def encode(signal: Signal) -> bytes:
     """A signal of +V, -V and 0 (off) as a stream; a signal of no samples is "stop".
 
-    Raises
-    ------
-    InvalidParameter
-        If a sample is neither +V, -V nor 0 for one V, the peak, or all of them are 0.
+    Raises `InvalidParameter` if a sample is neither +V, -V nor 0 for one V, the peak, or all of them are 0.
 
-    Examples
-    --------
     >>> stream = encode(Signal(np.array([[30.0, -30.0], [30.0, 30.0]]), 1e6, "V"))
     >>> len(stream), stream[48:].hex(), decode(stream).samples.tolist()
     (50, '0302', [[30.0, -30.0], [30.0, 30.0]])
@@ -89,10 +84,7 @@ def encode(signal: Signal) -> bytes:
 def decode(stream: bytes) -> Signal:
     """The signal of a stream, bit by bit; 0 where a channel is off.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is no stream, or was damaged.
+    Raises `InvalidParameter` if it is no stream, or was damaged.
     """
     n_words, n_channels, rate_hz, voltage_v, n_samples, checksum = _read_header(stream)
     payload = stream[HEADER_BYTES:]

@@ -88,12 +88,7 @@ class FileOutput(UnconnectedDriver):
 def read_signal(path: Path) -> Signal:
     """What a file output wrote.
 
-    Raises
-    ------
-    InvalidFile
-        If there is no such file.
-    InvalidParameter
-        If it is no NPZ or WAV of samples.
+    Raises `InvalidFile` if there is no such file. Raises `InvalidParameter` if it is no NPZ or WAV of samples.
     """
     content = read_file(path, "a signal as NPZ or WAV")
     try:

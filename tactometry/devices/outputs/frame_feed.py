@@ -101,8 +101,6 @@ class FrameFeed:
     def take(self, n_frames: int) -> NDArray[Any]:
         """The next frames, at most `n_frames`.
 
-        Examples
-        --------
         >>> course = FrameFeed(np.full((6, 1), 8.0), n_fade=4)
         >>> course.take(2).ravel().tolist()
         [8.0, 8.0]
@@ -131,7 +129,6 @@ class FrameFeed:
         return emitted
 
     def _emitted(self, piece: NDArray[Any], begin: int) -> NDArray[Any]:
-        """What becomes of a piece, whose first frame has the number `begin`."""
         del begin
         return piece
 
@@ -226,8 +223,6 @@ class DryRuns:
     asked again. What it has in hand is believed of a device that once had half of `latency_s`; one that takes samples
     as fast as they come has not.
 
-    Examples
-    --------
     >>> dry = DryRuns(latency_s=0.04)
     >>> dry.after(now_s=1.0, lead_s=0.05, block_s=0.01, underflow=False)
     >>> dry.after(now_s=1.4, lead_s=0.0, block_s=0.01, underflow=False), dry.is_dry

@@ -70,13 +70,8 @@ class Gain(Measured):
     def check(self, what: str, chain: SignalChain, today: date) -> None:
         """Refuse a gain that nobody measured, that is too old, or that was measured with something else.
 
-        Raises
-        ------
-        DeviceFailed
-            In one sentence that opens with `what`.
+        Raises `DeviceFailed` in one sentence that opens with `what`.
 
-        Examples
-        --------
         >>> gain = Gain(2.0, 50.0, date(2026, 1, 2), "ZG", measured_with="audio Interface, int32")
         >>> gain.check("output.gain", SignalChain("audio Interface, int32"), date(2026, 3, 1))
         >>> gain.check("output.gain", SignalChain("audio Interface, int16"), date(2026, 3, 1))
@@ -106,10 +101,7 @@ class Gain(Measured):
     def to_units(self, signal: Signal) -> FloatArray:
         """The samples as numbers for the device, (n_channels, n_samples).
 
-        Raises
-        ------
-        DeviceFailed
-            If one is beyond -1..1, where the device would clip.
+        Raises `DeviceFailed` if one is beyond -1..1, where the device would clip.
         """
         units = signal.samples / self.load_volts_per_unit
         # 1e-12: the last digits of the division are no excess, and are cut off below
@@ -135,10 +127,7 @@ def measured_anew(gain: Gain, chain: SignalChain, today: date, by: str) -> Gain:
 def required_gain(gain: Gain | None, what: str) -> Gain:
     """The gain of an output that leads to an amplifier, which nobody may leave out.
 
-    Raises
-    ------
-    InvalidParameter
-        If there is none; the sentence opens with `what`.
+    Raises `InvalidParameter` if there is none; the sentence opens with `what`.
     """
     if gain is None:
         raise InvalidParameter(

@@ -92,12 +92,8 @@ class Guarded:
     def open(self) -> None:
         """Claim the device, if its limits are stated.
 
-        Raises
-        ------
-        LimitExceeded
-            If a limit that the load needs is missing, or a stop may take too long; the device is closed.
-        DeviceFailed
-            If the device or the ledger does not open; the device is closed.
+        Raises `LimitExceeded` if a limit that the load needs is missing, or a stop may take too long; the device is
+        closed. Raises `DeviceFailed` if the device or the ledger does not open; the device is closed.
         """
         limits = self._require_limits()
         self.driver.open()
@@ -114,10 +110,7 @@ class Guarded:
     def play(self, signal: Signal) -> float:
         """Check all limits on the final samples, then begin to emit.
 
-        Raises
-        ------
-        LimitExceeded, DeviceFailed
-            If the signal must not or cannot be played; nothing was.
+        Raises `LimitExceeded` or `DeviceFailed` if the signal must not or cannot be played; nothing was.
         """
         limits, final = self.check(signal)
         charge = None if self.load is None else self.load.passed_c(final, _rise_s(signal))
@@ -178,10 +171,7 @@ class Guarded:
     def check(self, signal: Signal) -> tuple[Limits, Signal]:
         """The limits and the final samples of a signal that keeps them; `play` does not compute them again.
 
-        Raises
-        ------
-        LimitExceeded, DeviceFailed
-            If the signal must not or cannot be played.
+        Raises `LimitExceeded` or `DeviceFailed` if the signal must not or cannot be played.
         """
         limits = self._require_limits()
         return limits, self._final(signal, limits)

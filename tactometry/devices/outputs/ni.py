@@ -71,13 +71,8 @@ class NiSettings:
 def connector_v(settings: NiSettings, gain: Gain, signal: Signal) -> FloatArray:
     """What a signal puts on each connector, V, (n_channels, n_samples + 1): it ends at zero.
 
-    Raises
-    ------
-    DeviceFailed
-        If the device cannot reach the voltage.
+    Raises `DeviceFailed` if the device cannot reach the voltage.
 
-    Examples
-    --------
     >>> signal = Signal(np.array([[100.0, -200.0]]), 1e3, "V")
     >>> connector_v(NiSettings(("Dev1/ao0",), 1e3), Gain(10.0, 20.0), signal).tolist()
     [[5.0, -10.0, 0.0]]

@@ -186,10 +186,7 @@ REMEDIES = {
 def check_format(signal: Signal, output: Driver) -> None:
     """Refuse a signal that is not of the channels or the rate that `output` has.
 
-    Raises
-    ------
-    DeviceFailed
-        If it is not.
+    Raises `DeviceFailed` if it is not.
     """
     if isinstance(signal, FollowedSignal):
         expect_following(output)
@@ -206,10 +203,7 @@ def check_format(signal: Signal, output: Driver) -> None:
 def expect_following(output: Driver) -> None:
     """Refuse a texture where the output takes no signal that follows a finger.
 
-    Raises
-    ------
-    DeviceFailed
-        If it does not.
+    Raises `DeviceFailed` if it does not.
     """
     if output.emits and not output.follows:
         raise DeviceFailed(
@@ -223,13 +217,8 @@ def with_ramps(signal: Signal, ramp_s: float) -> Signal:
 
     At rest is below 1 % of the signal's peak. A signal shorter than two ramps has ramps of half its length.
 
-    Raises
-    ------
-    InvalidParameter
-        If `ramp_s` is not a finite number of at least 0.
+    Raises `InvalidParameter` if `ramp_s` is not a finite number of at least 0.
 
-    Examples
-    --------
     >>> step = Signal(np.ones((1, 100)), rate_hz=1000.0, unit="V")
     >>> with_ramps(step, 0.01).samples[0, [0, 4, 50, 99]].round(3).tolist()
     [0.0, 0.345, 1.0, 0.0]

@@ -53,10 +53,7 @@ class BoardLine:
     def write(self, stream: bytes, within_s: float, until: threading.Event = _NEVER) -> int:
         """How many bytes the line took in a time, or before `until` was set.
 
-        Raises
-        ------
-        DeviceFailed
-            If the board went away.
+        Raises `DeviceFailed` if the board went away.
         """
         end_s, sent = time.monotonic() + within_s, 0
         while sent < len(stream) and not until.is_set():
@@ -134,10 +131,7 @@ class Sending:
     def end(self, within_s: float) -> bool:
         """Send no more: whether the whole stream was sent.
 
-        Raises
-        ------
-        DeviceFailed
-            If the driver of the board holds a write up.
+        Raises `DeviceFailed` if the driver of the board holds a write up.
         """
         self._ending.set()
         self._thread.join(within_s)
@@ -149,10 +143,7 @@ class Sending:
 def open_line(path: Path, within_s: float) -> BoardLine:
     """A line for appending; a pipe that nobody reads is waited for.
 
-    Raises
-    ------
-    DeviceFailed
-        If it cannot be written, or nobody reads it within `within_s`.
+    Raises `DeviceFailed` if it cannot be written, or nobody reads it within `within_s`.
     """
     # without O_NONBLOCK the opening of a pipe that nobody reads blocks; O_NOCTTY: a serial node does not become the
     # terminal whose hang-up ends this process; Windows knows neither
@@ -272,10 +263,7 @@ class PackedOutput(AmplifiedDriver):
     def open(self) -> None:
         """Wait for the board to read, and tell it to stop.
 
-        Raises
-        ------
-        DeviceFailed
-            If it cannot be opened, nobody reads within `OPEN_WITHIN_S`, or it does not take the stop.
+        Raises `DeviceFailed` if it cannot be opened, nobody reads within `OPEN_WITHIN_S`, or it does not take the stop.
         """
         self._line = open_line(self._path, OPEN_WITHIN_S)
         self._is_open = True
@@ -356,10 +344,7 @@ class PackedOutput(AmplifiedDriver):
     def stop(self) -> None:
         """Zero now, within `STOP_WITHIN_S`.
 
-        Raises
-        ------
-        DeviceFailed
-            If the board has not read the stop by then, or had not taken what was played before.
+        Raises `DeviceFailed` if the board has not read the stop by then, or had not taken what was played before.
         """
         end_s = time.monotonic() + READ_WITHIN_S
         with self._turn:

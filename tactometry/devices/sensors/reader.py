@@ -204,10 +204,7 @@ class Reader:
     def check_channels(self, where: str, *channels: int) -> None:
         """Refuse a channel (from 0) that the source does not have.
 
-        Raises
-        ------
-        InvalidParameter
-            In one sentence that opens with `where`.
+        Raises `InvalidParameter` in one sentence that opens with `where`.
         """
         last = self.source.n_channels - 1
         for channel in channels:
@@ -234,10 +231,7 @@ class Reader:
     def open(self) -> None:
         """Begin to read; the second of two that share a reader changes nothing.
 
-        Raises
-        ------
-        DeviceFailed
-            If the device is not there.
+        Raises `DeviceFailed` if the device is not there.
         """
         if self._n_open == 0:
             self._open_source()

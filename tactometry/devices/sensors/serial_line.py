@@ -91,7 +91,6 @@ def _available(line: Any, n_missing: int) -> bytes:
 
 
 def _reason(error: Exception) -> str:
-    """What pyserial says of the system's own words, once."""
     number = getattr(error, "errno", None)
     return os.strerror(number) if number else " ".join(str(error).split())
 

@@ -185,12 +185,13 @@ def streamed_position(
 
 
 def _within(values: FloatArray, largest: float) -> FloatArray:
-    """Return the values with NaN, a lost sample, for those beyond `largest`."""
     return np.where(np.abs(values) <= largest, values, np.nan)
 
 
 def mean_speed_m_per_s(times_s: FloatArray, positions_m: FloatArray) -> float | None:
     """How fast a finger moved: the way along the mean positions of each `MEAN_S`, over the time between them.
+
+    Raises `InvalidParameter` if the shapes do not fit or the stamps go back.
 
     Parameters
     ----------
@@ -203,11 +204,6 @@ def mean_speed_m_per_s(times_s: FloatArray, positions_m: FloatArray) -> float | 
     -------
     float or None
         None where the samples fill less than two such times.
-
-    Raises
-    ------
-    InvalidParameter
-        If the shapes do not fit or the stamps go back.
 
     Examples
     --------

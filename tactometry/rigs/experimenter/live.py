@@ -133,7 +133,6 @@ class LiveTerminal(ExperimenterTerminal):
             self._output = None
 
     def _erased(self) -> str:
-        """What takes away the rows that stand."""
         return f"\r\x1b[{self._n_rows - 1}A{ERASE_BELOW}" if self._n_rows > 1 else f"\r{ERASE_BELOW}"
 
     def _draw(self, above: str | None = None) -> None:

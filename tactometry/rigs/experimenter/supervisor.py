@@ -89,10 +89,7 @@ class Supervisor:
     def attend(self, events: tuple[Input, ...]) -> bool:
         """Look at what was pressed and typed: True if the session was paused meanwhile.
 
-        Raises
-        ------
-        Stopped
-            If Escape was pressed, the window closed, or the experimenter wants to stop.
+        Raises `Stopped` if Escape was pressed, the window closed, or the experimenter wants to stop.
         """
         n_pauses = self._n_pauses
         self._look(events)

@@ -50,13 +50,8 @@ class Order:
 def order_of(line: str) -> Order:
     """The order of a typed line.
 
-    Raises
-    ------
-    InvalidParameter
-        If it is none.
+    Raises `InvalidParameter` if it is none.
 
-    Examples
-    --------
     >>> order_of("n moved the hand"), order_of(" P ")
     (Order(wish='note', text='moved the hand'), Order(wish='pause', text=''))
     """

@@ -84,7 +84,6 @@ def message_page(
 
 
 def _picture(path: str, ratio: float, width: float) -> Picture:
-    """An image as large as it can be below a heading."""
     height = min(TALLEST, width / ratio)
     return Picture(path, 0, 0.18, ratio * height, height)
 

@@ -48,7 +48,6 @@ def picture_page(words: str, meanings: Mapping[str, str], hint: str, aspect: flo
 
 
 def _scaled(items: Sequence[Item], x: float, y: float) -> list[Item]:
-    """The items smaller, around (x, y)."""
     return [_item_scaled(replace(item, x=x + SCALE * item.x, y=y + SCALE * item.y)) for item in items]
 
 

@@ -47,10 +47,7 @@ class Tracer:
     def kept(self, answer: A) -> A:
         """An answer; of what was felt with the places where its samples are kept.
 
-        Raises
-        ------
-        DeviceFailed
-            If the disk is full or fails.
+        Raises `DeviceFailed` if the disk is full or fails.
         """
         if self._log is None or not isinstance(answer, Played | Touched | Adjusted):
             return answer
@@ -63,7 +60,6 @@ class Tracer:
         return replace(answer, trace=tuple(parts))
 
     def _read(self, sensor: StreamedSensor) -> FloatArray:
-        """Stamps of the session beside what was measured, (n_samples, n_columns)."""
         times_s, values = sensor.read()
         return np.column_stack([times_s + self._session_s(0.0), values])
 
