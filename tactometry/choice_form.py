@@ -10,9 +10,8 @@ from functools import cache
 from typing import Any, Final
 
 from .arguments.require import expect, first_repeat, one_of, some
-from .config.shipped import load_shipped, shipped_in
 from .config.strict import build
-from .config.toml import errors_in, table_of
+from .config.toml import errors_in, load_shipped, shipped_in, table_of
 from .errors import InvalidParameter
 
 KIND: Final = "choices"

@@ -13,9 +13,8 @@ from typing import Any, Final, Self
 
 from .arguments.require import expect, first_repeat, lookup, one_of, some, whole
 from .choice_form import is_choices
-from .config.shipped import load_shipped, shipped_in
 from .config.strict import build
-from .config.toml import errors_in, table_of
+from .config.toml import errors_in, load_shipped, shipped_in, table_of
 from .errors import InvalidParameter
 
 FOLDER: Final = "tactometry.questionnaires"

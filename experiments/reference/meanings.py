@@ -19,7 +19,7 @@ def meanings(kind: type) -> Mapping[str, str]:
     """What each key of a class means, where its docstring or that of a base says so. A class with one key says it in
     its first paragraph.
 
-    >>> from tactometry.observers.changes.learning import SlowLearning
+    >>> from tactometry.observers.changes import SlowLearning
     >>> meanings(SlowLearning)["gain_db"]
     'By how much less is felt at the first trial.'
     """

@@ -17,7 +17,7 @@ from tactometry.errors import Gathered, InvalidFile, InvalidParameter, Tactometr
 from tactometry.files.durable import read_file
 from tactometry.loading import resolve
 from tactometry.observers.finger import SimulatedFinger
-from tactometry.rigs.images import ImageTable
+from tactometry.rigs.texts import ImageTable
 from tactometry.safety.limits import Limits
 from tactometry.trials.cell_rules import STUDY
 from tactometry.trials.cells import cell

@@ -8,8 +8,8 @@ from typing import Any, ClassVar, Generic, Literal, Protocol, Self, TypeVar, run
 
 import numpy as np
 
-from tactometry.arguments.magnitudes import is_number
 from tactometry.arguments.constraints import excerpt
+from tactometry.arguments.magnitudes import is_number
 from tactometry.arguments.require import expect
 from tactometry.errors import InvalidParameter
 

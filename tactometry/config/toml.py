@@ -1,14 +1,39 @@
-"""Files in TOML as tables: every way in which one cannot be read is one sentence that names it."""
+"""TOML files as tables, on disk or in a package; each reading error is one sentence that names the file."""
 
 import re
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from importlib.resources import files
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
+from ..arguments.require import one_of
 from ..errors import InvalidFile, TactometryError, reworded
 from ..files.durable import read_file
+
+T = TypeVar("T")
+SUFFIX: Final = ".toml"
+
+
+def shipped_in(package: str) -> tuple[str, ...]:
+    """The names of the TOML files of a package.
+
+    >>> "attrakdiff" in shipped_in("tactometry.questionnaires")
+    True
+    """
+    names = (entry.name for entry in files(package).iterdir())
+    return tuple(sorted(name.removesuffix(SUFFIX) for name in names if name.endswith(SUFFIX)))
+
+
+def load_shipped(package: str, name: str, what: str, parse: Callable[[bytes, str], T]) -> T:
+    """One of them, as `parse` makes it of its bytes and of what opens each sentence.
+
+    Raises `InvalidParameter` if there is none of that name.
+    """
+    one_of(what, name, shipped_in(package))
+    return parse((files(package) / f"{name}{SUFFIX}").read_bytes(), f"{what} {name}")
+
 
 LARGEST_FILE: Final = 1_000_000
 """Bytes of a file that a person writes: 25 000 lines."""

@@ -1,14 +1,31 @@
-"""A device's clock on ours: the least delayed of the recent samples tells the difference."""
+"""Clocks: a device's clock on ours by the least delayed recent samples, and the clock since boot."""
 
+import functools
 import math
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
+from pathlib import Path
 from statistics import median
+from typing import Final
 
 from ..errors import DeviceFailed, InvalidParameter
+
+_BOOT_ID: Final = Path("/proc/sys/kernel/random/boot_id")
+
+
+def boot_clock_s() -> float:
+    """Seconds since the computer started, with its sleep where the system has such a clock."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME) if hasattr(time, "CLOCK_BOOTTIME") else time.perf_counter()
+
+
+@functools.cache
+def boot_id() -> str:
+    """Name of this start of the computer; empty where the system has none."""
+    return _BOOT_ID.read_text("ascii").strip() if _BOOT_ID.exists() else ""
+
 
 BIN_S = 0.5
 N_BINS = 8

@@ -12,8 +12,7 @@ import numpy as np
 from ..arguments.require import expect
 from ..config.strict import as_table, build, build_kind, check_keys
 from ..loading import resolve
-from .changes.change import Answer, Change, Shift, Shifted
-from .changes.kinds import CHANGES
+from .changes import CHANGES, Answer, Change, Shift, Shifted
 from .decisions import Observer
 from .own import NotAllowed, own_class
 from .people import Draws, Feeling, People, SimulatedPerson, Stated, Varied

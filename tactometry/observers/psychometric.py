@@ -16,7 +16,7 @@ from ..psychometric import SHAPES, PsychometricFunction
 from ..session.request import Facts
 from ..trials.cells import cell as cell_text
 from . import responses
-from .changes.change import Shift
+from .changes import Shift
 from .people import Feeling, ObserverWithTraits, Traits
 from .responses import ALMOST_ALL, HIGHEST_DB, MOST_LAPSES
 

@@ -11,7 +11,7 @@ from ..arguments.annotations import Finite, NotNegative, Positive, Rate
 from ..arguments.constraints import constrained
 from ..session.request import Facts
 from . import responses
-from .changes.change import Shift
+from .changes import Shift
 from .people import ObserverWithTraits, Traits
 
 LIKING_NOISE = 0.3

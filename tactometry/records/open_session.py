@@ -23,8 +23,7 @@ from ..session.replay import Replay
 from ..session.request import Intervene, Record, Request
 from ..signal import FloatArray
 from ..trials.trial import tally
-from .agreement import is_beginning
-from .data_set import Session, participants, prepare, row, sessions, trials_csv
+from .data_set import Session, is_beginning, participants, prepare, row, sessions, trials_csv
 from .description import NAME, SIMULATED, StudyDescription, describe, describe_columns, read_description, says_simulated
 from .head import FORMAT, as_kept, columns_in, heads
 from .journal import Entry, consequence, read

@@ -25,8 +25,8 @@ from .pages import layout
 from .pages.page import Display
 from .pages.presenter import Presenter
 from .texts import Texts
-from .touch.beside import Beside
 from .touch.gated_samples import Release
+from .touch.touch import Beside
 from .touch.tracer import Tracer
 from .touch.watchdog import TouchSetup
 

@@ -11,7 +11,7 @@ import numpy as np
 from ..arguments.require import expect, lookup
 from ..contact import Contact
 from ..followed import FollowsFinger, felt_under, straight_way
-from ..observers.changes.change import Answer, Shift, Shifted
+from ..observers.changes import Answer, Shift, Shifted
 from ..observers.decisions import Decision, Felt, Observer
 from ..observers.finger import Grip, SimulatedFinger
 from ..observers.people import Feeling

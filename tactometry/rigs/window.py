@@ -20,10 +20,18 @@ from ..arguments.require import expect
 from ..devices.clock_map import clock_offset_s
 from ..errors import DeviceFailed
 from ..session.request import Facts
-from .displays import ConnectedScreen, check_screen, connected_screens
 from .drawing import Canvas
 from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
-from .keyboard import FreshPresses, HeldKeys, failing_as, keyboard_of_script, open_keyboard
+from .keyboard import (
+    ConnectedScreen,
+    FreshPresses,
+    HeldKeys,
+    check_screen,
+    connected_screens,
+    failing_as,
+    keyboard_of_script,
+    open_keyboard,
+)
 from .loan import Loan
 from .pages.page import PAPER, Click, Closed, Display, Input, KeyDown, Page
 

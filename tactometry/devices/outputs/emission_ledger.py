@@ -19,7 +19,7 @@ from typing import Final
 from ...errors import DeviceFailed
 from ...files.durable import make_folder, open_private
 from ...safety.limits import LONGEST_WINDOW_S
-from ..boot_clock import boot_clock_s, boot_id
+from ..clock_map import boot_clock_s, boot_id
 
 Emissions = tuple[tuple[float, float], ...]
 """How long ago signals began, s, and how long they play, s."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...followed import FollowedSignal
 from ...signal import FloatArray
-from ..boot_clock import boot_clock_s
+from ..clock_map import boot_clock_s
 
 SCANT_S: Final = 0.01
 """A device that has less in hand as it asks has run dry (unverified default: of a sound server that was held up it was
