@@ -15,12 +15,12 @@ from ..safety.limits import FORCE_PEAK_N, Limits
 from ..session.answer import Done, Marked, Played, Touched
 from ..session.event import TRACE_KINDS, EventLog, TraceKind
 from ..session.request import A, Facts, Intervene, Play, Press, Request, Slide
+from ..session.run import LiveRig
 from ..signal import Signal, Stimulus
 from ..trials.trial import Tally, Trial, tally
 from .emitter import Emitter
 from .experimenter.supervisor import Supervisor, utc_text
 from .experimenter.terminal import ExperimenterTerminal
-from .live_rig import LiveRig
 from .pages import layout
 from .pages.page import Display
 from .pages.presenter import Presenter

@@ -36,11 +36,11 @@ from ..session.request import (
     Slide,
     Wait,
 )
+from ..session.run import LiveRig
 from ..signal import Signal, Stimulus
 from ..trials.trial import Trial
 from .emitter import render
 from .judgement import broken_condition, compliance_fields
-from .live_rig import LiveRig
 
 if TYPE_CHECKING:
     from ..observers.raters import Rater
