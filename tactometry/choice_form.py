@@ -79,7 +79,6 @@ class ChoiceItem:
 
     @property
     def languages(self) -> set[str]:
-        """Those in which all of it can be read."""
         return set.intersection(set(self.prompt), *(set(option.words) for option in self.options))
 
     def category(self, code: int, language: str = "en") -> str:
@@ -134,7 +133,6 @@ class ChoiceForm:
 
     @property
     def languages(self) -> tuple[str, ...]:
-        """The languages in which every question can be put."""
         return tuple(sorted(set.intersection(*(item.languages for item in self.items))))
 
     @property
@@ -143,7 +141,6 @@ class ChoiceForm:
         return tuple(item.id for item in self.items if item.bounds is not None)
 
     def item(self, name: str) -> ChoiceItem | None:
-        """The question of this id, if there is one."""
         return next((item for item in self.items if item.id == name), None)
 
 
@@ -168,7 +165,6 @@ def _check_item(item: ChoiceItem, path: str) -> None:
 
 
 def is_choices(table: object) -> bool:
-    """Whether a table `[forms.NAME]` is such a form."""
     return isinstance(table, Mapping) and table.get("kind") == KIND
 
 

@@ -220,7 +220,6 @@ class SpeedGate:
 
     @property
     def moving(self) -> bool:
-        """Whether the present speed is known and in the band."""
         return self.since_s is not None
 
     @property

@@ -70,7 +70,6 @@ def class_beside(target: str, folder: Path, where: str) -> type:
 
 
 def state_of(folder: Path) -> str:
-    """Of the code in a folder: another one if any file of it is."""
     return sha256(b"".join(str(file).encode() + file.read_bytes() for file in sorted(folder.glob("*.py"))))
 
 

@@ -101,7 +101,6 @@ def not_zero(owner: str, /, **values: object) -> None:
 
 
 def between(owner: str, low: float, high: float, /, **values: object) -> None:
-    """Require numbers above `low` and below `high`."""
     _within(Interval(gt=low, lt=high), owner, values)
 
 
@@ -181,7 +180,6 @@ def lookup(where: str, name: object, choices: Mapping[str, V]) -> V:
 
 
 def some(where: str, found: Sequence[object] | Mapping[Any, object]) -> None:
-    """`found` holds something."""
     expect(len(found) > 0, where, "none", "at least one")
 
 

@@ -207,7 +207,6 @@ def fields_of(kind: type) -> dict[str, dataclasses.Field[Any]]:
 
 
 def is_required(field: dataclasses.Field[Any]) -> bool:
-    """Whether a table must hold this field."""
     return field.default is dataclasses.MISSING and field.default_factory is dataclasses.MISSING
 
 

@@ -198,7 +198,6 @@ def replace_file(path: Path, content: bytes) -> int:
 
 
 def write_atomically(path: Path, content: bytes) -> None:
-    """As `replace_file`, and the file is closed."""
     os.close(replace_file(path, content))
 
 

@@ -36,7 +36,6 @@ class Grips:
     speeds_m_per_s: Array
 
     def of(self, i: int) -> Grip:
-        """One of them."""
         return Grip(self.times_s, self.forces_n[i], self.positions_m[i], float(self.speeds_m_per_s[i]))
 
 

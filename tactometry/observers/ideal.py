@@ -38,12 +38,10 @@ class IdealObserver(ObserverWithTraits):
         return replace(self, sensitivity_db=sensitivity_db, latency_s=self.latency_s * traits.latency_factor)
 
     def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
-        """Whether it is above the threshold."""
         del rng
         return sensation_db + self.sensitivity_db > 0
 
     def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:
-        """The index of the strongest."""
         best = np.flatnonzero(np.asarray(sensations_db) == max(sensations_db))
         return int(rng.choice(best))
 
@@ -60,7 +58,6 @@ class IdealObserver(ObserverWithTraits):
         return first != second
 
     def magnitude(self, sensation_db: float, rng: np.random.Generator) -> float:
-        """The amplitude in units of the threshold."""
         del rng
         return responses.magnitude(sensation_db + self.sensitivity_db)
 

@@ -64,7 +64,6 @@ class Population:
     def feeling(
         self, person: SimulatedPerson, factors: Mapping[str, float | str], modality: str, draws: Draws
     ) -> Feeling:
-        """How a person, whose streams these are, feels a cell."""
         stated = person.observer.stated(factors) if isinstance(person.observer, Stated) else Feeling()
         return replace(stated, deviation_db=self.people.deviation_db(factors, modality, draws))
 

@@ -106,12 +106,10 @@ class SimulatedPerson:
     speed_factor: float = 1.0
 
     def finger(self, usual: SimulatedFinger) -> SimulatedFinger:
-        """This person's finger, beside the usual one."""
         force_factor, speed_factor = usual.force_factor * self.force_factor, usual.speed_factor * self.speed_factor
         return replace(usual, force_factor=force_factor, speed_factor=speed_factor)
 
     def facts(self) -> Facts:
-        """What a journal says of a simulated participant: the truth."""
         habits = {"force_factor": self.force_factor, "speed_factor": self.speed_factor}
         return {**self.observer.facts(), **{name: value for name, value in habits.items() if value != 1.0}}
 

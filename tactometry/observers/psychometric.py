@@ -116,7 +116,6 @@ class PsychometricObserver(ObserverWithTraits):
         return _rate(self.shape, self.width, guess_rate, lapse_rate, sensation_db)
 
     def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
-        """Whether a stimulus is reported as felt."""
         return bool(rng.random() < self.chance(sensation_db, self.false_alarm_rate))
 
     def compare(self, sensations_db: Sequence[float], rng: np.random.Generator) -> int:

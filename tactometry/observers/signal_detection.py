@@ -82,7 +82,6 @@ class SignalDetectionObserver(ObserverWithTraits):
         return float(min(self.criterion * 10.0 ** min(exponent, 300.0), 1e6))
 
     def detect(self, sensation_db: float, rng: np.random.Generator) -> bool:
-        """Whether a stimulus is reported as felt."""
         # all draws, used or not: the generator stands at the same place behind any answer
         noise, lapses, guess = rng.standard_normal(), rng.random() < self.lapse_rate, rng.random() < 0.5
         return bool(guess) if lapses else bool(self.d_prime(sensation_db) + noise > self.criterion + self.bias)

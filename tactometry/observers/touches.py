@@ -49,7 +49,6 @@ class Touches:
         self.begin(0)
 
     def begin(self, n_trials: int) -> None:
-        """Go on to the trial after so many."""
         self._n, self._n_touches, self._n_drawn = n_trials, 0, 0
         self._rng: np.random.Generator | None = None
 

@@ -120,13 +120,11 @@ def values_of(trial: Trial, session: Session, rig: str) -> dict[str, Value]:
 
 
 def row(trial: Trial, session: Session, rig: str, columns: Sequence[Column]) -> list[str]:
-    """The cells of a trial."""
     known = values_of(trial, session, rig)
     return [cell(known.get(column.name)) for column in columns]
 
 
 def trials_csv(trials: Sequence[Trial], session: Session, rig: str, columns: Sequence[Column]) -> bytes:
-    """The trials file of a session."""
     header = [column.name for column in columns]
     return delimited_text([header, *(row(trial, session, rig, columns) for trial in trials)])
 
@@ -172,7 +170,6 @@ def keys_of(stem: str) -> dict[str, str]:
 
 
 def participants(root: Path) -> list[str]:
-    """The codes of all who have a journal in a data set, sorted."""
     return sorted({code for path in sessions(root) if (code := keys_of(path.stem).get("participant"))})
 
 

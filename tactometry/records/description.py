@@ -140,5 +140,4 @@ def _column_names(content: bytes) -> list[str]:
 
 
 def pretty(value: object) -> bytes:
-    """JSON for people."""
     return msgspec.json.format(msgspec.json.encode(value), indent=2) + b"\n"

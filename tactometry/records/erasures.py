@@ -98,12 +98,10 @@ def _erasure(line: bytes, where: str) -> Erasure:
 
 
 def write_erasures(root: Path, erasures: Sequence[Erasure]) -> None:
-    """Write the record whole, and put it on the disk."""
     write_atomically(root / RECORD, b"".join(msgspec.json.encode(erasure) + b"\n" for erasure in erasures))
 
 
 def unfinished(erasures: Sequence[Erasure], participant: str) -> Erasure | None:
-    """The erasure of a participant that was interrupted."""
     return next((e for e in erasures if e.participant == participant and e.finished_utc is None), None)
 
 

@@ -60,7 +60,6 @@ class Head:
 
     @property
     def whose(self) -> tuple[object, ...]:
-        """What all sittings of a session share."""
         return self.study, self.study_sha256, self.participant, self.session, self.number, self.seed, self.rig
 
 

@@ -65,7 +65,6 @@ class Recording:
 
     @property
     def sittings(self) -> tuple[Head, ...]:
-        """The heads of all sittings, in order."""
         return tuple(line for line in self.lines if isinstance(line, Head))
 
     @property
@@ -83,7 +82,6 @@ class Recording:
 
     @property
     def events(self) -> tuple[Event, ...]:
-        """What happened unasked."""
         return tuple(line for line in self.lines if isinstance(line, Event))
 
     @property
@@ -112,7 +110,6 @@ class Recording:
 
     @property
     def rows_at_first(self) -> tuple[Trial, ...]:
-        """The rows as they were recorded."""
         return tuple(entry.request.trial for entry in self.entries if isinstance(entry.request, Record))
 
     @property
@@ -207,7 +204,6 @@ def read(path: Path) -> Recording:
 
 
 def decode_journal(content: bytes, path: Path) -> Recording:
-    """As `read`, of the bytes of a journal."""
     lines, place = decode_on(content, path)
     return Recording(lines, place.complete, len(content) - place.n_bytes)
 

@@ -61,7 +61,6 @@ class Journal:
 
     @property
     def interruptions(self) -> Path:
-        """Where what interruptions cut off is kept."""
         return self.path.with_name(f"{self.path.stem}_interruptions.jsonl")
 
     def _repair(self) -> tuple[Recording, bytes]:

@@ -227,7 +227,6 @@ def trace_file(root: Path, session: Session, kind: TraceKind) -> Path:
 
 
 def sidecar_of(path: Path) -> Path:
-    """The JSON file that explains a file of traces."""
     return path.with_name(path.name.removesuffix(".tsv.gz") + ".json")
 
 

@@ -30,7 +30,6 @@ Values = tuple[float | None, ...]
 
 
 def n_positions(request: Fill) -> int:
-    """How many places a scale has on the screen."""
     return layout.N_POSITIONS_CONTINUOUS if request.steps is None else request.steps
 
 
@@ -66,7 +65,6 @@ def place_at(value: float | None, request: Fill) -> int | None:
 
 
 def marks_of(request: Fill) -> form.Marks:
-    """What stands on a page when it comes."""
     given = request.given or (None,) * len(request.questions)
     return form.begun(tuple(place_at(value, request) for value in given))
 

@@ -76,7 +76,6 @@ class Equipment:
 
     @property
     def traced(self) -> dict[TraceKind, StreamedSensor]:
-        """The sensors whose samples are kept."""
         sensors: dict[TraceKind, StreamedSensor | None] = {"force": self.sensor, "position": self.position}
         return {kind: sensor for kind, sensor in sensors.items() if sensor is not None and kind in self.traces}
 

@@ -140,5 +140,4 @@ class Emitter:
         return None if signal is None else self._output.n_gaps(longest_wait_s)
 
     def stop(self) -> None:
-        """Zero now."""
         self._output.stop()

@@ -189,7 +189,6 @@ class Phrases:
     words: Mapping[str, str]
 
     def of(self, name: str, /, **values: str | float) -> str:
-        """A phrase, filled with `values`."""
         return self.words[name].format(**values)
 
 

@@ -263,7 +263,6 @@ class Window(Display):
 
     @property
     def caution(self) -> str | None:
-        """What an experimenter should know of this screen."""
         return self._pacer.rhythm.caution
 
     def frame_intervals_s(self) -> list[float]:

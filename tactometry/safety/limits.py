@@ -100,7 +100,6 @@ class Limits:
 
     @property
     def switched_off(self) -> tuple[str, ...]:
-        """The names of the limits that are "unlimited"."""
         return tuple(name for name, value in vars(self).items() if isinstance(value, Unlimited))
 
     def check(self, signal: Signal) -> None:
@@ -258,7 +257,6 @@ class Exposure:
 
     @property
     def played_s(self) -> float:
-        """How long signals played in the window that was kept."""
         return sum(end_s - begin_s for begin_s, end_s in self.intervals_s)
 
     def after(self, begin_s: float, duration_s: float, window_s: float, charge_c: float = 0.0) -> "Exposure":
@@ -271,7 +269,6 @@ class Exposure:
         return replace(self.passed(self.playing_c), intervals_s=kept_s, playing_c=charge_c)
 
     def beside(self, others_s: Iterable[tuple[float, float]]) -> "Exposure":
-        """With intervals in which others emitted."""
         return replace(self, intervals_s=tuple(sorted((*self.intervals_s, *others_s))))
 
     def passed(self, charge_c: float) -> "Exposure":
@@ -295,7 +292,6 @@ class Exposure:
         return "shorten the signal"
 
     def stopped(self, at_s: float) -> "Exposure":
-        """With what would play later than `at_s` taken away."""
         return replace(self, intervals_s=tuple((a, min(b, at_s)) for a, b in self.intervals_s if a < at_s))
 
 

@@ -98,7 +98,6 @@ class TrackProgress:
 
     @property
     def n_attempts(self) -> int:
-        """How often the trial that was presented last was asked."""
         return self.presented[-1].attempt if self.presented else 0
 
     @property
@@ -301,12 +300,10 @@ class Progress:
 
     @property
     def track(self) -> TrackProgress | None:
-        """That of the trial that was recorded last."""
         return None if self.last is None else self.tracks.get((self.last.block, self.last.track))
 
     @property
     def over(self) -> bool:
-        """Whether its last page has been left."""
         return self.page in LAST_PAGES
 
     def n_valid(self, part: int | None = None) -> int:

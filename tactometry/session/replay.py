@@ -53,7 +53,6 @@ class Replay:
 
     @property
     def trials(self) -> list[Trial]:
-        """The recorded rows."""
         return list(rows(request for request, _ in self._entries))
 
     @property

@@ -193,7 +193,6 @@ class Adjust(Request[Adjusted]):
     speed_m_per_s: float | None = None
 
     def level(self, n_steps: int) -> float:
-        """The level so many steps above the start."""
         return self.start + n_steps * self.step
 
 

@@ -36,7 +36,6 @@ def number_from(low: float, high: float = math.inf) -> Callable[[str], bool]:
 
 
 def one_of_texts(*texts: str) -> Callable[[str], bool]:
-    """The test for one of some texts."""
     return lambda text: text in texts
 
 

@@ -152,7 +152,6 @@ class Tally:
 
     @property
     def n_trials(self) -> int:
-        """Trials, however often each was presented."""
         return self.n_presented - self.n_again
 
     def after(self, trial: Trial) -> "Tally":
@@ -172,5 +171,4 @@ class Tally:
 
 
 def tally(trials: Iterable[Trial]) -> Tally:
-    """The count of rows in their order."""
     return reduce(Tally.after, trials, Tally())

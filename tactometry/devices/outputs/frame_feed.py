@@ -95,7 +95,6 @@ class FrameFeed:
         self.ended.set()
 
     def stop(self) -> None:
-        """Fall to zero from the next block on."""
         self._stopping = True
 
     def take(self, n_frames: int) -> NDArray[Any]:

@@ -113,7 +113,6 @@ class Gain(Measured):
         return np.asarray(np.clip(units, -1.0, 1.0))
 
     def to_volts(self, units: FloatArray, rate_hz: float) -> Signal:
-        """What such numbers become at the load."""
         return Signal(units * self.load_volts_per_unit, rate_hz, "V")
 
 

@@ -193,7 +193,6 @@ class Guarded:
         return self.driver.course()
 
     def n_gaps(self, longest_wait_s: float = LONGEST_WORD_S) -> int | None:
-        """Gaps of the last signal, as its driver tells them."""
         return self.driver.n_gaps(longest_wait_s)
 
     def stop(self) -> None:

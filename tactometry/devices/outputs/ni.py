@@ -108,7 +108,6 @@ class NiOutput(AmplifiedDriver):
 
     @property
     def stop_delay_s(self) -> float:
-        """A stop that takes longer has failed."""
         return STOP_WITHIN_S
 
     def open(self) -> None:

@@ -124,7 +124,6 @@ class Sending:
             )
 
     def is_whole(self, within_s: float) -> bool:
-        """Whether the whole stream was sent within a time."""
         self._thread.join(within_s)
         return self.n_sent == len(self._stream)
 
@@ -257,7 +256,6 @@ class PackedOutput(AmplifiedDriver):
 
     @property
     def stop_delay_s(self) -> float:
-        """A stop that takes longer has failed."""
         return STOP_WITHIN_S
 
     def open(self) -> None:

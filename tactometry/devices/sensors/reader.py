@@ -311,5 +311,4 @@ class Reader:
 
 
 def now_s() -> float:
-    """Our clock."""
     return time.perf_counter()

@@ -170,7 +170,6 @@ def _check_turns(polynomial: tuple[float, ...], low: float, high: float) -> None
 
 
 def streamed_force(reader: Reader, channel: int, calibration: ForceCalibration) -> StreamedSensor:
-    """A force sensor on one channel."""
     return StreamedSensor(reader, lambda counts: calibration.force_n(counts[:, channel]))
 
 

@@ -71,7 +71,6 @@ class Supervisor:
         self._interventions: tuple[Intervention, ...] = ()
 
     def note(self, kind: Kind, **facts: Fact) -> None:
-        """Keep an event, with the time of now."""
         self._keep(kind, time.perf_counter(), facts)
 
     def _keep(self, kind: Kind, clock_s: float, facts: Mapping[str, Fact], duration_s: float | None = None) -> None:
@@ -178,7 +177,6 @@ class Supervisor:
         self.last = next((trial for trial in reversed(tuple(trials)) if not trial.is_form), self.last)
 
     def end_trial(self, trial: Trial) -> None:
-        """A row is recorded."""
         self.under_way = self.repeat = False
         self._recorded([trial])
 
@@ -216,7 +214,6 @@ class TrialLog:
         self._answered_s: float | None = None
 
     def note_decision(self, gate_delay_s: float | None) -> None:
-        """A gate opened so late."""
         self._delays_s += [] if gate_delay_s is None else [gate_delay_s]
 
     def note_answer(self, at_s: float) -> None:

@@ -113,26 +113,21 @@ class ExperimenterTerminal:
         self.standing = words
 
     def add(self, words: str) -> None:
-        """Some more words on the line of this trial."""
         self._write(words if self._fresh_line else f" | {words}")
         self._fresh_line = False
 
     def say(self, phrase: str, /, **values: str | float) -> None:
-        """As `add`, by the name of the phrase."""
         self.add(self.phrases.of(phrase, **values))
 
     def end_line(self) -> None:
-        """What follows stands on a new line."""
         self._write("" if self._fresh_line else "\n")
         self._fresh_line = True
 
     def tell(self, words: str) -> None:
-        """A line of its own."""
         self.end_line()
         self._write(f"{words}\n")
 
     def close(self) -> None:
-        """What follows is of others."""
         self.end_line()
 
     def _write(self, words: str) -> None:

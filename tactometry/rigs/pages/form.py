@@ -69,7 +69,6 @@ class Marks:
         return None not in self.places
 
     def set(self, row: int, place: int) -> "Marks":
-        """With another mark in a row, which the keys then go to."""
         places = (*self.places[:row], place, *self.places[row + 1 :])
         return replace(self, places=places, row=row, warned=False)
 
@@ -152,7 +151,6 @@ def form_page(form: Form, marks: Marks, aspect: float) -> Page:
 
 
 def scale_extent(form: Form, aspect: float) -> float:
-    """How long its scales are, in heights of the screen."""
     width = layout.MARGIN * aspect
     return width - 0.1 if form.wide else min(NARROW, 0.4 * width)
 

@@ -50,12 +50,10 @@ def shift(place: int | None, answer: Answer, n_places: int) -> int:
 
 
 def heading(words: str, y: float, aspect: float) -> Text:
-    """Words at the top of a page, as wide as can be read."""
     return Text(words, 0, y, HEADING, wrap_width=min(WIDEST, MARGIN * aspect))
 
 
 def hint_line(words: str, aspect: float) -> Text:
-    """What may be pressed, at the bottom of a page."""
     return Text(words, 0, -0.42, HINT, QUIET, MARGIN * aspect)
 
 
@@ -177,7 +175,6 @@ def marker_page(interval: int | None, *, playing: bool, words: str = "", why: st
 
 
 def waiting_page() -> Page:
-    """A small cross that says nothing."""
     return Page((Box(0, 0, 0.04, 0.006, fill=QUIET), Box(0, 0, 0.006, 0.04, fill=QUIET)))
 
 

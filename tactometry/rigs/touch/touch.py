@@ -117,12 +117,10 @@ class Held:
 
     @property
     def released(self) -> bool:
-        """Whether the finger let go since the last touch."""
         return self.release.happened(self.applied_force.gate)
 
     @property
     def opened_s(self) -> float:
-        """The stamp of the sample that opened the last gate."""
         return max(samples.opened_s for samples in self._gated if samples.opened_s is not None)
 
     @property
