@@ -13,9 +13,8 @@ from ..contact import Contact
 from ..followed import FollowsFinger, felt_under, straight_way
 from ..observers.changes import Answer, Shift, Shifted
 from ..observers.decisions import Decision, Felt, Observer
-from ..observers.finger import Grip, SimulatedFinger
+from ..observers.finger import Grip, SimulatedFinger, Touches
 from ..observers.people import Feeling
-from ..observers.touches import Touches
 from ..safety.limits import Limits
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from ..session.answer_rules import value_at

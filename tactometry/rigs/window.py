@@ -20,7 +20,7 @@ from ..arguments.require import expect
 from ..devices.clock_map import clock_offset_s
 from ..errors import DeviceFailed
 from ..session.request import Facts
-from .drawing import Canvas
+from .drawing import Canvas, Loan
 from .frame_timing import Pacer, Rhythm, nominal_rate_hz, rhythm_of
 from .keyboard import (
     ConnectedScreen,
@@ -32,7 +32,6 @@ from .keyboard import (
     keyboard_of_script,
     open_keyboard,
 )
-from .loan import Loan
 from .pages.page import PAPER, Click, Closed, Display, Input, KeyDown, Page
 
 N_MEASURED_FRAMES, N_MEASUREMENTS = 20, 3
