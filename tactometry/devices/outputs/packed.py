@@ -152,6 +152,7 @@ def open_line(path: Path, within_s: float) -> BoardLine:
     while True:
         try:
             file = os.open(path, flags, 0o666)
+            # a terminal adds a carriage return to a line feed: a serial line is to pass on each byte as it is
             if os.name == "posix" and os.isatty(file):
                 import tty
 
