@@ -96,15 +96,10 @@ class FollowedSignal(Signal):
 class Course:
     """What a signal became under a finger.
 
-    Parameters
-    ----------
-    signal : Signal
-        What was emitted.
-    latency_s : float
-        From a place of the finger to the voltage that answers it.
-    late, unknown : float
-        Parts (0..1) of the samples whose place was not there in time, so that the last one stood for it, and of those
-        of which nobody knew the place.
+    - `signal`: What was emitted.
+    - `latency_s`: From a place of the finger to the voltage that answers it.
+    - `late`, `unknown`: Parts (0..1) of the samples whose place was not there in time, so that the last one stood for
+      it, and of those of which nobody knew the place.
     """
 
     signal: Signal

@@ -35,19 +35,11 @@ class ForceGate:
     Each sample makes a new gate. The hold starts again after a sample outside the band, a lost sample (NaN),
     a gap above `max_gap_s` and a stamp that goes back: the gate may open late, never early.
 
-    Parameters
-    ----------
-    target_n : float
-        The force to hold, N, above 0.
-    tolerance : float
-        Half width of the band relative to `target_n`, above 0; the band holds its edges.
-    hold_s : float
-        How long the force must be held, s, at least 0.
-    max_gap_s : float
-        The longest interval between samples that is still one hold, s, above 0.
+    - `target_n`: The force to hold, N, above 0.
+    - `tolerance`: Half width of the band relative to `target_n`, above 0; the band holds its edges.
+    - `hold_s`: How long the force must be held, s, at least 0.
+    - `max_gap_s`: The longest interval between samples that is still one hold, s, above 0.
 
-    Examples
-    --------
     >>> gate = ForceGate(target_n=1.0, tolerance=0.2, hold_s=0.015)
     >>> for time_s, force_n in [(0.0, 0.5), (0.01, 0.9), (0.02, 1.1), (0.03, 1.0)]:
     ...     gate = gate.after(time_s, force_n)
@@ -95,26 +87,15 @@ def compliance(
 
     Raises `InvalidParameter` if a value or a shape is not as stated.
 
-    Parameters
-    ----------
-    times_s : (n_samples,) array_like
-        Stamps, s, never going back.
-    forces_n : (n_samples,) array_like
-        Finite forces, N; at least one.
-    target_n, tolerance : float
-        The band, as in `ForceGate`.
-    window_s : float
-        Length of the running mean, s: at each sample the mean of the samples of the last `window_s`, or of as
-        many as there are.
+    - `times_s`: Stamps, s, never going back.
+    - `forces_n`: Finite forces, N; at least one.
+    - `target_n`, `tolerance`: The band, as in `ForceGate`.
+    - `window_s`: Length of the running mean, s: at each sample the mean of the samples of the last `window_s`, or of as
+      many as there are.
 
-    Returns
-    -------
-    Compliance
-        `sd_n` is that of the trace (division by n_samples). `in_band` (0..1) is the part of the samples whose
-        running mean lies in the band.
+    Returns: `sd_n` is that of the trace (division by n_samples). `in_band` (0..1) is the part of the samples whose
+    running mean lies in the band.
 
-    Examples
-    --------
     >>> compliance([0.0, 0.1, 0.2, 0.3], [1.0, 1.0, 2.0, 2.0], target_n=1.0, tolerance=0.25, window_s=0.1)
     Compliance(mean_n=1.5, sd_n=0.5, in_band=0.5)
     """
@@ -180,19 +161,11 @@ class SpeedGate:
     a lost sample (NaN), a gap above `max_gap_s` and a stamp that does not advance begin anew: the gate may open late,
     never early.
 
-    Parameters
-    ----------
-    target_m_per_s : float
-        The speed, m/s, above 0; its sign does not count.
-    tolerance : float
-        Half width of the band relative to the target, above 0; the band holds its edges.
-    hold_s : float
-        How long the speed must be kept, s, at least 0.
-    window_s, max_gap_s : float
-        Window of the speed and longest interval between samples, s, above 0.
+    - `target_m_per_s`: The speed, m/s, above 0; its sign does not count.
+    - `tolerance`: Half width of the band relative to the target, above 0; the band holds its edges.
+    - `hold_s`: How long the speed must be kept, s, at least 0.
+    - `window_s`, `max_gap_s`: Window of the speed and longest interval between samples, s, above 0.
 
-    Examples
-    --------
     >>> gate = SpeedGate(target_m_per_s=0.05, tolerance=0.2, hold_s=0.01, window_s=0.02)
     >>> for n in range(4):
     ...     gate = gate.after(sample_time_s=0.01 * n, position_m=0.0005 * n)
@@ -264,24 +237,14 @@ def motion(
 
     Raises `InvalidParameter` if a value or a shape is not as stated.
 
-    Parameters
-    ----------
-    times_s : (n_samples,) array_like
-        Stamps, s, each later than the one before; at least two.
-    positions_m : (n_samples,) array_like
-        Finite places along the path, m.
-    target_m_per_s, tolerance : float
-        The band, as in `SpeedGate`.
-    window_s : float
-        The speed at a sample is the way between the ends of a window of this length around it, over its duration.
+    - `times_s`: Stamps, s, each later than the one before; at least two.
+    - `positions_m`: Finite places along the path, m.
+    - `target_m_per_s`, `tolerance`: The band, as in `SpeedGate`.
+    - `window_s`: The speed at a sample is the way between the ends of a window of this length around it, over its
+      duration.
 
-    Returns
-    -------
-    SpeedCompliance
-        The mean is the length of the path over its duration.
+    Returns: The mean is the length of the path over its duration.
 
-    Examples
-    --------
     >>> motion([0.0, 0.1, 0.2, 0.3], [0.0, 0.01, 0.02, 0.02], 0.1, tolerance=0.2, window_s=0.2).in_band
     0.5
     """

@@ -26,10 +26,7 @@ _AS_JSON: Final = f"{__name__}.as_json"
 class NamedFile(click.Path):
     """The name of a built-in file, or the path of another; both are completed.
 
-    Parameters
-    ----------
-    names : str
-        Target string of what gives the names.
+    - `names`: Target string of what gives the names.
     """
 
     def __init__(self, names: str) -> None:

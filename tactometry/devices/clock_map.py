@@ -48,15 +48,9 @@ class ClockMap:
     clocks plus a delay; its smallest recent value is taken for the difference. What is left is the smallest delay of
     the way, which only a second clock could tell.
 
-    Parameters
-    ----------
-    smallest_s : tuple of (bin, difference)
-        The smallest difference in each of the last bins of `BIN_S` of our time.
-    floor_s : float
-        The smallest of the bins before, raised by `DRIFT` since then.
+    - `smallest_s`: The smallest difference in each of the last bins of `BIN_S` of our time.
+    - `floor_s`: The smallest of the bins before, raised by `DRIFT` since then.
 
-    Examples
-    --------
     >>> clocks = ClockMap()
     >>> for device_s, arrival_s in [(0.0, 10.25), (0.25, 10.375), (0.5, 10.75)]:
     ...     clocks = clocks.after(device_s, arrival_s)

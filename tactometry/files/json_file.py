@@ -20,12 +20,8 @@ def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -
 
     Raises `InvalidFile` if it holds this question already and `resume` is not given, or another one.
 
-    Parameters
-    ----------
-    wanted : mapping
-        All that the results follow from, as JSON reads it again: numbers, texts, lists.
-    work : str
-        What is asked, in words: ``power analysis``.
+    - `wanted`: All that the results follow from, as JSON reads it again: numbers, texts, lists.
+    - `work`: What is asked, in words: ``power analysis``.
     """
     path = root / ASKED
     if path.exists():

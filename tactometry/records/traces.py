@@ -173,11 +173,7 @@ def kind_of(part: TracePart) -> TraceKind | None:
 class TraceFiles:
     """The files of traces of a session, to which is added; a member that a crash tore is cut off before.
 
-    Parameters
-    ----------
-    root : Path
-        Of the data set.
-    session : Session
+    - `root`: Of the data set.
     """
 
     def __init__(self, root: Path, session: Session) -> None:

@@ -37,29 +37,17 @@ Felt = TypeVar("Felt", Played, Touched)
 class Equipment:
     """The devices of a rig, with what plays through them.
 
-    Parameters
-    ----------
-    output : Guarded
-    bank : mapping of str to Stimulus
-        The stimuli by the names that requests use.
-    limits : Limits or None
-        What the study allows, checked beside the limits of the output.
-    sensor : StreamedSensor, optional
-        Without one, the force is not measured: its fields are None and every touch is valid.
-    position : StreamedSensor, optional
-        Without one, the finger's speed is not measured.
-    ramp_s : float
-        Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
-    release : bool
-        Whether the force must leave its band between touches.
-    facts : callable
-        What the head of the journal says of the devices, once they are open, and their clocks at any time.
-    display_height_m : float, optional
-        Measured height of the visible picture, m, for the moving cue of a slide.
-    dry_run : bool
-        Whether a participant at a screen sees what a touch shows and tries it without a stimulus before the first.
-    traces : collection of TraceKind
-        The samples of each touch that are kept, of those that there are.
+    - `bank`: The stimuli by the names that requests use.
+    - `limits`: What the study allows, checked beside the limits of the output.
+    - `sensor`: Without one, the force is not measured: its fields are None and every touch is valid.
+    - `position`: Without one, the finger's speed is not measured.
+    - `ramp_s`: Ramps of signals that do not begin and end at rest; 0 for one-bit outputs.
+    - `release`: Whether the force must leave its band between touches.
+    - `facts`: What the head of the journal says of the devices, once they are open, and their clocks at any time.
+    - `display_height_m`: Measured height of the visible picture, m, for the moving cue of a slide.
+    - `dry_run`: Whether a participant at a screen sees what a touch shows and tries it without a stimulus before the
+      first.
+    - `traces`: The samples of each touch that are kept, of those that there are.
     """
 
     output: Guarded
@@ -85,16 +73,9 @@ class DeviceRig(LiveRig):
 
     Raises `DeviceFailed` if a device does not open; all are closed then.
 
-    Parameters
-    ----------
-    screen : Display
-        The participant's.
-    equipment : Equipment
-    texts : Texts
-    terminal : ExperimenterTerminal, optional
-        The experimenter's.
-    log : EventLog, optional
-        Where pauses, remarks and stimuli are kept.
+    - `screen`: The participant's.
+    - `terminal`: The experimenter's.
+    - `log`: Where pauses, remarks and stimuli are kept.
     """
 
     def __init__(

@@ -31,15 +31,9 @@ EMPTY = ("_toDraw", "_toDrawDepths", "_toCall", "_toLog", "_editableChildren")
 class Loan:
     """Takes a window when a page is drawn, and gives it back.
 
-    Parameters
-    ----------
-    psychopy : namespace
-        The parts of PsychoPy that `tactometry.rigs.window` loads.
-    window : psychopy.visual.Window
-    keyboard : psychopy.hardware.keyboard.KeyboardDevice
-        Its presses meanwhile are ours, those that wait are the script's.
-    handlers : mapping of str to callable
-        What hears the events of the window meanwhile.
+    - `psychopy`: The parts of PsychoPy that `tactometry.rigs.window` loads.
+    - `keyboard`: Its presses meanwhile are ours, those that wait are the script's.
+    - `handlers`: What hears the events of the window meanwhile.
     """
 
     def __init__(
@@ -130,12 +124,8 @@ def n_edges(radius: float) -> int:
 class Canvas:
     """Draws pages into the back buffer of a PsychoPy window.
 
-    Parameters
-    ----------
-    psychopy : SimpleNamespace
-        `visual` and `pyglet`, as the window module has loaded them.
-    window : psychopy.visual.Window
-        With ``units="height"``.
+    - `psychopy`: `visual` and `pyglet`, as the window module has loaded them.
+    - `window`: With ``units="height"``.
     """
 
     def __init__(self, psychopy: SimpleNamespace, window: Any) -> None:

@@ -87,20 +87,13 @@ def languages() -> tuple[str, ...]:
 class Texts:
     """Messages and labels by name.
 
-    Parameters
-    ----------
-    messages : mapping of str to str
-        Texts with ``{names}`` to be filled.
-    labels : mapping of str to str
-        What a label of an answer, or a level of a factor, is called in the participant's language.
-    language : str
-        Its two letters, for words that come in several languages.
-    stop : str
-        The label of what stops a session.
-    shipped : mapping of str to str
-        What is shown where a message cannot be filled, so that no text of a study stops a session that has begun.
-    images : mapping of str to PageImage
-        Those that stand on pages of text, by the message.
+    - `messages`: Texts with ``{names}`` to be filled.
+    - `labels`: What a label of an answer, or a level of a factor, is called in the participant's language.
+    - `language`: Its two letters, for words that come in several languages.
+    - `stop`: The label of what stops a session.
+    - `shipped`: What is shown where a message cannot be filled, so that no text of a study stops a session that has
+      begun.
+    - `images`: Those that stand on pages of text, by the message.
     """
 
     messages: Mapping[str, str]

@@ -87,14 +87,9 @@ class Window(Display):
     Raises `InvalidParameter` if there is no such display. Raises `DeviceFailed` if there is none at all, or no keyboard
     that keeps all presses.
 
-    Parameters
-    ----------
-    fullscreen : bool
-        Take the whole screen; else `size`.
-    size : tuple of int, optional
-        Width and height in pixels.
-    screen : int
-        Which display, from 0, as PsychoPy counts them.
+    - `fullscreen`: Take the whole screen; else `size`.
+    - `size`: Width and height in pixels.
+    - `screen`: Which display, from 0, as PsychoPy counts them.
     """
 
     def __init__(self, *, fullscreen: bool, size: tuple[int, int] | None = None, screen: int = 0) -> None:
@@ -120,9 +115,6 @@ class Window(Display):
         Raises `InvalidParameter` if it is no such window, or closed. Raises `DeviceFailed` if the script reads its keys
         in a way that loses some.
 
-        Parameters
-        ----------
-        window : psychopy.visual.Window
         """
         psychopy = load_psychopy()
         is_window = isinstance(window, psychopy.visual.Window)

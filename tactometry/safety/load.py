@@ -22,17 +22,11 @@ from .reconstruction import course_peak
 class PassedCharge:
     """Charge through the leak of a load in the course of one signal.
 
-    Parameters
-    ----------
-    passed_c, absolute_c : (n_channels, n_samples + 1) array
-        Integral of v/R and of abs(v)/R from the beginning to each sample, and to the end of the line that returns to
-        zero, C.
-    rate_hz : float
-    rise_s : float
-        Finite for a signal that the finger's position weakens as it plays: only `absolute_c` bounds its charge then.
+    - `passed_c`, `absolute_c`: Integral of v/R and of abs(v)/R from the beginning to each sample, and to the end of the
+      line that returns to zero, C.
+    - `rise_s`: Finite for a signal that the finger's position weakens as it plays: only `absolute_c` bounds its charge
+      then.
 
-    Examples
-    --------
     >>> balanced = Signal(np.array([[100.0] * 50 + [-100.0] * 50]), rate_hz=100.0, unit="V")
     >>> charge = Load("electrode", 1e-9, leak_resistance_ohm=1e6).passed_c(balanced)
     >>> [round(1e6 * c, 2) + 0.0 for c in (charge.largest_c, charge.net_c, charge.stopped_c(0.25, late_s=0.1))]
@@ -66,12 +60,8 @@ class PassedCharge:
     def stopped_c(self, after_s: float, late_s: float) -> float:
         """Upper bound of the charge of a signal that is stopped, C.
 
-        Parameters
-        ----------
-        after_s : float
-            From the first sample to the stop, s.
-        late_s : float
-            Longest time until the output is at zero after a stop, s.
+        - `after_s`: From the first sample to the stop, s.
+        - `late_s`: Longest time until the output is at zero after a stop, s.
         """
         last = self.passed_c.shape[1] - 1
         begin = min(max(math.floor(after_s * self.rate_hz), 0), last)

@@ -130,44 +130,24 @@ class TrackProgress:
 class Progress:
     """Where a session stands.
 
-    Parameters
-    ----------
-    tally : Tally
-        Presentations, those that are not valid, answers to questionnaires.
-    n_parts, part : int
-        How many parts the session has, and the number of the present one, from 1; 0: not begun.
-    page : str or None
-        The message of the page that was shown last.
-    factors : mapping of str to float or str
-        The present condition.
-    tracks : mapping of (int, str or None) to TrackProgress
-        By block and name of the track, in their order.
-    last : Trial or None
-        The row that was recorded last.
-    at_s : float
-        The latest time that is known, s of the session.
-    trial_times_s : tuple of float
-        When the last trials were recorded, s.
-    n_catch, n_false_alarms : int
-        Valid catch trials, and those of them that were answered with yes.
-    n_touches : int
-        How many were asked for, those that were not held in time with them.
-    touches : tuple of AnsweredTouch
-        The last of them.
-    reasons : mapping of str to int
-        How many touches and answers did not count, by the reason.
-    n_frames, n_dropped_frames, n_gaps : int
-        Of the screen, and gaps in the output.
-    timing : mapping of str to (float, float)
-        Last and longest `gate_delay_s` and `key_to_record_s`, s.
-    clocks : mapping of str to mapping
-        What was last said of the clock of each device.
-    paused : str or None
-        Who or what has paused it.
-    stopped, aborted : tuple of str
-        Why it was stopped, and what ended unfinished.
-    interventions : tuple of str
-        What came of what the experimenter wanted.
+    - `tally`: Presentations, those that are not valid, answers to questionnaires.
+    - `n_parts`, `part`: How many parts the session has, and the number of the present one, from 1; 0: not begun.
+    - `page`: The message of the page that was shown last.
+    - `factors`: The present condition.
+    - `tracks`: By block and name of the track, in their order.
+    - `last`: The row that was recorded last.
+    - `at_s`: The latest time that is known, s of the session.
+    - `trial_times_s`: When the last trials were recorded, s.
+    - `n_catch`, `n_false_alarms`: Valid catch trials, and those of them that were answered with yes.
+    - `n_touches`: How many were asked for, those that were not held in time with them.
+    - `touches`: The last of them.
+    - `reasons`: How many touches and answers did not count, by the reason.
+    - `n_frames`, `n_dropped_frames`, `n_gaps`: Of the screen, and gaps in the output.
+    - `timing`: Last and longest `gate_delay_s` and `key_to_record_s`, s.
+    - `clocks`: What was last said of the clock of each device.
+    - `paused`: Who or what has paused it.
+    - `stopped`, `aborted`: Why it was stopped, and what ended unfinished.
+    - `interventions`: What came of what the experimenter wanted.
     """
 
     tally: Tally = field(default_factory=Tally)

@@ -74,10 +74,7 @@ class Moment:
 class Ledger:
     """The emissions of one output, from `open` on.
 
-    Parameters
-    ----------
-    path : Path
-        Of the database, which is made with its folder.
+    - `path`: Of the database, which is made with its folder.
     """
 
     def __init__(self, path: Path) -> None:

@@ -40,12 +40,8 @@ class FrameFeed:
 
     `take` is called by the device's thread, all else by the one that plays.
 
-    Parameters
-    ----------
-    frames : (n_frames, n_channels) array
-        As the device takes them.
-    n_fade : int
-        Frames over which a stop falls to zero, in as many blocks as that takes.
+    - `frames`: As the device takes them.
+    - `n_fade`: Frames over which a stop falls to zero, in as many blocks as that takes.
     """
 
     def __init__(self, frames: NDArray[Any], n_fade: int) -> None:
@@ -193,17 +189,10 @@ def was_held_up(left_s: float, leads_s: Sequence[float], latency_s: float) -> bo
     Blocks that were written lie in a sound server's line while it is held up: it may run dry long before what it says
     that it has is over, and says nothing. It has as a rule the median of `leads_s`, or `latency_s` if that is less.
 
-    Parameters
-    ----------
-    left_s : float
-        What the device has left as it asks, by the block before: s.
-    leads_s : sequence of float
-        What it said of late that it has in hand, block by block: s.
-    latency_s : float
-        What it was asked to have.
+    - `left_s`: What the device has left as it asks, by the block before: s.
+    - `leads_s`: What it said of late that it has in hand, block by block: s.
+    - `latency_s`: What it was asked to have.
 
-    Examples
-    --------
     >>> was_held_up(0.05, [0.1, 0.1, 0.11], latency_s=0.1), was_held_up(0.07, [0.1, 0.1, 0.11], latency_s=0.1)
     (True, False)
     >>> was_held_up(0.05, [0.06, 0.05, 0.05], latency_s=0.1)

@@ -43,17 +43,10 @@ class _Playing:
 class Guarded:
     """An output that checks the final samples of its driver, and how often and how long it played.
 
-    Parameters
-    ----------
-    driver : Driver
-    limits : Limits or None
-        None: nothing is played.
-    load : Load or None
-        What is connected; None only for a driver that is not connected to anything.
-    clock : callable
-        Seconds; by default `time.perf_counter`.
-    ledger : Ledger or None
-        What the output emitted before it was opened, and in other processes; None counts from its opening on.
+    - `limits`: None: nothing is played.
+    - `load`: What is connected; None only for a driver that is not connected to anything.
+    - `clock`: Seconds; by default `time.perf_counter`.
+    - `ledger`: What the output emitted before it was opened, and in other processes; None counts from its opening on.
     """
 
     driver: Driver

@@ -27,21 +27,12 @@ LONGEST_WORD_S = 0.1
 class Driver(ABC):
     """A driver of one output. It emits nothing but what `play` was given, and zero otherwise.
 
-    Parameters
-    ----------
-    name : str
-    connected : bool
-        Whether what it emits leaves the computer.
-    one_bit : bool
-        Whether it emits nothing but plus or minus one voltage, without ramps.
-    emits : bool
-        Whether anything comes of what is played.
-    full_scale_v : float
-        The largest voltage that it can put on the load.
-    n_channels, rate_hz : int, float, optional
-        None for a driver that takes any.
-    follows : bool
-        Whether it asks a signal that follows a finger where that is, sample by sample.
+    - `connected`: Whether what it emits leaves the computer.
+    - `one_bit`: Whether it emits nothing but plus or minus one voltage, without ramps.
+    - `emits`: Whether anything comes of what is played.
+    - `full_scale_v`: The largest voltage that it can put on the load.
+    - `n_channels`, `rate_hz`: None for a driver that takes any.
+    - `follows`: Whether it asks a signal that follows a finger where that is, sample by sample.
     """
 
     name: str

@@ -56,17 +56,10 @@ class Framing:
 
     Whatever lies between, a frame that came whole is found; a frame with a wrong byte never is, but for one in 2**32.
 
-    Parameters
-    ----------
-    n_channels : int
-        Of every frame of this device.
-    rest : bytes
-        Not yet a whole frame.
-    n_skipped : int
-        Bytes that belonged to none.
+    - `n_channels`: Of every frame of this device.
+    - `rest`: Not yet a whole frame.
+    - `n_skipped`: Bytes that belonged to none.
 
-    Examples
-    --------
     >>> body = bytes.fromhex("a55a 0100 07000000 e8030000 fbffffff")
     >>> sent = body + zlib.crc32(body).to_bytes(4, "little")
     >>> framing, frames = Framing(n_channels=1).after(b"noise" + sent[:9])

@@ -192,20 +192,11 @@ def mean_speed_m_per_s(times_s: FloatArray, positions_m: FloatArray) -> float | 
 
     Raises `InvalidParameter` if the shapes do not fit or the stamps go back.
 
-    Parameters
-    ----------
-    times_s : (n_samples,) array
-        Rising stamps, s.
-    positions_m : (n_samples, n_axes) array
-        Finite positions, m.
+    - `times_s`: Rising stamps, s.
+    - `positions_m`: Finite positions, m.
 
-    Returns
-    -------
-    float or None
-        None where the samples fill less than two such times.
+    Returns: None where the samples fill less than two such times.
 
-    Examples
-    --------
     >>> times_s = np.arange(1000) / 1000
     >>> round(mean_speed_m_per_s(times_s, np.column_stack([0.03 * times_s, 0.04 * times_s])), 9)
     0.05

@@ -35,24 +35,13 @@ def utc_text(clock_s: float) -> str:
 class Supervisor:
     """Attends to the participant's Escape key and the experimenter's orders, in each frame.
 
-    Parameters
-    ----------
-    screen : Display
-    terminal : ExperimenterTerminal
-    log : EventLog or None
-        Where events are kept.
-    mute : callable
-        ``mute(on=True)`` puts the output to zero and keeps it there.
-    page : Page
-        What the participant sees in a pause.
-    stopped_page : Page
-        What the participant sees who stopped the session, for `STOPPED_S` or until the next key.
-    zero_s : float
-        When the session began, on `time.perf_counter`.
-    under_way, repeat : bool
-        Whether a trial is under way, and whether that is to be repeated.
-    last : Trial or None
-        The trial that was recorded last.
+    - `log`: Where events are kept.
+    - `mute`: ``mute(on=True)`` puts the output to zero and keeps it there.
+    - `page`: What the participant sees in a pause.
+    - `stopped_page`: What the participant sees who stopped the session, for `STOPPED_S` or until the next key.
+    - `zero_s`: When the session began, on `time.perf_counter`.
+    - `under_way`, `repeat`: Whether a trial is under way, and whether that is to be repeated.
+    - `last`: The trial that was recorded last.
     """
 
     screen: Display
@@ -195,13 +184,8 @@ class Supervisor:
 class TrialLog:
     """Collects what belongs to the trial that is under way.
 
-    Parameters
-    ----------
-    supervisor : Supervisor
-        Notes the events.
-    screen : Display
-    facts : callable
-        What the devices say of themselves now.
+    - `supervisor`: Notes the events.
+    - `facts`: What the devices say of themselves now.
     """
 
     def __init__(self, supervisor: Supervisor, screen: Display, facts: Callable[[], Mapping[str, Fact]]) -> None:

@@ -73,12 +73,8 @@ def order_of(line: str) -> Order:
 class ExperimenterTerminal:
     """Reads orders from a terminal in a thread of its own, and writes to it; without terminals it is silent.
 
-    Parameters
-    ----------
-    source, output : text file or None
-        Used where they are terminals.
-    language : str
-        Of what is said of the touches of a trial and of pauses, its two letters.
+    - `source`, `output`: Used where they are terminals.
+    - `language`: Of what is said of the touches of a trial and of pauses, its two letters.
     """
 
     def __init__(self, source: TextIO | None = None, output: TextIO | None = None, language: str = "en") -> None:

@@ -30,14 +30,8 @@ from .watchdog import TouchSetup, silence, watchdog
 class Beside:
     """Begins with the object, under the eyes of the force sensor.
 
-    Parameters
-    ----------
-    setup : TouchSetup
-    request : Play
-    signal : Signal or None
-        None for a blank.
-    give_back : callable
-        Gives the screen back after a page that a pause needs.
+    - `signal`: None for a blank.
+    - `give_back`: Gives the screen back after a page that a pause needs.
     """
 
     def __init__(self, setup: TouchSetup, request: Play, signal: Signal | None, give_back: Callable[[], None]) -> None:

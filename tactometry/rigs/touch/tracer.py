@@ -18,16 +18,10 @@ A = TypeVar("A")
 class Tracer:
     """From one request that is felt to the end of its answer; the sensors' own listeners hold the last minute.
 
-    Parameters
-    ----------
-    sensors : mapping of TraceKind to StreamedSensor
-        Those that are there, and are to be kept.
-    emitter : Emitter or None
-        Whose output is to be kept where it followed the finger; None: it is not.
-    log : EventLog or None
-        Where the samples are kept; None: nowhere.
-    session_s : callable
-        The time of the session of a stamp on `time.perf_counter`, s.
+    - `sensors`: Those that are there, and are to be kept.
+    - `emitter`: Whose output is to be kept where it followed the finger; None: it is not.
+    - `log`: Where the samples are kept; None: nowhere.
+    - `session_s`: The time of the session of a stamp on `time.perf_counter`, s.
     """
 
     def __init__(
