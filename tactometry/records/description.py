@@ -50,7 +50,16 @@ def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> Non
     """
     path = root / NAME
     there = read_description(path) if path.exists() else None
-    complete = with_columns(description(design) if there is None else there, design.columns)
+    described = description(design) if there is None else there
+    # a description with the columns that it lacks
+    variables = described["variableMeasured"]
+    known = [variable.get("name") for variable in variables if isinstance(variable, Mapping)]
+    new = [
+        {"@type": "PropertyValue", "name": c.name, "description": c.description, "unitText": c.unit}
+        for c in design.columns
+        if c.name not in known
+    ]
+    complete = {**described, "variableMeasured": [*variables, *new]}
     wanted = as_simulated(complete) if is_simulated else complete
     if wanted != there:  # a file that says all already keeps its bytes
         write_atomically(path, pretty(wanted))
@@ -83,18 +92,6 @@ def variable_names(described: Mapping[str, Any]) -> list[str]:
         expect(is_named, f"variableMeasured[{n}]", f"{variable!r:.60}", "an object with a text 'name'")
         names.append(str(name))
     return names
-
-
-def with_columns(described: Mapping[str, Any], columns: Sequence[Column]) -> dict[str, object]:
-    """A description with the columns that it lacks."""
-    variables = described["variableMeasured"]
-    known = [variable.get("name") for variable in variables if isinstance(variable, Mapping)]
-    new = [
-        {"@type": "PropertyValue", "name": c.name, "description": c.description, "unitText": c.unit}
-        for c in columns
-        if c.name not in known
-    ]
-    return {**described, "variableMeasured": [*variables, *new]}
 
 
 def as_simulated(described: Mapping[str, object]) -> dict[str, object]:

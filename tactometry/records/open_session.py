@@ -63,14 +63,6 @@ def stimuli(journal: Path) -> Iterator[Event]:
                 continue
 
 
-def exposure_before(journal: Path, elapsed_s: float) -> Exposure:
-    """What counts when a session goes on, on `time.perf_counter`: its time so far, and the charge that it passed.
-
-    How often its output played is in the ledger of that output.
-    """
-    return Exposure(time.perf_counter() - elapsed_s, charge_c=charge_passed_c(stimuli(journal)))
-
-
 def charge_passed_c(events: Iterable[Event]) -> float:
     """Sum the charges of stimuli: what each passed, or the largest of any beginning if its end was not recorded."""
     charges_c: list[float] = []
@@ -138,7 +130,9 @@ class OpenSession:
 
     def exposure(self) -> Exposure:
         """How long this session has lasted, and what charge it passed."""
-        return exposure_before(self.journal.path, self.replay.elapsed_s)
+        return Exposure(
+            time.perf_counter() - self.replay.elapsed_s, charge_c=charge_passed_c(stimuli(self.journal.path))
+        )
 
     def note(self, event: Event) -> None:
         """Keep what happened unasked, in the journal and in the events file; from any thread."""

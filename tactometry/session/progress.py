@@ -184,7 +184,17 @@ class Progress:
             case Show(message, values), Done(at_s):
                 return self._shown(message, values, at_s)
             case ((Press() | Slide()), Touched()):
-                return self._touched(AnsweredTouch(request, answer))
+                touch = AnsweredTouch(request, answer)
+                reason: Reason | None = touch.answer.invalid_reason
+                reasons = self.reasons if reason is None else {**self.reasons, reason: self.reasons.get(reason, 0) + 1}
+                return replace(
+                    self,
+                    at_s=max(self.at_s, touch.answer.onset_s),
+                    n_touches=self.n_touches + 1,
+                    touches=(*self.touches, touch)[-MOST_SHOWN:],
+                    reasons=reasons,
+                    n_gaps=self.n_gaps + (touch.answer.n_gaps or 0),
+                )
             case _, Played() | Adjusted():
                 return replace(self, at_s=max(self.at_s, answer.onset_s), n_gaps=self.n_gaps + (answer.n_gaps or 0))
         return self
@@ -252,18 +262,6 @@ class Progress:
             return state
         factors = {name: level for name, level in values.items() if name not in COUNTS}
         return replace(state, n_parts=int(values["n_blocks"]), part=int(values.get("block", 0)), factors=factors)
-
-    def _touched(self, touch: AnsweredTouch) -> "Progress":
-        reason: Reason | None = touch.answer.invalid_reason
-        reasons = self.reasons if reason is None else {**self.reasons, reason: self.reasons.get(reason, 0) + 1}
-        return replace(
-            self,
-            at_s=max(self.at_s, touch.answer.onset_s),
-            n_touches=self.n_touches + 1,
-            touches=(*self.touches, touch)[-MOST_SHOWN:],
-            reasons=reasons,
-            n_gaps=self.n_gaps + (touch.answer.n_gaps or 0),
-        )
 
     def _timed(self, facts: Mapping[str, Fact]) -> "Progress":
         timing = dict(self.timing)
