@@ -32,12 +32,8 @@ FOLDER: Final = "tactometry.questionnaires.choices"
 class Option:
     """A category: the `code` that the table holds, from 1 to 9, and its words by language.
 
-    Parameters
-    ----------
-    code : int
-        What the table holds, from 1 to 9.
-    words : mapping of str to str
-        What participants read, by language.
+    - `code`: What the table holds, from 1 to 9.
+    - `words`: What participants read, by language.
     """
 
     code: int
@@ -49,16 +45,10 @@ class ChoiceItem:
     """One question: what the tables call it, its words by language, and its options in their order; or in their place
     the bounds `low` and `high` of a number, which could tell who somebody is.
 
-    Parameters
-    ----------
-    id : str
-        What the tables call it.
-    prompt : mapping of str to str
-        The question, by language.
-    options : tuple of Option
-        Two to nine, in their order.
-    low, high : float, optional
-        Bounds of a number, in place of options.
+    - `id`: What the tables call it.
+    - `prompt`: The question, by language.
+    - `options`: Two to nine, in their order.
+    - `low`, `high`: Bounds of a number, in place of options.
     """
 
     id: str
@@ -97,18 +87,11 @@ class ChoiceForm:
 
     Raises `InvalidParameter` if a question has no options, an id or a code stands twice, or no language has all words.
 
-    Parameters
-    ----------
-    name : str
-        What studies and tables call it.
-    title : str
-        What reports call it.
-    reference : str
-        Where it was published, or that the words are one's own.
-    kind : str
-        ``choices``.
-    items : tuple of ChoiceItem
-        The questions, in their order.
+    - `name`: What studies and tables call it.
+    - `title`: What reports call it.
+    - `reference`: Where it was published, or that the words are one's own.
+    - `kind`: ``choices``.
+    - `items`: The questions, in their order.
 
     >>> demographics = load("demographics")
     >>> [item.id for item in demographics.items], demographics.languages

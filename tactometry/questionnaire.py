@@ -24,18 +24,11 @@ FOLDER: Final = "tactometry.questionnaires"
 class Item:
     """One question.
 
-    Parameters
-    ----------
-    id, dimension : str
-        What the tables call it, and the dimension whose score it belongs to.
-    reversed : bool
-        Whether the positive pole is presented on the left.
-    order : int
-        Place in the published order, from 1.
-    poles : mapping of str to (negative, positive)
-        The two words, by language; empty where the questionnaire has the same two `ends` for every item.
-    statement : mapping of str to str
-        What is rated, by language; empty for a semantic differential, whose poles say all.
+    - `id`, `dimension`: What the tables call it, and the dimension whose score it belongs to.
+    - `reversed`: Whether the positive pole is presented on the left.
+    - `order`: Place in the published order, from 1.
+    - `poles`: The two words, by language; empty where the questionnaire has the same two `ends` for every item.
+    - `statement`: What is rated, by language; empty for a semantic differential, whose poles say all.
     """
 
     id: str
@@ -50,14 +43,9 @@ class Item:
 class Dimension:
     """A score: the mean of its items, or of those of its `parts`, if at least `min_answered` of them are answered.
 
-    Parameters
-    ----------
-    min_answered : int
-        How many of its items must be answered for a score.
-    title : mapping of str to str
-        What reports call it, by language.
-    parts : tuple of str
-        Dimensions whose items it takes.
+    - `min_answered`: How many of its items must be answered for a score.
+    - `title`: What reports call it, by language.
+    - `parts`: Dimensions whose items it takes.
     """
 
     min_answered: int
@@ -75,28 +63,17 @@ class Questionnaire:
     Raises `InvalidParameter` if an item has no pole, an id or an order stands twice, or a scale or a dimension is
     impossible.
 
-    Parameters
-    ----------
-    low, high : float
-        The raw answers at the left and at the right end.
-    steps : int or None
-        How many raw answers there are, evenly spaced; None for a continuous line.
-    score_low, score_high : float
-        The score of the worst and of the best answer; an item that is not reversed has `score_low` at `low`.
-    ends : mapping of str to (left, right)
-        The words at the ends of every item, as presented, by language; empty where each item has its own poles.
-    reference : str
-        Where it was published; translations and choices that nobody verified are named there.
-    stem : mapping of str to str
-        What opens every page of it, by language: what the answers are about.
-    name : str
-        What studies and tables call it.
-    title : str
-        What reports call it.
-    items : tuple of Item
-        The statements or pairs of poles, in any order.
-    dimensions : mapping of str to Dimension
-        The scores, by name.
+    - `low`, `high`: The raw answers at the left and at the right end.
+    - `steps`: How many raw answers there are, evenly spaced; None for a continuous line.
+    - `score_low`, `score_high`: The score of the worst and of the best answer; an item that is not reversed has
+      `score_low` at `low`.
+    - `ends`: The words at the ends of every item, as presented, by language; empty where each item has its own poles.
+    - `reference`: Where it was published; translations and choices that nobody verified are named there.
+    - `stem`: What opens every page of it, by language: what the answers are about.
+    - `name`: What studies and tables call it.
+    - `title`: What reports call it.
+    - `items`: The statements or pairs of poles, in any order.
+    - `dimensions`: The scores, by name.
 
     >>> attrakdiff = load("attrakdiff")
     >>> attrakdiff.items[0].id, attrakdiff.words("PQ1", "en"), attrakdiff.score("PQ1", 1)

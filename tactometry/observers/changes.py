@@ -57,12 +57,8 @@ class CriterionDrift:
     """A stationary first-order process of standard deviation `sd`, in units of the internal noise, whose correlation
     falls to 1/e over `n_trials` trials (unverified defaults).
 
-    Parameters
-    ----------
-    sd : float
-        Standard deviation of the criterion, in units of the internal noise.
-    n_trials : float
-        After so many trials its correlation has fallen to 1/e.
+    - `sd`: Standard deviation of the criterion, in units of the internal noise.
+    - `n_trials`: After so many trials its correlation has fallen to 1/e.
     """
 
     sd: NotNegative = 0.3
@@ -82,12 +78,8 @@ class CriterionDrift:
 class Fatigue:
     """Less sensitive by `loss_db` after `n_trials` trials, in proportion to them (unverified defaults).
 
-    Parameters
-    ----------
-    loss_db : float
-        By how much less is felt after `n_trials`.
-    n_trials : float
-        The trials after which that is so.
+    - `loss_db`: By how much less is felt after `n_trials`.
+    - `n_trials`: The trials after which that is so.
     """
 
     loss_db: Finite = 2.0
@@ -105,14 +97,9 @@ class LapsesInRuns:
     meanwhile `lapse_rate` of the answers are at random (unverified defaults). In the long run it is lost in
     ``loss_rate / (loss_rate + return_rate)`` of the trials, for ``1 / return_rate`` trials each time.
 
-    Parameters
-    ----------
-    loss_rate : float
-        Chance a trial that attention is lost.
-    return_rate : float
-        Chance a trial that it comes back.
-    lapse_rate : float
-        Share of answers at random meanwhile.
+    - `loss_rate`: Chance a trial that attention is lost.
+    - `return_rate`: Chance a trial that it comes back.
+    - `lapse_rate`: Share of answers at random meanwhile.
     """
 
     loss_rate: Share = 0.01
@@ -132,12 +119,8 @@ class LapsesInRuns:
 class SlowLearning:
     """At the first trial less sensitive by `gain_db`, after `n_trials` trials by 1/e of it (unverified defaults).
 
-    Parameters
-    ----------
-    gain_db : float
-        By how much less is felt at the first trial.
-    n_trials : float
-        After so many trials 1/e of it is left.
+    - `gain_db`: By how much less is felt at the first trial.
+    - `n_trials`: After so many trials 1/e of it is left.
     """
 
     gain_db: Finite = 3.0
@@ -154,10 +137,7 @@ class SerialDependence:
     """After a yes the criterion is lower by `pull`, in units of the internal noise, after a no higher (unverified
     default); below 0, answers alternate. It acts on questions with a criterion: yes/no, same or different.
 
-    Parameters
-    ----------
-    pull : float
-        By how much the criterion is lower after a yes, in units of the internal noise.
+    - `pull`: By how much the criterion is lower after a yes, in units of the internal noise.
     """
 
     pull: Finite = 0.2

@@ -51,22 +51,14 @@ class SimulatedFinger:
     `waver_s`), of the mean speed, and of its waver within a trial. `force_factor` and `speed_factor` are habits: how
     many times the force and the speed that are asked the finger presses and slides, where the band lets it.
 
-    Parameters
-    ----------
-    force_cv : float
-        Coefficient of variation of the mean force, from trial to trial.
-    waver_cv : float
-        Of the force within a trial.
-    waver_s : float
-        How long the waver stays correlated.
-    speed_cv : float
-        Of the mean speed, from trial to trial.
-    speed_waver_cv : float
-        Of the speed within a trial.
-    rate_hz : float
-        Samples of force and place per second.
-    force_factor, speed_factor : float
-        How many times the force and the speed that are asked for the finger presses and slides.
+    - `force_cv`: Coefficient of variation of the mean force, from trial to trial.
+    - `waver_cv`: Of the force within a trial.
+    - `waver_s`: How long the waver stays correlated.
+    - `speed_cv`: Of the mean speed, from trial to trial.
+    - `speed_waver_cv`: Of the speed within a trial.
+    - `rate_hz`: Samples of force and place per second.
+    - `force_factor`, `speed_factor`: How many times the force and the speed that are asked for the finger presses and
+      slides.
     """
 
     force_cv: Rate = 0.15

@@ -18,14 +18,9 @@ from .people import ObserverWithTraits, Traits
 class IdealObserver(ObserverWithTraits):
     """Feels whatever is above its threshold, and tells apart whatever differs; guesses only between what is felt alike.
 
-    Parameters
-    ----------
-    sensitivity_db : float
-        How much more sensitive than the reference, in dB of sensation level.
-    between_sd_db : float
-        Standard deviation of it between people.
-    latency_s : float
-        Time to answer.
+    - `sensitivity_db`: How much more sensitive than the reference, in dB of sensation level.
+    - `between_sd_db`: Standard deviation of it between people.
+    - `latency_s`: Time to answer.
     """
 
     sensitivity_db: Finite = 0.0

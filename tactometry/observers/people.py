@@ -130,33 +130,21 @@ class People:
 
     Raises `InvalidParameter` if a spread is negative, a trait unknown, or the correlations belong to no covariance.
 
-    Parameters
-    ----------
-    modality_sd_db : float
-        Standard deviation between people of the sensitivity to one modality (electrovibration, time reversal).
-    condition_sd_db : float
-        Standard deviation between people of the sensitivity in one cell of the design.
-    factor_sd_db : mapping of str to float
-        The same for the levels of a factor, by its name.
-    effects_db : mapping of str to mapping of str to float
-        What everybody feels more at a level of a factor than the skin model says, by factor and level.
-    criterion_sd : float
-        Of the criterion, in units of the internal noise.
-    exponent_cv : float
-        Coefficient of variation of the transducer's exponent, which sets the width of the psychometric function.
-    lapse_cv : float
-        Coefficient of variation of the lapse rate.
-    latency_cv : float
-        Coefficient of variation of the median time to answer.
-    number_cv : float
-        Coefficient of variation of the numbers given for one magnitude.
-    force_bias_cv : float
-        Coefficient of variation of the pressing force relative to the target force.
-    speed_bias_cv : float
-        Coefficient of variation of the sliding speed relative to the target speed.
-    correlations : mapping of str to mapping of str to float
-        Of two of ``sensitivity``, ``criterion``, ``exponent``, ``lapse``, ``latency``, ``number``, ``force`` and
-        ``speed``.
+    - `modality_sd_db`: Standard deviation between people of the sensitivity to one modality (electrovibration, time
+      reversal).
+    - `condition_sd_db`: Standard deviation between people of the sensitivity in one cell of the design.
+    - `factor_sd_db`: The same for the levels of a factor, by its name.
+    - `effects_db`: What everybody feels more at a level of a factor than the skin model says, by factor and level.
+    - `criterion_sd`: Of the criterion, in units of the internal noise.
+    - `exponent_cv`: Coefficient of variation of the transducer's exponent, which sets the width of the psychometric
+      function.
+    - `lapse_cv`: Coefficient of variation of the lapse rate.
+    - `latency_cv`: Coefficient of variation of the median time to answer.
+    - `number_cv`: Coefficient of variation of the numbers given for one magnitude.
+    - `force_bias_cv`: Coefficient of variation of the pressing force relative to the target force.
+    - `speed_bias_cv`: Coefficient of variation of the sliding speed relative to the target speed.
+    - `correlations`: Of two of ``sensitivity``, ``criterion``, ``exponent``, ``lapse``, ``latency``, ``number``,
+      ``force`` and ``speed``.
     """
 
     modality_sd_db: NotNegative = 0.0

@@ -35,22 +35,15 @@ class PsychometricObserver(ObserverWithTraits):
 
     Raises `InvalidParameter` if a value is outside of its range, or a condition holds what is none.
 
-    Parameters
-    ----------
-    threshold, width : float
-        Where the unscaled function is 0.5, and between its 0.05 and 0.95, where `conditions` says nothing else.
-    conditions : tuple of tables
-        Each with levels of factors, and the ``threshold`` and ``width`` that hold there; the last that fits counts.
-    shape : str
-        One of the shapes of `tactometry.psychometric` on linear levels.
-    false_alarm_rate, lapse_rate : float
-        The lower asymptote of yes/no, and how far the upper one is below 1.
-    sensitivity_db : float
-        By how much the thresholds of this person are lower.
-    between_sd_db : float
-        Standard deviation of it between people.
-    latency_s : float
-        Median time to answer.
+    - `threshold`, `width`: Where the unscaled function is 0.5, and between its 0.05 and 0.95, where `conditions` says
+      nothing else.
+    - `conditions`: Each with levels of factors, and the ``threshold`` and ``width`` that hold there; the last that fits
+      counts.
+    - `shape`: One of the shapes of `tactometry.psychometric` on linear levels.
+    - `false_alarm_rate`, `lapse_rate`: The lower asymptote of yes/no, and how far the upper one is below 1.
+    - `sensitivity_db`: By how much the thresholds of this person are lower.
+    - `between_sd_db`: Standard deviation of it between people.
+    - `latency_s`: Median time to answer.
     """
 
     threshold: Finite

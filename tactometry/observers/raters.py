@@ -32,23 +32,15 @@ class Raters:
 
     Raises `InvalidParameter` if a spread is negative, a loading not from -1 to 1, or a number not finite.
 
-    Parameters
-    ----------
-    loading : float
-        Of every item that `loadings` does not name.
-    loadings : mapping of str to float
-        By item.
-    noise : float
-        Standard deviation of an item's own noise.
-    liking : float
-        Weight of how good the strength of the stimulus feels, which the observer says.
-    attitude_sd, dimension_sd, stimulus_sd : float
-        Between people: of their attitude to everything, to a dimension, and to a dimension of a stimulus.
-    extremity_cv, acquiescence_sd : float
-        Between people: of the factor by which they use the scale, on a logarithmic scale, and of what they answer
-        further to the right, whatever is asked.
-    effects : mapping of str to mapping of str to mapping of str to float
-        What a level of a factor adds to everybody's attitude, by factor, level and dimension.
+    - `loading`: Of every item that `loadings` does not name.
+    - `loadings`: By item.
+    - `noise`: Standard deviation of an item's own noise.
+    - `liking`: Weight of how good the strength of the stimulus feels, which the observer says.
+    - `attitude_sd`, `dimension_sd`, `stimulus_sd`: Between people: of their attitude to everything, to a dimension, and
+      to a dimension of a stimulus.
+    - `extremity_cv`, `acquiescence_sd`: Between people: of the factor by which they use the scale, on a logarithmic
+      scale, and of what they answer further to the right, whatever is asked.
+    - `effects`: What a level of a factor adds to everybody's attitude, by factor, level and dimension.
     """
 
     loading: Loading = 0.8

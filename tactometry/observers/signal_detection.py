@@ -26,24 +26,15 @@ class SignalDetectionObserver(ObserverWithTraits):
     the trials of a yes/no task; Green and Swets, Signal Detection Theory and Psychophysics (1966), with a power
     transducer. The defaults are unverified choices: the criterion gives 5 % false alarms.
 
-    Parameters
-    ----------
-    criterion : float
-        In units of the internal noise, above 0.
-    exponent : float
-        Of the transducer, above 0.
-    lapse_rate : float
-        Part of the trials that are answered at random, in [0, 1).
-    sensitivity_db : float
-        How much more sensitive than the reference this participant is, in dB of sensation level.
-    between_sd_db : float
-        Standard deviation of `sensitivity_db` between participants (see `participant`).
-    bias : float
-        Added to the criterion in yes/no tasks, in units of the internal noise: above 0, fewer false alarms and hits.
-    number_factor : float
-        By which a number given for a magnitude is larger than d'.
-    latency_s : float
-        Median time to answer; answer times are log-normal with a coefficient of variation near 0.3.
+    - `criterion`: In units of the internal noise, above 0.
+    - `exponent`: Of the transducer, above 0.
+    - `lapse_rate`: Part of the trials that are answered at random, in [0, 1).
+    - `sensitivity_db`: How much more sensitive than the reference this participant is, in dB of sensation level.
+    - `between_sd_db`: Standard deviation of `sensitivity_db` between participants (see `participant`).
+    - `bias`: Added to the criterion in yes/no tasks, in units of the internal noise: above 0, fewer false alarms and
+      hits.
+    - `number_factor`: By which a number given for a magnitude is larger than d'.
+    - `latency_s`: Median time to answer; answer times are log-normal with a coefficient of variation near 0.3.
     """
 
     criterion: Positive = 1.645

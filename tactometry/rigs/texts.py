@@ -24,12 +24,8 @@ LARGEST_IMAGE = 50_000_000
 class ImageTable:
     """An image of a page: its `path`, relative to the study file, and the `sha256` of the file.
 
-    Parameters
-    ----------
-    path : str
-        A PNG or JPEG file, relative to the study file.
-    sha256 : str
-        Of the file; a refusal tells it.
+    - `path`: A PNG or JPEG file, relative to the study file.
+    - `sha256`: Of the file; a refusal tells it.
     """
 
     path: str

@@ -45,31 +45,19 @@ class Limits:
 
     Each but `duty` and `duty_window_s` may be `UNLIMITED`; a file may state a number up to its bound in `HIGHEST`.
 
-    Parameters
-    ----------
-    voltage_peak_v : float
-        Peak voltage on any channel, above 0.
-    duration_s : float, optional
-        Longest single signal, above 0; without it `LONGEST_SIGNAL_S`, and a load gets nothing.
-    current_peak_a, charge_peak_c : float, optional
-        Into the load of any channel, above 0.
-    displacement_peak_m : float, optional
-        Of the surface, above 0.
-    duty : float, optional
-        Largest part of any `duty_window_s` in which signals play, above 0, at most 1.
-    session_s : float, optional
-        How long a session may last in which an output emits, above 0, at most 24 h in a file: over all its sittings,
-        without the time between.
-    charge_session_c : float, optional
-        Largest sum, over a session, of the charges that its signals pass through the leak of a load, whatever their
-        signs, above 0. A signal that plays counts with the largest charge of any of its beginnings, one that was
-        stopped with what was emitted by then, a complete one with its net charge.
-    force_peak_n : float
-        Above this force of the finger nothing plays, above 0.
-    duty_window_s : float
-        The time over which `duty` holds, above 0, at most 1 h.
-    stop_within_s : float, optional
-        Largest worst-case delay of a stop, above 0; without it 0.1 s.
+    - `voltage_peak_v`: Peak voltage on any channel, above 0.
+    - `duration_s`: Longest single signal, above 0; without it `LONGEST_SIGNAL_S`, and a load gets nothing.
+    - `current_peak_a`, `charge_peak_c`: Into the load of any channel, above 0.
+    - `displacement_peak_m`: Of the surface, above 0.
+    - `duty`: Largest part of any `duty_window_s` in which signals play, above 0, at most 1.
+    - `session_s`: How long a session may last in which an output emits, above 0, at most 24 h in a file: over all its
+      sittings, without the time between.
+    - `charge_session_c`: Largest sum, over a session, of the charges that its signals pass through the leak of a load,
+      whatever their signs, above 0. A signal that plays counts with the largest charge of any of its beginnings, one
+      that was stopped with what was emitted by then, a complete one with its net charge.
+    - `force_peak_n`: Above this force of the finger nothing plays, above 0.
+    - `duty_window_s`: The time over which `duty` holds, above 0, at most 1 h.
+    - `stop_within_s`: Largest worst-case delay of a stop, above 0; without it 0.1 s.
     """
 
     voltage_peak_v: Positive | Unlimited

@@ -80,20 +80,12 @@ def _largest(values: FloatArray) -> float:
 class Load:
     """A capacitance with a leak in parallel, the same on every channel.
 
-    Parameters
-    ----------
-    kind : str
-        ``electrode`` (electrovibration: a finger on an insulated electrode) or ``piezo``.
-    capacitance_f : float
-        Largest capacitance that may be connected to a channel, above 0.
-    leak_resistance_ohm : float
-        Parallel to it, above 0; ``inf`` is no leak.
-    displacement_m_per_v : tuple of float, optional
-        Of each channel (or one value for all): the largest displacement per peak volt, above 0. For an impulse
-        response h (m per V) this is the sum of abs(h), reached by a one-bit drive.
+    - `kind`: ``electrode`` (electrovibration: a finger on an insulated electrode) or ``piezo``.
+    - `capacitance_f`: Largest capacitance that may be connected to a channel, above 0.
+    - `leak_resistance_ohm`: Parallel to it, above 0; ``inf`` is no leak.
+    - `displacement_m_per_v`: Of each channel (or one value for all): the largest displacement per peak volt, above 0.
+      For an impulse response h (m per V) this is the sum of abs(h), reached by a one-bit drive.
 
-    Examples
-    --------
     >>> finger = Load("electrode", capacitance_f=1e-9, leak_resistance_ohm=1e6)
     >>> ramp = Signal(np.array([[0.0, 50.0, 100.0, 50.0, 0.0]]), rate_hz=1e4, unit="V")
     >>> round(finger.current_peak_a(ramp), 9), round(finger.charge_peak_c(ramp), 12)

@@ -50,24 +50,15 @@ class AudioSettings:
     `position_latency_s` is from a place of the finger to the voltage of a texture there; None: the longest lead that
     the device took of late, a block, and `POSITION_AGE_S`.
 
-    Parameters
-    ----------
-    rate_hz : float
-        Of the card, and so of the stimulus.
-    device : str
-        The card, as the system calls it.
-    channels : tuple of int
-        Its outlets, from 0, in the order of the signal's channels.
-    sample_format : str
-        Of a sample on its way to the card.
-    block_s : float
-        What is written at once: a stop takes at most a block and the latency.
-    latency_s : float
-        How far the card is written ahead.
-    shared : bool
-        Allow a device that other programs play to as well.
-    position_latency_s : float, optional
-        From a place of the finger to the voltage of a texture there; by default as the device led of late.
+    - `rate_hz`: Of the card, and so of the stimulus.
+    - `device`: The card, as the system calls it.
+    - `channels`: Its outlets, from 0, in the order of the signal's channels.
+    - `sample_format`: Of a sample on its way to the card.
+    - `block_s`: What is written at once: a stop takes at most a block and the latency.
+    - `latency_s`: How far the card is written ahead.
+    - `shared`: Allow a device that other programs play to as well.
+    - `position_latency_s`: From a place of the finger to the voltage of a texture there; by default as the device led
+      of late.
     """
 
     connected: ClassVar[bool] = True

@@ -33,23 +33,13 @@ class SignalChain:
 class Gain(Measured):
     """Volts at the load for each unit of a sample: those at the device's connector, times what the amplifier does.
 
-    Parameters
-    ----------
-    volts_per_unit : float
-        Peak voltage at the connector for a sample of 1.0, V, above 0.
-    amplifier_gain : float
-        Voltage at the load over voltage at the connector, above 0.
-    measured_on, measured_by : date, str, optional
-        When, and by whom.
-    max_age_days : int or Unlimited
-        How old the measurement may be.
-    measured_with : str, optional
-        The output and format that it was measured with, in the words of `SignalChain.output`.
-    system_volume : float, optional
-        The sound server's volume at which it was measured, 1 is 100 %.
+    - `volts_per_unit`: Peak voltage at the connector for a sample of 1.0, V, above 0.
+    - `amplifier_gain`: Voltage at the load over voltage at the connector, above 0.
+    - `measured_on`, `measured_by`: When, and by whom.
+    - `max_age_days`: How old the measurement may be.
+    - `measured_with`: The output and format that it was measured with, in the words of `SignalChain.output`.
+    - `system_volume`: The sound server's volume at which it was measured, 1 is 100 %.
 
-    Examples
-    --------
     >>> gain = Gain(volts_per_unit=2.0, amplifier_gain=50.0)
     >>> gain.to_units(Signal(np.array([[-50.0, 25.0]]), 1e3, "V"))
     array([[-0.5 ,  0.25]])

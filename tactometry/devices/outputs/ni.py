@@ -31,20 +31,13 @@ class NiSettings:
     """Cards of National Instruments: `channels` by their physical names, such as ``Dev1/ao0``; `range_v` is the
     device's, V, of either sign.
 
-    Parameters
-    ----------
-    channels : tuple of str
-        Physical names such as ``Dev1/ao0``, in the order of the signal's channels.
-    rate_hz : float
-        Of the cards, and so of the stimulus.
-    range_v : float
-        Of the device, of either sign.
-    idle_at_zero : bool
-        Tell devices that know an idle state to idle at 0 V.
-    onboard_memory : bool
-        Play from the memory on the card alone.
-    reconstruction_filter : bool
-        False for a card that holds each value until the next: peaks between samples are then not checked.
+    - `channels`: Physical names such as ``Dev1/ao0``, in the order of the signal's channels.
+    - `rate_hz`: Of the cards, and so of the stimulus.
+    - `range_v`: Of the device, of either sign.
+    - `idle_at_zero`: Tell devices that know an idle state to idle at 0 V.
+    - `onboard_memory`: Play from the memory on the card alone.
+    - `reconstruction_filter`: False for a card that holds each value until the next: peaks between samples are then not
+      checked.
     """
 
     connected: ClassVar[bool] = True

@@ -191,18 +191,12 @@ class PackedSettings:
     `lowest_supply_v` says that the board sets its supply to the ``voltage_v`` of each stream before it plays it, and
     down to which; without it the supply stays as it is.
 
-    Parameters
-    ----------
-    path : str
-        A device node, a named pipe or a file, opened for appending.
-    n_channels : int
-        Channels of the board.
-    rate_hz : float
-        Clock of the board, and so of the stimulus.
-    electrode : int, optional
-        The channel, from 0, that leads to an electrode; the others lead to transducers.
-    lowest_supply_v : float, optional
-        Down to which the board sets its supply to what a stream says; without it the supply stays as it is.
+    - `path`: A device node, a named pipe or a file, opened for appending.
+    - `n_channels`: Channels of the board.
+    - `rate_hz`: Clock of the board, and so of the stimulus.
+    - `electrode`: The channel, from 0, that leads to an electrode; the others lead to transducers.
+    - `lowest_supply_v`: Down to which the board sets its supply to what a stream says; without it the supply stays as
+      it is.
     """
 
     connected: ClassVar[bool] = True

@@ -18,18 +18,11 @@ from .reader import SampleBlock, SensorSettings, Source
 class AudioInputSettings(SensorSettings):
     """A sound card as a sensor: a vibrometer, an accelerometer or a loopback; counts are parts of full scale.
 
-    Parameters
-    ----------
-    rate_hz : float
-        Of the card.
-    device : str
-        The card, as the system calls it.
-    n_channels : int
-        How many are read, from the first.
-    block_s : float
-        What is read at once.
-    latency_s : float
-        How much the card may keep.
+    - `rate_hz`: Of the card.
+    - `device`: The card, as the system calls it.
+    - `n_channels`: How many are read, from the first.
+    - `block_s`: What is read at once.
+    - `latency_s`: How much the card may keep.
     """
 
     rate_hz: Positive

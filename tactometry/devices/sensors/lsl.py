@@ -32,16 +32,10 @@ class LslSettings(SensorSettings):
 
     `source_id` tells it from others of the same name; without it there may be no other.
 
-    Parameters
-    ----------
-    stream : str
-        The name of the outlet.
-    rate_hz : float
-        What the head of the stream must state.
-    n_channels : int
-        How many it has.
-    source_id : str, optional
-        Tells it from others of the same name; without it there may be no other.
+    - `stream`: The name of the outlet.
+    - `rate_hz`: What the head of the stream must state.
+    - `n_channels`: How many it has.
+    - `source_id`: Tells it from others of the same name; without it there may be no other.
     """
 
     stream: str

@@ -25,14 +25,9 @@ class RecordedSettings(SensorSettings):
     """A recording: a CSV file with a header, of which the first column is ``time_s`` and the others are channels, in
     counts.
 
-    Parameters
-    ----------
-    path : str
-        A CSV file, from where the program runs.
-    rate_hz : float
-        Of its samples.
-    n_channels : int
-        How many columns follow ``time_s``.
+    - `path`: A CSV file, from where the program runs.
+    - `rate_hz`: Of its samples.
+    - `n_channels`: How many columns follow ``time_s``.
     """
 
     live: ClassVar[bool] = False

@@ -123,16 +123,10 @@ LARGEST_READ = 65_536
 class SerialSettings(SensorSettings):
     """A serial line: `port` such as ``/dev/ttyACM0`` or ``COM3``; `rate_hz` is what the device states.
 
-    Parameters
-    ----------
-    port : str
-        Such as ``/dev/ttyACM0`` or ``COM3``.
-    rate_hz : float
-        What the device states.
-    n_channels : int
-        How many values a sample has.
-    baud : int
-        Of the line.
+    - `port`: Such as ``/dev/ttyACM0`` or ``COM3``.
+    - `rate_hz`: What the device states.
+    - `n_channels`: How many values a sample has.
+    - `baud`: Of the line.
     """
 
     port: str

@@ -82,23 +82,15 @@ class ForceCalibration(Measured):
     """One of three forms; what lies outside of a range that is known becomes NaN, a lost sample. So does a force above
     `LARGEST_FORCE_N`, as the value that an instrument sends at overload.
 
-    Parameters
-    ----------
-    newtons_per_count : float, optional
-        With `zero_count`: N per count, not 0 (below 0 where pressing lowers the counts).
-    zero_count : float
-        What the sensor counts without a force.
-    polynomial : tuple of float, optional
-        Coefficients of rising power, N, N per count and so on; it rises or falls from `count_low` to `count_high`.
-    table_counts, table_forces_n : tuple of float, optional
-        Rising counts and the force of each, which rises or falls with them; straight lines between them.
-    count_low, count_high : float, optional
-        Where the sensor saturates.
-    measured_on, measured_by, max_age_days
-        When and by whom, and how old it may be.
+    - `newtons_per_count`: With `zero_count`: N per count, not 0 (below 0 where pressing lowers the counts).
+    - `zero_count`: What the sensor counts without a force.
+    - `polynomial`: Coefficients of rising power, N, N per count and so on; it rises or falls from `count_low` to
+      `count_high`.
+    - `table_counts`, `table_forces_n`: Rising counts and the force of each, which rises or falls with them; straight
+      lines between them.
+    - `count_low`, `count_high`: Where the sensor saturates.
+    - `measured_on`, `measured_by`, `max_age_days`: When and by whom, and how old it may be.
 
-    Examples
-    --------
     >>> ForceCalibration(newtons_per_count=0.01, zero_count=100.0).force_n(np.array([100.0, 350.0])).tolist()
     [0.0, 2.5]
     >>> ForceCalibration(table_counts=(0.0, 10.0), table_forces_n=(0.0, 1.0)).force_n(np.array([5.0, 11.0])).tolist()

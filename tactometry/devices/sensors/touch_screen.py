@@ -39,12 +39,8 @@ HELD_S = 0.01
 class TouchSettings(SensorSettings):
     """A touch screen: `path` such as ``/dev/input/event5``; channels are x, y and pressure, in the device's units.
 
-    Parameters
-    ----------
-    path : str
-        Such as ``/dev/input/event5``.
-    rate_hz : float
-        How often it reports a finger that moves.
+    - `path`: Such as ``/dev/input/event5``.
+    - `rate_hz`: How often it reports a finger that moves.
     """
 
     path: str

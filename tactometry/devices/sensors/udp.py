@@ -34,16 +34,10 @@ class UdpSettings(SensorSettings):
     """A sensor that sends datagrams: its address; `sensor_rate_hz` is the rate of its own samples, of which it may
     send each n-th.
 
-    Parameters
-    ----------
-    address : str
-        Of the sensor.
-    rate_hz : float
-        Of the samples that it sends.
-    sensor_rate_hz : float
-        Of its own samples, of which it may send each n-th.
-    port : int
-        Of the sensor.
+    - `address`: Of the sensor.
+    - `rate_hz`: Of the samples that it sends.
+    - `sensor_rate_hz`: Of its own samples, of which it may send each n-th.
+    - `port`: Of the sensor.
     """
 
     address: str
