@@ -122,6 +122,7 @@ def _refusal_of_numbers(
 def in_short(signature: inspect.Signature) -> inspect.Signature:
     """Return a signature with short names of its annotations, as `help` shows it.
 
+    >>> from annotated_types import Gt
     >>> def force_n(voltage_v: ArrayLike, area_m2: Annotated[float, Gt(0)] = 1e-4) -> NDArray[np.float64]: ...
     >>> str(in_short(inspect.signature(force_n)))
     "(voltage_v: 'ArrayLike', area_m2: 'float' = 0.0001) -> 'NDArray[float64]'"
