@@ -160,10 +160,7 @@ def choice_form_of(table: Mapping[str, Any], path: str) -> ChoiceForm:
 
 
 def choice_forms_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, ChoiceForm]:
-    """Those of a study's own, by name, from its `[forms.NAME]`.
-
-    Raises `InvalidParameter` as `choice_form_of`.
-    """
+    """Those of a study's own, by name, from its `[forms.NAME]`."""
     own = {name: table for name, table in tables.items() if is_choices(table)}
     return {name: choice_form_of({"name": name, **table}, f"forms.{name}") for name, table in own.items()}
 
@@ -180,10 +177,7 @@ def shipped_choices() -> tuple[str, ...]:
 
 @cache
 def load(name: str) -> ChoiceForm:
-    """A form that is shipped.
-
-    Raises `InvalidParameter` if there is none of that name.
-    """
+    """A form that is shipped."""
     return load_shipped(FOLDER, name, "form", _parse)
 
 

@@ -85,8 +85,6 @@ def compliance(
 ) -> Compliance:
     """How well a force was kept.
 
-    Raises `InvalidParameter` if a value or a shape is not as stated.
-
     - `times_s`: Stamps, s, never going back.
     - `forces_n`: Finite forces, N; at least one.
     - `target_n`, `tolerance`: The band, as in `ForceGate`.
@@ -234,8 +232,6 @@ def motion(
     times_s: ArrayLike, positions_m: ArrayLike, target_m_per_s: float, tolerance: float, window_s: float = WINDOW_S
 ) -> SpeedCompliance:
     """How well a speed was kept.
-
-    Raises `InvalidParameter` if a value or a shape is not as stated.
 
     - `times_s`: Stamps, s, each later than the one before; at least two.
     - `positions_m`: Finite places along the path, m.

@@ -129,10 +129,7 @@ class Questionnaire:
         return tuple(sorted(set.intersection(*sides, *statements)))
 
     def item(self, name: str) -> Item:
-        """The item of this id.
-
-        Raises `InvalidParameter` if there is none.
-        """
+        """The item of this id."""
         return lookup(f"item of {self.name}", name, {item.id: item for item in self.items})
 
     def words(self, name: str, language: str) -> tuple[str, str, str]:
@@ -233,10 +230,7 @@ def parse(content: bytes, where: str) -> Questionnaire:
 
 
 def questionnaires_of(tables: Mapping[str, Mapping[str, Any]]) -> dict[str, Questionnaire]:
-    """The questionnaires of a study's own, by name, from its `[forms.NAME]`; forms of choices are none.
-
-    Raises `InvalidParameter` as `questionnaire_of`.
-    """
+    """The questionnaires of a study's own, by name, from its `[forms.NAME]`; forms of choices are none."""
     scales = {name: table for name, table in tables.items() if not is_choices(table)}
     return {name: questionnaire_of({"name": name, **table}, f"forms.{name}") for name, table in scales.items()}
 
@@ -253,8 +247,5 @@ def shipped_names() -> tuple[str, ...]:
 
 @cache
 def load(name: str) -> Questionnaire:
-    """A questionnaire that is shipped.
-
-    Raises `InvalidParameter` if there is none of that name.
-    """
+    """A questionnaire that is shipped."""
     return load_shipped(FOLDER, name, "questionnaire", parse)

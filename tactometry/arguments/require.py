@@ -168,8 +168,6 @@ def one_of(where: str, found: object, choices: Iterable[object]) -> None:
 def lookup(where: str, name: object, choices: Mapping[str, V]) -> V:
     """What `name` stands for among `choices`.
 
-    Raises `InvalidParameter` as `one_of`, with the nearest name.
-
     >>> lookup("sensor", "hand", {"hand": 1}), lookup("sensor", "hnad", {"hand": 1})
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: sensor: found 'hnad', expected one of hand; did you mean 'hand'?

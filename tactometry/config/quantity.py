@@ -92,8 +92,6 @@ def units(suffix: str) -> tuple[str, Mapping[str, float]]:
 def si_unit(unit: str, where: str) -> tuple[str, float]:
     """The SI unit of a unit's dimension, and what one of `unit` is in it.
 
-    Raises `InvalidParameter` if there is no such unit; `where` opens the sentence.
-
     >>> si_unit("ms", "units"), si_unit("mV", "units"), si_unit("cm/s", "units")
     (('s', 0.001), ('V', 0.001), ('m/s', 0.01))
     """

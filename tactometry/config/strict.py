@@ -47,10 +47,7 @@ def build(kind: type[T], table: object, path: str, **given: object) -> T:
 
 
 def values_of(kind: type, table: object, path: str, given: Collection[str] = ()) -> dict[str, Any]:
-    """Convert the keys of a table of a file that set fields of `kind`, without the `given` ones.
-
-    Raises `InvalidParameter` as `build`, but for what `kind` refuses.
-    """
+    """Convert the keys of a table of a file that set fields of `kind`, without the `given` ones."""
     table = as_table(table, path)
     hints = typing.get_type_hints(kind)
     fields = fields_of(kind)
@@ -71,18 +68,13 @@ def values_of(kind: type, table: object, path: str, given: Collection[str] = ())
 
 
 def build_kind(table: Mapping[str, Any], path: str, targets: Mapping[str, str]) -> Any:
-    """What a table describes whose key ``kind`` names one of `targets`, each the target string of a class.
-
-    Raises `InvalidParameter` as `kind_of` and `build`.
-    """
+    """What a table describes whose key ``kind`` names one of `targets`, each the target string of a class."""
     target = kind_of(table, path, targets)
     return build(resolve(target), {key: value for key, value in table.items() if key != "kind"}, path)
 
 
 def kind_of(table: Mapping[str, Any], path: str, known: Mapping[str, K]) -> K:
     """What the key ``kind`` of a table names.
-
-    Raises `InvalidParameter` if it is missing, or names nothing that is known.
 
     >>> kind_of({"kind": "sine"}, "stimulus", {"sine": 1})
     1
@@ -96,10 +88,7 @@ def kind_of(table: Mapping[str, Any], path: str, known: Mapping[str, K]) -> K:
 
 
 def as_table(value: object, path: str) -> Mapping[str, Any]:
-    """A value of a file, if it is a table.
-
-    Raises `InvalidParameter` if it is none.
-    """
+    """A value of a file, if it is a table."""
     if isinstance(value, Mapping):
         return value
     raise InvalidParameter(f"{path}: found {value!r}, expected a table")
@@ -126,8 +115,6 @@ def check_keys(
 ) -> None:
     """Refuse a key that is none of `names`, with the nearest of them; `what` says what the names are, `cure` what else
     may be done, `read_by` the class whose keys they are.
-
-    Raises `InvalidKey` for each.
     """
     found = Gathered()
     for key in table:
@@ -139,10 +126,7 @@ def check_keys(
 
 
 def read_toml(kind: type[T], path: Path, what: str) -> T:
-    """A `kind` from a TOML file; `what` says in an error what was expected.
-
-    Raises `InvalidFile` if it cannot be read, is no TOML, or `build` refuses it.
-    """
+    """A `kind` from a TOML file; `what` says in an error what was expected."""
     table = read_table(path, what)
     with errors_in(path):
         return build(kind, table, "")

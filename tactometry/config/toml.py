@@ -27,10 +27,7 @@ def shipped_in(package: str) -> tuple[str, ...]:
 
 
 def load_shipped(package: str, name: str, what: str, parse: Callable[[bytes, str], T]) -> T:
-    """One of them, as `parse` makes it of its bytes and of what opens each sentence.
-
-    Raises `InvalidParameter` if there is none of that name.
-    """
+    """One of them, as `parse` makes it of its bytes and of what opens each sentence."""
     one_of(what, name, shipped_in(package))
     return parse((files(package) / f"{name}{SUFFIX}").read_bytes(), f"{what} {name}")
 
@@ -41,10 +38,7 @@ LONGEST_LIST, DEEPEST = 10_000, 30
 
 
 def read_table(path: Path, what: str) -> dict[str, Any]:
-    """The table of a file; `what` says in an error what was expected.
-
-    Raises `InvalidFile` if the file cannot be read, or as `table_of`.
-    """
+    """The table of a file; `what` says in an error what was expected."""
     return table_of(read_file(path, what, LARGEST_FILE), str(path), what)
 
 

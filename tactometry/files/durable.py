@@ -76,10 +76,7 @@ def _opened(path: Path, what: str) -> Iterator[BinaryIO]:
 
 
 def files_in(folder: Path, pattern: str = "*") -> list[Path]:
-    """What a folder holds of this pattern, sorted, without hidden names; nothing where there is no folder.
-
-    Raises `InvalidFile` if it may not be read.
-    """
+    """What a folder holds of this pattern, sorted, without hidden names; nothing where there is no folder."""
     try:
         names = os.listdir(folder)  # noqa: PTH208 - a glob keeps silent about a folder that may not be read
     except (FileNotFoundError, NotADirectoryError):
@@ -202,10 +199,7 @@ def write_atomically(path: Path, content: bytes) -> None:
 
 
 def write_first(path: Path, content: bytes) -> None:
-    """Make a file unless there is one, whoever else tries to at the same time: one of them makes it, whole.
-
-    Raises `DeviceFailed` if the disk is full or fails.
-    """
+    """Make a file unless there is one, whoever else tries to at the same time: one of them makes it, whole."""
     if path.exists():
         return
     with draft(path, content) as (file, beside):

@@ -52,18 +52,12 @@ _QUOTED_SIGNS = '"\r\n'
 
 
 def write_records(kind: type[Any], records: Iterable[Any], path: Path) -> None:
-    """A row for each record of a dataclass, a column for each of its fields; a cell is empty where one is None.
-
-    Raises `DeviceFailed` if the file cannot be written.
-    """
+    """A row for each record of a dataclass, a column for each of its fields; a cell is empty where one is None."""
     write_rows([field.name for field in fields(kind)], map(astuple, records), path)
 
 
 def write_rows(head: Sequence[str], rows: Iterable[Sequence[Any]], path: Path) -> None:
-    """A CSV in a folder that is made.
-
-    Raises `DeviceFailed` if the file cannot be written.
-    """
+    """A CSV in a folder that is made."""
     with attempt(path, "cannot write", "a place to write to"):
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(spreadsheet_text((head, *rows)))

@@ -129,8 +129,6 @@ def table_of_numbers(lines: TextIO, n_columns: int | None = None) -> NDArray[np.
 class Npz:
     """The arrays of an NPZ file by their names, each read when it is asked for.
 
-    Raises `ValueError` if it is none, or damaged.
-
     >>> file = io.BytesIO()
     >>> np.savez(file, samples=np.arange(3.0))
     >>> Npz(file.getvalue())["samples"].tolist(), "rate_hz" in Npz(file.getvalue())

@@ -46,10 +46,7 @@ class Population:
     raters: "Raters | None" = None
 
     def check_allowed(self) -> None:
-        """Refuse people whose code is not allowed to run, before anything is written.
-
-        Raises `InvalidParameter` if it is not.
-        """
+        """Refuse people whose code is not allowed to run, before anything is written."""
         if isinstance(self.middle, NotAllowed):
             self.middle.participant(np.random.default_rng(0))
 

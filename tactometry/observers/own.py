@@ -82,10 +82,7 @@ class NotAllowed:
     path: str
 
     def participant(self, rng: np.random.Generator) -> Observer:
-        """Nobody.
-
-        Raises `InvalidParameter` Always.
-        """
+        """Nobody."""
         del rng
         raise not_allowed(f"{self.path}.kind", self.target, "an observer")
 

@@ -130,10 +130,7 @@ def trials_csv(trials: Sequence[Trial], session: Session, rig: str, columns: Seq
 
 
 def refuse_links(root: Path) -> None:
-    """Refuse a data set one of whose folders is a link: nothing is written or erased through it.
-
-    Raises `InvalidFile` if there is such a folder.
-    """
+    """Refuse a data set one of whose folders is a link: nothing is written or erased through it."""
     for part in PARTS:
         it = "the folder itself; put what the link leads to in its place"
         expect(not (root / part).is_symlink(), root / part, "a link", it, InvalidFile)
@@ -174,9 +171,6 @@ def participants(root: Path) -> list[str]:
 
 
 def sessions(root: Path) -> list[Path]:
-    """The journals of a data set, sorted.
-
-    Raises `InvalidFile` if their folder may not be read.
-    """
+    """The journals of a data set, sorted."""
     files = (path for path in files_in(root / "journals", "*.jsonl") if path.is_file())
     return [path for path in files if not path.name.endswith("_interruptions.jsonl")]

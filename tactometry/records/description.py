@@ -66,10 +66,7 @@ def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> Non
 
 
 def read_description(path: Path) -> dict[str, object]:
-    """The description of a data set.
-
-    Raises `InvalidFile` if it is none.
-    """
+    """The description of a data set."""
     anew = "the description of Psych-DS; remove it, and it is made anew"
     described = json_object(path, anew)
     has_columns = isinstance(described.get("variableMeasured"), list)
@@ -119,10 +116,7 @@ def says_simulated(described: Mapping[str, object]) -> bool:
 
 
 def describe_columns(path: Path, columns: Sequence[Column]) -> None:
-    """Write the description of every column of a table; one of the same columns stays as another version wrote it.
-
-    Raises `InvalidFile` if it can't be read or written.
-    """
+    """Write the description of every column of a table; one of the same columns stays as another version wrote it."""
     if not path.exists() or _column_names(read_file(path, "the description of a table")) != [c.name for c in columns]:
         table = {column.name: {"Description": column.description, "Units": column.unit} for column in columns}
         write_atomically(path, pretty(table))

@@ -74,10 +74,7 @@ class Erasure:
 
 
 def read_erasures(root: Path) -> tuple[Erasure, ...]:
-    """The record of a data set; empty where nothing was erased.
-
-    Raises `InvalidFile` if it is damaged.
-    """
+    """The record of a data set; empty where nothing was erased."""
     path = root / RECORD
     if not os.path.lexists(path):
         return ()

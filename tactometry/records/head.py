@@ -112,10 +112,7 @@ def columns_in(columns: Sequence[Column], journal_format: int) -> tuple[Column, 
 
 
 def heads(path: Path) -> tuple[Head, ...]:
-    """The heads of all sittings of a journal, by a quick look: damage elsewhere is not found; none without a line.
-
-    Raises `InvalidFile` if one is damaged.
-    """
+    """The heads of all sittings of a journal, by a quick look: damage elsewhere is not found; none without a line."""
     content = read_file(path, "a journal")
     first = next(whole_lines(content), b"")
     others = [] if first.startswith(_SITTING) else [first]

@@ -165,10 +165,7 @@ def _is_consent(request: Request[Any]) -> bool:
 
 @contextmanager
 def held(journals: Iterable[Path]) -> Iterator[None]:
-    """Journals that no other process writes meanwhile.
-
-    Raises `SessionInUse` if another one does.
-    """
+    """Journals that no other process writes meanwhile."""
     with ExitStack() as stack:
         for path in journals:
             stack.callback(os.close, _open_locked(path))

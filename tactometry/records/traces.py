@@ -143,10 +143,7 @@ def read_part(root: Path, part: TracePart) -> FloatArray:
 
 
 def part_flaw(root: Path, part: TracePart) -> str | None:
-    """What is wrong with a part, in words; None where nothing is.
-
-    Raises `InvalidFile` if its file cannot be read.
-    """
+    """What is wrong with a part, in words; None where nothing is."""
     return _flaw(_held(root, part), part)
 
 

@@ -38,10 +38,7 @@ def connected_screens(pyglet: Any) -> tuple[ConnectedScreen, ...]:
 
 
 def check_screen(number: int, there: Sequence[ConnectedScreen]) -> None:
-    """Whether there is a screen of this number.
-
-    Raises `InvalidParameter` if there is none.
-    """
+    """Whether there is a screen of this number."""
     known = ", ".join(map(str, there))
     expect(0 <= number < len(there), "[screen] screen", number, f"one that is connected ({known})")
 

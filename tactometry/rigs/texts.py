@@ -131,8 +131,6 @@ class Texts:
     def page(self, request: Show, left_s: int = 0) -> str:
         """The text of a page that is shown, with the seconds that are left of it and what stops the session; with
         `x_mm` too of a length `x_m`.
-
-        Raises `InvalidParameter` as `message`.
         """
         told = {name: self.label(value) if isinstance(value, str) else value for name, value in request.values.items()}
         people = {"stop": self.label(self.stop), "experimenter": self.label("experimenter")}
@@ -183,10 +181,7 @@ class Phrases:
 
 @cache
 def _shipped(language: str) -> dict[str, dict[str, str]]:
-    """The tables of a language file.
-
-    Raises `InvalidParameter` if the language is not shipped.
-    """
+    """The tables of a language file."""
     one_of("language", language, languages())
     tables = tomllib.loads((FOLDER / f"{PREFIX}{language}{SUFFIX}").read_text("utf-8"))
     return {name: tables[name] for name in ("messages", "labels", "console")}
@@ -194,8 +189,6 @@ def _shipped(language: str) -> dict[str, dict[str, str]]:
 
 def phrases_in(language: str) -> Phrases:
     """The shipped words of a terminal.
-
-    Raises `InvalidParameter` if the language is not shipped.
 
     >>> phrases_in("fr").of("press", force_n=1.0, duration_s=0.5)
     'appuyez avec 1 N pendant 0.5 s'
@@ -205,8 +198,6 @@ def phrases_in(language: str) -> Phrases:
 
 def texts_in(language: str, study: Mapping[str, str]) -> Texts:
     """The shipped texts of a language, below the texts of a study, which may name messages, labels and levels.
-
-    Raises `InvalidParameter` if the language is not shipped.
 
     >>> texts_in("fr", {"welcome": "Bonjour {code}"}).message("welcome", {"code": "P01"})
     'Bonjour P01'

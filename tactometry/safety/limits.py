@@ -124,8 +124,6 @@ class Limits:
         """Refuse a signal that passes a limit between its samples, after the output's reconstruction filter.
 
         An excess of up to `TOLERANCE` is played.
-
-        Raises `LimitExceeded` if a limit is passed.
         """
         peaks: dict[str, tuple[str, Callable[[float], float]]] = {
             "voltage_peak_v": ("V", lambda bound: filtered_peak_v(signal, bound))
@@ -192,8 +190,6 @@ class Limits:
         """Refuse a signal from `begin_s` that would play too often, too late in the session, or pass too much charge.
 
         `charge_c` is the largest charge of any beginning of the signal, because it may be stopped at any time.
-
-        Raises `LimitExceeded` if a limit is passed.
         """
         if self.duty is not None:
             duty = exposure.after(begin_s, duration_s, self.duty_window_s).played_s / self.duty_window_s

@@ -148,10 +148,7 @@ class Load:
         return passed
 
     def displacement_peak_m(self, signal: Signal) -> float:
-        """A bound that no course of these channels passes: the sum of m per V times the peak of each, m.
-
-        Raises `InvalidParameter` if the load does not say it for each channel.
-        """
+        """A bound that no course of these channels passes: the sum of m per V times the peak of each, m."""
         return float(np.sum(self._gains(signal) * _channel_peaks(signal)))
 
     def _gains(self, signal: Signal) -> FloatArray:
@@ -184,10 +181,7 @@ class Load:
         )
 
     def filtered_displacement_m(self, signal: Signal, bound_m: float) -> float:
-        """Return `displacement_peak_m` for peaks after a reconstruction filter, or some number up to `bound_m`.
-
-        Raises `InvalidParameter` if the load does not say it for each channel.
-        """
+        """Return `displacement_peak_m` for peaks after a reconstruction filter, or some number up to `bound_m`."""
         gains, peaks_v, of_samples_m = self._gains(signal), _channel_peaks(signal), self.displacement_peak_m(signal)
         if of_samples_m == 0.0:
             return 0.0

@@ -84,10 +84,7 @@ class Ledger:
         self._last: tuple[int, Moment, float] | None = None
 
     def open(self, output: str) -> None:
-        """Begin to count what `output` emits; rows that no window of a limit reaches are deleted.
-
-        Raises `DeviceFailed` if the database cannot be written or is damaged.
-        """
+        """Begin to count what `output` emits; rows that no window of a limit reaches are deleted."""
         make_folder(self._path.parent)
         self._output, self._opened, self._last = output, uuid.uuid4().hex, None
         with self._turn, self._connected() as database:

@@ -114,10 +114,7 @@ def measured_anew(gain: Gain, chain: SignalChain, today: date, by: str) -> Gain:
 
 
 def required_gain(gain: Gain | None, what: str) -> Gain:
-    """The gain of an output that leads to an amplifier, which nobody may leave out.
-
-    Raises `InvalidParameter` if there is none; the sentence opens with `what`.
-    """
+    """The gain of an output that leads to an amplifier, which nobody may leave out."""
     if gain is None:
         raise InvalidParameter(
             f"{what}: found none, expected volts_per_unit and amplifier_gain with date and author: without them the "

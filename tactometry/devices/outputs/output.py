@@ -175,10 +175,7 @@ REMEDIES = {
 
 
 def check_format(signal: Signal, output: Driver) -> None:
-    """Refuse a signal that is not of the channels or the rate that `output` has.
-
-    Raises `DeviceFailed` if it is not.
-    """
+    """Refuse a signal that is not of the channels or the rate that `output` has."""
     if isinstance(signal, FollowedSignal):
         expect_following(output)
     of_signal = {"n_channels": signal.samples.shape[0], "rate_hz": signal.rate_hz}
@@ -192,10 +189,7 @@ def check_format(signal: Signal, output: Driver) -> None:
 
 
 def expect_following(output: Driver) -> None:
-    """Refuse a texture where the output takes no signal that follows a finger.
-
-    Raises `DeviceFailed` if it does not.
-    """
+    """Refuse a texture where the output takes no signal that follows a finger."""
     if output.emits and not output.follows:
         raise DeviceFailed(
             f"output {output.name!r}: found a texture, whose signal follows the finger, expected one that is known "

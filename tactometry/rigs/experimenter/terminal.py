@@ -56,8 +56,6 @@ class Order:
 def order_of(line: str) -> Order:
     """The order of a typed line.
 
-    Raises `InvalidParameter` if it is none.
-
     >>> order_of("n moved the hand"), order_of(" P ")
     (Order(wish='note', text='moved the hand'), Order(wish='pause', text=''))
     """

@@ -39,10 +39,7 @@ class Tracer:
             sensor.read()
 
     def kept(self, answer: A) -> A:
-        """An answer; of what was felt with the places where its samples are kept.
-
-        Raises `DeviceFailed` if the disk is full or fails.
-        """
+        """An answer; of what was felt with the places where its samples are kept."""
         if self._log is None or not isinstance(answer, Played | Touched | Adjusted):
             return answer
         tables = {kind: self._read(sensor) for kind, sensor in self._sensors.items()}  # all at once
