@@ -21,11 +21,10 @@ import msgspec
 from ..errors import DeviceFailed, InvalidFile
 from ..files.durable import read_file, whole_lines
 from ..session.answer import Done, Marked
-from ..session.answer_rules import flaw
 from ..session.event import Event, decode_event, intervention_of, trial_facts
 from ..session.intervention import Intervention, left
 from ..session.replay import Replay, rows
-from ..session.request import REQUESTS, Fact, Intervene, Record, Request
+from ..session.request import REQUESTS, Fact, Intervene, Record, Request, flaw
 from ..trials.trial import Trial
 from .head import FORMAT, Head, as_kept, head_of
 

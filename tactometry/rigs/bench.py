@@ -11,8 +11,22 @@ from dataclasses import dataclass, field, replace
 from typing import TypeVar
 
 from ..session.answer import Adjusted, Chosen, Done, Filled, Marked, Played, Rated, Touched
-from ..session.answer_rules import value_at
-from ..session.request import ABOUT, Adjust, Choose, Enter, Facts, Fill, Play, Press, Rate, Record, Show, Slide, Wait
+from ..session.request import (
+    ABOUT,
+    Adjust,
+    Choose,
+    Enter,
+    Facts,
+    Fill,
+    Play,
+    Press,
+    Rate,
+    Record,
+    Show,
+    Slide,
+    Wait,
+    value_at,
+)
 from ..trials.trial import REASON_WORDS, Reason, outcome
 from .device_rig import DeviceRig
 from .experimenter.supervisor import CLOCK, TrialLog

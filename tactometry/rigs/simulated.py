@@ -17,7 +17,6 @@ from ..observers.finger import Grip, SimulatedFinger, Touches
 from ..observers.people import Feeling
 from ..safety.limits import Limits
 from ..session.answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
-from ..session.answer_rules import value_at
 from ..session.request import (
     ABOUT,
     CONSENT,
@@ -34,6 +33,7 @@ from ..session.request import (
     Show,
     Slide,
     Wait,
+    value_at,
 )
 from ..session.run import LiveRig
 from ..signal import Signal, Stimulus
