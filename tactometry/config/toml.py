@@ -12,26 +12,6 @@ from ..arguments.require import one_of
 from ..errors import InvalidFile, TactometryError, reworded
 from ..files.durable import read_file
 
-T = TypeVar("T")
-SUFFIX: Final = ".toml"
-
-
-def shipped_in(package: str) -> tuple[str, ...]:
-    """The names of the TOML files of a package.
-
-    >>> "attrakdiff" in shipped_in("tactometry.questionnaires")
-    True
-    """
-    names = (entry.name for entry in files(package).iterdir())
-    return tuple(sorted(name.removesuffix(SUFFIX) for name in names if name.endswith(SUFFIX)))
-
-
-def load_shipped(package: str, name: str, what: str, parse: Callable[[bytes, str], T]) -> T:
-    """One of them, as `parse` makes it of its bytes and of what opens each sentence."""
-    one_of(what, name, shipped_in(package))
-    return parse((files(package) / f"{name}{SUFFIX}").read_bytes(), f"{what} {name}")
-
-
 LARGEST_FILE: Final = 1_000_000
 """Bytes of a file that a person writes: 25 000 lines."""
 LONGEST_LIST, DEEPEST = 10_000, 30
@@ -110,3 +90,23 @@ def errors_in(where: str | Path) -> Iterator[None]:
         yield
     except TactometryError as wrong:
         raise reworded(wrong, InvalidFile, lambda words: f"{where}, {words.removeprefix(': ')}") from None
+
+
+T = TypeVar("T")
+SUFFIX: Final = ".toml"
+
+
+def shipped_in(package: str) -> tuple[str, ...]:
+    """The names of the TOML files of a package.
+
+    >>> "attrakdiff" in shipped_in("tactometry.questionnaires")
+    True
+    """
+    names = (entry.name for entry in files(package).iterdir())
+    return tuple(sorted(name.removesuffix(SUFFIX) for name in names if name.endswith(SUFFIX)))
+
+
+def load_shipped(package: str, name: str, what: str, parse: Callable[[bytes, str], T]) -> T:
+    """One of them, as `parse` makes it of its bytes and of what opens each sentence."""
+    one_of(what, name, shipped_in(package))
+    return parse((files(package) / f"{name}{SUFFIX}").read_bytes(), f"{what} {name}")

@@ -13,20 +13,6 @@ from typing import Final
 
 from ..errors import DeviceFailed, InvalidParameter
 
-_BOOT_ID: Final = Path("/proc/sys/kernel/random/boot_id")
-
-
-def boot_clock_s() -> float:
-    """Seconds since the computer started, with its sleep where the system has such a clock."""
-    return time.clock_gettime(time.CLOCK_BOOTTIME) if hasattr(time, "CLOCK_BOOTTIME") else time.perf_counter()
-
-
-@functools.cache
-def boot_id() -> str:
-    """Name of this start of the computer; empty where the system has none."""
-    return _BOOT_ID.read_text("ascii").strip() if _BOOT_ID.exists() else ""
-
-
 BIN_S = 0.5
 N_BINS = 8
 """The smallest delay of the last four seconds: at 100 ppm of drift, 0.4 ms (unverified defaults)."""
@@ -144,3 +130,17 @@ def clock_offset_s(theirs_s: Callable[[], float], n_readings: int = 5) -> float:
         before_s, read_s, after_s = time.perf_counter(), float(theirs_s()), time.perf_counter()
         readings.append((after_s - before_s, (before_s + after_s) / 2 - read_s))
     return min(readings)[1]
+
+
+_BOOT_ID: Final = Path("/proc/sys/kernel/random/boot_id")
+
+
+def boot_clock_s() -> float:
+    """Seconds since the computer started, with its sleep where the system has such a clock."""
+    return time.clock_gettime(time.CLOCK_BOOTTIME) if hasattr(time, "CLOCK_BOOTTIME") else time.perf_counter()
+
+
+@functools.cache
+def boot_id() -> str:
+    """Name of this start of the computer; empty where the system has none."""
+    return _BOOT_ID.read_text("ascii").strip() if _BOOT_ID.exists() else ""

@@ -10,32 +10,6 @@ from ..errors import InvalidFile
 from ..provenance import versions
 from .durable import make_folder, read_file, write_atomically
 
-ASKED = "asked.json"
-
-
-def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -> None:
-    """Make a folder that holds what is asked, or (`resume`) go on with one that an earlier run of the same left.
-
-    The versions stand beside what is asked: they may be others when it goes on.
-
-    Raises `InvalidFile` if it holds this question already and `resume` is not given, or another one.
-
-    - `wanted`: All that the results follow from, as JSON reads it again: numbers, texts, lists.
-    - `work`: What is asked, in words: ``power analysis``.
-    """
-    path = root / ASKED
-    if path.exists():
-        held = json_object(path, f"what a {work} was asked; give another --out")
-        other = next((name for name, value in wanted.items() if held.get(name) != value), None)
-        if other is not None:
-            found, asked = held.get(other), wanted[other]
-            raise InvalidFile(f"{path}: found {other} {found!r}, expected {asked!r} as asked; give another --out")
-        if not resume:
-            raise InvalidFile(f"{root}: found this {work}, expected none; go on with --resume")
-    make_folder(root)
-    write_atomically(path, json.dumps({**wanted, "versions": versions()}, indent=2).encode() + b"\n")
-
-
 LARGEST_OBJECT: Final = 2**24
 """Bytes of a file with one object (unverified default)."""
 DEEPEST: Final = 100
@@ -132,3 +106,29 @@ def _checked(value: Any) -> Any:
 
 def _too_deep() -> ValueError:
     return ValueError(f"nested deeper than {DEEPEST} levels")
+
+
+ASKED = "asked.json"
+
+
+def prepare(root: Path, wanted: Mapping[str, Any], work: str, *, resume: bool) -> None:
+    """Make a folder that holds what is asked, or (`resume`) go on with one that an earlier run of the same left.
+
+    The versions stand beside what is asked: they may be others when it goes on.
+
+    Raises `InvalidFile` if it holds this question already and `resume` is not given, or another one.
+
+    - `wanted`: All that the results follow from, as JSON reads it again: numbers, texts, lists.
+    - `work`: What is asked, in words: ``power analysis``.
+    """
+    path = root / ASKED
+    if path.exists():
+        held = json_object(path, f"what a {work} was asked; give another --out")
+        other = next((name for name, value in wanted.items() if held.get(name) != value), None)
+        if other is not None:
+            found, asked = held.get(other), wanted[other]
+            raise InvalidFile(f"{path}: found {other} {found!r}, expected {asked!r} as asked; give another --out")
+        if not resume:
+            raise InvalidFile(f"{root}: found this {work}, expected none; go on with --resume")
+    make_folder(root)
+    write_atomically(path, json.dumps({**wanted, "versions": versions()}, indent=2).encode() + b"\n")

@@ -20,41 +20,6 @@ from ..trials.cell_rules import PARTICIPANT
 from .data_set import Session
 from .description import NAME
 
-
-class Withdrawal:
-    """The files and folders of a session, and of its data set, that do not exist before it.
-
-    >>> from tempfile import TemporaryDirectory
-    >>> with TemporaryDirectory() as folder:
-    ...     root = Path(folder) / "data"
-    ...     withdrawal = Withdrawal(root, Session("P01", 1, "tutorial"))
-    ...     (root / "journals").mkdir(parents=True)
-    ...     withdrawal.undo()
-    ...     root.exists()
-    False
-    """
-
-    def __init__(self, root: Path, session: Session) -> None:
-        events = session.events(root)
-        files = (session.trials(root), session.sidecar(root), events, events.with_suffix(".json"))
-        self._journal = session.journal(root)
-        folders = (self._journal.parent, root / "data")
-        # A folder that another session has begun in is not empty: then what follows stays.
-        ordered = (*files, self._journal, *folders, root / "study.toml", root / NAME, root)
-        self._created = tuple(path for path in ordered if not path.exists())
-
-    def undo(self) -> None:
-        """Remove what was created since, unless the journal has a line."""
-        if self._journal.exists() and self._journal.stat().st_size:
-            return
-        with suppress(OSError):  # what is in use stays, and so does what contains it
-            for path in self._created:
-                if path.is_dir():
-                    path.rmdir()
-                else:
-                    path.unlink(missing_ok=True)
-
-
 RECORD: Final = "erasures.jsonl"
 LOCK: Final = ".erasures.lock"
 """Of one erasure at a time: two that write the record would lose a line of it."""
@@ -122,3 +87,37 @@ def refuse_erased(root: Path, codes: Iterable[str], *, allowed: bool = False) ->
             found, expected = f"an unfinished erasure of {erasure.participant}", "a finished one"
             way = f"repeat tactometry erase {root} --participant {erasure.participant}"
         raise InvalidParameter(f"{root / RECORD}, line {number}: found {found}, expected {expected}; {way}")
+
+
+class Withdrawal:
+    """The files and folders of a session, and of its data set, that do not exist before it.
+
+    >>> from tempfile import TemporaryDirectory
+    >>> with TemporaryDirectory() as folder:
+    ...     root = Path(folder) / "data"
+    ...     withdrawal = Withdrawal(root, Session("P01", 1, "tutorial"))
+    ...     (root / "journals").mkdir(parents=True)
+    ...     withdrawal.undo()
+    ...     root.exists()
+    False
+    """
+
+    def __init__(self, root: Path, session: Session) -> None:
+        events = session.events(root)
+        files = (session.trials(root), session.sidecar(root), events, events.with_suffix(".json"))
+        self._journal = session.journal(root)
+        folders = (self._journal.parent, root / "data")
+        # A folder that another session has begun in is not empty: then what follows stays.
+        ordered = (*files, self._journal, *folders, root / "study.toml", root / NAME, root)
+        self._created = tuple(path for path in ordered if not path.exists())
+
+    def undo(self) -> None:
+        """Remove what was created since, unless the journal has a line."""
+        if self._journal.exists() and self._journal.stat().st_size:
+            return
+        with suppress(OSError):  # what is in use stays, and so does what contains it
+            for path in self._created:
+                if path.is_dir():
+                    path.rmdir()
+                else:
+                    path.unlink(missing_ok=True)

@@ -10,39 +10,6 @@ from typing import Any
 from ..arguments.require import expect
 from ..errors import DeviceFailed, ended_by_signal
 
-
-@dataclass(frozen=True)
-class ConnectedScreen:
-    """One of them, from 0, with its size and its place among the others (pixels).
-
-    >>> str(ConnectedScreen(1, 1920, 1080, 1280, 0))
-    'screen 1: 1920 x 1080 px'
-    """
-
-    number: int
-    width_px: int
-    height_px: int
-    x_px: int = 0
-    y_px: int = 0
-
-    def __str__(self) -> str:
-        return f"screen {self.number}: {self.width_px} x {self.height_px} px"
-
-
-def connected_screens(pyglet: Any) -> tuple[ConnectedScreen, ...]:
-    """All screens of the desktop; pyglet is handed in, as one module alone imports PsychoPy and what comes with it."""
-    return tuple(
-        ConnectedScreen(number, int(screen.width), int(screen.height), int(screen.x), int(screen.y))
-        for number, screen in enumerate(pyglet.canvas.get_display().get_screens())
-    )
-
-
-def check_screen(number: int, there: Sequence[ConnectedScreen]) -> None:
-    """Whether there is a screen of this number."""
-    known = ", ".join(map(str, there))
-    expect(0 <= number < len(there), "[screen] screen", number, f"one that is connected ({known})")
-
-
 N_WAITING_PRESSES = 50_000
 """More that nobody reads would crash the process: psychtoolbox 3.0.22 prints that its queue is full from a thread
 without Python's lock (found at PsychoPy's own 5 000)."""
@@ -141,3 +108,35 @@ class HeldKeys:
         n_due = 1 + int((now_s - self._next_s) / REPEAT_EVERY_S)  # as fast, however long a frame takes
         self._next_s += n_due * REPEAT_EVERY_S
         return [self._name] * n_due
+
+
+@dataclass(frozen=True)
+class ConnectedScreen:
+    """One of them, from 0, with its size and its place among the others (pixels).
+
+    >>> str(ConnectedScreen(1, 1920, 1080, 1280, 0))
+    'screen 1: 1920 x 1080 px'
+    """
+
+    number: int
+    width_px: int
+    height_px: int
+    x_px: int = 0
+    y_px: int = 0
+
+    def __str__(self) -> str:
+        return f"screen {self.number}: {self.width_px} x {self.height_px} px"
+
+
+def connected_screens(pyglet: Any) -> tuple[ConnectedScreen, ...]:
+    """All screens of the desktop; pyglet is handed in, as one module alone imports PsychoPy and what comes with it."""
+    return tuple(
+        ConnectedScreen(number, int(screen.width), int(screen.height), int(screen.x), int(screen.y))
+        for number, screen in enumerate(pyglet.canvas.get_display().get_screens())
+    )
+
+
+def check_screen(number: int, there: Sequence[ConnectedScreen]) -> None:
+    """Whether there is a screen of this number."""
+    known = ", ".join(map(str, there))
+    expect(0 <= number < len(there), "[screen] screen", number, f"one that is connected ({known})")

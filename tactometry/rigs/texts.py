@@ -16,6 +16,12 @@ from ..files.durable import read_file
 from ..provenance import sha256
 from ..session.request import Question, Show
 
+_WIDE = re.compile(r"\d{4}")
+FOLDER = Path(__file__).parent
+PREFIX, SUFFIX = "messages_", ".toml"
+LIST: Final = "the list of [texts] in docs/reference/studies.md"
+N_NEAREST: Final = 3
+"""So many names like one that is not known are told: there are a hundred."""
 LARGEST_IMAGE = 50_000_000
 """Bytes of a file."""
 
@@ -59,14 +65,6 @@ def image_of(table: ImageTable, where: str) -> PageImage:
         width = height = 0
     expect(width > 0, f"{where}.path", f"{table.path!r}, which is no image", "a PNG or a JPEG")
     return PageImage(str(path.resolve()), width / height)
-
-
-_WIDE = re.compile(r"\d{4}")
-FOLDER = Path(__file__).parent
-PREFIX, SUFFIX = "messages_", ".toml"
-LIST: Final = "the list of [texts] in docs/reference/studies.md"
-N_NEAREST: Final = 3
-"""So many names like one that is not known are told: there are a hundred."""
 
 
 @cache
