@@ -50,8 +50,8 @@ def describe(root: Path, design: StudyDescription, *, is_simulated: bool) -> Non
     """
     path = root / NAME
     there = read_description(path) if path.exists() else None
-    described = description(design) if there is None else there
-    # a description with the columns that it lacks
+    described: Mapping[str, Any] = description(design) if there is None else there
+    # what a person added stays; columns that are missing follow
     variables = described["variableMeasured"]
     known = [variable.get("name") for variable in variables if isinstance(variable, Mapping)]
     new = [
