@@ -45,10 +45,8 @@ ASKED_WITHIN_S: Final = 2.0
 class AudioSettings:
     """The sound card by name; `channels` are its outlets, from 0, in the order of the signal's.
 
-    `block_s` and `latency_s` trade a quick stop against gaps in the sound: a stop takes at most a block and the
-    latency. Both are unverified defaults. `shared` allows a device that other programs play to as well.
-    `position_latency_s` is from a place of the finger to the voltage of a texture there; None: the longest lead that
-    the device took of late, a block, and `POSITION_AGE_S`.
+    `block_s` and `latency_s` trade a quick stop against gaps in the sound. Both are unverified defaults. Without
+    `position_latency_s` it is the longest lead that the device took of late, a block, and `POSITION_AGE_S`.
 
     - `rate_hz`: Of the card, and so of the stimulus.
     - `device`: The card, as the system calls it.

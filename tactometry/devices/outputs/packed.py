@@ -186,10 +186,7 @@ def _n_unread(pipe: int) -> int:
 class PackedSettings:
     """A one-bit board: `path` is opened for appending; `rate_hz` and `n_channels` are the board's.
 
-    `electrode` is the channel (from 0) that leads to an electrode, where one does; the others lead to transducers.
     With ``gain`` a bit of 1 is 1 unit: ``volts_per_unit * amplifier_gain`` is what a board's supply puts on a load.
-    `lowest_supply_v` says that the board sets its supply to the ``voltage_v`` of each stream before it plays it, and
-    down to which; without it the supply stays as it is.
 
     - `path`: A device node, a named pipe or a file, opened for appending.
     - `n_channels`: Channels of the board.

@@ -30,8 +30,6 @@ SETTINGS_FILES = ("lsl_api.cfg", "~/lsl_api/lsl_api.cfg", "/etc/lsl_api/lsl_api.
 class LslSettings(SensorSettings):
     """A stream of Lab Streaming Layer: the outlet by its name; `rate_hz` is what its head must state.
 
-    `source_id` tells it from others of the same name; without it there may be no other.
-
     - `stream`: The name of the outlet.
     - `rate_hz`: What the head of the stream must state.
     - `n_channels`: How many it has.
