@@ -6,7 +6,7 @@ the arguments of a call, and `constrained` for the fields of a dataclass built i
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import cache, lru_cache, partial
 from math import inf, nextafter
 from types import UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -44,9 +44,10 @@ class NumberRange:
         raise InvalidParameter(f"{where}: found {excerpt(value)}, expected {words}")
 
 
-@lru_cache(maxsize=4096)
 def number_range(limits: Interval, name: str, whole: bool = False) -> NumberRange:
     """Return the numbers within `limits`; the unit that ends `name` bounds magnitudes that the limits leave open.
+
+    The limits of a real number are none, a lower bound of 0, or a bound on each side.
 
     >>> number_range(Interval(gt=0), "Sine.frequency_hz").expected
     'a finite number above 0'
@@ -72,12 +73,16 @@ def number_range(limits: Interval, name: str, whole: bool = False) -> NumberRang
     bounds: Any = limits
     low = bounds.ge if bounds.gt is None else nextafter(bounds.gt, inf)
     high = bounds.le if bounds.lt is None else nextafter(bounds.lt, -inf)
-    if bounds.gt is None:
-        words = f"a number from {bounds.ge:g} to " + (f"{bounds.le:g}" if bounds.lt is None else f"below {bounds.lt:g}")
-    else:
-        upper = f"at most {bounds.le:g}" if bounds.lt is None else f"below {bounds.lt:g}"
-        words = f"a number above {bounds.gt:g} and {upper}"
+    opening = f"above {bounds.gt:g} and" if bounds.ge is None else f"from {bounds.ge:g} to"
+    at_most = "at most " if bounds.ge is None else ""
+    closing = f"below {bounds.lt:g}" if bounds.le is None else f"{at_most}{bounds.le:g}"
+    words = f"a number {opening} {closing}"
     return NumberRange(low, high, words, words, inf)
+
+
+def ranges(limits: Interval, whole: bool = False) -> Callable[[str], NumberRange]:
+    """Return the function that gives the numbers within `limits` for a name, and keeps them."""
+    return lru_cache(maxsize=4096)(partial(number_range, limits, whole=whole))
 
 
 def constrained(kind: type[T]) -> type[T]:
@@ -117,9 +122,8 @@ def check_of(hint: Any) -> Check | None:
         limits = limits_of(hint)
         if limits is None:
             return None
-        whole = hint.__origin__ is int and limits.gt is None
-
-        return lambda where, value: number_range(limits, where, whole).check(where, value)
+        range_of = ranges(limits, whole=hint.__origin__ is int and limits.gt is None)
+        return lambda where, value: range_of(where).check(where, value)
     if origin in (Union, UnionType):
         check = next(filter(None, map(check_of, inner)), None)
         return check and _check_unless(tuple(part for part in inner if isinstance(part, type)), check)

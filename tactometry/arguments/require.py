@@ -6,6 +6,7 @@ Numbers are given by their names, after their owner; each has the domain of magn
 
 from collections.abc import Callable, Hashable, Iterable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from itertools import pairwise
 from math import inf, isfinite
 from numbers import Real
@@ -17,10 +18,12 @@ from annotated_types import Interval
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InvalidParameter, TactometryError, nearest
-from .constraints import NumberRange, excerpt, number_range, size_words
+from .constraints import NumberRange, excerpt, number_range, ranges, size_words
 from .magnitudes import LARGEST_COUNT, domain, is_number
 
 V = TypeVar("V")
+_FINITE, _POSITIVE, _NOT_NEGATIVE = ranges(Interval()), ranges(Interval(gt=0)), ranges(Interval(ge=0))
+_RATE = ranges(Interval(ge=0, lt=1))
 
 
 def expect(
@@ -44,7 +47,7 @@ def finite(owner: str, /, **values: object) -> None:
 
     >>> finite("Staircase", low=0.0, high=40.0)
     """
-    _within(Interval(), owner, values)
+    _within(_FINITE, owner, values)
 
 
 def positive(owner: str, /, **values: object) -> None:
@@ -57,7 +60,7 @@ def positive(owner: str, /, **values: object) -> None:
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: Grating.period_m: found 1e-320, expected a number from 1e-20 to 1e+09
     """
-    _within(Interval(gt=0), owner, values)
+    _within(_POSITIVE, owner, values)
 
 
 def not_negative(owner: str, /, **values: object) -> None:
@@ -65,7 +68,7 @@ def not_negative(owner: str, /, **values: object) -> None:
 
     >>> not_negative("ForceGate", hold_s=0.0)
     """
-    _within(Interval(ge=0), owner, values)
+    _within(_NOT_NEGATIVE, owner, values)
 
 
 def within(owner: str, low: float, high: float, /, **values: object) -> None:
@@ -75,7 +78,7 @@ def within(owner: str, low: float, high: float, /, **values: object) -> None:
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: Grating.duty: found 1.5, expected a number from 0 to 1
     """
-    _within(Interval(ge=low, le=high), owner, values)
+    _within(partial(number_range, Interval(ge=low, le=high)), owner, values)
 
 
 def below(owner: str, /, **values: float) -> None:
@@ -101,7 +104,7 @@ def not_zero(owner: str, /, **values: object) -> None:
 
 
 def between(owner: str, low: float, high: float, /, **values: object) -> None:
-    _within(Interval(gt=low, lt=high), owner, values)
+    _within(partial(number_range, Interval(gt=low, lt=high)), owner, values)
 
 
 def below_1(owner: str, /, **values: object) -> None:
@@ -111,7 +114,7 @@ def below_1(owner: str, /, **values: object) -> None:
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: Observer.lapse_rate: found 1.0, expected a number from 0 to below 1
     """
-    _within(Interval(ge=0, lt=1), owner, values)
+    _within(_RATE, owner, values)
 
 
 def whole(owner: str, /, *, lowest: int = -LARGEST_COUNT, highest: int = LARGEST_COUNT, **values: Any) -> None:
@@ -121,7 +124,7 @@ def whole(owner: str, /, *, lowest: int = -LARGEST_COUNT, highest: int = LARGEST
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: Staircase.n_trials: found 0, expected a whole number, at least 1
     """
-    _within(Interval(ge=lowest, le=highest), owner, values, whole=True)
+    _within(partial(number_range, Interval(ge=lowest, le=highest), whole=True), owner, values)
 
 
 def truth(owner: str, /, **values: object) -> None:
@@ -239,7 +242,7 @@ def finite_array(where: str, values: ArrayLike) -> NDArray[np.float64]:
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: straight.values_v[1]: found 1e+200, expected a number of at most 1e+12
     """
-    return _array_within(where, values, number_range(Interval(), where))
+    return _array_within(where, values, _FINITE(where))
 
 
 def positive_array(where: str, values: ArrayLike, *, infinite: bool = False) -> NDArray[np.float64]:
@@ -247,14 +250,14 @@ def positive_array(where: str, values: ArrayLike, *, infinite: bool = False) -> 
 
     With `infinite`, infinity is a number too.
     """
-    allowed = number_range(Interval(gt=0), where)
+    allowed = _POSITIVE(where)
     return _array_within(where, values, replace(allowed, high=inf) if infinite else allowed)
 
 
 def not_negative_array(where: str, values: ArrayLike, *, infinite: bool = False) -> NDArray[np.float64]:
     """Return an array of numbers of at least 0, however small, as `positive_array` does."""
     high = domain(where)[1]
-    allowed = replace(number_range(Interval(ge=0), where), low=0.0, sized=size_words(0.0, high))
+    allowed = replace(_NOT_NEGATIVE(where), low=0.0, sized=size_words(0.0, high))
     return _array_within(where, values, replace(allowed, high=inf) if infinite else allowed)
 
 
@@ -304,10 +307,10 @@ def _each(owner: str, values: Mapping[str, object], fits: Callable[[Any], bool],
             raise InvalidParameter(f"{owner}.{name}: found {excerpt(value)}, expected {expected}")
 
 
-def _within(limits: Interval, owner: str, values: Mapping[str, object], whole: bool = False) -> None:
+def _within(range_of: Callable[[str], NumberRange], owner: str, values: Mapping[str, object]) -> None:
     for name, value in values.items():
         where = f"{owner}.{name}"
-        number_range(limits, where, whole).check(where, value)
+        range_of(where).check(where, value)
 
 
 def _array_within(where: str, values: ArrayLike, allowed: NumberRange) -> NDArray[np.float64]:
