@@ -9,9 +9,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cache
-from typing import Any, Final, Self
+from typing import Annotated, Any, Final, Self
 
-from .arguments.require import expect, first_repeat, lookup, one_of, some, whole
+from annotated_types import Ge
+
+from .arguments.constraints import constrained
+from .arguments.require import expect, first_repeat, lookup, one_of, some
 from .choice_form import is_choices
 from .config.strict import build
 from .config.toml import errors_in, load_shipped, shipped_in, table_of
@@ -40,6 +43,7 @@ class Item:
 
 
 @dataclass(frozen=True)
+@constrained
 class Dimension:
     """A score: the mean of its items, or of those of its `parts`, if at least `min_answered` of them are answered.
 
@@ -48,12 +52,9 @@ class Dimension:
     - `parts`: Dimensions whose items it takes.
     """
 
-    min_answered: int
+    min_answered: Annotated[int, Ge(1)]
     title: dict[str, str] = field(default_factory=dict)
     parts: tuple[str, ...] = ()
-
-    def __post_init__(self) -> None:
-        whole("Dimension", lowest=1, min_answered=self.min_answered)
 
 
 @dataclass(frozen=True)

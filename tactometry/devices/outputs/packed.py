@@ -14,9 +14,10 @@ import threading
 import time
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar, Final
+from typing import Annotated, ClassVar, Final
 
 import numpy as np
+from annotated_types import Interval
 
 from ...arguments.annotations import Positive
 from ...arguments.constraints import constrained
@@ -198,13 +199,12 @@ class PackedSettings:
 
     connected: ClassVar[bool] = True
     path: str
-    n_channels: int
+    n_channels: Annotated[int, Interval(ge=1, le=MOST_CHANNELS)]
     rate_hz: Positive
     electrode: int | None = None
     lowest_supply_v: Positive | None = None
 
     def __post_init__(self) -> None:
-        whole("PackedSettings", lowest=1, highest=MOST_CHANNELS, n_channels=self.n_channels)
         if self.electrode is not None:
             whole("PackedSettings", lowest=0, highest=self.n_channels - 1, electrode=self.electrode)
 
