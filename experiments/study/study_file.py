@@ -19,8 +19,7 @@ from tactometry.loading import resolve
 from tactometry.observers.finger import SimulatedFinger
 from tactometry.rigs.texts import ImageTable
 from tactometry.safety.limits import Limits
-from tactometry.trials.cell_rules import STUDY
-from tactometry.trials.cells import cell
+from tactometry.trials.cells import STUDY, cell
 from tactometry.trials.columns import RESERVED
 
 from .form_files import with_forms

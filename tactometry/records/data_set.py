@@ -13,10 +13,9 @@ from ..arguments.require import expect
 from ..errors import InvalidFile, count_of
 from ..files.durable import files_in, make_folder, read_file, write_first
 from ..files.rows import delimited_text
-from ..trials.cell_rules import PARTICIPANT
-from ..trials.cells import cell
+from ..trials.cells import PARTICIPANT, Value, cell
 from ..trials.columns import Column
-from ..trials.trial import Trial, Value
+from ..trials.trial import Trial
 from .description import NAME, StudyDescription
 
 TRACES: Final = "traces"

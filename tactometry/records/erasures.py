@@ -16,7 +16,7 @@ import msgspec
 
 from ..errors import InvalidFile, InvalidParameter
 from ..files.durable import read_file, write_atomically
-from ..trials.cell_rules import PARTICIPANT
+from ..trials.cells import PARTICIPANT
 from .data_set import Session
 from .description import NAME
 

@@ -20,7 +20,7 @@ from ..errors import InvalidFile
 from ..files.durable import read_file, whole_lines
 from ..safety.limits import ROUNDING
 from ..session.request import Fact, Record, Request
-from ..trials.cell_rules import PARTICIPANT, STUDY, is_time
+from ..trials.cells import PARTICIPANT, STUDY, is_time
 from ..trials.columns import RIGS, Column
 from .data_set import LARGEST_NUMBER
 

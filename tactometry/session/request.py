@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any, ClassVar, Final, Generic, Protocol, TypeVar, get_args
 
-from ..trials.cell_rules import LARGEST_ANSWER
+from ..trials.cells import LARGEST_ANSWER
 from ..trials.trial import Key, Trial
 from .answer import Adjusted, Chosen, Done, Filled, Played, Rated, Touched
 from .intervention import Intervention

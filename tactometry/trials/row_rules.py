@@ -9,7 +9,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 from ..errors import nearest
-from .cell_rules import PARTICIPANT, STUDY, CellRule, is_time, number_from, one_of_texts, whole_number
+from .cells import PARTICIPANT, STUDY, CellRule, is_time, number_from, one_of_texts, whole_number
 from .columns import ALWAYS, FIRST, RIGS
 from .tasks import TASKS
 from .trial import REASONS

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
-from .cell_rules import LARGEST_ANSWER, CellRule, number_from, one_of_texts, whole_number
+from .cells import LARGEST_ANSWER, CellRule, number_from, one_of_texts, whole_number
 
 LevelUse = Literal["curve", "scale", "ratio"]
 """What an analysis does with the levels of a task.

@@ -6,9 +6,9 @@ from functools import reduce
 from typing import Final, Literal, get_args
 
 from ..errors import count_of
+from .cells import Value
 from .tasks import FORM_TASK
 
-Value = str | int | float | bool | None
 Key = tuple[int, int, int]
 """What all rows of one trial share: block, trial and attempt."""
 Reason = Literal[
