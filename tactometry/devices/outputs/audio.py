@@ -11,9 +11,9 @@ from typing import Any, ClassVar, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arguments.annotations import Positive
+from ...arguments.annotations import NotNegative, Positive
 from ...arguments.constraints import constrained
-from ...arguments.require import at_most, expect, not_negative, without_none
+from ...arguments.require import at_most, expect
 from ...errors import DeviceFailed
 from ...followed import Course, FollowedSignal
 from ...signal import Signal
@@ -65,16 +65,14 @@ class AudioSettings:
     channels: tuple[int, ...] = (0,)
     sample_format: Literal["int16", "int32", "float32"] = "int32"
     block_s: Positive = 0.005
-    latency_s: float = 0.05
+    latency_s: NotNegative = 0.05
     shared: bool = False
-    position_latency_s: float | None = None
+    position_latency_s: NotNegative | None = None
 
     def __post_init__(self) -> None:
         refuse_default("AudioSettings", self.device)
-        stated_s = without_none({name: getattr(self, name) for name in LONGEST_S})
-        not_negative("AudioSettings", **stated_s)
-        for name, value_s in stated_s.items():
-            at_most(f"AudioSettings.{name}", value_s, LONGEST_S[name])
+        for name, longest_s in LONGEST_S.items():
+            at_most(f"AudioSettings.{name}", getattr(self, name) or 0.0, longest_s)
         frames = self.block_s * self.rate_hz
         expect(frames >= 1, "AudioSettings.block_s", f"{frames:.3g} samples", "at least one at rate_hz")
         once = len(set(self.channels)) == len(self.channels) > 0 and min(self.channels) >= 0
