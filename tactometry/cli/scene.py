@@ -43,7 +43,7 @@ def command(*, file: str, explain: bool, figure: Path | None, movie: Path | None
         with errors_in(file):
             plan = scene_file.scene.resolve()
             given = plans.values_for(plan, scene_file.given)
-        # that it takes a while, before it does; to the side of what is printed
+        # before the work begins, on standard error
         if plan.predicted_s > LONG_S:
             longest = max(plan.stages, key=predicted_s)
             click.echo(

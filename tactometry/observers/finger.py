@@ -87,25 +87,25 @@ class SimulatedFinger:
         n_samples = self._n_samples(request)
         times_s = np.arange(n_samples) / self.rate_hz
         tries, waver, path = np.split(drawn, (N_TRIES, N_TRIES + n_samples), axis=1)
+
         tolerance = request.tolerance
         ratios = self.force_factor * np.exp(self.force_cv * tries)
         inside = np.abs(ratios - 1) <= tolerance
         first = np.take_along_axis(ratios, inside.argmax(axis=1)[:, None], axis=1)[:, 0]
         # none of a hundred falls into the band: it is narrow, or the habit is far from it
-        in_band = np.where(inside.any(axis=1), first, np.clip(self.force_factor, 1 - tolerance, 1 + tolerance))
-        means_n = request.target_n * in_band
+        ratios_in_band = np.where(inside.any(axis=1), first, np.clip(self.force_factor, 1 - tolerance, 1 + tolerance))
+        means_n = request.target_n * ratios_in_band
         forces_n = np.maximum(means_n[:, None] * (1 + self.waver_cv * self._waver(waver)), 0.0)
         if isinstance(request, Press):
             return Grips(times_s, forces_n, np.zeros_like(forces_n), np.zeros(len(drawn)))
-        # places along the path, (n_touches, n_samples), and mean speeds, (n_touches,)
+
         asked_m_per_s = request.speed_m_per_s * self.speed_factor
         means_m_per_s = np.array([asked_m_per_s * math.exp(self.speed_cv * z) for z in path[:, 0].tolist()])
         speeds = means_m_per_s[:, None] * np.maximum(1 + self.speed_waver_cv * self._waver(path[:, 1:]), 0.0)
         # a speed is that of the step behind its sample: nothing follows the last
         steps = speeds[:, :-1]
         paths_m = np.pad(np.cumsum(steps, axis=1) / self.rate_hz, ((0, 0), (1, 0)))
-        paths = triangle(paths_m, request.length_m), steps.mean(axis=1)
-        return Grips(times_s, forces_n, *paths)
+        return Grips(times_s, forces_n, triangle(paths_m, request.length_m), steps.mean(axis=1))
 
     def _waver(self, drawn: Array) -> Array:
         """A stationary first-order process of unit variance from each row."""

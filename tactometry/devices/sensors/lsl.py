@@ -122,10 +122,8 @@ class LslSource(Source):
 def _library() -> Any:
     with library_needed("lsl: cannot load liblsl ({error}); pip install 'tactometry[lsl]'"):
         import pylsl
-    has_settings_of_its_own = "LSLAPICFG" in os.environ or any(
-        Path(place).expanduser().is_file() for place in SETTINGS_FILES
-    )
-    if not has_settings_of_its_own:
+    # a settings file of the user stays in force
+    if "LSLAPICFG" not in os.environ and not any(Path(place).expanduser().is_file() for place in SETTINGS_FILES):
         with contextlib.suppress(NotImplementedError):
             pylsl.set_config_content(WARNINGS_ONLY)
     return pylsl
