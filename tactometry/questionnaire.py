@@ -101,14 +101,12 @@ class Questionnaire:
             one_of(f"{path}.dimension", item.dimension, self.dimensions)
             for language, poles in item.poles.items():
                 _check_pair(poles, f"{path}.poles.{language}", "the negative and the positive pole")
-            expect(
-                bool(item.poles or self.ends),
-                f"{path}.poles",
-                f"none for {item.id!r}",
-                "two poles, or ends for all items",
-            )
+            two = "two poles, or ends for all items"
+            expect(bool(item.poles or self.ends), f"{path}.poles", f"none for {item.id!r}", two)
+
         _check_order(self)
         expect(len(self.languages) > 0, "items", "no language that has words for all of them", "at least one")
+
         for name, dimension in self.dimensions.items():
             for part in dimension.parts:
                 is_other = part in self.dimensions and part != name

@@ -114,6 +114,7 @@ class ForceCalibration(Measured):
         )
         several = "none or more than one of newtons_per_count, polynomial and table_counts"
         expect(len(forms) == 1, "ForceCalibration", several, "exactly one")
+
         if self.newtons_per_count is not None:
             not_zero("ForceCalibration", newtons_per_count=self.newtons_per_count)
             finite("ForceCalibration", zero_count=self.zero_count)
@@ -122,8 +123,7 @@ class ForceCalibration(Measured):
             expect(enough, "ForceCalibration.polynomial", self.polynomial, "at least two finite numbers")
             _check_turns(self.polynomial, self.count_low, self.count_high)
         if self.table_counts is not None:
-            counts = self.table_counts
-            forces_n = self.table_forces_n or ()
+            counts, forces_n = self.table_counts, self.table_forces_n or ()
             where = "ForceCalibration.table_counts"
             paired = len(counts) == len(forces_n) >= 2 and np.isfinite([counts, forces_n]).all()
             sizes = f"{len(counts)} counts and {len(forces_n)} table_forces_n"
@@ -133,6 +133,7 @@ class ForceCalibration(Measured):
             follows = np.all(steps_n > 0) or np.all(steps_n < 0)
             turns = "forces that neither rise nor fall with the counts"
             expect(follows, "ForceCalibration.table_forces_n", turns, "that; measure them again")
+
         rises = self.count_low < self.count_high
         expect(rises, "ForceCalibration.count_low", self.count_low, f"below count_high, {self.count_high}")
 
