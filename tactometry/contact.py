@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-from .arguments.annotations import NotNegative
-from .arguments.constraints import constrained
+from .arguments.constraints import NotNegative, constrained
 
 
 @dataclass(frozen=True)

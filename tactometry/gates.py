@@ -7,8 +7,7 @@ from typing import Any, NamedTuple, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .arguments.annotations import NotNegative, Positive
-from .arguments.constraints import constrained
+from .arguments.constraints import NotNegative, Positive, constrained
 from .arguments.require import expect, positive
 from .errors import InvalidParameter
 

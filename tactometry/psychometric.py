@@ -16,8 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .arguments.annotations import Positive, Share
-from .arguments.constraints import constrained
+from .arguments.constraints import Positive, Share, constrained
 from .arguments.require import expect, lookup
 from .errors import InvalidParameter
 

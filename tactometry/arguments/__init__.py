@@ -1,6 +1,6 @@
 """Checks of arguments, and the error message for each: one vocabulary, each term in one place.
 
-- `annotations` names constraints as data: `Positive`, `NotNegative`, `Share`, `Rate`, or any `Annotated` with the
+- `constraints` names constraints as data: `Positive`, `NotNegative`, `Share`, `Rate`, or any `Annotated` with the
   classes of `annotated_types`.
 - `constrained` (a decorator under `dataclass`) checks the fields of a class against them. `config.strict` builds such a
   class from a file, after it has checked keys and types, so that a file and a call get the same error.

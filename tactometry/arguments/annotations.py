@@ -8,9 +8,10 @@ from types import NoneType, UnionType
 from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 import numpy as np
-from annotated_types import Ge, Gt, Interval, IsFinite
+from annotated_types import Ge, Gt
 from numpy.typing import ArrayLike, NDArray
 
+from . import constraints
 from .constraints import check_of
 from .magnitudes import LARGEST_COUNT, is_number
 from .require import not_negative_array, positive_array
@@ -21,12 +22,9 @@ Unbounded = Annotated[float, inf]
 """A number that may be infinite."""
 UnboundedArray = Annotated[ArrayLike, inf]
 UnboundedComplex = Annotated[NDArray[np.complex128], inf]
-Finite = IsFinite[float]
-Positive = Annotated[float, Gt(0)]
-PositiveWhole = Annotated[int, Gt(0)]
-NotNegative = Annotated[float, Ge(0)]
-Share = Annotated[float, Interval(ge=0, le=1)]
-Rate = Annotated[float, Interval(ge=0, lt=1)]
+Positive = constraints.Positive
+PositiveWhole = constraints.PositiveWhole
+NotNegative = constraints.NotNegative
 PositiveArray = Annotated[ArrayLike, Gt(0)]
 NotNegativeArray = Annotated[ArrayLike, Ge(0)]
 

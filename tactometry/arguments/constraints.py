@@ -12,13 +12,20 @@ from types import UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
-from annotated_types import Interval, IsFinite
+from annotated_types import Ge, Gt, Interval, IsFinite
 
 from ..errors import InvalidParameter
 from .magnitudes import LARGEST_COUNT, TINY, domain, is_number
 
 T = TypeVar("T")
 Check = Callable[[str, Any], None]
+
+Finite = IsFinite[float]
+Positive = Annotated[float, Gt(0)]
+PositiveWhole = Annotated[int, Gt(0)]
+NotNegative = Annotated[float, Ge(0)]
+Share = Annotated[float, Interval(ge=0, le=1)]
+Rate = Annotated[float, Interval(ge=0, lt=1)]
 
 
 @dataclass(frozen=True)
@@ -88,11 +95,10 @@ def ranges(limits: Interval, whole: bool = False) -> Callable[[str], NumberRange
 def constrained(kind: type[T]) -> type[T]:
     """Check the fields of a dataclass against their constraints before its own ``__post_init__``.
 
-    >>> from annotated_types import Gt
     >>> @dataclass(frozen=True)
     ... @constrained
     ... class Tone:
-    ...     frequency_hz: Annotated[float, Gt(0)]
+    ...     frequency_hz: Positive
     >>> Tone(-3.0)
     Traceback (most recent call last):
     tactometry.errors.InvalidParameter: Tone.frequency_hz: found -3.0, expected a finite number above 0
@@ -137,7 +143,7 @@ def limits_of(hint: Any) -> Interval | None:
     """Return the bounds that the notes of an annotation state, or None."""
     notes = [part for note in hint.__metadata__ for part in (note if isinstance(note, Interval) else (note,))]
     bounds = {name: getattr(note, name) for note in notes for name in ("gt", "ge", "lt", "le") if hasattr(note, name)}
-    return Interval(**bounds) if bounds or hint == IsFinite[float] else None
+    return Interval(**bounds) if bounds or hint == Finite else None
 
 
 def is_whole(value: Any) -> bool:

@@ -7,8 +7,7 @@ from typing import Final, Protocol, Self, runtime_checkable
 
 import numpy as np
 
-from ..arguments.annotations import Finite, NotNegative, Positive, Share
-from ..arguments.constraints import constrained
+from ..arguments.constraints import Finite, NotNegative, Positive, Share, constrained
 from .responses import either
 
 Answer = float | str | None

@@ -8,8 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arguments.annotations import Positive, Rate
-from ..arguments.constraints import constrained
+from ..arguments.constraints import Positive, Rate, constrained
 from ..gates import Compliance, SpeedCompliance, compliances, motions, triangle
 from ..session.request import Press, Slide
 

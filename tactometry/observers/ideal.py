@@ -6,8 +6,7 @@ from typing import Self
 
 import numpy as np
 
-from ..arguments.annotations import Finite, NotNegative, Positive
-from ..arguments.constraints import constrained
+from ..arguments.constraints import Finite, NotNegative, Positive, constrained
 from ..session.request import Facts
 from . import responses
 from .people import ObserverWithTraits, Traits

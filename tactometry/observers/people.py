@@ -10,8 +10,7 @@ from typing import Final, Protocol, Self, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from ..arguments.annotations import Finite, NotNegative
-from ..arguments.constraints import constrained
+from ..arguments.constraints import Finite, NotNegative, constrained
 from ..arguments.require import expect, one_of
 from ..config.strict import LOST_LEVEL, check_keys
 from ..session.request import Facts

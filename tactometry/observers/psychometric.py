@@ -8,8 +8,7 @@ from typing import Any, Self
 
 import numpy as np
 
-from ..arguments.annotations import Finite, NotNegative, Positive
-from ..arguments.constraints import constrained
+from ..arguments.constraints import Finite, NotNegative, Positive, constrained
 from ..arguments.require import below, finite, one_of, positive, within
 from ..config.strict import check_keys, convert
 from ..psychometric import SHAPES, PsychometricFunction

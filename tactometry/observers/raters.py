@@ -8,8 +8,7 @@ from typing import Annotated
 import numpy as np
 from annotated_types import Interval
 
-from ..arguments.annotations import Finite, NotNegative
-from ..arguments.constraints import constrained
+from ..arguments.constraints import Finite, NotNegative, constrained
 from ..config.strict import LOST_LEVEL, check_keys
 from ..session.request import Fill
 from ..trials.cells import cell as cell_text

@@ -7,8 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from ..arguments.annotations import Finite, NotNegative, Positive, Rate
-from ..arguments.constraints import constrained
+from ..arguments.constraints import Finite, NotNegative, Positive, Rate, constrained
 from ..session.request import Facts
 from . import responses
 from .changes import Shift

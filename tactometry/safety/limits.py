@@ -5,8 +5,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, fields, replace
 from typing import Any, Final
 
-from ..arguments.annotations import Positive
-from ..arguments.constraints import constrained
+from ..arguments.constraints import Positive, constrained
 from ..arguments.require import at_most, expect
 from ..arguments.unlimited import Unlimited
 from ..errors import LimitExceeded

@@ -11,8 +11,7 @@ from typing import Literal
 
 import numpy as np
 
-from ..arguments.annotations import Positive
-from ..arguments.constraints import constrained
+from ..arguments.constraints import Positive, constrained
 from ..arguments.require import expect
 from ..signal import FloatArray, Signal
 from .reconstruction import course_peak

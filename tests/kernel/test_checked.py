@@ -12,21 +12,18 @@ from numpy.typing import ArrayLike, NDArray
 
 from tactometry.arguments import require
 from tactometry.arguments.annotations import (
-    Finite,
     Matrix,
     NotNegative,
     NotNegativeArray,
     Positive,
     PositiveArray,
     PositiveWhole,
-    Rate,
-    Share,
     Unbounded,
     UnboundedArray,
     Vector,
 )
 from tactometry.arguments.checked import checked
-from tactometry.arguments.constraints import constrained
+from tactometry.arguments.constraints import Finite, Rate, Share, constrained
 from tactometry.arguments.unlimited import UNLIMITED, Unlimited
 from tactometry.errors import InvalidParameter
 

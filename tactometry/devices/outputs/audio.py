@@ -11,8 +11,7 @@ from typing import Any, ClassVar, Final, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arguments.annotations import NotNegative, Positive
-from ...arguments.constraints import constrained
+from ...arguments.constraints import NotNegative, Positive, constrained
 from ...arguments.require import at_most, expect
 from ...errors import DeviceFailed
 from ...followed import Course, FollowedSignal

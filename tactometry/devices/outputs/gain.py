@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from ...arguments.annotations import Positive
+from ...arguments.constraints import Positive
 from ...errors import DeviceFailed, InvalidParameter
 from ...signal import FloatArray, Signal
 from ..measured import MaxAge, Measured

@@ -14,8 +14,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from ...arguments.annotations import Positive
-from ...arguments.constraints import constrained
+from ...arguments.constraints import Positive, constrained
 from ...arguments.require import expect
 from ...errors import DeviceFailed, library_needed
 from ...safety.limits import STOP_WITHIN_S

@@ -19,8 +19,7 @@ from typing import Annotated, ClassVar, Final
 import numpy as np
 from annotated_types import Interval
 
-from ...arguments.annotations import Positive
-from ...arguments.constraints import constrained
+from ...arguments.constraints import Positive, constrained
 from ...arguments.require import expect, whole
 from ...errors import DeviceFailed, InvalidParameter
 from ...safety.limits import STOP_WITHIN_S

@@ -5,8 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...arguments.annotations import NotNegative, Positive, PositiveWhole
-from ...arguments.constraints import constrained
+from ...arguments.constraints import NotNegative, Positive, PositiveWhole, constrained
 from ...errors import DeviceFailed, attempt, reason
 from ..clock_map import ClockMap
 from ..portaudio import FULL_SCALE, end_stream, library, refuse_default

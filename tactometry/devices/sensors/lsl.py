@@ -9,8 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ...arguments.annotations import Positive, PositiveWhole
-from ...arguments.constraints import constrained
+from ...arguments.constraints import Positive, PositiveWhole, constrained
 from ...errors import DeviceFailed, attempt, library_needed
 from ..clock_map import clock_offset_s
 from .reader import POLL_S, SampleBlock, SensorSettings, Source

@@ -9,8 +9,7 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ...arguments.annotations import Positive, PositiveWhole
-from ...arguments.constraints import constrained
+from ...arguments.constraints import Positive, PositiveWhole, constrained
 from ...errors import DeviceFailed, TactometryError
 from ...files.durable import read_file
 from ...files.samples import table_of_numbers

@@ -22,8 +22,7 @@ import zlib
 from dataclasses import dataclass
 from typing import Any, Final, NamedTuple
 
-from ...arguments.annotations import Positive, PositiveWhole
-from ...arguments.constraints import constrained
+from ...arguments.constraints import Positive, PositiveWhole, constrained
 from ...errors import DeviceFailed, library_needed
 from .counted_samples import CountedSamples
 from .reader import POLL_S, SampleBlock, SensorSettings, Source, now_s

@@ -14,8 +14,7 @@ from typing import Final
 
 import numpy as np
 
-from ...arguments.annotations import Positive
-from ...arguments.constraints import constrained
+from ...arguments.constraints import Positive, constrained
 from ...errors import DeviceFailed, attempt
 from .reader import SampleBlock, SensorSettings, Source, now_s
 

@@ -12,8 +12,7 @@ import struct
 from dataclasses import dataclass
 from typing import Final
 
-from ...arguments.annotations import Positive
-from ...arguments.constraints import constrained
+from ...arguments.constraints import Positive, constrained
 from ...arguments.require import expect
 from ...errors import DeviceFailed, attempt
 from .counted_samples import CountedSamples
