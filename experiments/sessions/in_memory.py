@@ -15,10 +15,10 @@ from tactometry.records.description import SIMULATED
 from tactometry.session.replay import Replay
 from tactometry.session.request import Record, Request
 from tactometry.session.run import run
-from tactometry.trials.cells import cell
+from tactometry.trials.cells import Value, cell
 from tactometry.trials.columns import Column
 from tactometry.trials.row_rules import COUNTS, FLAGS, NUMBERS
-from tactometry.trials.trial import Trial, Value
+from tactometry.trials.trial import Trial
 
 from ..study.experiment import Experiment
 from ..workers import workers
