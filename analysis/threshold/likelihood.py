@@ -132,6 +132,16 @@ def chance_information(shape: Shape, counts: Counts, theta: Array) -> Array:
     return _matrix(((mm, mv), (mv, vv)))
 
 
+def chance_slopes(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:
+    """Return slopes of psi along threshold, log width and lapse rate, and psi (1 - psi), at each level."""
+    z, to_m, to_v = _z(shape, u, theta)
+    guess, lapse = _rates(theta)
+    cdf, sf, pdf = linear(shape, z)
+    span = 1 - guess - lapse
+    steep = span * pdf
+    return steep * to_m, np.where(pdf > 0, steep * to_v, 0.0), -cdf, (guess + span * cdf) * (lapse + span * sf)
+
+
 def curvature_of_chances(shape: Shape, u: Array, theta: Array) -> tuple[Array, Array, Array, Array]:
     """psi and 1 - psi (n, n_levels), and gradient (..., 4) and Hessian (..., 4, 4) of psi at each level."""
     z, to_m, to_v = _z(shape, u, theta)
