@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..arrays import Array
-from .inner import Inner, bordered, inner_at
+from .inner import InnerMode, bordered, inner_at
 from .model import GroupModel
 from .posterior import Integrated
 
@@ -59,7 +59,7 @@ def draw_cells(model: GroupModel, found: Integrated, n_draws: int = N_DRAWS) -> 
     return CellDraws(drawn.points[..., :2], model.lapses(hyper, effects), weights / weights.sum(axis=0))
 
 
-def _log_density(inner: Inner, precision: Array) -> Array:
+def _log_density(inner: InnerMode, precision: Array) -> Array:
     """Return that of the answers and effects of each participant (n, n_participants)."""
     bound = np.einsum("niq,nqr,nir->ni", inner.effects, precision, inner.effects, optimize=True)
     return np.asarray(inner.at.value.sum(axis=2) - 0.5 * bound)

@@ -153,7 +153,10 @@ def _fit(alone: Alone, interval: float, n_points: int) -> HierarchicalFit:
         return _without_model(alone, GroupStatus.NO_THRESHOLD, interval)
     model = GroupModel(kept)
     hyper, means = model.start(*alone.start())
-    found = integrate(Laplace(model, hyper, means), hyper, n_points)
+    try:
+        found = integrate(Laplace(model, hyper, means), hyper, n_points)
+    except np.linalg.LinAlgError:
+        return _without_model(alone, GroupStatus.NOT_CONVERGED, interval)
     if not found.n_effective >= FEWEST_EFFECTIVE:
         return _without_model(alone, GroupStatus.NOT_CONVERGED, interval)
     of_group, (of_cells, rates) = group_place(model, found, interval), cell_place(model, found, interval)

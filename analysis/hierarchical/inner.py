@@ -21,7 +21,7 @@ FIRST_DAMPING, SMALLEST_DAMPING = 1e-2, 1e-4
 
 
 @dataclass(frozen=True)
-class Inner(Rows):
+class InnerMode(Rows):
     """The mode at hyperparameters, one row for each point.
 
     `value` (n,) is the log density, `means` (n, n_fixed), `effects` (n, n_participants, n_random), `points` the
@@ -56,7 +56,7 @@ class Bordered:
         return np.where(is_definite, 0.5 * (logs.sum(axis=1) + log), np.inf)
 
 
-def find_inner(model: GroupModel, hyper: Array, means: Array, effects: Array) -> Inner:
+def find_inner(model: GroupModel, hyper: Array, means: Array, effects: Array) -> InnerMode:
     """Damped Newton steps from `means` and `effects`, each point with its own damping until it has converged."""
     precision, n = model.precision(hyper)[0], len(hyper)
     start = np.broadcast_to(means, (n, means.shape[-1])), np.broadcast_to(effects, (n, *effects.shape[-2:]))
@@ -78,7 +78,7 @@ def find_inner(model: GroupModel, hyper: Array, means: Array, effects: Array) ->
     return found
 
 
-def inner_at(model: GroupModel, hyper: Array, precision: Array, means: Array, effects: Array) -> Inner:
+def inner_at(model: GroupModel, hyper: Array, precision: Array, means: Array, effects: Array) -> InnerMode:
     """Return the log density and its parts at means and effects."""
     offset = model.offsets(hyper)[:, None] + np.einsum("cdp,np->ncd", model.fixed, means)
     points = offset[:, None] + np.einsum("cdq,niq->nicd", model.random, effects)
@@ -87,7 +87,7 @@ def inner_at(model: GroupModel, hyper: Array, precision: Array, means: Array, ef
     bound = 0.5 * np.einsum("niq,nqr,nir->n", effects, precision, effects, optimize=True)
     bound = bound + 0.5 * np.square(means - mean) @ by_mean
     value = at.value.sum(axis=(1, 2)) - bound
-    return Inner(np.where(np.isfinite(value), value, -np.inf), means, effects, points, at)
+    return InnerMode(np.where(np.isfinite(value), value, -np.inf), means, effects, points, at)
 
 
 def bordered(model: GroupModel, curvature: Array, precision: Array, damping: Array | float = 0.0) -> Bordered:
@@ -108,7 +108,7 @@ def bordered(model: GroupModel, curvature: Array, precision: Array, damping: Arr
     return Bordered(local, cross, pulled, own, own.sum(axis=1) + prior)
 
 
-def _step(model: GroupModel, here: Inner, precision: Array, damping: Array) -> tuple[Array, Array, Array]:
+def _step(model: GroupModel, here: InnerMode, precision: Array, damping: Array) -> tuple[Array, Array, Array]:
     mean, by_mean = (part[: here.means.shape[1]] for part in model.means_prior)
     slope = here.at.gradient
     g_effects = np.einsum("cdq,nicd->niq", model.random, slope) - here.effects @ precision

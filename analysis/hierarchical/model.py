@@ -36,9 +36,9 @@ def rate_of(logit: Array) -> tuple[Array, Array, Array]:
     return rate, slope, slope * (1 - 2 * share)
 
 
-def logit_of(rate: float) -> float:
+def logit_of(probability: float) -> float:
     """Return the logit of a rate between 0 and 0.5."""
-    return float(np.log(rate / (LARGEST_RATE - rate)))
+    return float(np.log(probability / (LARGEST_RATE - probability)))
 
 
 def log_rate_prior(logit: Array, beta: float, n_yes: float = 0.0, n_no: float = 0.0) -> Array:

@@ -12,7 +12,7 @@ from scipy.special import gammaincinv, ndtr, ndtri
 
 from ..arrays import Array, Rows
 from ..mixed_models.laplace import symmetric_inverse
-from .inner import Inner, bordered, find_inner
+from .inner import Bordered, InnerMode, bordered, find_inner
 from .model import GroupModel
 
 N_POINTS = 256
@@ -87,13 +87,13 @@ class Laplace:
             hessian = bordered(model, model.information(inner.points, hyper), precision)
             n = model.study.n_participants
             value = inner.value + n * half - hessian.half_log_determinant + model.log_prior(hyper)
-            covariance = np.linalg.inv(hessian.schur)
+            covariance = np.asarray(np.linalg.inv(hessian.schur), dtype=np.float64)
             cells, variances = _cells(model, inner, hessian, covariance)
         value = np.where(np.isfinite(value), value, -np.inf)
         return Conditional(hyper, value, inner.means, covariance, cells, variances, inner.effects)
 
 
-def _cells(model: GroupModel, inner: Inner, hessian, covariance: Array) -> tuple[Array, Array]:
+def _cells(model: GroupModel, inner: InnerMode, hessian: Bordered, covariance: Array) -> tuple[Array, Array]:
     """Thresholds and log widths of the cells, with variances."""
     z, x = model.random[:, :2], model.fixed[:, :2]
     spread = np.linalg.solve(hessian.local[:, :, None], np.swapaxes(z, 1, 2))

@@ -108,11 +108,11 @@ def _no_outcome(task: str, why: str) -> HierarchicalOutcome:
 def _outcome(task: str, fit: HierarchicalFit, varied: Sequence[str], table: pd.DataFrame) -> HierarchicalOutcome:
     if fit.status not in HAS_FIT:
         return _no_outcome(task, fit.note)
-    tables, effects, notes = (fit.conditions, fit.participants), {}, OTHER_MODEL
     if CURVES[task].has_difference:
-        conditions, participants = map(_with_difference, tables)
+        conditions, participants = map(_with_difference, (fit.conditions, fit.participants))
+        effects, notes = dict[str, FactorEffect](), OTHER_MODEL
     else:
-        conditions, participants = tables
+        conditions, participants = fit.conditions, fit.participants
         effects, notes = _effects(fit, varied, table)
     conditions = conditions.assign(text=[_text(row) for _, row in conditions.iterrows()])
     note = "; ".join(filter(None, (fit.note, notes)))

@@ -32,7 +32,7 @@ LAPSES = {
 COLUMNS = ("procedure", "lapses", "study", "n_participants", "participants", "means", "contrast", "error_db", "mean_db")
 
 
-def outcome(procedure: str, lapses: str, study: int, seed: int) -> tuple[float | str, ...]:
+def outcome(procedure: str, lapses: str, study: int, seed: int) -> tuple[object, ...]:
     """Simulate a study, fit it, and return the shares of intervals that contain the true values (`COLUMNS`)."""
     rng = stream(seed, CHOSEN.index(procedure), list(LAPSES).index(lapses), study)
     own, deviations = rng.standard_normal((N_PEOPLE, 1)), rng.standard_normal((N_PEOPLE, N_CONDITIONS))

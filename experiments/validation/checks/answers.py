@@ -212,8 +212,7 @@ lapses.""",
     n_sets=5,
     reasons={
         "generalised mixed model": _RANDOM_INTERCEPT,
-        "hierarchical": "it has the variances as found, and where none is found its chi-square has no allowance "
-        "for few participants",
+        "hierarchical": "the prior of the participants' deviations by condition makes few participants differ more",
     },
     reason_key="test",
     figure="tests-of-answers",
@@ -228,7 +227,7 @@ EFFECTS: Final = Check(
     n_sets=5,
     reasons={
         "generalised mixed model": _RANDOM_INTERCEPT,
-        "hierarchical": "it has the variances as found",
+        "hierarchical": "the prior of the participants' deviations by condition makes few participants differ more",
     },
     reason_key="method",
     figure="effects-of-answers",
