@@ -283,3 +283,27 @@ def test_names_the_row_of_an_impossible_count(study) -> None:
     rows.loc[3, "k"] = 21
     with pytest.raises(InvalidParameter, match="^n_correct, row 3: found 21"):
         fitted(rows)
+
+
+def test_same_answers_give_the_same_bytes(study) -> None:
+    one, other = fitted(study[0]), fitted(study[0])
+    assert one.participants.to_csv() == other.participants.to_csv()
+    assert one.covariance.tobytes() == other.covariance.tobytes()
+
+
+def test_points_of_the_integral_hardly_move_intervals(study) -> None:
+    """Against four times as many; an error of 5 % of the length of an interval."""
+    few, many = (fitted(study[0], n_points=n).conditions for n in (256, 1024))
+    length = (many["interval_high"] - many["interval_low"]).mean()
+    for end in ("interval_low", "interval_high"):
+        assert few[end].to_numpy(float) == pytest.approx(many[end].to_numpy(float), abs=0.05 * length)
+
+
+def test_lapse_rates_of_participants_follow_their_answers(study) -> None:
+    """One of eight misses a quarter of the easiest trials."""
+    rows = study[0].copy()
+    is_easy = (rows["participant"] == "P0") & (rows["level"] == LEVELS[-1])
+    rows.loc[~is_easy & (rows["level"] == LEVELS[-1]), "k"] = 20
+    rows.loc[is_easy, "k"] = 15
+    rates = fitted(rows).participants.groupby("participant")["lapse_rate"].first()
+    assert rates["P0"] > 2 * rates.drop("P0").mean()
