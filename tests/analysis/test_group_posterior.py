@@ -26,7 +26,7 @@ def model_of(n_yes, lapse_rate=0.02) -> GroupModel:
 def test_sequence_fills_the_unit_cube_evenly() -> None:
     points = sequence(1024, 3)
     assert points.mean(axis=0) == pytest.approx([0.5] * 3, abs=6e-3)
-    assert np.cov(points, rowvar=False) == pytest.approx(np.eye(3) / 12, abs=2e-3)
+    assert np.cov(points, rowvar=False) == pytest.approx(np.eye(3) / 12, abs=4e-3)
 
 
 def test_quantiles_of_a_mixture_reach_their_share() -> None:
