@@ -164,7 +164,7 @@ $(VENV)/.python:
 	touch $@
 
 $(VENV)/.core: $(VENV)/.python pyproject.toml setup.py requirements/core.txt
-	@echo "Installing Tactometry with the packages of its core (155 MB to download) ..."
+	@echo "Installing Tactometry with the packages of its core (180 MB to download) ..."
 	$(HASHED) requirements/core.txt
 	$(EDITABLE)
 	touch $@

@@ -14,17 +14,11 @@ from tactometry.loading import exports
 
 if TYPE_CHECKING:
     from .anova.group_means import group_table as group_table
-    from .anova.nonparametric import (
-        aligned_rank_transform as aligned_rank_transform,
-        art_contrasts as art_contrasts,
-        friedman as friedman,
-    )
-    from .anova.post_hoc import pairs as pairs, rank_pairs as rank_pairs
+    from .anova.post_hoc import pairs as pairs
     from .anova.within_subjects import permutation_test as permutation_test, repeated_measures as repeated_measures
     from .attrakdiff.scoring import item_scores as item_scores, scores as scores
     from .hierarchical.fitting import fit_hierarchical as fit_hierarchical
     from .means import mean_with_interval as mean_with_interval
-    from .mixed_models.glmm import fit_glmm as fit_glmm
     from .pipeline import analyse as analyse
     from .plan import AnalysisPlan as AnalysisPlan, read_plan as read_plan
     from .reading.column_map import ColumnMap as ColumnMap, read_column_map as read_column_map

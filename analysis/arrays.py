@@ -74,3 +74,19 @@ class Expansion(Rows):
 
     def __add__(self, other: "Expansion") -> "Expansion":
         return Expansion(self.value + other.value, self.gradient + other.gradient, self.hessian + other.hessian)
+
+
+def lay_out(cluster: Indices, *columns: Array, n_clusters: int = 0) -> list[Array]:
+    """Return rows (n_rows, ...) laid out as (n_clusters, n_slots, ...).
+
+    Unused slots are 0. Clusters without a row, up to the largest named or `n_clusters`, are empty.
+    """
+    order = np.argsort(cluster, kind="stable")  # stable: the slots of a cluster keep the order of its rows
+    sizes = np.bincount(cluster, minlength=n_clusters)
+    slot = np.arange(len(cluster)) - np.repeat(np.cumsum(sizes) - sizes, sizes)
+    laid = []
+    for column in columns:
+        whole = np.zeros((len(sizes), sizes.max(), *column.shape[1:]))
+        whole[cluster[order], slot] = column[order]
+        laid.append(whole)
+    return laid

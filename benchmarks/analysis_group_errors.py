@@ -14,10 +14,11 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from measured import tell
+from scipy.special import fdtrc
 from scipy.stats import t as student
 
 from tactometry.analysis.anova.censored import censored_anova
-from tactometry.analysis.anova.contrasts import ContrastEffect, contrasts, permutation_p
+from tactometry.analysis.anova.contrasts import ContrastEffect, contrasts, epsilons, permutation_p
 from tactometry.analysis.anova.design import UndefinedStatistic
 from tactometry.analysis.anova.group_means import DIFFERENCE, within_variances
 from tactometry.analysis.anova.post_hoc import all_together
@@ -52,17 +53,15 @@ def detected(values: np.ndarray, design: str) -> dict[str, float]:
     """The share of studies with p < 5 % by each test."""
     n_levels, part = DESIGNS[design]
     scores = values @ contrasts(n_levels, part).T
-    effects = [ContrastEffect.of(("x",), each, values.shape[-1]) for each in scores]
-    shapes = [effect.sphericity for effect in effects]
-    tests = {
-        "uncorrected": [1.0] * len(effects),
-        "Greenhouse-Geisser": [shape.greenhouse_geisser for shape in shapes],
-        "Huynh-Feldt": [shape.huynh_feldt for shape in shapes],
-        "Chi-Muller": [shape.chi_muller for shape in shapes],
-    }
+    effects = [ContrastEffect(("x",), each) for each in scores]
+    shapes = np.array([(1.0, *epsilons(effect.covariance, N - 1)) for effect in effects])
+    df1, df2 = effects[0].df
+    fs = np.array([N * np.sum(each.mean(axis=0) ** 2) for each in scores]) * df2 / df1
+    fs /= [effect.ss_error for effect in effects]
+    tests = ("uncorrected", "Greenhouse-Geisser", "Huynh-Feldt", "Chi-Muller")
     found = {
-        name: np.mean([effect.p(epsilon) < 0.05 for effect, epsilon in zip(effects, epsilons, strict=True)])
-        for name, epsilons in tests.items()
+        name: np.mean(fdtrc(epsilon * df1, epsilon * df2, fs) < 0.05)
+        for name, epsilon in zip(tests, shapes.T, strict=True)
     }
     return found | {"permutation": np.mean([permutation_p(effect) < 0.05 for effect in effects[:2000]])}
 

@@ -22,6 +22,8 @@ REASONS = {
     "scipy": "distributions, special functions, filters, searches: the physics and the fits",
     "numba": "machine code of loops: the finger that sticks and slips, the plate in time, thousands of tracks at once",
     "pandas": "tables of trials and of results",
+    "statsmodels": "analyses of variance of three factors and of groups, mixed models",
+    "pingouin": "analyses of variance within participants, corrections, tests of assumptions",
     "matplotlib": "figures, and the report",
     "pillow": "images on pages, height maps of textures",
     "msgspec": "journals and study files, read strictly",

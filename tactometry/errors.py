@@ -57,6 +57,10 @@ def each_of(error: TactometryError) -> tuple[TactometryError, ...]:
     return error.parts if isinstance(error, Mistakes) else (error,)
 
 
+MOST_MISTAKES = 20
+"""Mistakes of one file that are reported in one run."""
+
+
 class Gathered:
     """Mistakes of the parts of a file, raised together.
 
@@ -72,7 +76,7 @@ class Gathered:
     """
 
     def __init__(self) -> None:
-        self.errors: list[TactometryError] = []
+        self.errors: dict[str, TactometryError] = {}
 
     @contextmanager
     def part(self) -> Iterator[None]:
@@ -91,10 +95,17 @@ class Gathered:
             return cast("T", None)
 
     def add(self, error: TactometryError) -> None:
-        """Keep the mistakes of an error, of each place the first."""
+        """Keep the first mistake of each place.
+
+        Raises
+        ------
+        TactometryError
+            As `end`, once `MOST_MISTAKES` are kept: a file of other content has thousands.
+        """
         for part in each_of(error):
-            if _place_of(part) not in map(_place_of, self.errors):
-                self.errors.append(part)
+            self.errors.setdefault(_place_of(part), part)
+            if len(self.errors) >= MOST_MISTAKES:
+                self.end()
 
     def end(self) -> None:
         """Raise what was kept.
@@ -105,7 +116,8 @@ class Gathered:
             The one mistake, or `Mistakes`.
         """
         if self.errors:
-            raise self.errors[0] if len(self.errors) == 1 else Mistakes(self.errors)
+            errors = list(self.errors.values())
+            raise errors[0] if len(errors) == 1 else Mistakes(errors)
 
 
 def _place_of(error: TactometryError) -> str:

@@ -20,12 +20,12 @@ from tactometry.arguments.require import expect
 from ..arrays import Array
 from ..distributions import Student
 from .bounded_design import BoundedDesign, bounded_design
-from .contrasts import Sphericity, Tested, effect_places, epsilons
+from .contrasts import effect_places, epsilons
 from .design import MAX_FACTORS, DesignStatus, expect_defined, names_of
 from .group_means import within_variances
 from .post_hoc import all_together, two_one_sided, with_verdicts
 from .strata import StrataFit, fit_strata
-from .within_subjects import INTERVAL, effect_table
+from .within_subjects import INTERVAL, EffectTest, effect_table
 
 WIDEST_SE = 10.0
 """A mean of a larger standard error, in standard deviations of the known values, is not held by them."""
@@ -136,7 +136,7 @@ def _held_fit(design: BoundedDesign) -> StrataFit:
     return fit
 
 
-def _tests(design: BoundedDesign, fit: StrataFit) -> list[Tested]:
+def _tests(design: BoundedDesign, fit: StrataFit) -> list[EffectTest]:
     """In the order of `repeated_measures`, or of `mixed_anova`."""
     from scipy.linalg import helmert  # slow to load
 
@@ -151,7 +151,7 @@ def _tests(design: BoundedDesign, fit: StrataFit) -> list[Tested]:
     return tests
 
 
-def _wald_test(fit: StrataFit, stratum: int, of_groups: Array, name: str) -> Tested:
+def _wald_test(fit: StrataFit, stratum: int, of_groups: Array, name: str) -> EffectTest:
     """Wald's F of the contrasts of a stratum, of all groups together or between them."""
     contrasts = fit.data.strata[stratum]
     weights = np.kron(of_groups, contrasts)
@@ -162,10 +162,8 @@ def _wald_test(fit: StrataFit, stratum: int, of_groups: Array, name: str) -> Tes
     if not fit.has_error[stratum]:
         error = 0.0
     f = float(estimate @ np.linalg.solve(covariance, estimate)) / first
-    corrections = epsilons(contrasts @ fit.pooled @ contrasts.T, fit.df_of(stratum))
-    shape = Sphericity(None, None, *corrections, singular=False)
-    # Back from F to sums of squares, which every other analysis of variance gives to the table.
-    return Tested(name, f * first * error, error * second, (first, second), shape)
+    shape = epsilons(contrasts @ fit.pooled @ contrasts.T, fit.df_of(stratum))
+    return EffectTest(name, f if error > 0 else np.nan, error * second, (first, second), shape)
 
 
 LEAST_SD = 1e-7

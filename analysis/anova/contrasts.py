@@ -1,7 +1,8 @@
-"""The effects of a within-participant design as orthonormal contrasts: sums of squares, sphericity, permutations.
+"""The effects of a within-participant design as orthonormal contrasts: epsilons, ranks of errors, permutations.
 
-Each participant's values become scores Z of shape (participant, contrast); everything that an analysis of variance
-says of an effect is a function of them (science 10.1; Winer, Brown and Michels 1991, chapter 7).
+Each participant's values become scores of shape (participant, contrast). What pingouin and statsmodels do not give
+follows from them: Chi and Muller's epsilon, exact permutations, designs of three factors (Winer, Brown and Michels
+1991, chapter 7).
 """
 
 from dataclasses import dataclass
@@ -12,7 +13,6 @@ import numpy as np
 from tactometry.errors import InvalidParameter
 
 from ..arrays import Array
-from ..distributions import ChiSquare, Fisher
 from .design import WithinDesign
 
 MOST_EXACT = 14
@@ -21,72 +21,51 @@ RANK_TOLERANCE = 1e-12
 
 
 @dataclass(frozen=True)
-class Sphericity:
-    """How far the contrasts are from equal variances and no correlation.
-
-    `w`, `p`: Mauchly's test (None where the error matrix is singular or there is one contrast); `greenhouse_geisser`,
-    `huynh_feldt` and `chi_muller` are epsilons from 1/df to 1; `singular`: fewer participants than the contrasts need.
-    """
-
-    w: float | None
-    p: float | None
-    greenhouse_geisser: float
-    huynh_feldt: float
-    chi_muller: float
-    singular: bool
-
-
-@dataclass(frozen=True)
-class Tested:
-    """Sums of squares of an effect and its error, with degrees of freedom and the shape of the errors."""
-
-    name: str
-    ss: float
-    ss_error: float
-    df: tuple[int, float]
-    sphericity: Sphericity
-
-    @property
-    def has_error(self) -> bool:
-        """Without, all participants show exactly the same differences and F is undefined."""
-        return self.ss_error > 0
-
-    @property
-    def f(self) -> float:
-        first, second = self.df
-        return self.ss / first / (self.ss_error / second) if self.has_error else np.nan
-
-    def p(self, epsilon: float = 1.0) -> float:
-        """Chance of such an F or a larger one; both degrees of freedom are multiplied by epsilon."""
-        first, second = self.df
-        return float(Fisher.sf(self.f, epsilon * first, epsilon * second))
-
-
-@dataclass(frozen=True)
-class ContrastEffect(Tested):
+class ContrastEffect:
     """An effect of its factors with the scores of all participants, shape (participant, contrast)."""
 
     factors: tuple[str, ...]
     scores: Array
 
-    @classmethod
-    def of(cls, factors: tuple[str, ...], scores: Array, n_conditions: int) -> "ContrastEffect":
-        """From the scores, in a design of `n_conditions` cells."""
-        n, p = scores.shape
-        errors = scores - scores.mean(axis=0)
-        ss = n * float(np.sum(scores.mean(axis=0) ** 2))
-        shape = sphericity(errors.T @ errors / (n - 1), n - 1, n_conditions)
-        df = (p, p * (n - 1))
-        return cls(" * ".join(factors), ss, float(np.sum(errors**2)), df, shape, factors, scores)
+    @property
+    def name(self) -> str:
+        return " * ".join(self.factors)
+
+    @property
+    def df(self) -> tuple[int, int]:
+        n, n_contrasts = self.scores.shape
+        return n_contrasts, n_contrasts * (n - 1)
+
+    @property
+    def errors(self) -> Array:
+        """Deviations from the mean scores, shape (participant, contrast)."""
+        return np.asarray(self.scores - self.scores.mean(axis=0))
+
+    @property
+    def ss_error(self) -> float:
+        return float(np.sum(self.errors**2))
+
+    @property
+    def covariance(self) -> Array:
+        """Covariance of the scores, shape (contrast, contrast)."""
+        return np.asarray(self.errors.T @ self.errors / (len(self.scores) - 1))
+
+    @property
+    def is_singular(self) -> bool:
+        """Whether the error matrix has no inverse: fewer participants than it needs, or dependent contrasts."""
+        n, n_contrasts = self.scores.shape
+        eigenvalues = np.linalg.eigvalsh(self.covariance)
+        is_dependent = bool(eigenvalues[0] <= RANK_TOLERANCE * eigenvalues[-1])
+        return n_contrasts > 1 and (n - 1 < n_contrasts or is_dependent)
 
 
 def effects(design: WithinDesign) -> list[ContrastEffect]:
-    """Main effects first, then the interactions.
+    """Return the main effects, then the interactions.
 
     >>> values = np.array([[1.0, 2, 4], [2, 2, 5], [1, 3, 3]])
-    >>> (found,) = effects(WithinDesign(values, ("force_n",), ((0.5, 1, 2),), ("a", "b", "c")))
-    >>> found.name, found.df, round(found.f, 3)
-    ('force_n', (2, 4), 8.909)
+    >>> (effect,) = effects(WithinDesign(values, ("force_n",), ((0.5, 1, 2),), ("a", "b", "c")))
+    >>> effect.name, effect.df, round(effect.ss_error, 3)
+    ('force_n', (2, 4), 2.444)
     """
     return [_effect(design, places) for places in effect_places(len(design.factors))]
 
@@ -105,7 +84,7 @@ def _effect(design: WithinDesign, places: tuple[int, ...]) -> ContrastEffect:
     mean = scores.mean(axis=0)
     if np.abs(scores - mean).max() <= design.rounding:
         scores = np.broadcast_to(mean, scores.shape)  # an error of rounding alone is 0, and F undefined, not huge
-    return ContrastEffect.of(tuple(design.factors[place] for place in places), scores, design.cells.shape[1])
+    return ContrastEffect(tuple(design.factors[place] for place in places), scores)
 
 
 def participant_scores(design: WithinDesign) -> Array:
@@ -123,21 +102,6 @@ def contrasts(n_levels: tuple[int, ...], places: tuple[int, ...]) -> Array:
         along = helmert(k) if place in places else np.full((1, k), k**-0.5)
         whole = np.asarray(np.kron(whole, along), dtype=np.float64)
     return whole
-
-
-def sphericity(covariance: Array, df: int, n_conditions: int) -> Sphericity:
-    """Epsilons and Mauchly's test of the covariance (contrast, contrast) of orthonormal contrasts with `df` degrees of
-    freedom. The p-value has the term of second order as R and pingouin have it, with the number of all conditions
-    (Anderson 2003, 10.7, has that of the contrasts)."""
-    p, shape = len(covariance), epsilons(covariance, df)
-    if p == 1:
-        return Sphericity(None, None, *shape, singular=False)
-    eigenvalues = np.linalg.eigvalsh(covariance)
-    if df < p or eigenvalues[0] <= RANK_TOLERANCE * eigenvalues[-1]:
-        return Sphericity(None, None, *shape, singular=True)
-    log_w = float(np.sum(np.log(eigenvalues))) - p * np.log(float(eigenvalues.sum()) / p)
-    mauchly_p = _mauchly_p(log_w, p, df, n_conditions)
-    return Sphericity(float(np.exp(log_w)), mauchly_p, *shape, singular=False)
 
 
 def epsilons(covariance: Array, df: float) -> tuple[float, float, float]:
@@ -162,15 +126,6 @@ def epsilons(covariance: Array, df: float) -> tuple[float, float, float]:
     return greenhouse_geisser, huynh_feldt, chi_muller
 
 
-def _mauchly_p(log_w: float, p: int, df: int, n_conditions: int) -> float:
-    factor = 1 - (2 * p**2 + p + 2) / (6 * p * df)
-    polynomial = (p + 2) * (p - 1) * (p - 2) * (2 * p**3 + 6 * p**2 + 3 * n_conditions + 2)
-    second = polynomial / (288 * (df * p * factor) ** 2)
-    statistic, df_chi2 = -df * factor * log_w, p * (p + 1) // 2 - 1
-    first, later = float(ChiSquare.sf(statistic, df_chi2)), float(ChiSquare.sf(statistic, df_chi2 + 4))
-    return first + second * (later - first)
-
-
 def permutation_p(effect: ContrastEffect, *, rng: np.random.Generator | None = None, n_resamples: int = 9_999) -> float:
     """The chance of an effect as large or larger if each participant's contrasts could as well have the other sign.
 
@@ -178,8 +133,7 @@ def permutation_p(effect: ContrastEffect, *, rng: np.random.Generator | None = N
     and error together does not change with the signs, so that the effect's own orders them as F does. Up to
     `MOST_EXACT` participants all signs are tried and `rng` is not used.
 
-    >>> effect = ContrastEffect.of(("force_n",), np.array([[1.0], [2.0], [3.0], [4.0]]), n_conditions=2)
-    >>> permutation_p(effect)
+    >>> permutation_p(ContrastEffect(("force_n",), np.array([[1.0], [2.0], [3.0], [4.0]])))
     0.125
     """
     n = len(effect.scores)

@@ -15,19 +15,18 @@ import numpy as np
 import pandas as pd
 from scipy.special import logsumexp, nctdtr
 
-from tactometry.arguments.require import between, expect
+from tactometry.arguments.require import between, expect, one_of
 
 from ..arrays import RELATIVE_ZERO, Array, size_of
 from ..distributions import ChiSquare, Student
-from .corrections import adjusted_p
 from .design import UndefinedStatistic, within_design
 
 SPREADS, FAR_T = 12.0, 1e4
-DIGITS = 12
-"""Of a difference in units of the largest value: what is equal but for rounding is tied."""
 BAYES_SCALE, LOG_STEP, BELOW, BEYOND = 0.707, 0.02, 8.0, 60.0
 """Of the Bayes factor: the scale of its prior; of its integral the step in the logarithm of g, and how far it reaches
 below g = 1 and beyond its peak."""
+CORRECTIONS = {"holm": "holm", "bonferroni": "bonf", "sidak": "sidak", "fdr_bh": "fdr_bh", "none": "none"}
+"""Corrections of p for the number of tests, with pingouin's names."""
 _TESTED = ("difference_low", "difference_high", "t", "p_unc", "dz", "dz_low", "dz_high", "bf10")
 
 
@@ -122,21 +121,19 @@ def _insert_behind(table: pd.DataFrame, name: str, column: str, values: "pd.Seri
     table.insert(list(table.columns).index(name) + 1, column, values)
 
 
-def rank_pairs(
-    table: pd.DataFrame, *, dependent: str, factor: str, subject: str, by: str | None = None, correction: str = "holm"
-) -> pd.DataFrame:
-    """Wilcoxon's signed-rank tests between all levels of `factor`, corrected together; `r` is the rank-biserial size.
+def adjusted_p(p: "pd.Series[float]", correction: str) -> "pd.Series[float]":
+    """Return p adjusted for the number of tests by `pingouin.multicomp`; a missing p stays missing and counts as none.
 
-    >>> table = pd.DataFrame({"who": list("aabbccdd"), "force_n": [1, 2] * 4, "y": [1.0, 3, 2, 2.5, 2, 5, 1, 2]})
-    >>> found = rank_pairs(table, dependent="y", factor="force_n", subject="who")
-    >>> found[["w", "p_unc", "r"]].values.tolist()
-    [[0.0, 0.125, 1.0]]
+    Raises
+    ------
+    InvalidParameter
+        If the correction is none of `CORRECTIONS`.
     """
-    compared, notes = compare(table, dependent, factor, subject, by, "rank_pairs")
-    result = pd.DataFrame([_rank_row(pair) for pair in compared])
-    _insert_behind(result, "p_unc", "p_corr", adjusted_p(result["p_unc"], correction))
-    result.attrs["notes"] = notes
-    return result
+    import pingouin  # slow to load
+
+    one_of("correction", correction, CORRECTIONS)
+    adjusted = pingouin.multicomp(p.astype(float).to_numpy(), method=CORRECTIONS[correction])[1]
+    return pd.Series(adjusted, p.index)
 
 
 def compare(
@@ -171,19 +168,17 @@ def _turned(pair: Pair) -> Pair:
 
 
 def _row(pair: Pair, interval: float) -> dict[str, object]:
+    from scipy.stats import ttest_rel  # slow to load
+
     d = pair.differences
-    n, mean = len(d), float(d.mean())
-    row = {**pair.keys, "difference": mean * pair.size, "n": n, "df": n - 1}
+    row = {**pair.keys, "difference": float(d.mean()) * pair.size, "n": len(d), "df": len(d) - 1}
     if not pair.has_error:
         return row | dict.fromkeys(_TESTED) | {"status": "zero_error"}
-    sd = float(d.std(ddof=1))
-    t = mean / sd * np.sqrt(n)
-    half = float(Student.ppf((1 + interval) / 2, n - 1)) * sd / np.sqrt(n)
-    ends = ((mean - half) * pair.size, (mean + half) * pair.size)
-    p = 2 * float(Student.sf(abs(t), n - 1))
-    dz_low, dz_high = dz_interval(t, n, interval)
-    tested = (*ends, t, p, mean / sd, dz_low, dz_high, bayes_factor(t, n))
-    return row | dict(zip(_TESTED, tested, strict=True)) | {"status": "ok"}
+    test = ttest_rel(pair.values[1], pair.values[0])
+    t, ends = float(test.statistic), test.confidence_interval(interval)
+    dz = (t / np.sqrt(len(d)), *dz_interval(t, len(d), interval))
+    tested = (ends.low * pair.size, ends.high * pair.size, t, float(test.pvalue), *dz, bayes_factor(t, len(d)))
+    return row | dict(zip(_TESTED, map(float, tested), strict=True)) | {"status": "ok"}
 
 
 def dz_interval(t: float, n: int, interval: float) -> tuple[float, float]:
@@ -214,10 +209,12 @@ def _noncentral(t: float, df: int, chance: float) -> float:
 
 
 def bayes_factor(t: float, n_first: int, n_second: int | None = None) -> float:
-    """For a difference, of one sample of differences or of two samples (Rouder, Speckman, Sun, Morey and Iverson 2009,
-    Psychonomic Bulletin & Review 16, 225-237, eq. 1 and 2; scale 0.707); infinite beyond the floats.
+    """Return the Bayes factor of a difference, of one sample of differences or of two samples (Rouder, Speckman, Sun,
+    Morey and Iverson 2009, Psychonomic Bulletin & Review 16, 225-237, eq. 1 and 2; scale 0.707); infinite beyond the
+    floats.
 
-    In the logarithm of g the integrand is a hill with slopes that fall exponentially, of which plain sums are exact.
+    `pingouin.bayesfactor_ttest` misses the peak of the integrand from t of some hundreds on, and is negative there.
+    Over the logarithm of g the integrand falls exponentially on both sides, so that a sum is exact.
 
     >>> [round(bayes_factor(t, 3), 2) for t in (2.0, 1e4)]
     [1.13, 6908.34]
@@ -235,22 +232,6 @@ def bayes_factor(t: float, n_first: int, n_second: int | None = None) -> float:
     log_integral = logsumexp(height) + np.log(LOG_STEP)
     with np.errstate(over="ignore"):
         return float(np.exp(log_integral - log_null))
-
-
-def _rank_row(pair: Pair) -> dict[str, object]:
-    from scipy.stats import wilcoxon  # slow to load
-
-    d = np.round(pair.differences, DIGITS)
-    row = {**pair.keys, "median_difference": float(np.median(d)) * pair.size, "n": len(d)}
-    moved = d[d != 0]
-    if not len(moved):
-        return row | {"w": None, "p_unc": None, "r": None, "status": "zero_error"}
-    is_tied = len(np.unique(np.abs(moved))) < len(moved)
-    has_exact = len(moved) <= 50 and not is_tied  # the exact distribution is that of ranks without ties
-    test = wilcoxon(moved, method="exact" if has_exact else "approx")
-    ranks = pd.Series(np.abs(moved)).rank().to_numpy()
-    r = float(np.sum(ranks * np.sign(moved)) / ranks.sum())
-    return row | {"w": float(test.statistic), "p_unc": float(test.pvalue), "r": r, "status": "ok"}
 
 
 def evidence(bf10: float) -> str:

@@ -1,13 +1,13 @@
 """Mixed analysis of variance: one factor between participants, one to three within.
 
-By exact contrasts: pingouin takes one factor within, and with groups of unequal size tests another hypothesis for it
-(weighted means), which it says in its manual only. Here group means weigh alike (type III sums of squares).
+By type III sums of squares of the contrasts, from statsmodels: group means weigh alike. pingouin takes one factor
+within, and with groups of unequal size tests another hypothesis for it (weighted means).
 
 Which groups of participants differ: Welch's t-tests of participants' means with Holm's correction.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import combinations
 
 import numpy as np
@@ -17,10 +17,10 @@ from tactometry.arguments.require import expect
 
 from ..arrays import RELATIVE_ZERO, Array, size_of
 from ..means import parts
-from .contrasts import Sphericity, Tested, effects, participant_scores, sphericity
+from .contrasts import effects, epsilons, participant_scores
 from .design import DesignStatus, expect_defined, finite_rows, names_of, refuse_one, within_design
 from .post_hoc import all_together, bayes_factor
-from .within_subjects import INTERVAL, effect_table, scaled_design, with_notes
+from .within_subjects import INTERVAL, EffectTest, effect_table, scaled_design, with_notes
 
 MIN_GROUP = 2
 
@@ -36,8 +36,8 @@ def mixed_anova(
 ) -> pd.DataFrame:
     """Mixed analysis of variance of a table in long form; columns as those of `repeated_measures`.
 
-    Sphericity is that of the covariance pooled within groups; both the effect within and its interaction are
-    corrected by it.
+    The epsilons are those of the covariance pooled within groups; both the effect within and its interaction are
+    corrected by them. Mauchly's test is missing.
 
     Raises
     ------
@@ -56,9 +56,10 @@ def mixed_anova(
     design = within_design(rows, dependent=dependent, within=factors, subject=subject, where="mixed_anova")
     groups = groups_of(rows, design.participants, subject, between)
     scaled, scale = scaled_design(design, dependent)
-    tested = [_between(participant_scores(scaled)[:, None], groups, between)]
+    _, of_groups = _tests(between, participant_scores(scaled)[:, None], groups, between)
+    tested = [replace(of_groups, name=between)]
     for effect in effects(scaled):
-        tested += _within_and_interaction(effect.name, effect.scores, scaled.cells.shape[1], groups, between)
+        tested += _tests(effect.name, effect.scores, groups, between)
     # Every second one: an effect within and its interaction share their error.
     residual = tested[0].ss_error + sum(within_effect.ss_error for within_effect in tested[1::2])
     return with_notes(effect_table(tested, residual, scale, interval), design, tested)
@@ -71,15 +72,6 @@ class Groups:
     of: "np.ndarray[tuple[int], np.dtype[np.int64]]"
     sizes: Array
     names: tuple[object, ...]
-
-    def means(self, scores: Array) -> Array:
-        """Shape (group, contrast)."""
-        members = np.equal.outer(np.arange(len(self.sizes)), self.of)
-        return np.asarray(members @ scores / self.sizes[:, None])
-
-    def errors(self, scores: Array) -> Array:
-        """Deviations from the group means, shape (participant, contrast)."""
-        return scores - self.means(scores)[self.of]
 
 
 def groups_of(rows: pd.DataFrame, participants: Sequence[object], subject: str, between: str) -> Groups:
@@ -104,32 +96,25 @@ def _refuse_small(between: str, sizes: Mapping[object, int]) -> None:
     expect_defined(is_enough, DesignStatus.SMALL_GROUP, where, "one participant", expected)
 
 
-def _between_ss(scores: Array, groups: Groups) -> float:
-    away = groups.means(scores) - scores.mean(axis=0)
-    return float(groups.sizes @ np.sum(away**2, axis=1))
+def _tests(name: str, scores: Array, groups: Groups, between: str) -> tuple[EffectTest, EffectTest]:
+    """Return the effect of the mean scores (participant, contrast), in which groups weigh alike, and its interaction
+    with the groups; they share their error."""
+    from statsmodels.formula.api import ols  # slow to load
+    from statsmodels.stats.anova import anova_lm
 
-
-def _between(scores: Array, groups: Groups, name: str) -> Tested:
-    ss_error = float(np.sum(groups.errors(scores) ** 2))
-    n_groups = len(groups.sizes)
-    df = (n_groups - 1, len(scores) - n_groups)
-    no_shape = Sphericity(None, None, 1.0, 1.0, 1.0, singular=False)  # one score per participant: nothing to be unequal
-    return Tested(name, _between_ss(scores, groups), ss_error, df, no_shape)
-
-
-def _within_and_interaction(name: str, scores: Array, n_conditions: int, groups: Groups, between: str) -> list[Tested]:
-    """The effect within, of the group means' plain mean, and its interaction with the groups."""
-    errors, p, n_groups = groups.errors(scores), scores.shape[1], len(groups.sizes)
+    fits = [
+        ols("score ~ C(group, Sum)", pd.DataFrame({"score": column, "group": groups.of})).fit() for column in scores.T
+    ]
+    ss, ss_of_groups, ss_error = np.sum([anova_lm(fit, typ=3)["sum_sq"] for fit in fits], axis=0)
+    errors = np.stack([fit.resid for fit in fits], axis=1)
+    p, n_groups = scores.shape[1], len(groups.sizes)
     df = len(scores) - n_groups
-    shape = sphericity(errors.T @ errors / df, df, n_conditions)
-    mean = groups.means(scores).mean(axis=0)
-    # Groups weigh alike, however large: n_groups^2 / sum(1 / size) participants stand behind the plain mean.
-    ss = float(mean @ mean) * n_groups**2 / float(np.sum(1 / groups.sizes))
-    ss_error = float(np.sum(errors**2))
-    effect = Tested(name, ss, ss_error, (p, p * df), shape)
-    interaction_df = (p * (n_groups - 1), p * df)
-    interaction = Tested(f"{between} * {name}", _between_ss(scores, groups), ss_error, interaction_df, shape)
-    return [effect, interaction]
+    shape = epsilons(errors.T @ errors / df, df)
+    tested = []
+    for effect, found, df_effect in ((name, ss, p), (f"{between} * {name}", ss_of_groups, p * (n_groups - 1))):
+        f = found / df_effect / (ss_error / (p * df)) if ss_error > 0 else np.nan
+        tested.append(EffectTest(effect, float(f), float(ss_error), (df_effect, p * df), shape))
+    return tested[0], tested[1]
 
 
 def group_pairs(
@@ -180,7 +165,8 @@ def _rows(means: pd.DataFrame, dependent: str, between: str, interval: float) ->
 
 
 def _welch_test(first: Array, second: Array, interval: float) -> dict[str, object]:
-    from scipy.stats import ttest_ind  # slow to load
+    import pingouin  # slow to load
+    from scipy.stats import ttest_ind
 
     size = size_of(np.concatenate([first, second]))
     first, second = first / size, second / size
@@ -189,22 +175,10 @@ def _welch_test(first: Array, second: Array, interval: float) -> dict[str, objec
         return counts | dict.fromkeys(_TESTED) | {"status": "zero_error"}
     welch, student = (ttest_ind(second, first, equal_var=alike) for alike in (False, True))
     ends = welch.confidence_interval(interval)
-    g = hedges_effect(first, second)
+    g = pingouin.compute_effsize(second, first, eftype="hedges")
     bayes = bayes_factor(float(student.statistic), len(second), len(first))
     tested = (ends.low * size, ends.high * size, welch.statistic, welch.df, welch.pvalue, g, bayes)
     return counts | dict(zip(_TESTED, map(float, tested), strict=True)) | {"status": "ok"}
-
-
-def hedges_effect(first: Array, second: Array) -> float:
-    """Difference of the means (second less first) over the pooled standard deviation, less its bias (Hedges 1981,
-    Journal of Educational Statistics 6, 107-128, eq. 7).
-
-    >>> round(hedges_effect(np.array([1.0, 2, 3]), np.array([2.0, 3, 5])), 3)
-    0.826
-    """
-    df = len(first) + len(second) - 2
-    pooled = ((len(first) - 1) * first.var(ddof=1) + (len(second) - 1) * second.var(ddof=1)) / df
-    return float((second.mean() - first.mean()) / np.sqrt(pooled) * (1 - 3 / (4 * df - 1)))
 
 
 _TESTED = ("difference_low", "difference_high", "t", "df", "p_unc", "g", "bf10")

@@ -1,20 +1,29 @@
-"""Repeated-measures analysis of variance of one to three factors, by exact contrasts, in pingouin's columns.
+"""Repeated-measures analysis of variance by pingouin (one or two factors) and statsmodels (three).
 
-Sizes of effects of an analysis of variance, with intervals from the noncentral F distribution.
-
-What an analysis of variance assumes, checked on its own data and printed with its result.
+Added to their tables: the corrections of Huynh and Feldt and of Chi and Muller, partial eta squared, and intervals of
+effect sizes by the noncentral F distribution. `checks` tests what the analysis assumes.
 """
 
+import warnings
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 import pandas as pd
 from scipy.special import ncfdtr
 
 from ..arrays import Array, size_of
+from ..distributions import Fisher
 from ..wording import p_text, share_text
-from .contrasts import MOST_EXACT, ContrastEffect, Tested, effects, participant_scores, permutation_p as _permutation_p
+from .contrasts import (
+    MOST_EXACT,
+    ContrastEffect,
+    effects,
+    epsilons,
+    participant_scores,
+    permutation_p as _permutation_p,
+)
 from .design import DesignStatus, WithinDesign, spread, within_design
 
 INTERVAL = 0.90
@@ -73,11 +82,12 @@ def repeated_measures(
     """
     design = within_design(table, dependent=dependent, within=within, subject=subject, where="repeated_measures")
     scaled, scale = scaled_design(design, dependent)
-    tested = effects(scaled)
+    found = effects(scaled)
+    tested = _tested(scaled, found)
     between = participant_scores(scaled)
-    of_participants = float(np.sum((between - between.mean()) ** 2))
-    residual = of_participants + sum(effect.ss_error for effect in tested)
-    return with_notes(effect_table(tested, residual, scale, interval), design, tested)
+    residual = float(np.sum((between - between.mean()) ** 2)) + sum(effect.ss_error for effect in found)
+    singular = [singular_note(effect, design.n) for effect in found if effect.ss_error > 0 and effect.is_singular]
+    return with_notes(effect_table(tested, residual, scale, interval), design, tested, singular)
 
 
 def permutation_test(
@@ -104,13 +114,36 @@ def permutation_test(
     [0.125]
     """
     design = within_design(table, dependent=dependent, within=within, subject=subject, where="repeated_measures")
-    tested = effects(scaled_design(design, dependent)[0])
+    scaled, _ = scaled_design(design, dependent)
+    found = effects(scaled)
     columns = {
-        "Source": [effect.name for effect in tested],
-        "F": [effect.f for effect in tested],
-        "p_permutation": [_permutation_p(effect, rng=rng, n_resamples=n_resamples) for effect in tested],
+        "Source": [effect.name for effect in found],
+        "F": [effect.f for effect in _tested(scaled, found)],
+        "p_permutation": [_permutation_p(effect, rng=rng, n_resamples=n_resamples) for effect in found],
     }
     return pd.DataFrame(columns).assign(n_permutations=n_resamples if design.n > MOST_EXACT else 2 ** (design.n - 1))
+
+
+@dataclass(frozen=True)
+class EffectTest:
+    """An effect with its F: `ss_error` is its error's sum of squares, `epsilons` are those of Greenhouse and Geisser,
+    Huynh and Feldt, and Chi and Muller, `mauchly` is W with its p, missing where the test does not exist."""
+
+    name: str
+    f: float
+    ss_error: float
+    df: tuple[float, float]
+    epsilons: tuple[float, float, float]
+    mauchly: tuple[float, float] = (np.nan, np.nan)
+
+    @property
+    def has_error(self) -> bool:
+        """Without, all participants show exactly the same differences and F is undefined."""
+        return self.ss_error > 0
+
+    def p(self, epsilon: float = 1.0) -> float:
+        """Chance of such an F or a larger one; both degrees of freedom are multiplied by epsilon."""
+        return float(Fisher.sf(self.f, epsilon * self.df[0], epsilon * self.df[1]))
 
 
 def scaled_design(design: WithinDesign, dependent: str) -> tuple[WithinDesign, float]:
@@ -122,61 +155,100 @@ def scaled_design(design: WithinDesign, dependent: str) -> tuple[WithinDesign, f
     return replace(design, values=values, rounding=design.rounding / scale), scale
 
 
-def effect_table(tested: Sequence[Tested], residual: float, scale: float, interval: float) -> pd.DataFrame:
-    """A row for each effect, in pingouin's columns and those added; `residual` are the sums of squares of participants
-    and all errors, `scale` the unit of the values."""
+def _tested(design: WithinDesign, found: Sequence[ContrastEffect]) -> list[EffectTest]:
+    """Return F and Mauchly's test of each effect, from pingouin, or from statsmodels for three factors."""
+    factors = [f"factor_{place}" for place in range(len(design.factors))]
+    places = product(*(range(n) for n in design.values.shape))
+    long = pd.DataFrame(places, columns=["participant", *factors]).assign(y=design.values.ravel())
+    with warnings.catch_warnings(), np.errstate(all="ignore"):
+        warnings.simplefilter("ignore")  # of effects without error and of singular matrices, which are told below
+        fs, mauchly = _by_statsmodels(long, factors, found) if len(factors) > 2 else _by_pingouin(long, factors)
+    tested = []
+    for effect, f, w_and_p in zip(found, fs, mauchly, strict=True):
+        has_error, has_test = effect.ss_error > 0, effect.df[0] > 1 and not effect.is_singular
+        shape = epsilons(effect.covariance, len(effect.scores) - 1)
+        known = w_and_p if has_test else (np.nan, np.nan)
+        tested.append(EffectTest(effect.name, f if has_error else np.nan, effect.ss_error, effect.df, shape, known))
+    return tested
+
+
+def _by_pingouin(long: pd.DataFrame, factors: list[str]) -> tuple[list[float], list[tuple[float, float]]]:
+    import pingouin  # slow to load
+
+    table = pingouin.rm_anova(long, dv="y", within=factors, subject="participant", correction=True, detailed=True)
+    table = table[table["Source"] != "Error"].reindex(columns=["F", "W_spher", "p_spher"]).astype(float)
+    return table["F"].tolist(), list(table[["W_spher", "p_spher"]].itertuples(index=False, name=None))
+
+
+def _by_statsmodels(
+    long: pd.DataFrame, factors: list[str], found: Sequence[ContrastEffect]
+) -> tuple[list[float], list[tuple[float, float]]]:
+    import pingouin  # slow to load
+    from scipy.linalg import helmert
+    from statsmodels.stats.anova import AnovaRM
+
+    table = AnovaRM(long, "y", "participant", within=factors).fit().anova_table
+    mauchly = []
+    for effect in found:
+        # One factor with the same contrasts: pingouin tests no interaction of three factors.
+        _, w, _, _, p = pingouin.sphericity(pd.DataFrame(effect.scores @ helmert(effect.df[0] + 1)))
+        mauchly.append((float(w), float(p)))
+    return table["F Value"].tolist(), mauchly
+
+
+def effect_table(tested: Sequence[EffectTest], residual: float, scale: float, interval: float) -> pd.DataFrame:
+    """Return a row for each effect, in pingouin's columns and those added.
+
+    `residual` are the sums of squares of participants and all errors, `scale` the unit of the values.
+    """
     rows = [_effect_row(effect, residual, interval) for effect in tested]
-    result = pd.DataFrame(_with_error(rows[0], tested[0]) if len(tested) == 1 else rows)
+    if len(tested) == 1:  # pingouin gives a row of the error for one factor alone
+        ss, df = tested[0].ss_error, tested[0].df[1]
+        first = {"Source": rows[0]["Source"], "SS": rows[0]["SS"], "DF": tested[0].df[0]}
+        rows = [first | rows[0], {"Source": "Error", "SS": ss, "DF": df, "MS": ss / df}]
+    result = pd.DataFrame(rows)
     with np.errstate(over="ignore"):  # squares of values near the largest float: infinite, and F is right
         return result.assign(SS=result["SS"] * scale * scale, MS=result["MS"] * scale * scale)
 
 
-def _with_error(row: dict[str, object], effect: Tested) -> list[dict[str, object]]:
-    """And a row of the error, which pingouin gives for one factor alone."""
-    df = effect.df[1]
-    first = {"Source": effect.name, "SS": effect.ss, "DF": effect.df[0]}
-    return [first | row, {"Source": "Error", "SS": effect.ss_error, "DF": df, "MS": effect.ss_error / df}]
-
-
-def _effect_row(effect: Tested, residual: float, interval: float) -> dict[str, object]:
-    """Pingouin's columns of one effect, and behind them what it does not give: two more corrections, sizes of the
-    effect with intervals."""
+def _effect_row(effect: EffectTest, residual: float, interval: float) -> dict[str, object]:
+    """Return pingouin's columns of one effect, then further corrections and effect sizes with intervals."""
     first, second = effect.df
-    shape = effect.sphericity
-    is_spherical: bool | None = True  # one contrast has nothing to be unequal to
-    mauchly_p = 1.0
-    if first > 1:
-        is_spherical = None if shape.p is None else shape.p > 0.05
-        mauchly_p = np.nan if shape.p is None else shape.p
+    greenhouse_geisser, huynh_feldt, chi_muller = effect.epsilons
+    w, mauchly_p = effect.mauchly
+    is_spherical: bool | None = None if np.isnan(mauchly_p) else mauchly_p > ALPHA
+    if first == 1:  # one contrast has nothing to be unequal to
+        is_spherical, mauchly_p = True, 1.0
+    ms = effect.f * effect.ss_error / second
     size = dict.fromkeys(SIZES, np.nan)
     if effect.has_error:
-        df = (first * shape.chi_muller, second * shape.chi_muller)
-        size = eta_squared(effect.ss, effect.ss_error, residual, df, interval)
+        df = (first * chi_muller, second * chi_muller)
+        size = eta_squared(ms * first, effect.ss_error, residual, df, interval)
     return {
         "Source": effect.name,
-        "SS": effect.ss,
+        "SS": ms * first,
         "ddof1": first,
         "ddof2": second,
-        "MS": effect.ss / first,
+        "MS": ms,
         "F": effect.f,
         "p_unc": effect.p(),
-        "p_GG_corr": effect.p(shape.greenhouse_geisser),
+        "p_GG_corr": effect.p(greenhouse_geisser),
         "ng2": np.nan,
-        "eps": shape.greenhouse_geisser,
+        "eps": greenhouse_geisser,
         "sphericity": is_spherical,
-        "W_spher": np.nan if shape.w is None else shape.w,
+        "W_spher": w,
         "p_spher": mauchly_p,
-        "eps_HF": shape.huynh_feldt,
-        "p_HF_corr": effect.p(shape.huynh_feldt),
-        "eps_CM": shape.chi_muller,
-        "p_CM_corr": effect.p(shape.chi_muller),
+        "eps_HF": huynh_feldt,
+        "p_HF_corr": effect.p(huynh_feldt),
+        "eps_CM": chi_muller,
+        "p_CM_corr": effect.p(chi_muller),
     } | size
 
 
-def with_notes(result: pd.DataFrame, design: WithinDesign, tested: Sequence[Tested]) -> pd.DataFrame:
-    """The table with notes, number of participants and status in its `attrs`."""
-    with_error = [effect for effect in tested if effect.has_error]
-    singular = [singular_note(effect, design.n) for effect in with_error if effect.sphericity.singular]
+def with_notes(
+    result: pd.DataFrame, design: WithinDesign, tested: Sequence[EffectTest], singular: Sequence[str] = ()
+) -> pd.DataFrame:
+    """Return the table with notes, number of participants and status in its `attrs`."""
     exact = [
         f"{effect.name}: found the same differences in all participants: the error is 0 and F is undefined"
         for effect in tested
@@ -187,13 +259,12 @@ def with_notes(result: pd.DataFrame, design: WithinDesign, tested: Sequence[Test
     return result
 
 
-def singular_note(effect: Tested, n: int) -> str:
+def singular_note(effect: ContrastEffect, n: int) -> str:
     """Why an effect has no test of sphericity, and what is done."""
     p = effect.df[0]
-    df = effect.df[1] // p
     cause = (
-        f"{p} contrasts need at least {p + n - df} complete participants, found {n}"
-        if p > df
+        f"{p} contrasts need at least {p + 1} complete participants, found {n}"
+        if p > n - 1
         else f"its {p} contrasts are exactly dependent in these {n} participants"
     )
     return (
@@ -271,17 +342,18 @@ def checks(table: pd.DataFrame, *, dependent: str, within: Sequence[str] | str, 
     InvalidParameter
         As `repeated_measures`.
 
-    >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 5]
+    >>> values = [3.0, 4, 6, 2, 5, 6, 4, 4, 7, 1, 3, 6]
     >>> table = pd.DataFrame({"who": list("aaabbbcccddd"), "force_n": [0.5, 1, 2] * 4, "y": values})
     >>> print(*checks(table, dependent="y", within="force_n", subject="who")["text"], sep=chr(10))
-    normality of the residuals: Shapiro-Wilk W = .967, p = .881: not contradicted
-    sphericity of force_n: Mauchly W = .187, p = .187: not contradicted
+    normality of the residuals: Shapiro-Wilk W = .925, p = .327: not contradicted
+    sphericity of force_n: Mauchly W = .816, p = .816: not contradicted
     outliers: no residual beyond 3 standard deviations
     """
     design = within_design(table, dependent=dependent, within=within, subject=subject, where="checks")
     spread(design.cells, dependent)
     residuals = _residuals(design.cells)
-    rows = [_normality(residuals), *(_sphericity(effect) for effect in effects(design)), _outliers(residuals)]
+    effect_tests = _tested(scaled_design(design, dependent)[0], effects(design))
+    rows = [_normality(residuals), *map(_sphericity, effect_tests), _outliers(residuals)]
     return pd.DataFrame(rows)
 
 
@@ -292,18 +364,18 @@ def _residuals(cells: Array) -> Array:
 
 
 def _normality(residuals: Array) -> dict[str, object]:
-    from scipy.stats import shapiro  # slow to load
+    import pingouin  # slow to load
 
-    w, p = None, None
+    w, p = np.nan, np.nan
     if residuals.size <= MAX_SHAPIRO:
-        w, p = map(float, shapiro(residuals.ravel() / residuals.std()))  # W has no unit, its sums of squares have
+        # W has no unit, its sums of squares have.
+        w, p = pingouin.normality(residuals.ravel() / residuals.std())[["W", "pval"]].astype(float).iloc[0]
     return _check("normality of the residuals", "Shapiro-Wilk W", w, p, "too many values")
 
 
-def _sphericity(effect: ContrastEffect) -> dict[str, object]:
-    shape = effect.sphericity
-    why_not = "the error matrix is singular" if shape.singular else "two levels are always spherical"
-    return _check(f"sphericity of {effect.name}", "Mauchly W", shape.w, shape.p, why_not)
+def _sphericity(effect: EffectTest) -> dict[str, object]:
+    why_not = "the error matrix is singular" if effect.df[0] > 1 else "two levels are always spherical"
+    return _check(f"sphericity of {effect.name}", "Mauchly W", *effect.mauchly, why_not)
 
 
 def _outliers(residuals: Array) -> dict[str, object]:
@@ -313,10 +385,9 @@ def _outliers(residuals: Array) -> dict[str, object]:
     return {"check": "outliers", "statistic": float(n), "p": None, "holds": n == 0, "text": text}
 
 
-def _check(name: str, statistic: str, value: float | None, p: float | None, why_not: str) -> dict[str, object]:
-    """The verdict of a test; why there is none where it has no value."""
-    holds, text = None, f"not tested, {why_not}"
-    if value is not None and p is not None:
-        holds = p > ALPHA
-        text = f"{statistic} = {share_text(value)}, {p_text(p)}: {'not ' * holds}contradicted"
-    return {"check": name, "statistic": value, "p": p, "holds": holds, "text": f"{name}: {text}"}
+def _check(name: str, statistic: str, value: float, p: float, why_not: str) -> dict[str, object]:
+    """Return the verdict of a test, or why there is none where it has no value."""
+    if np.isnan(p):
+        return {"check": name, "statistic": None, "p": None, "holds": None, "text": f"{name}: not tested, {why_not}"}
+    text = f"{name}: {statistic} = {share_text(value)}, {p_text(p)}: {'not ' * (p > ALPHA)}contradicted"
+    return {"check": name, "statistic": value, "p": p, "holds": bool(p > ALPHA), "text": text}

@@ -15,8 +15,6 @@ from tactometry.questionnaire import Questionnaire, load, shipped_names
 from tactometry.trials.columns import RESERVED, stated_factors
 
 from ..anova.group_means import MEANS, group_table
-from ..arrays import Array
-from ..distributions import Fisher
 from ..means import MEAN, Range, by_condition, mean_row, parts
 from ..reading.rows import no_column
 
@@ -254,11 +252,10 @@ def region(pq: float | None, hq: float | None) -> str | None:
 
 
 def consistency(scored_items: pd.DataFrame, interval: float = 0.95) -> pd.DataFrame:
-    """Cronbach's alpha of each dimension in each condition, with its interval (Feldt 1965), over participants who
-    answered all its items.
+    """Return Cronbach's alpha (pingouin) of each dimension in each condition, with its interval (Feldt 1965).
 
-    alpha = k / (k - 1) (1 - sum of the items' variances / variance of their sum). Missing (`alpha` empty, with a
-    `note`) with fewer than three such participants or without variance between them.
+    Participants count who answered all items of the dimension. `alpha` is empty, with a `note`, with fewer than three
+    of them or without variance between them.
     """
     form, factors = scored_items.attrs["questionnaire"], list(scored_items.attrs["within"])
     rows = []
@@ -271,34 +268,15 @@ def consistency(scored_items: pd.DataFrame, interval: float = 0.95) -> pd.DataFr
 
 
 def _alpha(wide: pd.DataFrame, interval: float) -> dict[str, object]:
-    values = wide.dropna().to_numpy(dtype=np.float64)
+    import pingouin  # slow to load
+
+    values = wide.dropna().astype(float)
     alpha, low, high, note = None, None, None, ""
     if wide.shape[1] < 2 or len(values) < 3:
         note = "fewer than two items or three participants who answered them all"
     elif values.sum(axis=1).var() <= 1e-12:  # rounding
         note = "participants do not differ in this score"
     else:
-        alpha = cronbach_alpha(values)
-        low, high = _feldt(alpha, *values.shape, interval)
+        alpha, (low, high) = pingouin.cronbach_alpha(values, ci=interval)
     ends = {"alpha": alpha, "alpha_low": low, "alpha_high": high}
     return {**ends, "n_items": wide.shape[1], "n": len(values), "note": note}
-
-
-def cronbach_alpha(values: Array) -> float:
-    """Of values of shape (participant, item).
-
-    >>> round(cronbach_alpha(np.array([[1.0, 2, 1], [2, 2, 3], [3, 4, 3], [4, 4, 5]])), 4)
-    0.9333
-    """
-    k = values.shape[1]
-    of_items = values.var(axis=0, ddof=1).sum()
-    of_sum = values.sum(axis=1).var(ddof=1)
-    return float(k / (k - 1) * (1 - of_items / of_sum))
-
-
-def _feldt(alpha: float, n: int, k: int, interval: float) -> tuple[float, float]:
-
-    df = (n - 1, (n - 1) * (k - 1))
-    # Alpha falls as F rises: the larger quantile makes the lower end.
-    low, high = (Fisher.ppf(chance, *df) for chance in ((1 + interval) / 2, (1 - interval) / 2))
-    return 1 - (1 - alpha) * float(low), 1 - (1 - alpha) * float(high)

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 
 from tactometry.psychometric import Shape
 
-from ..arrays import Array, Indices
-from ..mixed_models.glmm import lay_out
+from ..arrays import Array, Indices, lay_out
 from ..threshold.counts import POOLED_BELOW, normalise
 from ..threshold.prior import BETA_B
 

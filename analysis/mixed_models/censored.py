@@ -20,8 +20,7 @@ from tactometry.psychometric import log1mexp
 
 from ..anova.bounded_design import BOUND, ends_of
 from ..anova.design import expect_columns
-from ..arrays import Array, Bools, Expansion, Indices, size_of
-from .glmm import lay_out
+from ..arrays import Array, Bools, Expansion, Indices, lay_out, size_of
 from .laplace import ClusteredModel as Clusters, MixedFit, maximise, maximise_by_quadrature
 from .linear import InterceptFit, MixedModel, ModelDesign, described_model, model_design
 

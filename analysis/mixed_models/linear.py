@@ -1,13 +1,15 @@
 """Linear mixed models with a random intercept: missing cells, and measured force as a covariate.
 
-By the profile of the restricted likelihood. statsmodels' MixedLM fits the same model, but its search can end beside
-the maximum, and its parameter "Group Var" is divided by the residual variance (science 10.4).
+statsmodels' MixedLM gives likelihood, estimates and covariance. Its own search over the variance of participants can
+end away from the maximum, so that it starts from the best of a grid here.
 """
 
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from itertools import combinations
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -22,7 +24,6 @@ from ..distributions import Fisher, Student
 RATIOS = (1e-8, 1e10)
 """Where the variance of participants over the residual one is looked for, besides 0."""
 N_GRID = 73
-SMALLEST = 1e-300
 TOLERANCE = 1e-9
 ALIKE = (
     "participants do not differ beyond the residuals: their variance is 0, at its bound (a singular fit, which is a "
@@ -283,14 +284,23 @@ class InterceptFit:
 
 
 def _fit(y: Array, design: ModelDesign) -> InterceptFit:
-    """The maximum of the restricted likelihood over the ratio of the two variances, all else in closed form.
-
-    statsmodels' search in all parameters at once can end beside it: F then differs in the first digit.
-    """
+    """Return statsmodels' fit at the maximum of the restricted likelihood over the ratio of the two variances."""
     from scipy.optimize import minimize_scalar  # slow to load
+    from statsmodels.regression.linear_model import OLS
+    from statsmodels.regression.mixed_linear_model import MixedLM, MixedLMParams
+
+    alone, model = OLS(y, design.x).fit(), MixedLM(y, design.x, design.groups)
+
+    def fitted(ratio: float) -> Any:
+        start = MixedLMParams.from_components(alone.params, cov_re=np.array([[ratio]]))
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # of a search of no steps
+            return model.fit(start_params=start, method="bfgs", maxiter=0)
+
+    fitted(1.0)  # a model has no likelihood before its first fit
 
     def log_likelihood(log_ratio: float) -> float:
-        return _at(float(np.exp(log_ratio)), y, design).log_likelihood
+        return float(model.loglike(np.exp([log_ratio / 2])))
 
     # A grid first, as the bounded search ends on any summit.
     grid = np.linspace(float(np.log(RATIOS[0])), float(np.log(RATIOS[1])), N_GRID)
@@ -299,34 +309,12 @@ def _fit(y: Array, design: ModelDesign) -> InterceptFit:
     summit = minimize_scalar(
         lambda log_ratio: -log_likelihood(log_ratio), bounds=bounds, method="bounded", options={"xatol": 1e-10}
     )
-    inside = _at(float(np.exp(summit.x)), y, design)
-    alone = _at(0.0, y, design)  # a ratio of 0 has no logarithm
-    is_higher = best > 0 and inside.log_likelihood > alone.log_likelihood
-    return inside if is_higher else alone
-
-
-def _at(ratio: float, y: Array, design: ModelDesign) -> InterceptFit:
-    """The fit if the participants' variance is `ratio` of the residual one: a regression of what is left when a part of
-    each participant's mean is taken off (Fuller and Battese 1973)."""
-    n, p = design.x.shape
-    sizes = np.bincount(design.groups)
-    share = 1 - (1 + sizes * ratio) ** -0.5
-    both = np.column_stack([design.x, y])
-    taken_off = share[:, None] * _group_means(both, design.groups)
-    left = both - taken_off[design.groups]
-    x_left, y_left = left[:, :p], left[:, p]
-    q, r = np.linalg.qr(x_left)
-    estimates = np.linalg.solve(r, q.T @ y_left)
-    ss_residual = float(np.sum((y_left - x_left @ estimates) ** 2))
-    residual = max(ss_residual / (n - p), SMALLEST)
-    inverse = np.linalg.inv(r)
-    # Of X'X (restricted likelihood), and of the covariance of each participant's values.
-    of_terms = 2 * float(np.sum(np.log(np.abs(np.diagonal(r)))))
-    of_participants = float(np.sum(np.log1p(sizes * ratio)))
-    log_determinant = of_terms + of_participants
-    log_likelihood = -0.5 * ((n - p) * (np.log(2 * np.pi * residual) + 1) + log_determinant)
-    sds = float(np.sqrt(ratio * residual)), float(np.sqrt(residual))
-    return InterceptFit(estimates, residual * inverse @ inverse.T, *sds, float(log_likelihood))
+    if best == 0:  # the least ratio of the grid is 0 but for rounding
+        return InterceptFit(alone.params, alone.cov_params(), 0.0, float(np.sqrt(alone.scale)), log_likelihood(grid[0]))
+    fit = fitted(float(np.exp(summit.x)))
+    n = len(fit.fe_params)
+    participant_sd, residual_sd = float(np.sqrt(fit.cov_re[0, 0])), float(np.sqrt(fit.scale))
+    return InterceptFit(fit.fe_params, fit.cov_params()[:n, :n], participant_sd, residual_sd, -float(summit.fun))
 
 
 def described_model(

@@ -18,6 +18,12 @@ from ..tasks.localisation import OF_PARTICIPANTS
 from ..wording import PROCEDURES
 
 PACKAGES = ("numpy", "scipy", "pandas", "matplotlib")
+STATISTICS = {
+    "pingouin": "analyses of variance within participants, tests of sphericity and normality, Holm's correction, "
+    "Cronbach's alpha",
+    "statsmodels": "analyses of variance of three factors or with groups of participants, linear mixed models",
+}
+"""What other packages compute where conditions are compared."""
 SHAPES = {
     "normal": "cumulative normal function of the level",
     "gumbel": "Gumbel function of the level (a Weibull function of the amplitude)",
@@ -118,6 +124,8 @@ def methods(analysis: Analysis) -> str:
     parts += group_methods(analysis.outcomes, analysis.forms, analysis.plan.primary)
     parts += [f"{form.form.title} ({form.form.reference}) was scored per participant." for form in analysis.forms]
     versions = [f"tactometry {__version__}", *(f"{name} {version(name)}" for name in PACKAGES)]
+    if any(outcome.primary is not None for outcome in analysis.outcomes) or analysis.forms:
+        versions += [f"{name} {version(name)} ({use})" for name, use in STATISTICS.items()]
     parts.append(f"Software: {', '.join(versions)}.")
     return analysis.origin.method + " ".join(parts)
 

@@ -21,20 +21,14 @@ $ tactometry cost skin-propagator
 $ tactometry cost all --page docs/explanation/cost.md   # this page
 ```
 
-A ladder is one problem with settings from coarse to fine. Each rung has its error against the stated reference, the
-median and interquartile range of its time (contenders interleaved, one thread) as *warm*, the first call in a process
-of its own as *cold* (with what is imported and loaded for it; where the price is not computing time, the one call that
-is made), peak memory and the size of the answer. Errors are the same in every run; times are those of the machine
-below. A result that is not finite is an *unstable* point and is drawn. No error below the reference's own uncertainty
-is believed, and every reference agrees with an independent one. Three prices are paid: computing time, time of emission
-(`reversal-time-*`) and the time of participants (`procedures`, `group-threshold`).
+Each section takes one problem with settings from coarse to fine and compares each setting with the stated reference.
+The price is computing time (median of warm calls on one thread), emission time (`reversal-time-*`) or the time of
+participants (`procedures`, `group-threshold`). `cost.csv` of the command also has first calls, memory and the size of
+the result. Errors are the same in every run; times are those of the machine below. A result that is not finite is
+marked *unstable*. Every reference agrees with an independent one, and no error below its uncertainty is reported.
 
-Intervals of a threshold aim at different things: those of the posterior have their ladder in `threshold-fit`, those of
-the likelihood in `threshold-likelihood`, and those of the bootstrap, of where the mode falls in answers drawn anew from
-the fitted curve, in `threshold-bootstrap`.
-
-Hollow points are other programs on the same problem, as `benchmarks/ladder_peers.py` recorded them: nothing here
-imports them. Their times are scaled by the finest own rung, which was measured beside them.
+Hollow points are other programs on the same problem, recorded by `benchmarks/ladder_peers.py`. Their times are scaled
+by the finest setting of ours, which was measured with them.
 """
 TAIL = """
 ## Adding a ladder
@@ -105,14 +99,12 @@ def _section(climb: Climb, folder: str) -> list[str]:
         "",
         f"![error against price]({folder}/{problem.name}.svg)",
         "",
-        "| setting | error | price | cold (ms) | warm (ms) | spread (ms) | memory (kB) | answer (B) |",
-        "|---|---|---|---|---|---|---|---|",
+        "| setting | error | price |",
+        "|---|---|---|",
         *rows,
     ]
 
 
 def _row(point: Point) -> str:
     error = "unstable" if point.unstable else f"{point.error:.1e}"
-    times = f"{1e3 * point.first_s:.3g} | {1e3 * point.median_s:.3g} | {1e3 * point.spread_s:.1g}"
-    memory = f"{point.peak_bytes / 1e3:.0f} | {point.answer_bytes}"
-    return f"| {label(point)} | {error} | {point.price:.3g} | {times} | {memory} |"
+    return f"| {label(point)} | {error} | {point.price:.3g} |"

@@ -22,7 +22,7 @@ from tactometry.records.erasures import LOCK, RECORD, Erasure, read_erasures, un
 from tactometry.records.open_journal import alone, held
 from tactometry.trials.cell_rules import PARTICIPANT
 
-from .erasure_plan import ErasurePlan, Left, plan
+from .erasure_plan import ErasurePlan, plan
 
 UNREACHED: Final = (
     "not reached: backups, copies elsewhere, the history of git, the list of codes and names; and no program can "
@@ -34,20 +34,15 @@ IN_USE: Final = "another process is erasing from this data set, expected to be t
 
 @dataclass(frozen=True)
 class Erased:
-    """What was erased, or would be: names of files within the data set. `erasure` is None where nothing was done."""
+    """Names of files that were erased, or would be, and of `others` to look at; `erasure` is None for a dry run."""
 
     participant: str
     n_sessions: int
     own: tuple[str, ...]
     derived: tuple[str, ...]
-    left: tuple[Left, ...]
+    others: tuple[str, ...]
     erasure: Erasure | None = None
     not_reached: str = UNREACHED
-
-    @property
-    def is_free(self) -> bool:
-        """Whether nothing that is left names the participant."""
-        return not any(left.names for left in self.left)
 
 
 def find(root: Path, participant: str) -> Erased:
@@ -131,7 +126,7 @@ def _nothing(root: Path, participant: str, erasures: Iterable[Erasure]) -> str:
 
 def _told(root: Path, participant: str, found: ErasurePlan) -> Erased:
     own, derived = _names(root, (*found.own, *found.journals)), _names(root, found.derived)
-    return Erased(participant, len(found.journals), own, derived, found.left)
+    return Erased(participant, len(found.journals), own, derived, found.others)
 
 
 def _names(root: Path, paths: Iterable[Path]) -> tuple[str, ...]:

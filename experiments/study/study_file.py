@@ -324,11 +324,11 @@ def parse(content: bytes, where: str) -> Study:
         table = as_si(table, "", found)
         with of_study.part():
             study = build(Study, table, "", _folder=Path(where).parent)
-        for error in of_study.errors:
+        for error in of_study.errors.values():
             found.add(error)
         if found.errors:
             with found.part():
-                _check_the_rest(table, {_first_key(error) for error in of_study.errors})
+                _check_the_rest(table, {_first_key(error) for error in of_study.errors.values()})
         found.end()
         return study
 
@@ -345,7 +345,11 @@ def _check_the_rest(table: Mapping[str, Any], wrong: Collection[str]) -> None:
         found.add(reworded(error, InvalidParameter, lambda words: words.removeprefix(", ")))
     # A table that is missing here, or a number that could not be read, makes mistakes that are none.
     spurious = re.compile(r"\b(limits|nan)\b" if "limits" in wrong else r"\bnan\b")
-    found.errors = [error for error in found.errors if _first_key(error) in rest and not spurious.search(str(error))]
+    found.errors = {
+        place: error
+        for place, error in found.errors.items()
+        if _first_key(error) in rest and not spurious.search(str(error))
+    }
     found.end()
 
 

@@ -23,9 +23,9 @@ if TYPE_CHECKING:
 def command(path: Path, participant: str, *, yes: bool, dry_run: bool) -> int:
     """Erase all that the data set PATH holds of one participant, and record that it was done (erasures.jsonl).
 
-    Sessions, traces, reports, figures, tables and exports within PATH go; files of others stay as they are. Killed in
-    between, say it again: it finishes. Exit status 1 if nothing was erased at the prompt, or a file that was not
-    written by Tactometry still names the participant.
+    Sessions, traces, reports, figures and exports within PATH are erased. Files of other participants stay as they
+    are. Files that Tactometry did not write stay too; they are listed, so that you can look at them. If the command
+    is interrupted, run it again. Exit status 1 if the answer to the question is no.
     """
     from tactometry.experiments.data_sets.erasing import erase, find
 
@@ -36,7 +36,7 @@ def command(path: Path, participant: str, *, yes: bool, dry_run: bool) -> int:
             return 1
         found = erase(path, participant)
     say("\n".join(_text(path, found, dry_run=dry_run)), _record(found, path, dry_run=dry_run))
-    return 0 if found.is_free else 1
+    return 0
 
 
 def _is_wanted(path: Path, found: "Erased") -> bool:
@@ -60,5 +60,7 @@ def _text(path: Path, found: "Erased", *, dry_run: bool) -> Iterator[str]:
     if found.derived:
         yield f"derived from several participants, {did} too; make anew what is needed, with analyse, show and export:"
         yield from (f"  {name}" for name in found.derived)
-    yield from (f"! {left.file} {left.why}" for left in found.left)
+    if found.others:
+        yield "not searched; look whether these name the participant, and edit or remove them:"
+        yield from (f"! {name}" for name in found.others)
     yield found.not_reached

@@ -14,7 +14,6 @@ from own_form import OWN_FORM
 from tactometry.analysis.attrakdiff.patterns import THESIS, against_reference, frequency_by_envelope
 from tactometry.analysis.attrakdiff.scoring import (
     consistency,
-    cronbach_alpha,
     item_scores,
     portfolio,
     region,
@@ -193,12 +192,6 @@ def test_alpha_equals_pingouin(answers) -> None:
     row = consistency(item_scores(answers)).set_index(["pattern", "dimension"]).loc[("P1", "HQ")]
     assert row["alpha"] == pytest.approx(theirs, rel=1e-9)
     assert (row["alpha_low"], row["alpha_high"]) == pytest.approx((low, high), abs=6e-4)
-
-
-def test_alpha_of_parallel_items_is_that_of_spearman_and_brown() -> None:
-    rng = np.random.default_rng()
-    values = rng.normal(size=(20_000, 1)) + rng.normal(size=(20_000, 7))
-    assert cronbach_alpha(values) == pytest.approx(7 * 0.5 / (1 + 6 * 0.5), abs=0.01)
 
 
 def test_three_participants_have_an_alpha() -> None:

@@ -1,5 +1,7 @@
 """The posterior of a hierarchical model: quasi-random points, mixtures of normals, and draws of participants."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.special import ndtr
@@ -9,7 +11,7 @@ from tactometry.analysis.hierarchical.draws import draw_cells, weighted_quantile
 from tactometry.analysis.hierarchical.model import GroupModel, rate_of
 from tactometry.analysis.hierarchical.posterior import Laplace, integrate, quantiles, sequence
 from tactometry.analysis.hierarchical.study import StudyCounts
-from tactometry.psychometric import SHAPES
+from tactometry.psychometric import SHAPES, PsychometricFunction
 
 LEVELS, N_TRIALS = np.array([-6.0, -3.0, 0.0, 3.0, 6.0]), 8
 N_YES = np.array([[0, 4, 8, 8, 8], [0, 2, 6, 7, 8], [0, 1, 5, 8, 8], [0, 1, 4, 6, 7], [0, 0, 2, 7, 8], [0, 0, 1, 4, 7]])
@@ -75,3 +77,15 @@ def test_log_likelihood_slopes_are_derivatives() -> None:
         ahead, behind = (model.log_likelihood(at + side * step, hyper) for side in (1, -1))
         assert found.gradient[..., axis] == pytest.approx((ahead.value - behind.value) / 2e-5, rel=1e-5, abs=1e-6)
         assert found.hessian[..., axis] == pytest.approx((ahead.gradient - behind.gradient) / 2e-5, rel=1e-4, abs=1e-5)
+
+
+def test_information_is_the_curvature_at_expected_counts() -> None:
+    """The log-likelihood is linear in the counts."""
+    model = model_of(N_YES[:2], lapse_rate=None)
+    hyper, at = np.zeros((1, len(model.hyper))), np.array([0.05, -0.7, -3.0]) + np.zeros((1, 2, 1, 3))
+    lapse_rate = float(rate_of(np.array(-3.0))[0])
+    curve = PsychometricFunction("logistic", 0.05, np.exp(-0.7), 0.0, lapse_rate)
+    expected = N_TRIALS * curve.probability(model.study.u)
+    at_expected = GroupModel(replace(model.study, n_yes=expected))
+    curvature = -at_expected.log_likelihood(at, hyper).hessian
+    assert model.information(at, hyper) == pytest.approx(curvature, rel=1e-9, abs=1e-9)

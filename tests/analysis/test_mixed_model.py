@@ -13,6 +13,7 @@ from published_design import PUBLISHED, WITHIN, long_table
 from tactometry.analysis.anova.contrasts import effects
 from tactometry.analysis.anova.design import WithinDesign
 from tactometry.analysis.anova.split_plot import mixed_anova
+from tactometry.analysis.anova.within_subjects import repeated_measures
 from tactometry.analysis.mixed_models.linear import ModelStatus, mixed_model
 from tactometry.errors import InvalidParameter
 
@@ -60,11 +61,11 @@ def test_published_cell_means_model_and_its_closed_form(published) -> None:
 def test_one_factor_has_the_f_of_the_analysis_of_variance() -> None:
     values = drawn((9, 4), np.random.default_rng())
     row = mixed_model(any_table(values), dependent="y", factors=["force"], subject="subject").terms.iloc[0]
-    design = WithinDesign(values, ("force",), (tuple(range(4)),), tuple(range(9)))
-    (effect,) = effects(design)
-    if effect.ss_error / effect.df[1] < 4 * values.mean(axis=1).var(ddof=1):
-        assert row["F"] == pytest.approx(effect.f, rel=1e-6)
-    assert (row["df1"], row["df2"]) == effect.df
+    anova = repeated_measures(any_table(values), dependent="y", within="force", subject="subject")
+    effect, error = anova.iloc[0], anova.iloc[1]
+    if error["MS"] < 4 * values.mean(axis=1).var(ddof=1):
+        assert row["F"] == pytest.approx(effect["F"], rel=1e-6)
+    assert (row["df1"], row["df2"]) == (effect["DF"], error["DF"])
 
 
 def test_statsmodels_restricted_likelihood_is_nowhere_higher() -> None:
@@ -105,11 +106,9 @@ def test_hard_scales_have_the_same_tests(published, scale) -> None:
 def test_each_term_is_averaged_over_the_others(published) -> None:
     """Of a balanced design: its sum of squares over the error that all effects share."""
     found = mixed_model(published, dependent="y", factors=WITHIN, subject="subject").terms.set_index("term")
-    values = published["y"].to_numpy().reshape(8, 3, 4)
-    by_contrasts = effects(WithinDesign(values, tuple(WITHIN), ((0.5, 1, 2), (60, 120, 240, 480)), tuple(range(8))))
-    error = sum(each.ss_error for each in by_contrasts) / sum(each.df[1] for each in by_contrasts)
-    expected = [each.ss / each.df[0] / error for each in by_contrasts]
-    assert found.loc[[each.name for each in by_contrasts], "F"].to_numpy() == pytest.approx(expected, rel=1e-6)
+    anova = repeated_measures(published, dependent="y", within=WITHIN, subject="subject").set_index("Source")
+    error = (anova["MS"] / anova["F"] * anova["ddof2"]).sum() / anova["ddof2"].sum()
+    assert found.loc[anova.index, "F"].to_numpy() == pytest.approx((anova["MS"] / error).to_numpy(), rel=1e-6)
     assert (found["df2"] == 7 * 11).all()
 
 

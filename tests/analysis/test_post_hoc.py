@@ -8,15 +8,12 @@ import pingouin
 import pytest
 from designs import drawn, long_table as any_table
 from hard_cases import hard_case
-from published_design import PUBLISHED, WITHIN, long_table
+from published_design import PUBLISHED, long_table
 from scipy import stats
-from scipy.stats import f as f_distribution
 from soak import SOAK
 
-from tactometry.analysis.anova.corrections import adjusted_p
 from tactometry.analysis.anova.design import UndefinedStatistic
-from tactometry.analysis.anova.nonparametric import aligned_rank_transform, art_contrasts, friedman
-from tactometry.analysis.anova.post_hoc import bayes_factor, dz_interval, equivalence, evidence, pairs, rank_pairs
+from tactometry.analysis.anova.post_hoc import adjusted_p, bayes_factor, dz_interval, equivalence, evidence, pairs
 from tactometry.errors import InvalidParameter
 
 
@@ -124,18 +121,9 @@ def test_hard_scales_have_the_same_pairs(published, found, scale) -> None:
         assert other[name].to_numpy() == pytest.approx(found[name].to_numpy(), rel=1e-9)
     for name in ("difference", "difference_low", "difference_high"):
         assert other[name].to_numpy() == pytest.approx(found[name].to_numpy() * scale, rel=1e-9)
-    ranks = [rank_pairs(each, **given)["p_unc"].to_numpy() for each in (table, published)]
-    assert ranks[0] == pytest.approx(ranks[1])
     tests = [equivalence(each, bound=1.5 * unit, **given) for each, unit in ((table, scale), (published, 1.0))]
     assert tests[0]["p"].to_numpy() == pytest.approx(tests[1]["p"].to_numpy(), rel=1e-9)
     assert tests[0]["high"].to_numpy() == pytest.approx(tests[1]["high"].to_numpy() * scale, rel=1e-9)
-
-
-def test_rank_pairs_equal_scipy() -> None:
-    values = drawn((9, 3), np.random.default_rng())
-    table = rank_pairs(any_table(values), dependent="y", factor="force", subject="subject")
-    assert table["p_unc"].iloc[1] == pytest.approx(stats.wilcoxon(values[:, 2], values[:, 0]).pvalue)
-    assert table["r"].between(-1, 1).all()
 
 
 def test_refuses_a_correction_it_does_not_know(published) -> None:
@@ -251,75 +239,3 @@ def test_participants_that_differ_alike_are_judged_by_the_difference() -> None:
         for bound in (1.0, 3.0)
     ]
     assert claims == [False, True]
-
-
-# --- ranks
-
-
-@pytest.mark.parametrize(("effect", "f"), [("force", 29.8928), ("freq", 147.579), ("force * freq", 1.6551)])
-def test_published_aligned_rank_transform(published, effect, f) -> None:
-    table = aligned_rank_transform(published, dependent="y", within=WITHIN, subject="subject").set_index("Source")
-    assert table.loc[effect, "F"] == pytest.approx(f, rel=4e-6, abs=5e-5)
-    assert table.loc[effect, "f_stripped"] <= 0.35
-    assert table.loc["force * freq", "p_unc"] == pytest.approx(0.156131, rel=1e-3)
-    row = table.loc[effect]
-    corrected = f_distribution.sf(row["F"], row["eps"] * row["ddof1"], row["eps"] * row["ddof2"])
-    assert row["eps"] < 1
-    assert row["p_GG_corr"] == pytest.approx(corrected)
-
-
-def test_published_friedman_of_frequency(published) -> None:
-    row = friedman(published, dependent="y", factor="freq", subject="subject").iloc[0]
-    assert (row["Q"], row["W"]) == pytest.approx((24.0, 1.0))
-
-
-def test_friedman_counts_ties_as_ties() -> None:
-    """P1's means at 1 N and 2 N are both 25.625, which sums of decimals hide."""
-    table = long_table(np.array(PUBLISHED.split(), dtype=float).reshape(8, 12))
-    row = friedman(table, dependent="y", factor="force", subject="subject").iloc[0]
-    means = np.array([float(x) for x in PUBLISHED.split()]).reshape(8, 3, 4)
-    exact = [[sum(round(100 * x) for x in cell) for cell in row] for row in means]
-    peer = stats.friedmanchisquare(*np.array(exact).T)
-    assert exact[0][1] == exact[0][2]
-    assert (row["Q"], row["p_unc"]) == pytest.approx((peer.statistic, peer.pvalue))
-
-
-@pytest.mark.parametrize("n_levels", [2, 3, 7])
-def test_friedman_of_many_ties_equals_pingouin(n_levels) -> None:
-    values = np.random.default_rng().integers(0, 3, (11, n_levels)).astype(float)
-    values[0] = np.arange(n_levels)
-    row = friedman(any_table(values), dependent="y", factor="force", subject="subject").iloc[0]
-    peer = pingouin.friedman(pd.DataFrame(values, columns=[f"c{k}" for k in range(n_levels)])).iloc[0]
-    assert (row["W"], row["Q"], row["p_unc"]) == pytest.approx((peer["W"], peer["Q"], peer["p_unc"]), rel=1e-9)
-
-
-def test_friedman_refuses_values_that_are_all_tied() -> None:
-    with pytest.raises(UndefinedStatistic, match="all ranks are tied"):
-        friedman(any_table(np.arange(4.0)[:, None] + np.zeros(3)), dependent="y", factor="force", subject="subject")
-
-
-def test_ranks_do_not_mind_outliers_nor_unit(published) -> None:
-    wild = published.assign(y=published["y"].where(published.index != 7, 1e6))
-    found = aligned_rank_transform(wild, dependent="y", within=WITHIN, subject="subject").set_index("Source")
-    assert found.loc["freq", "p_unc"] < 1e-3
-    scaled = published.assign(y=1e-9 * published["y"] + 1)
-    one, other = (
-        aligned_rank_transform(t, dependent="y", within=WITHIN, subject="subject")["F"] for t in (published, scaled)
-    )
-    assert other.to_numpy() == pytest.approx(one.to_numpy(), rel=0.02)
-
-
-def test_contrasts_of_one_factor_are_those_of_its_aligned_ranks(published) -> None:
-    one = published.groupby(["subject", "freq"], as_index=False)["y"].mean()
-    table = art_contrasts(one, dependent="y", within=["freq"], contrast=["freq"], subject="subject")
-    wide = one.pivot(index="subject", columns="freq", values="y").to_numpy()
-    ranks = stats.rankdata(np.round(wide - wide.mean(0) + wide.mean(0) - wide.mean(), 8).ravel()).reshape(8, 4)
-    assert abs(table["t"].iloc[0]) == pytest.approx(abs(stats.ttest_rel(ranks[:, 1], ranks[:, 0]).statistic))
-
-
-def test_contrasts_of_joined_factors_name_both_levels(published) -> None:
-    table = art_contrasts(published, dependent="y", within=WITHIN, contrast=WITHIN, subject="subject")
-    assert len(table) == 12 * 11 / 2
-    assert {"0.5, 60", "2.0, 480"} <= set(table["a"]) | set(table["b"])
-    with pytest.raises(InvalidParameter, match="contrast: found 'frec', .*did you mean 'freq'"):
-        art_contrasts(published, dependent="y", within=WITHIN, contrast=["frec"], subject="subject")

@@ -12,8 +12,7 @@ from hard_cases import exact_case
 from scipy.special import ndtr
 from soak import SOAK
 
-from tactometry.analysis.anova.nonparametric import aligned_rank_transform, art_contrasts, friedman
-from tactometry.analysis.anova.post_hoc import equivalence, pairs, rank_pairs
+from tactometry.analysis.anova.post_hoc import equivalence, pairs
 from tactometry.analysis.anova.within_subjects import checks, permutation_test, repeated_measures
 from tactometry.analysis.mixed_models.linear import mixed_model
 from tactometry.analysis.threshold.fitting import METHODS, fit, fit_many
@@ -95,16 +94,12 @@ STATISTICS = {
     "ANOVA": lambda t: repeated_measures(t, within=WITHIN, **NAMES)[["F", "p_unc", "np2", "ng2"]],
     "permutation": lambda t: permutation_test(t, within=WITHIN, **NAMES)[["F", "p_permutation"]],
     "checks": lambda t: checks(t, within=WITHIN, **NAMES)[["text"]],
-    "ART": lambda t: aligned_rank_transform(t, within=WITHIN, **NAMES)[["F", "p_unc"]],
-    "ART-C": lambda t: art_contrasts(t, within=WITHIN, contrast=["hz"], **NAMES)[["t", "p_corr", "status"]],
     "mixed model": lambda t: mixed_model(t, factors=WITHIN, **NAMES).terms[["F", "p"]],
-    "Friedman": lambda t: friedman(t, factor="hz", **NAMES)[["Q", "p_unc"]],
     "pairs": lambda t: pairs(t, factor="hz", **NAMES)[["t", "p_corr", "status"]],
-    "rank pairs": lambda t: rank_pairs(t, factor="hz", **NAMES)[["w", "p_corr", "status"]],
     "TOST": lambda t: equivalence(t, factor="hz", bound=1.0, **NAMES)[["difference", "p"]],
 }
-FACTORIAL = ("ANOVA", "permutation", "checks", "ART", "ART-C")
-PAIRED = ("Friedman", "pairs", "rank pairs", "TOST")
+FACTORIAL = ("ANOVA", "permutation", "checks")
+PAIRED = ("pairs", "TOST")
 
 
 def group() -> pd.DataFrame:
@@ -115,16 +110,16 @@ def group() -> pd.DataFrame:
 
 
 WHOLE = group()
-NO_ERROR = dict.fromkeys(("ANOVA", "permutation", "checks", "ART", "mixed model"), "zero_error")
-NONE_WITHIN = dict.fromkeys(("ANOVA", "permutation", "checks", "ART", "Friedman"), "no_variance_within")
-SAME = dict.fromkeys(("ANOVA", "permutation", "checks", "ART", "mixed model"), "constant")
+NO_ERROR = dict.fromkeys(("ANOVA", "permutation", "checks", "mixed model"), "zero_error")
+NONE_WITHIN = dict.fromkeys(("ANOVA", "permutation", "checks"), "no_variance_within")
+SAME = dict.fromkeys(("ANOVA", "permutation", "checks", "mixed model"), "constant")
 TABLES = {
     "identical participants": (WHOLE.assign(y=np.tile([1, 2, 3, 4, 6, 5.0], 6)), NO_ERROR),
     "no variance within participants": (
         WHOLE.assign(y=np.repeat(np.arange(6.0), 6)),
         NONE_WITHIN | {"mixed model": "zero_error"},
     ),
-    "the same value everywhere": (WHOLE.assign(y=3.0), SAME | {"Friedman": "no_variance_within"}),
+    "the same value everywhere": (WHOLE.assign(y=3.0), SAME),
     "two participants": (WHOLE[WHOLE["who"] < "P2"], dict.fromkeys((*FACTORIAL, *PAIRED), "too_few_participants")),
     "one participant": (WHOLE[WHOLE["who"] < "P1"], dict.fromkeys(STATISTICS, "too_few_participants")),
     "a missing cell": (WHOLE.drop(index=7), dict.fromkeys(FACTORIAL, "missing_cell")),
@@ -160,12 +155,10 @@ def test_every_statistic_of_a_group_is_a_number_or_refused_with_its_status(stati
 
 
 def test_means_over_cells_of_which_one_is_missing_say_so() -> None:
-    for compared in (pairs, rank_pairs, friedman):
-        found = compared(WHOLE.drop(index=7), factor="hz", **NAMES)
-        assert found.attrs["notes"] == [
-            "several values of one participant in one cell were averaged, from 1 to 2 in a cell: values are missing in "
-            "some"
-        ]
+    found = pairs(WHOLE.drop(index=7), factor="hz", **NAMES)
+    assert found.attrs["notes"] == [
+        "several values of one participant in one cell were averaged, from 1 to 2 in a cell: values are missing in some"
+    ]
 
 
 # The command

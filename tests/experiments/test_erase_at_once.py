@@ -74,7 +74,7 @@ def test_the_record_keeps_a_line_of_each(capsys, root, first):
 
 
 def test_what_would_go_is_listed_meanwhile(root, first):
-    assert find(root, "P02").left == ()
+    assert find(root, "P02").others == ()
 
 
 def test_one_that_was_killed_bars_nobody(root, first):

@@ -76,8 +76,7 @@ def test_a_link_to_what_is_not_there_now_goes_and_is_told(tmp_path, folder, end)
     link.symlink_to(tmp_path / end)
     done = erase(root, code)
     assert not link.is_symlink()
-    assert [(left.file, left.names) for left in done.left] == [(f"{folder}/{link.name}", True)]
-    assert str(tmp_path / end) in done.left[0].why
+    assert done.others == (f"{folder}/{link.name} -> {tmp_path / end}",)
     assert not (tmp_path / end).exists()
 
 

@@ -36,12 +36,13 @@ def put(root, name, content):
     return root / name
 
 
-def told(root):
-    return [(left.file, left.why, left.names) for left in find(root, "P1").left]
+def others(root):
+    return list(find(root, "P1").others)
 
 
 def test_journals_go_last(monkeypatch, root):
-    put(root, "who.csv", "P1")
+    put(root, "report.html", "")
+    put(root, "report_tables/means.csv", "1")
     names, unlink = [], erasing.Path.unlink
 
     def noted(path, missing_ok=False):
@@ -51,31 +52,7 @@ def test_journals_go_last(monkeypatch, root):
     monkeypatch.setattr(erasing.Path, "unlink", noted)
     erase(root, "P1")
     gone = [name for name in names if not name.startswith(".")]
-    assert gone[:3] == ["who.csv", f"{stem('P1')}_data.csv", f"{stem('P1')}.jsonl"]
-
-
-@pytest.mark.parametrize("before", [*"nrt"])
-def test_a_code_behind_an_escape_of_json_is_found(root, before):
-    put(root, "said.json", rf'{{"text": "ill\{before}P1"}}')
-    assert find(root, "P1").derived == ("said.json",)
-
-
-@pytest.mark.parametrize("word", ["P10", "XP1", "nP1", "P1a"])
-def test_a_word_that_holds_the_code_is_another(root, word):
-    put(root, "said.json", f'{{"text": "{word}"}}')
-    put(root, "notes.md", word)
-    assert (find(root, "P1").derived, told(root)) == ((), [])
-
-
-def test_a_draft_of_the_record_is_not_told_as_it_goes(root):
-    put(root, f".{RECORD}.123", "P1")
-    assert told(root) == []
-
-
-def test_a_draft_of_another_that_names_the_code_is_told(root):
-    name = f"data/.{stem('P10')}_data.csv.123"
-    put(root, name, "P1,1\n")
-    assert told(root) == [(name, "names P1 in line 1; edit or remove it", True)]
+    assert gone[:4] == ["report.html", "means.csv", f"{stem('P1')}_data.csv", f"{stem('P1')}.jsonl"]
 
 
 def test_a_draft_of_the_participant_goes(root):
@@ -84,10 +61,21 @@ def test_a_draft_of_the_participant_goes(root):
     assert name in find(root, "P1").own
 
 
-@pytest.mark.parametrize("folder", ["mine", "old/data", "."])
-def test_the_table_of_another_is_theirs_in_the_folders_of_the_set_alone(root, folder):
-    path = put(root, f"{folder}/{stem('P10')}_data.csv", "P1,1\n")
-    assert find(root, "P1").derived == (path.relative_to(root).as_posix(),)
+@pytest.mark.parametrize(
+    "name", ["notes.md", "who.csv", "touch_P1.png", f"mine/{stem('P10')}_data.csv", f"data/.{stem('P10')}_data.csv.123"]
+)
+def test_other_files_stay_and_are_listed(root, name):
+    path = put(root, name, "P1")
+    assert others(root) == [name]
+    erase(root, "P1")
+    assert path.exists()
+
+
+def test_files_of_the_set_are_not_listed(root):
+    put(root, "study.toml", "# P1")
+    put(root, f".{RECORD}.123", "P1")
+    put(root, f"journals/{stem('P10')}_events.tsv", "time_s\tremark\n1.0\tas P1\n")
+    assert others(root) == []
 
 
 @pytest.mark.parametrize(
@@ -107,72 +95,10 @@ def test_a_folder_with_a_script_of_somebody_is_no_export(root, name, content):
     assert find(root, "P1").derived == ()
 
 
-def test_a_cell_of_another_that_is_the_code_is_no_row_of_the_participant(root):
-    put(root, f"data/{stem('P10')}_data.csv", "participant,level\nP10,1\nP10,P1\n")
-    assert told(root) == []
-
-
-@pytest.mark.parametrize("line", ['{"event":"stimulus","name":"P10"}', '{"request":"choose","answer":"P1"}'])
-def test_an_answer_that_is_the_code_is_no_remark(root, line):
-    put(root, f"journals/{stem('P10')}.jsonl", line)
-    assert told(root) == []
-
-
-def test_a_remark_in_the_events_of_another_is_told(root):
-    name = f"journals/{stem('P10')}_events.tsv"
-    put(root, name, "time_s\tremark\n1.0\tas P1\n")
-    assert told(root) == [(name, "names P1 in line 2", True)]
-
-
-def test_the_record_of_another_erasure_is_not_told(root):
-    erasure = '{"participant":"P2","begun_utc":"1","version":"P1","n_sessions":1,"n_files":1,"finished_utc":"2"}'
-    put(root, RECORD, f"{erasure}\n")
-    assert told(root) == []
-
-
-def test_a_figure_whose_name_holds_the_code_is_derived(root):
-    put(root, "touch_P1.png", "")
-    put(root, "touch_P10.png", "")
-    assert find(root, "P1").derived == ("touch_P1.png",)
-
-
-def test_an_end_of_a_name_in_capitals_is_known(root):
-    put(root, "WHO.CSV", "P1")
-    assert find(root, "P1").derived == ("WHO.CSV",)
-
-
 def test_tables_of_a_report_go_though_none_names_anybody(root):
     put(root, "report.html", "")
     put(root, "report_tables/means.csv", "1")
     assert find(root, "P1").derived == ("report.html", "report_tables/means.csv")
-
-
-@pytest.mark.parametrize("code", ["P1", "p1"])
-def test_a_note_whose_name_holds_the_code_is_told(root, code):
-    put(root, f"notes on {code}.md", "ill")
-    assert told(root) == [(f"notes on {code}.md", f"is named for {code}; look at it", True)]
-
-
-def test_a_note_in_small_letters_is_told_and_left(root):
-    note = put(root, "notes.md", "first\np10 and xp1\nand p1, who was ill\n")
-    assert told(root) == [("notes.md", "names p1 in line 3; edit or remove it", True)]
-    assert not erase(root, "P1").is_free
-    assert note.exists()
-
-
-def test_a_remark_in_small_letters_is_told(root):
-    name = f"journals/{stem('P10')}.jsonl"
-    put(root, name, '{"event":"remark","text":"as p1"}')
-    assert told(root) == [(name, "names p1 in line 1", True)]
-
-
-@pytest.mark.parametrize(("code", "word"), [("A", "a"), ("UM", "um")])
-def test_a_code_of_letters_that_are_a_word_is_told_as_it_is_alone(root, code, word):
-    put(root, f"journals/{stem(code)}.jsonl", "")
-    put(root, "notes.md", f"{word} word\n")
-    assert find(root, code).left == ()
-    put(root, "notes.md", f"{code} word\n")
-    assert [left.file for left in find(root, code).left] == ["notes.md"]
 
 
 @pytest.mark.parametrize("key", ["participant", "subject", "sub"])
@@ -185,7 +111,8 @@ def test_a_name_with_a_key_of_psych_ds_or_bids_is_of_the_participant(key, name):
 def test_the_folders_of_a_data_set_stay_when_they_are_empty(root):
     (root / "traces").mkdir()
     put(root, f"traces/{stem('P1')}_x.tsv", "")
-    put(root, "exports/r/who.csv", "P1 P10")
+    put(root, "exports/r/trials.R", "# Reads trials.csv")
+    put(root, "exports/r/trials.csv", "P1 P10")
     for code in ("P1", "P10"):
         erase(root, code)
     assert sorted(path.name for path in root.iterdir()) == [

@@ -1,4 +1,4 @@
-"""What the rule that puts the threshold first promises, in reduced form: benchmarks/procedures.py has it in full.
+"""Trials that the rule needs which puts the threshold first.
 
 A cumulative normal observer with 2 % lapses; slope (log-normal, factor 1.5) and lapse rate unknown; everything in units
 of the observer's standard deviation. Many observers are simulated at once by the benchmark, whose estimates are held

@@ -31,13 +31,6 @@ def test_mutation_run_removes_every_check_of_limits() -> None:
     assert len(removed) == len(re.findall(r"^ +_check\(", source, re.M)) > 5
 
 
-def test_the_ways_to_a_level_that_are_timed_are_there() -> None:
-    """They assert that effects which are called off are off."""
-    benchmark = benchmark_module("scene_in_study")
-    for surface in benchmark.SURFACES.values():
-        assert {"formula", "default scene"} < benchmark.ways(surface).keys()
-
-
 table = benchmark_module("table")
 measured = sys.modules["measured"]
 TELLS = """\

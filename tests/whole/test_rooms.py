@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import re
 import subprocess
 import sys
 from importlib import import_module
@@ -9,6 +10,7 @@ from pkgutil import iter_modules, walk_packages
 
 import numpy as np
 import pytest
+from places import DOCS
 
 import tactometry
 from tactometry.signal import Signal
@@ -67,6 +69,13 @@ def test_what_a_room_names_is_there_and_is_explained(name):
 def test_no_name_of_a_face_hides_one_of_its_modules(name):
     room = import_module(f"tactometry.{name}")
     assert not {module.name for module in iter_modules(room.__path__)} & set(room.__all__)
+
+
+def test_package_exports_what_its_page_lists():
+    page = (DOCS / "reference" / "api" / "tactometry.md").read_text(encoding="utf-8")
+    listed = {name for line in page.splitlines() if line.startswith("| `") for name in re.findall(r"`(\w+)`", line)}
+    assert listed == set(tactometry.__all__)
+    assert all(inspect.getdoc(getattr(tactometry, name)) for name in tactometry.__all__)
 
 
 def test_a_name_that_is_not_there_is_an_attribute_error():

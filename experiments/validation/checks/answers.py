@@ -1,5 +1,5 @@
-"""Tests and intervals of a group, from answers: the analysis of fitted thresholds, the hierarchical and the mixed
-model."""
+"""Tests and intervals of a group, from answers: the analysis of fitted thresholds, and the
+hierarchical model."""
 
 import math
 from collections.abc import Mapping
@@ -9,12 +9,10 @@ from typing import Any, Final
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy.stats import chi2, norm
 
 from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.analysis.hierarchical.fitting import fit_hierarchical
 from tactometry.analysis.hierarchical.result import HierarchicalFit
-from tactometry.analysis.mixed_models.glmm import MixedEstimate, fit_glmm
 from tactometry.analysis.outcomes.outcome import outcome
 from tactometry.analysis.tasks.cell import Cell
 from tactometry.analysis.tasks.cells import estimate_table, estimates
@@ -32,7 +30,6 @@ CELL_SDS_DB: Final = (0.0, 1.0)
 GUESS_RATE: Final = 0.5
 FACTOR: Final = "condition"
 FIRST, LAST = 0.0, float(N_CONDITIONS - 1)
-SLOPE: Final = "level"
 
 
 def study(cell_sd_db: float, effect_db: float, rng: np.random.Generator) -> list[Cell]:
@@ -83,38 +80,6 @@ def hierarchical(rows: Columns) -> HierarchicalFit:
     return fit_hierarchical(rows["levels"], rows["n_yes"], N_TRIALS, names, condition, **options)
 
 
-def generalised(rows: Columns) -> MixedEstimate:
-    """With the lapses that people have, an intercept of each participant, and levels from their middle."""
-    dummies = {f"condition {at:g}": (rows[FACTOR] == at).astype(float) for at in np.arange(1.0, N_CONDITIONS)}
-    fixed = {"intercept": np.ones(len(rows["levels"])), SLOPE: rows["levels"] - MEAN_DB, **dummies}
-    rates: dict[str, Any] = {"guess_rate": GUESS_RATE, "lapse_rate": LAPSE_RATE}
-    names = rows["participants"].tolist()
-    return fit_glmm(rows["n_yes"], N_TRIALS, names, fixed=fixed, random=("intercept",), **rates)
-
-
-def _wald_p(found: MixedEstimate) -> float:
-    """Wald's chi-square of all dummies."""
-    if found.effects is None or found.covariance is None:
-        return math.nan
-    names = list(found.effects)
-    places = [names.index(name) for name in names if name.startswith(FACTOR)]
-    shifts = np.array([found.effects[names[place]] for place in places])
-    covariance = found.covariance[np.ix_(places, places)]
-    return float(chi2.sf(shifts @ np.linalg.solve(covariance, shifts), len(places)))
-
-
-def _wald_difference(found: MixedEstimate) -> Estimate:
-    """Last less first in the unit of the levels: a shift of the answer over minus the slope, by the delta method."""
-    if found.effects is None or found.covariance is None:
-        return NO_ANSWER
-    names, last = list(found.effects), f"{FACTOR} {LAST:g}"
-    shift, slope = found.effects[last], found.effects[SLOPE]
-    gradient = np.zeros(len(names))
-    gradient[[names.index(last), names.index(SLOPE)]] = -1 / slope, shift / slope**2
-    reach = norm.ppf(0.975) * math.sqrt(gradient @ found.covariance @ gradient)
-    return -shift / slope, -shift / slope - reach, -shift / slope + reach
-
-
 def _fitted(cells: list[Cell]) -> pd.DataFrame:
     return estimate_table(estimates(cells), [FACTOR], "")
 
@@ -151,7 +116,6 @@ def tested(cells: list[Cell]) -> dict[str, float]:
     return {
         "ANOVA of fitted thresholds": math.nan if anova is None else float(anova["p_CM_corr"].iloc[0]),
         "hierarchical": _p_of_hierarchical(hierarchical(rows)),
-        "generalised mixed model": _wald_p(generalised(rows)),
     }
 
 
@@ -161,7 +125,6 @@ def estimated(cells: list[Cell]) -> dict[str, Estimate]:
     return {
         "fitted thresholds, pairs": _of_pairs(_fitted(cells)),
         "hierarchical": _of_contrast(hierarchical(rows)),
-        "generalised mixed model": _wald_difference(generalised(rows)),
     }
 
 
@@ -196,22 +159,16 @@ _PEOPLE: Final = f"""\
 {N_CONDITIONS} conditions: thresholds of {MEAN_DB:g} dB that differ by {PARTICIPANT_SD_DB:g} dB between people, and
 by an own deviation in each condition (`own_sd_db`); normal functions, widths of {WIDTH_DB:g} dB that differ by
 {WIDTH_LOG_SD:.0%}, {LAPSE_RATE:.0%} lapses."""
-_RANDOM_INTERCEPT: Final = (
-    "it has a random intercept alone: people who differ from condition to condition are taken for more trials of one "
-    "kind, and Wald's chi-square has no allowance for few participants"
-)
 FALSE_ALARMS: Final = Check(
     title="Tests of a group, from answers",
     words=f"""\
 {_PEOPLE} Without an effect 5 % of tests ought to have p < 5 %; with {EFFECT_DB:g} dB from the first condition to the
-last the share is the power. The generalised mixed model has an intercept of each participant and is told the
-lapses.""",
+last the share is the power.""",
     kind=TESTS,
     keys=("own_sd_db", "effect", "test"),
     settings=_settings(false_alarms),
     n_sets=5,
     reasons={
-        "generalised mixed model": _RANDOM_INTERCEPT,
         "hierarchical": "the prior of the participants' deviations by condition makes few participants differ more",
     },
     reason_key="test",
@@ -226,7 +183,6 @@ EFFECTS: Final = Check(
     settings=_settings(effects),
     n_sets=5,
     reasons={
-        "generalised mixed model": _RANDOM_INTERCEPT,
         "hierarchical": "the prior of the participants' deviations by condition makes few participants differ more",
     },
     reason_key="method",

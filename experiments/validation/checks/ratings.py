@@ -7,7 +7,6 @@ from typing import Final
 import numpy as np
 import pandas as pd
 
-from tactometry.analysis.anova.nonparametric import friedman
 from tactometry.analysis.attrakdiff.patterns import THESIS, against_reference, frequency_by_envelope
 from tactometry.analysis.attrakdiff.scoring import scores, summary
 from tactometry.observers.raters import Rater, Raters
@@ -78,9 +77,6 @@ TESTED: Final[Mapping[str, Callable[[pd.DataFrame], float]]] = {
     "envelope": _crossed("envelope"),
     "frequency * envelope": _crossed("frequency * envelope"),
     "against P0, Holm: any of six": lambda table: _against(table)["p_corr"].min(),
-    "Friedman, all patterns": lambda table: friedman(
-        table, dependent=DIMENSION, factor="pattern", subject="participant"
-    )["p_unc"].iloc[0],
 }
 
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from tactometry.analysis.anova.censored import censored_anova
 from tactometry.analysis.anova.design import UndefinedStatistic
 from tactometry.analysis.anova.group_means import group_table
-from tactometry.analysis.anova.nonparametric import aligned_rank_transform, friedman
 from tactometry.analysis.anova.post_hoc import pairs
 from tactometry.analysis.anova.within_subjects import permutation_test, repeated_measures
 from tactometry.analysis.mixed_models.linear import mixed_model
@@ -67,10 +66,6 @@ TESTED: Final[Mapping[str, Callable[[pd.DataFrame], float]]] = {
     "ANOVA of values and bounds": lambda table: _censored(table).table["p_CM_corr"].iloc[0],
     "permutation test": lambda table: permutation_test(table, within="condition", **OF)["p_permutation"].iloc[0],
     "mixed model": lambda table: mixed_model(table, factors=["condition"], **OF).terms["p"].iloc[0],
-    "Friedman": lambda table: friedman(table, factor="condition", **OF)["p_unc"].iloc[0],
-    "aligned rank transform": lambda table: aligned_rank_transform(table, within="condition", **OF)["p_GG_corr"].iloc[
-        0
-    ],
     "pairs, Holm: any of six": lambda table: pairs(table, factor="condition", **OF)["p_corr"].min(),
 }
 """p of each test of a study."""

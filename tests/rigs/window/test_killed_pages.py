@@ -11,6 +11,7 @@ import pytest
 from places import ROOT
 from seen import Seen
 from short_studies import shortened
+from soak import SOAK
 from study_texts import changed
 from tables import trial_rows
 from whole_sitting import recorded_as, sitting
@@ -237,8 +238,11 @@ def any_marked(seen):
     return any(mark is not None for mark in seen.marked)
 
 
+AT_LENGTH = ("agreed", "rests")
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", STUDIES)
+@pytest.mark.parametrize("name", [name for name in STUDIES if SOAK or name not in AT_LENGTH])
 def test_a_session_that_is_killed_goes_on_with_the_page_that_it_was_on(display, tmp_path, name):
     make, pages = STUDIES[name]
     study = make()

@@ -78,7 +78,7 @@ def test_every_trial_of_the_tutorial_is_there_once(sitting):
 def test_answers_have_latencies_and_times_go_on(sitting):
     onsets_s = [float(row["onset_s"]) for row in sitting.rows]
     assert onsets_s == sorted(onsets_s)
-    assert all(0 < float(row["latency_s"]) < 60 for row in sitting.rows)
+    assert all(float(row["latency_s"]) > 0 for row in sitting.rows)
     assert {row["response"] for row in sitting.rows} == {"0", "1"}
     assert {row["force_mean_n"] for row in sitting.rows} == {""}
 

@@ -56,20 +56,20 @@ def test_a_measurement_only_data_set_gives_the_loss_of_each_condition(data_set):
     values = 0.30 + np.array(list(NOISE.values()))
     half = student.ppf(0.975, 2) * values.std(ddof=1) / np.sqrt(3)
     assert at_focus["mean"] == pytest.approx(values.mean(), abs=1e-4)
-    assert (at_focus["mean_low"], at_focus["mean_high"]) == pytest.approx(
-        (values.mean() - half, values.mean() + half), abs=1e-4
-    )
+    kept = 1 - values.mean()
+    ends = 1 - kept * np.exp(np.array([half, -half]) / kept)
+    assert (at_focus["mean_low"], at_focus["mean_high"]) == pytest.approx(ends, abs=1e-4)
     assert (at_focus["n"], at_focus["n_readings"]) == (3, 6)
     assert at_focus["force_mean_n"] == pytest.approx(2.2)
     assert of_condition(found.tables["loss"], "finger", "P1")["mean"] == pytest.approx(0.07, abs=1e-4)
     assert not found.warnings
 
 
-def test_one_participant_has_the_interval_of_the_readings(tmp_path):
+def test_two_readings_have_no_interval_when_alone(tmp_path):
     found = analyse(written(tmp_path / "one.csv", noise={"P01": 0.0}))
-    half = student.ppf(0.975, 1) * 0.005
     row = of_condition(found.tables["loss"], "finger", "F")
-    assert (row["mean_low"], row["mean_high"]) == pytest.approx((0.3 - half, 0.3 + half), abs=1e-4)
+    assert row["mean"] == pytest.approx(0.3, abs=1e-4)
+    assert row[["mean_low", "mean_high"]].isna().all()
 
 
 def test_levels_in_metres_lose_the_same(tmp_path):

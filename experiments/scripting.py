@@ -1,0 +1,80 @@
+"""Run and simulate studies from a Python script, as the commands `run` and `simulate` do."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+from tactometry.analysis.reading.trials import Trials
+
+from .bench.bench_file import load_bench
+from .sessions.in_memory import NOWHERE, trials_of
+from .sessions.recording import Recorded, Who, record
+from .sessions.rig_kinds import rig_kind
+from .sessions.simulation import Simulation
+from .study.experiment import wire
+from .study.study_file import load
+
+
+def run(
+    study: str | Path,
+    participant: str,
+    *,
+    out: str | Path,
+    rig: str = "bench",
+    bench: str | Path | None = None,
+    session: int = 1,
+    seed: int | None = None,
+    resume: bool = False,
+    tell: Callable[[str], None] = print,
+) -> Recorded:
+    """Run a session of a study and record it.
+
+    Parameters
+    ----------
+    study : str or Path
+        A built-in name or the path of a study file.
+    participant : str
+        A code of letters and digits that ends with a number, such as P01.
+    out : str or Path
+        The folder of the data set.
+    rig : str
+        ``bench`` (a window and the devices of the bench file), ``console`` or ``simulated``.
+    bench : str or Path, optional
+        A bench file.
+    seed : int, optional
+        A drawn one by default.
+    resume : bool
+        Continue an interrupted session.
+    tell : callable
+        Receives each message for the experimenter.
+
+    Returns
+    -------
+    Recorded
+
+    Raises
+    ------
+    InvalidFile, InvalidParameter
+        If a file or an argument is wrong, or the session is recorded already.
+    """
+    numbers, content = load(str(study))
+    experiment = wire(numbers, str(study), simulated=rig == "simulated", begun=resume)
+    who = Who(participant, session, seed=seed)
+    kind = rig_kind(rig, experiment, who, load_bench(None if bench is None else Path(bench)))
+    return record(experiment, content, Path(out), who, kind, resume=resume, tell=tell)
+
+
+def simulate(study: str | Path, n_participants: int, *, seed: int, n_jobs: int = 1) -> Trials:
+    """Return the trials of simulated participants, without writing a file.
+
+    The same seed gives the same trials, however many processes (`n_jobs`) compute them.
+
+    Raises
+    ------
+    InvalidFile, InvalidParameter
+        If the study file or an argument is wrong.
+
+    >>> simulate("tutorial", 2, seed=1).rows["participant"].unique().tolist()
+    ['P01', 'P02']
+    """
+    _, content = load(str(study))
+    return trials_of(Simulation(content, str(study), NOWHERE, n_participants, seed), n_jobs=n_jobs)
