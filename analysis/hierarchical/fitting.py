@@ -30,7 +30,7 @@ from .starts import Alone, Known, single_fits
 from .study import StudyCounts
 from .tables import CONDITION_COLUMNS, ParameterPlace, cell_place, condition_table, group_place, participant_table
 
-FEWEST_EFFECTIVE, ENOUGH_EFFECTIVE = 5.0, 25.0
+ENOUGH_EFFECTIVE = 25.0
 COARSE = "the integral over the variances rests on {:.0f} effective points: its intervals are approximate"
 OPEN_MEAN = "the mean threshold of a condition is known to no better than the range of its levels"
 
@@ -80,7 +80,7 @@ def fit_hierarchical(
         What `threshold.fit` said of single cells with the same shape, rates and priors; others are fitted here. Not for
         the shape ``weibull``.
     n_points : int
-        Points of the integral over the hyperparameters; half as many are used to place them.
+        Points of a round of the integral over the hyperparameters; the first round has half as many.
 
     Returns
     -------
@@ -94,11 +94,12 @@ def fit_hierarchical(
     Notes
     -----
     The posterior of variances, correlation, mean width and rates is integrated over by importance sampling at
-    quasi-random points, where Laplace's approximation integrates over all thresholds: every value is a mixture of
-    normals. The points are fixed, so that the same answers give the same result. Priors, in ranges of the levels (of
-    logarithms for widths): mean thresholds normal about the middle of their levels, mean log widths normal about
-    half of the range, standard deviations half-normal, the correlation LKJ(2). The lapse rates of participants are
-    normal on the logit scale, and their centre has the prior Beta(1, `rate_beta`).
+    quasi-random points, where Laplace's approximation integrates over all thresholds. Values of the group are mixtures
+    of normals, those of participants weighted draws. Points and draws are fixed: the same answers give the same result.
+
+    Priors, in ranges of the levels (of logarithms for widths): mean thresholds normal about the middle of their levels,
+    mean log widths normal about half of the range, standard deviations half-normal, the correlation LKJ(2). The lapse
+    rates of participants are normal on the logit scale, and their centre has the prior Beta(1, `rate_beta`).
 
     Examples
     --------
@@ -155,11 +156,9 @@ def _fit(alone: Alone, interval: float, n_points: int) -> HierarchicalFit:
     hyper, means = model.start(*alone.start())
     try:
         found = integrate(Laplace(model, hyper, means), hyper, n_points)
+        of_group, (of_cells, rates) = group_place(model, found, interval), cell_place(model, found, interval)
     except np.linalg.LinAlgError:
         return _without_model(alone, GroupStatus.NOT_CONVERGED, interval)
-    if not found.n_effective >= FEWEST_EFFECTIVE:
-        return _without_model(alone, GroupStatus.NOT_CONVERGED, interval)
-    of_group, (of_cells, rates) = group_place(model, found, interval), cell_place(model, found, interval)
     group = ParameterPlace.unknown(study.n_conditions).replaced(chosen, of_group)
     each = ParameterPlace.unknown(study.n_conditions, n).replaced(chosen, of_cells)
     status = GroupStatus.ONE_PARTICIPANT if n == 1 else GroupStatus.OK

@@ -19,7 +19,9 @@ N_POINTS = 256
 """Points of a round; the first, at the mode, has half of them."""
 ENOUGH, MAX_ROUNDS = 0.15, 5
 """Rounds are added until so many effective points, in parts of a round, or so many rounds are reached."""
+FEWEST_EFFECTIVE = 5.0
 DF = 5.0
+"""Degrees of freedom of Student's t."""
 STEP = 0.05
 GRADIENT_STEP = 1e-3
 UNITS_AT_ONCE = 100_000
@@ -160,7 +162,13 @@ def _log_student(x: Array, mode: Array, covariance: Array) -> Array:
 
 
 def integrate(laplace: Laplace, hyper: Array, n_points: int = N_POINTS) -> Integrated:
-    """Return the points and weights of an integral over the hyperparameters."""
+    """Return the points and weights of an integral over the hyperparameters.
+
+    Raises
+    ------
+    LinAlgError
+        With fewer than `FEWEST_EFFECTIVE` effective points.
+    """
     proposals, sizes = [find_mode(laplace, hyper)], [max(1, n_points // 2)]
     at = laplace(_student(sizes[0], *proposals[0]))
     weights = _weights(at, proposals, sizes)
@@ -170,6 +178,8 @@ def integrate(laplace: Laplace, hyper: Array, n_points: int = N_POINTS) -> Integ
         sizes.append(n_points)
         at = at.joined(laplace(_student(n_points, *proposals[-1])))
         weights = _weights(at, proposals, sizes)
+    if _n_effective(weights) < FEWEST_EFFECTIVE:
+        raise np.linalg.LinAlgError("too few effective points")
     return Integrated(at, weights)
 
 
@@ -180,6 +190,8 @@ def _n_effective(weights: Array) -> float:
 def _weights(at: Conditional, proposals: list[tuple[Array, Array]], sizes: list[int]) -> Array:
     shares = [np.log(n) + _log_student(at.hyper, *one) for n, one in zip(sizes, proposals, strict=True)]
     log_weights = at.log_density - np.logaddexp.reduce(shares, axis=0)
+    if not np.isfinite(log_weights.max()):
+        raise np.linalg.LinAlgError("no point has a density")
     weights = np.exp(log_weights - log_weights.max())
     return np.asarray(weights / weights.sum())
 

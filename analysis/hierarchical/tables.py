@@ -26,6 +26,8 @@ CONDITION_COLUMNS = (
 CENSORED = (Status.BELOW, Status.ABOVE)
 FEWEST_DRAWS = 100.0
 """Effective draws of a participant; with fewer the mixture of normals is used."""
+MOST_EFFECTS = 40
+"""With more effects of a participant, draws of all at once take too much memory."""
 WITHOUT_NUMBER = (*CENSORED, Status.FLAT, Status.NO_DATA)
 
 
@@ -77,7 +79,7 @@ def cell_place(model: GroupModel, found: Integrated, interval: float) -> tuple[P
     """Of the cells, shrunken, with the lapse rates of the participants."""
     normal = ParameterPlace.of(found, found.at.cells, found.at.variances, interval)
     rates = found.mean(model.lapses(found.at.hyper, found.at.effects))
-    if model.study.n_participants == 1:
+    if not 0 < model.random.shape[2] <= MOST_EFFECTS:
         return normal.turned(), rates
     draws = draw_cells(model, found)
     is_known = draws.n_effective >= FEWEST_DRAWS

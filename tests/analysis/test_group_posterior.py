@@ -11,6 +11,7 @@ from tactometry.analysis.hierarchical.draws import draw_cells, weighted_quantile
 from tactometry.analysis.hierarchical.model import GroupModel, rate_of
 from tactometry.analysis.hierarchical.posterior import Laplace, integrate, quantiles, sequence
 from tactometry.analysis.hierarchical.study import StudyCounts
+from tactometry.experiments.census.groups import COLUMNS, outcome
 from tactometry.psychometric import SHAPES, PsychometricFunction
 
 LEVELS, N_TRIALS = np.array([-6.0, -3.0, 0.0, 3.0, 6.0]), 8
@@ -89,3 +90,11 @@ def test_information_is_the_curvature_at_expected_counts() -> None:
     at_expected = GroupModel(replace(model.study, n_yes=expected))
     curvature = -at_expected.log_likelihood(at, hyper).hessian
     assert model.information(at, hyper) == pytest.approx(curvature, rel=1e-9, abs=1e-9)
+
+
+def test_census_of_groups_is_repeatable_and_counts_shares() -> None:
+    one, other = (outcome("1 up 3 down", "2 of 10 at 15 %", 3, 1) for _ in range(2))
+    assert one == other
+    rows = dict(zip(COLUMNS, one, strict=True))
+    assert 0.5 < rows["participants"] <= 1
+    assert abs(rows["mean_db"]) < 10
